@@ -1,0 +1,120 @@
+"""Test benches: what a configuration is put through, what is measured and what is required of it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from enum import StrEnum
+
+from dse.domain.component import Component, Value
+from dse.domain.design import Connection, DesignSpace
+from dse.domain.expression import Expression
+from dse.errors import Location
+from dse.units import DIMENSIONLESS, Unit
+
+
+@dataclass(frozen=True, slots=True)
+class TestComponent:
+    """A part of the bench that is not part of the design, with its parameter values (SI)."""
+
+    name: str
+    component: Component
+    parameters: Mapping[str, Value]
+    where: Location | None = None
+
+    __test__ = False
+
+
+@dataclass(frozen=True, slots=True)
+class Simulation:
+    """How long, how fine, and what is kept. All times in seconds; *record* names ports as ``part.port``."""
+
+    stop: float
+    step: float
+    record: tuple[str, ...]
+    record_every: float
+    timeout: float = 60.0
+    where: Location | None = None
+
+    @property
+    def steps(self) -> int:
+        """Number of communication steps; a run has one row more."""
+        return round(self.stop / self.step)
+
+    @property
+    def stride(self) -> int:
+        """Communication steps between two kept rows of a waveform."""
+        return round(self.record_every / self.step)
+
+
+@dataclass(frozen=True, slots=True)
+class Metric:
+    """A number computed from a run's waveforms."""
+
+    name: str
+    expression: Expression
+    unit: Unit = DIMENSIONLESS
+    title: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class Requirement:
+    """*metric* at most *at_most* and at least *at_least* (SI), provided the run came to exercise it at all."""
+
+    name: str
+    metric: str
+    at_most: float | None = None
+    at_least: float | None = None
+    unit: Unit = DIMENSIONLESS
+    exercised_when: Expression | None = None
+    title: str = ""
+    where: Location | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Figure:
+    """A waveform shown against its target, in *unit*: the paper's Figure 7. *target* is a port or parameter."""
+
+    name: str
+    current: str
+    target: str | None
+    unit: Unit
+    title: str = ""
+    where: Location | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class TestBench:
+    """Design space + test components + connections + settings + metrics + requirements."""
+
+    name: str
+    design: DesignSpace
+    test_components: tuple[TestComponent, ...]
+    connections: tuple[Connection, ...]
+    parameters: Mapping[str, Value]
+    simulation: Simulation
+    metrics: tuple[Metric, ...]
+    requirements: tuple[Requirement, ...]
+    figures: tuple[Figure, ...] = ()
+    title: str = ""
+    where: Location | None = None
+
+    __test__ = False
+
+
+class Verdict(StrEnum):
+    """Outcome of one requirement in one run."""
+
+    PASS = "pass"
+    FAIL = "fail"
+    NOT_EXERCISED = "not exercised"
+    FAILED_TO_RUN = "failed to run"
+
+
+@dataclass(frozen=True, slots=True)
+class Judgement:
+    """A verdict and by how much: *margin* in SI, positive inside the bound, NaN where the metric is undefined."""
+
+    requirement: str
+    verdict: Verdict
+    margin: float

@@ -1,0 +1,142 @@
+"""Interfaces, ports, parameters and components."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from enum import StrEnum
+from pathlib import Path
+
+from dse.errors import Location
+from dse.units import DIMENSIONLESS, Quantity, Unit
+
+Value = float | int | bool | str
+"""A value of a port or parameter: SI number, truth value, or the name of an enumeration item."""
+
+
+class Causality(StrEnum):
+    """Direction of a port, seen from the component."""
+
+    INPUT = "input"
+    OUTPUT = "output"
+
+
+class Kind(StrEnum):
+    """What values a port or parameter takes."""
+
+    REAL = "real"
+    INTEGER = "int"
+    BOOLEAN = "bool"
+    ENUMERATION = "enum"
+
+
+@dataclass(frozen=True, slots=True)
+class Type:
+    """Type of a port or parameter; *items* name an enumeration's values 0, 1, …"""
+
+    kind: Kind
+    unit: Unit = DIMENSIONLESS
+    items: tuple[str, ...] = ()
+
+    def __str__(self) -> str:
+        if self.kind is Kind.ENUMERATION:
+            return f"enum[{', '.join(self.items)}]"
+        if self.kind is Kind.REAL:
+            return str(self.unit) or "1"
+        return str(self.kind)
+
+
+@dataclass(frozen=True, slots=True)
+class Port:
+    """One signal. A dotted name belongs to a group of ports: ``target.gap``."""
+
+    name: str
+    causality: Causality
+    type: Type
+
+
+@dataclass(frozen=True, slots=True)
+class Interface:
+    """A named set of ports that alternatives share."""
+
+    name: str
+    ports: tuple[Port, ...]
+    where: Location | None = None
+
+    def port(self, name: str) -> Port | None:
+        """The port called *name*, or None."""
+        return next((port for port in self.ports if port.name == name), None)
+
+    def group(self, prefix: str) -> tuple[Port, ...]:
+        """The port called *prefix* or, if it names a group, the group's ports, in order."""
+        return tuple(p for p in self.ports if p.name == prefix or p.name.startswith(prefix + "."))
+
+
+@dataclass(frozen=True, slots=True)
+class Parameter:
+    """A value a simulation can be given. *start*, *minimum* and *maximum* are SI numbers (or bool, or item)."""
+
+    name: str
+    type: Type
+    start: Value
+    minimum: float | None = None
+    maximum: float | None = None
+    tunable: bool = True
+    title: str = ""
+    where: Location | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class CSource:
+    """A component written in C99: a struct, ``init`` and ``step``; it knows nothing of FMI.
+
+    Ports live in the struct as ``in.<port>`` and ``out.<port>``, parameters as ``par.<parameter>`` (dots
+    are nested structs). With *step* the code is sampled: ``void step(T *)`` runs every *step* seconds.
+    Without it the code is a plant: ``void step(T *, double h)`` runs once per communication step.
+    """
+
+    files: tuple[Path, ...]
+    header: Path
+    struct: str
+    init: str
+    step_function: str
+    step: float | None
+
+
+@dataclass(frozen=True, slots=True)
+class FmuSource:
+    """A finished FMU, untouched."""
+
+    file: Path
+
+
+@dataclass(frozen=True, slots=True)
+class UnsupportedSource:
+    """A kind of source this version can list and enumerate but not build."""
+
+    kind: str
+
+
+Source = CSource | FmuSource | UnsupportedSource
+
+
+@dataclass(frozen=True, slots=True)
+class Component:
+    """One part that can be chosen. *names* maps a port or parameter to the variable of its FMU where they differ."""
+
+    name: str
+    interface: Interface
+    title: str = ""
+    source: Source | None = None
+    parameters: tuple[Parameter, ...] = ()
+    properties: Mapping[str, Quantity] = field(default_factory=dict)
+    names: Mapping[str, str] = field(default_factory=dict)
+    where: Location | None = None
+
+    def parameter(self, name: str) -> Parameter | None:
+        """The parameter called *name*, or None."""
+        return next((p for p in self.parameters if p.name == name), None)
+
+    def variable(self, name: str) -> str:
+        """Name of the FMU variable behind the port or parameter *name*."""
+        return self.names.get(name, name)

@@ -1,0 +1,134 @@
+"""Design spaces and configurations."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
+
+from dse.domain.component import Component, Interface
+from dse.domain.expression import Expression
+from dse.errors import Location
+
+
+@dataclass(frozen=True, slots=True)
+class Connection:
+    """``source -> target``, each a dotted path to a port or a group of ports; not yet resolved."""
+
+    source: str
+    target: str
+    where: Location | None = None
+
+    def __str__(self) -> str:
+        return f"{self.source} -> {self.target}"
+
+
+@dataclass(frozen=True, slots=True)
+class Part:
+    """A place filled by one component."""
+
+    component: Component
+    where: Location | None = None
+
+    @property
+    def name(self) -> str:
+        """What the choice of this node is called."""
+        return self.component.name
+
+    @property
+    def interface(self) -> Interface | None:
+        """The interface this node offers to its surroundings."""
+        return self.component.interface
+
+
+@dataclass(frozen=True, slots=True)
+class Compound:
+    """An architecture: named parts and their wiring. A connection end without a part's name is a port of *interface*."""
+
+    name: str
+    parts: Mapping[str, Node]
+    connections: tuple[Connection, ...] = ()
+    interface: Interface | None = None
+    where: Location | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Alternative:
+    """Exactly one of *options* is chosen; they share an interface."""
+
+    options: tuple[Part | Compound, ...]
+    where: Location | None = None
+
+    @property
+    def interface(self) -> Interface | None:
+        """The interface all options share."""
+        return self.options[0].interface
+
+
+@dataclass(frozen=True, slots=True)
+class Optional:
+    """*content* is there or absent."""
+
+    content: Node
+    where: Location | None = None
+
+    @property
+    def interface(self) -> Interface | None:
+        """The interface of the content, when it is there."""
+        return self.content.interface
+
+
+Node = Part | Compound | Alternative | Optional
+
+
+@dataclass(frozen=True, slots=True)
+class Constraint:
+    """A static constraint: *rule* must hold in every configuration."""
+
+    name: str
+    rule: Expression
+    because: str = ""
+    where: Location | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class DesignSpace:
+    """All designs: a tree of containers and the rules that prune it."""
+
+    name: str
+    root: Compound
+    constraints: tuple[Constraint, ...] = ()
+    title: str = ""
+    where: Location | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Configuration:
+    """One resolved design.
+
+    *choices* maps the path of every decision that exists to what was chosen (``powertrain.engine`` →
+    ``otto_1l0``; an optional part that is left out is absent here and in *parts*). *parts* maps the path
+    of every component that is there to the component. *id* depends on *choices* alone.
+    """
+
+    id: str
+    choices: Mapping[str, str]
+    parts: Mapping[str, Component] = field(default_factory=dict)
+    connections: tuple[Connection, ...] = ()
+
+    def total(self, name: str) -> float:
+        """Sum of the property *name* over all parts that have it, in SI."""
+        return float(sum(c.properties[name].si for c in self.parts.values() if name in c.properties))
+
+
+def walk(node: Node, path: str = "") -> Iterator[tuple[str, Node]]:
+    """Every node below and including *node* with its path, parents first; options share their container's path."""
+    yield path, node
+    match node:
+        case Compound():
+            for name, child in node.parts.items():
+                yield from walk(child, f"{path}.{name}" if path else name)
+        case Alternative():
+            for option in node.options:
+                yield from walk(option, path)
+        case Optional():
+            yield from walk(node.content, path)

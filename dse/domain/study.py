@@ -1,0 +1,77 @@
+"""Studies: the paper's PET, design variables explored on a test bench."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from enum import StrEnum
+
+from dse.domain.bench import TestBench
+from dse.domain.expression import Expression
+from dse.errors import Location
+from dse.units import Unit
+
+
+@dataclass(frozen=True, slots=True)
+class DesignVariable:
+    """A parameter that is varied between *low* and *high* (SI).
+
+    *levels* is the number of equidistant values a factorial takes; *nominal* is the value the variable has
+    where a slice varies others.
+    """
+
+    name: str
+    low: float
+    high: float
+    levels: int
+    nominal: float
+    unit: Unit
+    title: str = ""
+    where: Location | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class FullFactorial:
+    """Every combination of levels; with *slices* only within each slice's variables, the rest at nominal."""
+
+    slices: tuple[tuple[str, ...], ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class LatinHypercube:
+    """*samples* points, stratified in every variable."""
+
+    samples: int
+
+
+Sampler = FullFactorial | LatinHypercube
+
+
+class Keep(StrEnum):
+    """Which runs' waveforms are stored."""
+
+    ALL = "all"
+    NEAR_BOUNDARY = "near_boundary"
+    NONE = "none"
+
+
+@dataclass(frozen=True, slots=True)
+class Selection:
+    """Which configurations a study explores: all valid ones, those named, those where a condition holds, the first n."""
+
+    ids: tuple[str, ...] = ()
+    where: Expression | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Study:
+    """Design variables × sampler on one bench."""
+
+    name: str
+    bench: TestBench
+    variables: tuple[DesignVariable, ...]
+    sampler: Sampler
+    selection: Selection = Selection()
+    keep: Keep = Keep.NEAR_BOUNDARY
+    seed: int = 0
+    title: str = ""
+    where: Location | None = None

@@ -1,0 +1,60 @@
+"""What can be wrong with a user's input, and where."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True, slots=True, order=True)
+class Location:
+    """A place in a file the user wrote; *line* and *column* count from 1, 0 means unknown."""
+
+    file: str
+    line: int = 0
+    column: int = 0
+
+    def __str__(self) -> str:
+        if not self.line:
+            return self.file
+        return f"{self.file}:{self.line}:{self.column}"
+
+
+@dataclass(frozen=True, slots=True)
+class Problem:
+    """One thing that is wrong: where it stands, what it is and how to mend it."""
+
+    what: str
+    where: Location | None = None
+    hint: str = ""
+
+    def __str__(self) -> str:
+        head = f"{self.where}: {self.what}" if self.where else self.what
+        return f"{head}\n    hint: {self.hint}" if self.hint else head
+
+
+class DseError(Exception):
+    """The user's input cannot be used; carries every problem found, in file order."""
+
+    def __init__(self, *problems: Problem) -> None:
+        super().__init__(*problems)
+        self.problems = tuple(sorted(problems, key=lambda p: _order(p.where)))
+
+    def __str__(self) -> str:
+        return "\n".join(str(problem) for problem in self.problems)
+
+
+def fail(what: str, where: Location | None = None, hint: str = "") -> DseError:
+    """A DseError with a single problem, ready to be raised."""
+    return DseError(Problem(what, where, hint))
+
+
+def raise_if_any(problems: Iterable[Problem]) -> None:
+    """Raise one DseError that carries all of *problems*; return if there are none."""
+    found = tuple(problems)
+    if found:
+        raise DseError(*found)
+
+
+def _order(where: Location | None) -> tuple[str, int, int]:
+    return (where.file, where.line, where.column) if where else ("", 0, 0)

@@ -1,0 +1,174 @@
+"""Units and quantities: exact factors to SI, and dimensions that can be multiplied and compared.
+
+pint knows the units; nothing above this module sees it, and it is imported on first use only.
+"""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+from fractions import Fraction
+from functools import lru_cache
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    import pint
+
+Dimension = tuple[tuple[str, Fraction], ...]
+"""Exponents of the base dimensions, sorted by name, without zeros: ``(("length", 1), ("time", -1))``."""
+
+_OWN_UNITS = """
+EUR = [currency]
+operation = [operation] = op
+TOPS = 1e12 * operation / second
+GOPS = 1e9 * operation / second
+"""
+
+
+class UnitError(ValueError):
+    """A unit or quantity that cannot be read; the message says what was expected."""
+
+
+@dataclass(frozen=True, slots=True)
+class Unit:
+    """A unit of measurement: ``si = value * factor + offset``, exactly."""
+
+    symbol: str
+    factor: Fraction
+    offset: Fraction
+    dimension: Dimension
+
+    def to_si(self, value: float) -> float:
+        """*value* in this unit as a value in the coherent SI unit."""
+        return float(Fraction(value) * self.factor + self.offset)
+
+    def from_si(self, value: float) -> float:
+        """*value* in the coherent SI unit as a value in this unit."""
+        return float((Fraction(value) - self.offset) / self.factor)
+
+    @property
+    def is_coherent(self) -> bool:
+        """Whether numbers in this unit are SI numbers already."""
+        return self.factor == 1 and self.offset == 0
+
+    def __str__(self) -> str:
+        return self.symbol
+
+
+DIMENSIONLESS = Unit("", Fraction(1), Fraction(0), ())
+
+
+@dataclass(frozen=True, slots=True)
+class Quantity:
+    """A number with a unit; *si* is exact, *text* is what the user wrote."""
+
+    si: Fraction
+    unit: Unit
+    text: str
+
+    def __float__(self) -> float:
+        return float(self.si)
+
+    @property
+    def magnitude(self) -> Fraction:
+        """The number in the quantity's own unit, exact."""
+        return (self.si - self.unit.offset) / self.unit.factor
+
+    def __str__(self) -> str:
+        return self.text
+
+
+def multiply(a: Dimension, b: Dimension) -> Dimension:
+    """The dimension of a product."""
+    return _combine(a, b, 1)
+
+
+def divide(a: Dimension, b: Dimension) -> Dimension:
+    """The dimension of a quotient."""
+    return _combine(a, b, -1)
+
+
+def power(a: Dimension, exponent: Fraction | int) -> Dimension:
+    """The dimension of a power."""
+    return tuple((name, n * Fraction(exponent)) for name, n in a if n * Fraction(exponent))
+
+
+def describe(dimension: Dimension) -> str:
+    """A dimension in words for a message, as ``length/time`` or ``a plain number``."""
+    if not dimension:
+        return "a plain number"
+    over = [_factor_text(name, n) for name, n in dimension if n > 0]
+    under = [_factor_text(name, -n) for name, n in dimension if n < 0]
+    return "*".join(over or ["1"]) + "".join(f"/{text}" for text in under)
+
+
+@lru_cache(maxsize=4096)
+def parse_unit(text: str) -> Unit:
+    """Read a unit as FMI, Modelica or people write it: ``m/s2``, ``N.m``, ``km/h``, ``%``, ``EUR``.
+
+    The empty string and ``1`` are the plain number. Raises UnitError.
+    """
+    text = text.strip()
+    if text in ("", "1"):
+        return DIMENSIONLESS
+    import pint
+
+    registry = _registry()
+    try:
+        parsed = registry.parse_units(_pint_spelling(text))
+        zero = registry.Quantity(Fraction(0), parsed).to_base_units()
+        one = registry.Quantity(Fraction(1), parsed).to_base_units()
+    except (pint.errors.PintError, ValueError, TypeError, AttributeError, SyntaxError) as error:
+        raise UnitError(f"unknown unit '{text}'") from error
+    except Exception as error:  # pint's tokenizer leaks library errors for malformed text
+        raise UnitError(f"unknown unit '{text}'") from error
+    offset = Fraction(zero.magnitude)
+    dimension = tuple(
+        sorted((str(name).strip("[]"), Fraction(exponent)) for name, exponent in one.dimensionality.items())
+    )
+    return Unit(text, Fraction(one.magnitude) - offset, offset, dimension)
+
+
+@lru_cache(maxsize=4096)
+def parse_quantity(text: str) -> Quantity:
+    """Read ``number unit``, as ``70 km/h``, ``45 EUR``, ``2 %`` or ``0.3``. Raises UnitError."""
+    match = _QUANTITY.fullmatch(text.strip())
+    if not match:
+        raise UnitError(f"'{text}' is not a quantity: write a number and a unit, as '70 km/h'")
+    unit = parse_unit(match["unit"])
+    number = Fraction(match["number"])
+    return Quantity(number * unit.factor + unit.offset, unit, text.strip())
+
+
+_QUANTITY = re.compile(
+    r"(?P<number>[+-]?(?:\d+(?:\.\d*)?|\.\d+)(?:[eE][+-]?\d{1,3})?)\s*(?P<unit>(?:[^\s\d+.-].*)?|1(?:/.*)?)", re.DOTALL
+)
+_DOT_PRODUCT = re.compile(r"(?<=[A-Za-z0-9_)])\.(?=[A-Za-z(])")
+_BARE_EXPONENT = re.compile(r"(?<=[A-Za-z])(-?\d+)(?![A-Za-z_])")
+
+
+def _pint_spelling(text: str) -> str:
+    text = text.replace("%", "percent").replace("°", "degree")
+    text = _DOT_PRODUCT.sub("*", text)
+    return _BARE_EXPONENT.sub(r"**\1", text)
+
+
+@lru_cache(maxsize=1)
+def _registry() -> pint.UnitRegistry[Any]:
+    import pint
+
+    registry: pint.UnitRegistry[Any] = pint.UnitRegistry(non_int_type=Fraction, cache_folder=None)
+    for line in _OWN_UNITS.strip().splitlines():
+        registry.define(line)
+    return registry
+
+
+def _combine(a: Dimension, b: Dimension, sign: int) -> Dimension:
+    powers = dict(a)
+    for name, n in b:
+        powers[name] = powers.get(name, Fraction(0)) + sign * n
+    return tuple(sorted((name, n) for name, n in powers.items() if n))
+
+
+def _factor_text(name: str, exponent: Fraction) -> str:
+    return name if exponent == 1 else f"{name}^{exponent}"

