@@ -113,7 +113,7 @@ def parse_unit(text: str) -> Unit:
         return DIMENSIONLESS
     import pint
 
-    registry = _registry()
+    registry: Any = _registry()
     try:
         parsed = registry.parse_units(_pint_spelling(text))
         zero = registry.Quantity(Fraction(0), parsed).to_base_units()
@@ -122,11 +122,11 @@ def parse_unit(text: str) -> Unit:
         raise UnitError(f"unknown unit '{text}'") from error
     except Exception as error:  # pint's tokenizer leaks library errors for malformed text
         raise UnitError(f"unknown unit '{text}'") from error
-    offset = Fraction(zero.magnitude)
+    offset = Fraction(str(zero.magnitude))
     dimension = tuple(
         sorted((str(name).strip("[]"), Fraction(exponent)) for name, exponent in one.dimensionality.items())
     )
-    return Unit(text, Fraction(one.magnitude) - offset, offset, dimension)
+    return Unit(text, Fraction(str(one.magnitude)) - offset, offset, dimension)
 
 
 @lru_cache(maxsize=4096)

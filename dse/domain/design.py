@@ -42,7 +42,10 @@ class Part:
 
 @dataclass(frozen=True, slots=True)
 class Compound:
-    """An architecture: named parts and their wiring. A connection end without a part's name is a port of *interface*."""
+    """An architecture: named parts and their wiring.
+
+    An end of a connection that does not start with a part's name is a port of *interface*.
+    """
 
     name: str
     parts: Mapping[str, Node]

@@ -56,7 +56,7 @@ class Keep(StrEnum):
 
 @dataclass(frozen=True, slots=True)
 class Selection:
-    """Which configurations a study explores: all valid ones, those named, those where a condition holds, the first n."""
+    """Which configurations a study explores: all valid ones, those named, or those where a condition holds."""
 
     ids: tuple[str, ...] = ()
     where: Expression | None = None

@@ -1,0 +1,30 @@
+"""``dse check``."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from dse.cli.app import app, console
+from dse.errors import DseError
+
+
+@app.command()
+def check(
+    workspace: Annotated[Path, typer.Argument(help="A folder or file in the workspace.")] = Path(),
+) -> None:
+    """Read a whole workspace and show everything that is wrong with it.
+
+    Checks every component, design space, test bench and study: keys, units, types, wiring, metrics,
+    and that each design space has a valid configuration.
+    """
+    from dse.loading.workspace import Workspace
+    from dse.testbench.check import check_workspace
+
+    problems, counts = check_workspace(Workspace.around(workspace))
+    if problems:
+        raise DseError(*problems)
+    plural = {"study": "studies", "test bench": "test benches"}
+    console().print("ok: " + ", ".join(f"{n} {what if n == 1 else plural.get(what, what + 's')}" for what, n in counts.items()))

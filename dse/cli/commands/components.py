@@ -1,0 +1,67 @@
+"""``dse components``."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from dse.cli.app import app, console, print_json
+from dse.cli.arguments import Format, Output
+
+if TYPE_CHECKING:
+    from dse.domain.component import Component
+
+
+@app.command()
+def components(
+    workspace: Annotated[Path, typer.Argument(help="A folder or file in the workspace.")] = Path(),
+    output: Format = Output.TABLE,
+) -> None:
+    """List the component library: interface, source, properties and parameters."""
+    from dse.loading.workspace import Workspace
+
+    space = Workspace.around(workspace)
+    found = sorted((space.component(name) for name in space.component_files), key=lambda c: (c.interface.name, c.name))
+    if output is Output.JSON:
+        print_json([_data(component) for component in found])
+        return
+    from rich.table import Table
+
+    table = Table(box=None, pad_edge=False, header_style="bold")
+    for heading in ("component", "interface", "source", "properties", "title"):
+        table.add_column(heading, overflow="fold", no_wrap=heading in ("component", "interface", "source"))
+    for component in found:
+        properties = ", ".join(f"{name} {quantity}" for name, quantity in component.properties.items())
+        table.add_row(component.name, component.interface.name, _kind(component), properties, component.title)
+    console().print(table)
+
+
+def _kind(component: Component) -> str:
+    from dse.domain.component import CSource, FmuSource, UnsupportedSource
+
+    match component.source:
+        case CSource():
+            return "C"
+        case FmuSource():
+            return "FMU"
+        case UnsupportedSource():
+            return component.source.kind
+        case None:
+            return "none"
+
+
+def _data(component: Component) -> dict[str, object]:
+    return {
+        "component": component.name,
+        "title": component.title,
+        "implements": component.interface.name,
+        "source": _kind(component),
+        "properties": {name: str(quantity) for name, quantity in component.properties.items()},
+        "parameters": {
+            p.name: {"start": p.start, "unit": str(p.type), "min": p.minimum, "max": p.maximum, "title": p.title}
+            for p in component.parameters
+        },
+        "ports": {p.name: {"causality": str(p.causality), "type": str(p.type)} for p in component.interface.ports},
+    }

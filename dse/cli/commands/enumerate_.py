@@ -1,0 +1,109 @@
+"""``dse enumerate``."""
+
+from __future__ import annotations
+
+import csv
+import sys
+from collections.abc import Iterator
+from enum import StrEnum
+from itertools import islice
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from dse.cli.app import app, console, print_json
+from dse.cli.arguments import Design
+
+if TYPE_CHECKING:
+    from dse.domain.design import Configuration, DesignSpace
+
+
+class Listing(StrEnum):
+    """How configurations are listed."""
+
+    TABLE = "table"
+    JSON = "json"
+    CSV = "csv"
+
+
+@app.command("enumerate")
+def enumerate_(
+    design: Design,
+    count: Annotated[bool, typer.Option("--count", help="Only how many there are.")] = False,
+    output: Annotated[Listing, typer.Option("--format", help="For a person, a program or a spreadsheet.")] = Listing.TABLE,
+    limit: Annotated[int | None, typer.Option("--limit", "-n", min=1, help="List only the first N.")] = None,
+) -> None:
+    """List or count the configurations that meet every static constraint."""
+    from dse.errors import DseError
+    from dse.loading.workspace import Workspace
+    from dse.space.check import check
+    from dse.space.enumerate import configurations
+
+    space = Workspace.around(Path(design) if Path(design).exists() else Path()).design(design)
+    problems = check(space)
+    if problems:
+        raise DseError(*problems)
+    if count:
+        _count(space, output)
+        return
+    found = islice(configurations(space), limit)
+    if output is Listing.JSON:
+        from dse.testbench.definition import describe_configuration
+
+        print_json([describe_configuration(c) for c in found])
+    elif output is Listing.CSV:
+        _csv(space, found)
+    else:
+        _table(space, list(found), limit)
+
+
+def _count(space: DesignSpace, output: Listing) -> None:
+    from dse.space.enumerate import count, total
+
+    numbers = {"design": space.name, "total": total(space), "valid": count(space)}
+    if output is Listing.JSON:
+        print_json(numbers)
+    elif output is Listing.CSV:
+        csv.writer(sys.stdout, lineterminator="\n").writerows([numbers.keys(), numbers.values()])
+    else:
+        console().print(f"{space.name}: {numbers['valid']} of {numbers['total']} configurations are valid")
+
+
+def _csv(space: DesignSpace, found: Iterator[Configuration]) -> None:
+    from dse.space.enumerate import decisions
+
+    places = decisions(space)
+    writer = csv.writer(sys.stdout, lineterminator="\n")
+    writer.writerow(["id", *places])
+    for configuration in found:
+        writer.writerow([configuration.id, *(configuration.choices.get(place, "") for place in places)])
+
+
+def _table(space: DesignSpace, found: list[Configuration], limit: int | None) -> None:
+    from rich.table import Table
+
+    from dse.space.enumerate import decisions, total
+    from dse.testbench.definition import describe_configuration
+
+    described = [describe_configuration(configuration) for configuration in found]
+    shared = [name for name in ("cost", "mass", "power") if any(name in d["totals"] for d in described)]
+    places = decisions(space)
+    table = Table(box=None, pad_edge=False, header_style="bold")
+    for heading in ("id", *places):
+        table.add_column(heading, no_wrap=True)
+    for heading in shared:
+        table.add_column(heading, justify="right", no_wrap=True)
+    for data in described:
+        totals = [data["totals"].get(name) for name in shared]
+        table.add_row(
+            data["id"],
+            *(data["choices"].get(place, "–") for place in places),
+            *(f"{t['value']:g} {t['unit']}" if t else "–" for t in totals),
+        )
+    screen = console()
+    screen.print(table)
+    if limit is not None and len(found) == limit:
+        screen.print(f"the first {limit}; {total(space)} in total before the static constraints")
+    else:
+        screen.print(f"{len(found)} of {total(space)} configurations are valid")

@@ -1,0 +1,186 @@
+"""The shapes of the files a user writes; what they mean is decided by the readers beside this module."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from pydantic import Field
+
+from dse.loading.fields import Plain, Scalar, Section
+
+
+class InterfaceSection(Section):
+    """One interface: ports by name, groups of ports nested."""
+
+    title: str = ""
+    inputs: dict[str, Any] = {}
+    outputs: dict[str, Any] = {}
+
+
+class InterfacesFile(Section):
+    """``interfaces.yaml``."""
+
+    interfaces: dict[str, InterfaceSection]
+
+
+class SourceSection(Section):
+    """Where a component's behaviour comes from."""
+
+    kind: str
+    files: list[str] = []
+    header: str | None = None
+    struct: str | None = None
+    init: str | None = None
+    step_function: str | None = None
+    step: Plain | None = None
+    file: str | None = None
+    model: str | None = None
+
+
+class ParameterSection(Section):
+    """One parameter of a component."""
+
+    start: Scalar
+    min: Plain | None = None
+    max: Plain | None = None
+    unit: str | None = None
+    enum: list[str] | None = None
+    type: str | None = None
+    tunable: bool = True
+    title: str = ""
+
+
+class ComponentFile(Section):
+    """``component.yaml``."""
+
+    component: str
+    implements: str
+    title: str = ""
+    source: SourceSection | None = None
+    parameters: dict[str, ParameterSection] = {}
+    properties: dict[str, Plain] = {}
+    map: dict[str, str] = {}
+
+
+class ConstraintSection(Section):
+    """One static constraint: exactly one of require, forbid, same_choice, require_with."""
+
+    require: str | None = None
+    forbid: list[str] | None = None
+    same_choice: list[str] | None = None
+    because: str = ""
+
+
+class DesignFile(Section):
+    """``designs/*.yaml``. The tree below *root* is read by hand: its shape depends on what it says."""
+
+    design: str
+    title: str = ""
+    root: dict[str, Any]
+    constraints: dict[str, ConstraintSection] = {}
+
+
+class TestComponentSection(Section):
+    """A part of the bench."""
+
+    component: str
+    parameters: dict[str, Scalar] = {}
+
+
+class SimulationSection(Section):
+    """How long, how fine, what is kept."""
+
+    stop: Plain
+    step: Plain
+    record: list[str] = []
+    record_every: Plain | None = None
+    timeout: Plain = "60 s"
+
+
+class MetricSection(Section):
+    """A metric with a title or display unit; plain text is the expression alone."""
+
+    expression: str
+    unit: str | None = None
+    title: str = ""
+
+
+class RequirementSection(Section):
+    """A bound on a metric."""
+
+    metric: str
+    title: str = ""
+    at_most: Plain | None = None
+    at_least: Plain | None = None
+    exercised_when: str | None = None
+
+
+class FigureSection(Section):
+    """A waveform against its target."""
+
+    current: str
+    target: str | None = None
+    unit: str | None = None
+    title: str = ""
+
+
+class BenchFile(Section):
+    """``testbenches/*.yaml``."""
+
+    testbench: str
+    title: str = ""
+    design: str
+    test_components: dict[str, TestComponentSection] = {}
+    connections: list[str] = []
+    parameters: dict[str, Scalar] = {}
+    simulation: SimulationSection
+    metrics: dict[str, str | MetricSection] = {}
+    requirements: dict[str, RequirementSection] = {}
+    figures: dict[str, FigureSection] = {}
+
+
+class VariableSection(Section):
+    """One design variable."""
+
+    range: list[Plain] = Field(min_length=2, max_length=2)
+    levels: int | None = None
+    nominal: Plain | None = None
+    title: str = ""
+
+
+class FullFactorialSection(Section):
+    """Options of the full factorial."""
+
+    slices: list[list[str]] = []
+
+
+class LatinHypercubeSection(Section):
+    """Options of the Latin hypercube."""
+
+    samples: int
+
+
+class SamplerSection(Section):
+    """A sampler with its options."""
+
+    full_factorial: FullFactorialSection | None = None
+    latin_hypercube: LatinHypercubeSection | None = None
+
+
+class SelectionSection(Section):
+    """Configurations by condition."""
+
+    where: str
+
+
+class StudyFile(Section):
+    """``*.pet.yaml``."""
+
+    study: str
+    title: str = ""
+    testbench: str
+    configurations: str | list[str] | SelectionSection = "all"
+    design_variables: dict[str, VariableSection]
+    sampler: str | SamplerSection = "full_factorial"
+    keep_waveforms: str = "near_boundary"
+    seed: int = 0

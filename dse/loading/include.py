@@ -1,0 +1,97 @@
+"""``include: [other.yaml]``: sections of other files joined into this one."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+from dse.errors import DseError, Location, Problem, fail
+from dse.loading.yaml import Document, Path_, read_yaml, shown
+
+
+def read_document(path: Path) -> Document:
+    """Read *path* and what it includes, relative to the including file.
+
+    Mappings at the top level are joined key by key, lists are appended; a key that stands in both files is
+    a problem. Raises DseError, also when files include each other in a circle.
+    """
+    return _read(path.resolve(), ())
+
+
+def _read(path: Path, chain: tuple[Path, ...]) -> Document:
+    document = read_yaml(path)
+    included = document.data.get("include")
+    if included is None:
+        return document
+    if not isinstance(included, list) or not all(isinstance(entry, str) for entry in included):
+        raise fail("'include' must be a list of files", document.place(("include",)), "include: [common.yaml]")
+    data = {key: value for key, value in document.data.items() if key != "include"}
+    places, keys = dict(document.places), dict(document.keys)
+    problems: list[Problem] = []
+    for number, entry in enumerate(included):
+        where = document.place(("include", number))
+        target = (path.parent / entry).resolve()
+        if target == path or target in chain:
+            circle = " -> ".join(shown(p) for p in (*chain, path, target))
+            raise fail(f"files include each other in a circle: {circle}", where, "remove one of the includes")
+        try:
+            other = _read(target, (*chain, path))
+        except DseError as error:
+            raise DseError(*(_at(problem, where) for problem in error.problems)) from None
+        problems += _join(data, places, keys, other)
+    if problems:
+        raise DseError(*problems)
+    return Document(document.path, data, places, keys)
+
+
+def _at(problem: Problem, where: Location) -> Problem:
+    if problem.where is None or (problem.where.line == 0 and problem.what == "no such file"):
+        return Problem(f"included file {problem.where} does not exist", where, problem.hint)
+    return problem
+
+
+def _join(
+    data: dict[str, Any], places: dict[Path_, Location], keys: dict[Path_, Location], other: Document
+) -> list[Problem]:
+    problems: list[Problem] = []
+    for section, value in other.data.items():
+        mine = data.get(section)
+        if mine is None:
+            data[section] = value
+            _copy(other, (section,), (section,), places, keys)
+        elif isinstance(mine, dict) and isinstance(value, dict):
+            data[section] = dict(mine)
+            for key, entry in value.items():
+                if key in mine:
+                    first = keys[(section, key)]
+                    problems.append(
+                        Problem(
+                            f"'{section}.{key}' stands in an including file too",
+                            other.key((section, key)),
+                            f"see {first}",
+                        )
+                    )
+                    continue
+                data[section][key] = entry
+                _copy(other, (section, key), (section, key), places, keys)
+        elif isinstance(mine, list) and isinstance(value, list):
+            data[section] = mine + value
+            for i in range(len(value)):
+                _copy(other, (section, i), (section, len(mine) + i), places, keys)
+        else:
+            problems.append(
+                Problem(
+                    f"'{section}' stands in an including file too", other.key((section,)), f"see {keys[(section,)]}"
+                )
+            )
+    return problems
+
+
+def _copy(
+    other: Document, source: Path_, target: Path_, places: dict[Path_, Location], keys: dict[Path_, Location]
+) -> None:
+    n = len(source)
+    for mine, theirs in ((places, other.places), (keys, other.keys)):
+        for path, where in theirs.items():
+            if path[:n] == source:
+                mine[target + path[n:]] = where

@@ -1,0 +1,135 @@
+"""A workspace: the folder that holds ``components/``, ``designs/`` and ``testbenches/``."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from functools import cached_property
+from pathlib import Path
+
+from dse.domain.bench import TestBench
+from dse.domain.component import Component, Interface
+from dse.domain.design import DesignSpace
+from dse.domain.study import Study
+from dse.errors import DseError, Location, Problem, fail, raise_if_any
+from dse.loading.bench import read_bench
+from dse.loading.components import read_component, read_interfaces
+from dse.loading.design import read_design
+from dse.loading.fields import closest
+from dse.loading.study import read_study
+from dse.loading.yaml import shown
+
+_FOLDERS = ("components", "designs", "testbenches")
+_STUDY = ".pet.yaml"
+
+
+class Workspace:
+    """Finds and reads files by the names they use for each other; each file is read once.
+
+    A component's folder, a design's and a bench's file are named after it, so that only what is needed is read.
+    """
+
+    def __init__(self, root: Path) -> None:
+        self.root = root.resolve()
+        self._components: dict[str, Component] = {}
+        self._designs: dict[Path, DesignSpace] = {}
+        self._benches: dict[Path, TestBench] = {}
+
+    @staticmethod
+    def around(path: Path) -> Workspace:
+        """The workspace *path* lies in: the nearest folder upwards that holds ``components/``. Raises DseError."""
+        start = path.resolve()
+        for folder in (start, *start.parents):
+            if (folder / "components").is_dir():
+                return Workspace(folder)
+        raise fail(
+            "not in a workspace: no folder 'components' here or above",
+            Location(shown(path)),
+            "'dse init DIR' lays out a working example",
+        )
+
+    @cached_property
+    def interfaces(self) -> dict[str, Interface]:
+        """Every interface of the workspace, by name."""
+        found: dict[str, Interface] = {}
+        problems: list[Problem] = []
+        for path in sorted((self.root / "components").rglob("interfaces.yaml")):
+            try:
+                for name, interface in read_interfaces(path).items():
+                    if name in found:
+                        problems.append(
+                            Problem(f"interface '{name}' is defined twice", interface.where, f"see {found[name].where}")
+                        )
+                    found.setdefault(name, interface)
+            except DseError as error:
+                problems += error.problems
+        raise_if_any(problems)
+        return found
+
+    @cached_property
+    def component_files(self) -> dict[str, Path]:
+        """The ``component.yaml`` of every component, by the name of its folder."""
+        found: dict[str, Path] = {}
+        problems: list[Problem] = []
+        for path in sorted((self.root / "components").rglob("component.yaml")):
+            name = path.parent.name
+            if name in found:
+                problems.append(
+                    Problem(f"component '{name}' is defined twice", Location(shown(path)), f"see {shown(found[name])}")
+                )
+            found.setdefault(name, path)
+        raise_if_any(problems)
+        return found
+
+    def component(self, name: str, where: Location | None = None) -> Component:
+        """The component called *name*. Raises DseError, at *where* if there is none."""
+        if name not in self._components:
+            path = self.component_files.get(name)
+            if path is None:
+                raise fail(f"unknown component '{name}'", where, closest(name, self.component_files))
+            component = read_component(path, self.interfaces)
+            if component.name != name:
+                raise fail(
+                    f"component '{component.name}' lies in a folder called '{name}'",
+                    component.where,
+                    "name the folder after the component, so that it is found",
+                )
+            self._components[name] = component
+        return self._components[name]
+
+    def design(self, name: str, where: Location | None = None) -> DesignSpace:
+        """The design space called *name*, or in the file *name*. Raises DseError."""
+        path = self._file(name, "designs", ".yaml", where)
+        if path not in self._designs:
+            self._designs[path] = read_design(path, self.component, self.interfaces)
+        return self._designs[path]
+
+    def bench(self, name: str, where: Location | None = None) -> TestBench:
+        """The test bench called *name*, or in the file *name*. Raises DseError."""
+        path = self._file(name, "testbenches", ".yaml", where)
+        if path not in self._benches:
+            self._benches[path] = read_bench(path, self.component, self.design)
+        return self._benches[path]
+
+    def study(self, name: str, where: Location | None = None) -> Study:
+        """The study called *name*, or in the file *name*. Raises DseError."""
+        return read_study(self._file(name, "testbenches", _STUDY, where), self.bench)
+
+    def files(self, folder: str) -> Iterator[Path]:
+        """The YAML files of ``designs`` or ``testbenches``; a name that starts with ``_`` is only for including."""
+        for path in sorted((self.root / folder).rglob("*.yaml")):
+            if not path.name.startswith("_"):
+                yield path
+
+    def _file(self, name: str, folder: str, suffix: str, where: Location | None) -> Path:
+        typed = Path(name)
+        if typed.suffix in (".yaml", ".yml") or typed.is_dir() or len(typed.parts) > 1:
+            return typed.resolve()
+        found = {
+            path.name.removesuffix(suffix): path
+            for path in self.files(folder)
+            if path.name.endswith(suffix) and path.name.endswith(_STUDY) == (suffix == _STUDY)
+        }
+        if name not in found:
+            kind = {"designs": "design", "testbenches": "study" if suffix == _STUDY else "test bench"}[folder]
+            raise fail(f"unknown {kind} '{name}'", where, closest(name, found) or f"there is none in {folder}/")
+        return found[name]

@@ -1,0 +1,197 @@
+"""YAML 1.2 text → plain data in which every key and value knows its place.
+
+The text is composed into nodes and turned into plain Python here, so that no constructor of any tag ever
+runs: what is not a string, number, truth value, null, list or mapping is refused.
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from dse.errors import DseError, Location, Problem, fail
+
+Path_ = tuple[str | int, ...]
+"""Way from the top of a document to a value: mapping keys and list indices."""
+
+_MAX_BYTES = 10_000_000
+_MAX_NODES = 500_000
+_MAX_DEPTH = 100
+
+
+@dataclass(frozen=True, slots=True)
+class Document:
+    """The data of one file, and where each value (*places*) and each mapping key (*keys*) stands."""
+
+    path: Path
+    data: Mapping[str, Any]
+    places: Mapping[Path_, Location]
+    keys: Mapping[Path_, Location]
+
+    def place(self, path: Path_) -> Location:
+        """Where the value at *path* stands; the nearest value around it if it is absent."""
+        return _nearest(self.places, path)
+
+    def key(self, path: Path_) -> Location:
+        """Where the key at the end of *path* stands; the nearest value around it if it is absent."""
+        return self.keys.get(path) or self.place(path)
+
+
+def shown(path: Path) -> str:
+    """*path* as a person at the current folder would type it."""
+    try:
+        relative = os.path.relpath(path)
+    except ValueError:  # another drive on Windows
+        return str(path)
+    return str(path) if relative.startswith(os.pardir) else Path(relative).as_posix()
+
+
+def read_yaml(path: Path) -> Document:
+    """Read one file whose top level is a mapping. Raises DseError with every duplicate key and odd value."""
+    text = _read_text(path)
+    root = _compose(text, path)
+    if root is None:
+        raise fail("the file is empty", Location(shown(path)), "see FORMATS in the documentation for what it can say")
+    reader = _Reader(shown(path))
+    data = reader.value(root, (), 0)
+    if reader.problems:
+        raise DseError(*reader.problems)
+    if not isinstance(data, dict):
+        raise fail(
+            f"expected a mapping at the top of the file, found {_describe(data)}",
+            reader.places[()],
+            "start with a line such as 'component: my_part'",
+        )
+    return Document(path, data, reader.places, reader.keys)
+
+
+def _read_text(path: Path) -> str:
+    where = Location(shown(path))
+    if path.is_dir():
+        raise fail("this is a folder, not a file", where, "name one of the YAML files in it")
+    try:
+        if path.stat().st_size > _MAX_BYTES:
+            raise fail(f"the file is larger than {_MAX_BYTES // 1_000_000} MB", where, "split it with 'include'")
+        return path.read_bytes().decode("utf-8-sig")
+    except FileNotFoundError:
+        raise fail("no such file", where, _similar_file(path)) from None
+    except UnicodeDecodeError as error:
+        raise fail(f"not UTF-8 text (byte {error.start})", where, "save the file as UTF-8") from None
+    except OSError as error:
+        raise fail(f"cannot be read: {error.strerror or error}", where, "check the file's permissions") from None
+
+
+def _similar_file(path: Path) -> str:
+    import difflib
+
+    names = [entry.name for entry in path.parent.iterdir()] if path.parent.is_dir() else []
+    close = difflib.get_close_matches(path.name, names, n=1)
+    return f"did you mean {close[0]}?" if close else "check the spelling and the folder you are in"
+
+
+def _compose(text: str, path: Path) -> Any:
+    from ruamel.yaml import YAML
+    from ruamel.yaml.error import MarkedYAMLError, YAMLError
+
+    try:
+        return YAML(typ="safe", pure=True).compose(text)
+    except MarkedYAMLError as error:
+        mark = error.problem_mark or error.context_mark
+        where = Location(shown(path), mark.line + 1, mark.column + 1) if mark else Location(shown(path))
+        what = " ".join(str(error.problem or error.context or "unreadable").split())
+        raise fail(
+            f"not valid YAML: {what}", where, "check indentation, quotes and brackets here and just above"
+        ) from None
+    except (YAMLError, ValueError) as error:
+        first = str(error).strip().splitlines()[0]
+        raise fail(f"not valid YAML: {first}", Location(shown(path))) from None
+    except RecursionError:
+        raise fail("nested too deeply", Location(shown(path)), f"use at most {_MAX_DEPTH} levels") from None
+
+
+class _Reader:
+    """Turns nodes into data and remembers where everything stands."""
+
+    def __init__(self, file: str) -> None:
+        self.file = file
+        self.places: dict[Path_, Location] = {}
+        self.keys: dict[Path_, Location] = {}
+        self.problems: list[Problem] = []
+        self.count = 0
+
+    def value(self, node: Any, path: Path_, depth: int) -> Any:
+        where = self._where(node)
+        self.places[path] = where
+        self.count += 1
+        # Aliases repeat a node: a short file can stand for billions of values.
+        if self.count > _MAX_NODES or depth > _MAX_DEPTH:
+            raise fail("the file is too large or nested too deeply once its aliases are expanded", where)
+        if node.id == "mapping":
+            return self._mapping(node, path, depth)
+        if node.id == "sequence":
+            return [self.value(child, (*path, i), depth + 1) for i, child in enumerate(node.value)]
+        return self._scalar(node, where)
+
+    def _mapping(self, node: Any, path: Path_, depth: int) -> dict[str, Any]:
+        result: dict[str, Any] = {}
+        for key_node, value_node in node.value:
+            where = self._where(key_node)
+            if key_node.id != "scalar" or str(key_node.tag) == "tag:yaml.org,2002:merge":
+                self.problems.append(Problem("a key must be plain text", where, "write the keys out one by one"))
+                continue
+            key = str(key_node.value)
+            if key in result:
+                first = self.keys[(*path, key)]
+                self.problems.append(
+                    Problem(f"duplicate key '{key}'", where, f"it stands first in line {first.line}; keep one of them")
+                )
+                continue
+            self.keys[(*path, key)] = where
+            result[key] = self.value(value_node, (*path, key), depth + 1)
+        return result
+
+    def _scalar(self, node: Any, where: Location) -> str | int | float | bool | None:
+        tag, text = str(node.tag).rsplit(":", 1)[-1], str(node.value)
+        try:
+            if tag == "str":
+                return text
+            if tag == "bool":
+                return text.lower() == "true"
+            if tag == "null":
+                return None
+            if tag == "int":
+                return int(text.replace("_", ""), 0) if not text.lstrip("+-").isdigit() else int(text)
+            if tag == "float":
+                return float(text.replace("_", "").lower().replace(".inf", "inf").replace(".nan", "nan"))
+        except ValueError:
+            self.problems.append(Problem(f"'{text}' is not a number", where))
+            return None
+        if tag in ("timestamp", "date"):
+            return text
+        self.problems.append(Problem(f"the tag '{node.tag}' is not supported", where, "write plain values only"))
+        return None
+
+    def _where(self, node: Any) -> Location:
+        mark = node.start_mark
+        quoted = getattr(node, "style", None) in ("'", '"')
+        return Location(self.file, mark.line + 1, mark.column + 1 + int(quoted))
+
+
+def _nearest(places: Mapping[Path_, Location], path: Path_) -> Location:
+    for candidate in _prefixes(path):
+        if candidate in places:
+            return places[candidate]
+    return places[()]
+
+
+def _prefixes(path: Path_) -> Iterator[Path_]:
+    for length in range(len(path), -1, -1):
+        yield path[:length]
+
+
+def _describe(data: object) -> str:
+    names = {list: "a list", str: "text", int: "a number", float: "a number", bool: "a truth value"}
+    return names.get(type(data), "nothing")

@@ -1,0 +1,68 @@
+"""Everything that can be found wrong with a workspace without building or simulating anything."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import ParamSpec
+
+from dse.errors import DseError, Problem
+from dse.loading.workspace import Workspace
+from dse.space.check import check as check_space
+from dse.testbench.prepare import check_bench
+from dse.testbench.select import one
+
+P = ParamSpec("P")
+
+
+def check_workspace(workspace: Workspace) -> tuple[list[Problem], dict[str, int]]:
+    """All problems, each once, and how many files of each kind were read."""
+    counts: dict[str, int] = {}
+    found = _of(_survey, workspace, counts)
+    if not found:
+        for name in workspace.component_files:
+            found += _of(workspace.component, name)
+        for path in workspace.files("designs"):
+            found += _of(_design, workspace, str(path))
+        for path in workspace.files("testbenches"):
+            reader = _study if path.name.endswith(".pet.yaml") else _bench
+            found += _of(reader, workspace, str(path))
+    return list(dict.fromkeys(found)), counts
+
+
+def _of(action: Callable[P, object], *args: P.args, **kwargs: P.kwargs) -> list[Problem]:
+    try:
+        action(*args, **kwargs)
+    except DseError as error:
+        return list(error.problems)
+    return []
+
+
+def _survey(workspace: Workspace, counts: dict[str, int]) -> None:
+    benches = [path.name for path in workspace.files("testbenches")]
+    studies = sum(name.endswith(".pet.yaml") for name in benches)
+    counts |= {
+        "interface": len(workspace.interfaces),
+        "component": len(workspace.component_files),
+        "design space": len(list(workspace.files("designs"))),
+        "test bench": len(benches) - studies,
+        "study": studies,
+    }
+
+
+def _design(workspace: Workspace, path: str) -> None:
+    problems = check_space(workspace.design(path))
+    if problems:
+        raise DseError(*problems)
+    one(workspace.design(path), None)
+
+
+def _bench(workspace: Workspace, path: str) -> None:
+    bench = workspace.bench(path)
+    problems = check_space(bench.design)
+    if problems:
+        raise DseError(*problems)
+    check_bench(bench, one(bench.design, None))
+
+
+def _study(workspace: Workspace, path: str) -> None:
+    workspace.study(path)

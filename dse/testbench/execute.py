@@ -1,0 +1,65 @@
+"""Simulate, measure, judge: one request → one run."""
+
+from __future__ import annotations
+
+from types import TracebackType
+
+import numpy as np
+from numpy.typing import NDArray
+
+from dse.cosim.simulator import RunFailed, Simulator
+from dse.domain.run import Outcome, Run, RunRequest, Waveforms
+from dse.loading.values import as_number
+from dse.metrics.program import judge_failed
+from dse.testbench.prepared import PreparedBench
+
+
+class Executor:
+    """Runs one configuration again and again in this process, its FMUs loaded once."""
+
+    def __init__(self, prepared: PreparedBench, *, progress: memoryview | None = None) -> None:
+        self.prepared = prepared
+        self._simulator = Simulator(prepared.system, prepared.system_columns, progress=progress)
+        simulation = prepared.simulation
+        self._time: NDArray[np.float64] = np.arange(simulation.steps + 1, dtype=np.float64) * simulation.step
+        self._kept = [prepared.columns.index(name) for name in prepared.kept]
+
+    def run(self, request: RunRequest, *, keep: bool) -> Run:
+        """Simulate *request*; a run that fails is a result, not an exception. Waveforms come only with *keep*."""
+        prepared, simulation = self.prepared, self.prepared.simulation
+        start = {}
+        constants = dict(prepared.constants)
+        for name, value in request.point.items():
+            setting = prepared.settings[name]
+            start[setting.target] = constants[name] = as_number(value, setting.type)
+        try:
+            table = self._simulator.run(stop=simulation.stop, step=simulation.step, start=start)
+        except RunFailed as error:
+            return Run(request, Outcome.FAILED, {}, judge_failed(prepared.requirements), str(error))
+        rows = np.ascontiguousarray(table.T)
+        columns = dict(zip(prepared.columns, rows, strict=True))
+        metrics, judgements = prepared.program.evaluate(self._time, columns, constants)
+        waveforms = self._waveforms(table) if keep else None
+        return Run(request, Outcome.DONE, metrics, judgements, "", waveforms)
+
+    def close(self) -> None:
+        """Free the FMU instances."""
+        self._simulator.close()
+
+    def __enter__(self) -> Executor:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self.close()
+
+    def _waveforms(self, table: NDArray[np.float64]) -> Waveforms:
+        stride = self.prepared.simulation.stride
+        values = {self.prepared.columns[i]: np.ascontiguousarray(table[::stride, i]) for i in self._kept}
+        return Waveforms(np.ascontiguousarray(self._time[::stride]), values)
+
+
+def make_executor(prepared: PreparedBench, progress: memoryview | None) -> Executor:
+    """An executor for a worker process; importable by name, so that it can be sent there."""
+    return Executor(prepared, progress=progress)

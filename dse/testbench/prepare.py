@@ -1,0 +1,179 @@
+"""Bench + configurations → FMUs built, systems assembled, metrics compiled."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from pathlib import Path
+
+from dse.domain.bench import TestBench
+from dse.domain.component import Causality, Component, Type, Value
+from dse.domain.design import Configuration, Connection
+from dse.domain.fmu import FmuModel
+from dse.errors import DseError, Problem
+from dse.fmu.build import build_all
+from dse.fmu.unpack import open_fmu
+from dse.loading.values import as_number
+from dse.metrics.program import compile_metrics
+from dse.system.assemble import assemble, check_wiring
+from dse.testbench.prepared import PreparedBench, Setting
+
+
+def prepare(
+    bench: TestBench, configurations: Sequence[Configuration], *, version: int = 2, cache: Path | None = None
+) -> dict[str, PreparedBench]:
+    """Make every configuration ready to run on *bench*, by configuration id. Raises DseError with all problems."""
+    wired = {configuration.id: parts_and_wiring(bench, configuration) for configuration in configurations}
+    components = {c.name: c for parts, _ in wired.values() for c in parts.values()}
+    archives = build_all(components.values(), version=version, cache=cache)
+    models = {name: open_fmu(archive, cache=cache) for name, archive in archives.items()}
+    prepared: dict[str, PreparedBench] = {}
+    problems: list[Problem] = []
+    for configuration in configurations:
+        parts, connections = wired[configuration.id]
+        try:
+            prepared[configuration.id] = _prepare(bench, configuration, parts, connections, models)
+        except DseError as error:
+            problems += [p for p in error.problems if p not in problems]
+    if problems:
+        raise DseError(*problems)
+    return prepared
+
+
+def check_bench(bench: TestBench, configuration: Configuration) -> None:
+    """Check wiring, metrics and recorded names for one configuration without building an FMU. Raises DseError."""
+    parts, connections = parts_and_wiring(bench, configuration)
+    problems: list[Problem] = []
+    joined = check_wiring(parts, connections, _values(bench, parts), problems)
+    types, signals = _names(parts, {connection.target for connection in joined})
+    try:
+        compile_metrics(bench.metrics, bench.requirements, types, signals)
+    except DseError as error:
+        problems += error.problems
+    problems += _record_problems(bench, parts, signals)
+    if problems:
+        raise DseError(*problems)
+
+
+def parts_and_wiring(
+    bench: TestBench, configuration: Configuration
+) -> tuple[dict[str, Component], tuple[Connection, ...]]:
+    """All components on the bench, by path, and every connection between single ports."""
+    from dse.space.flatten import flatten
+
+    test_parts = {part.name: part.component for part in bench.test_components}
+    parts, connections = flatten(bench.design.root, configuration.choices, test_parts, bench.connections)
+    return dict(parts), tuple(connections)
+
+
+def _prepare(
+    bench: TestBench,
+    configuration: Configuration,
+    parts: Mapping[str, Component],
+    connections: Sequence[Connection],
+    models: Mapping[str, FmuModel],
+) -> PreparedBench:
+    values = _values(bench, parts)
+    connected = {connection.target for connection in connections}
+    types, signals = _names(parts, connected)
+    problems = _record_problems(bench, parts, signals)
+    if problems:
+        raise DseError(*problems)
+    program = compile_metrics(bench.metrics, bench.requirements, types, signals)
+    kept = _kept(bench, signals)
+    columns = tuple(dict.fromkeys((*program.signals, *kept)))
+    system = assemble(configuration.id, parts, connections, models, values, columns)
+    settings, constants = _settings(parts, connected, values)
+    return PreparedBench(
+        configuration,
+        system,
+        bench.simulation,
+        program,
+        bench.requirements,
+        columns,
+        tuple(_system_name(name, parts) for name in columns),
+        kept,
+        settings,
+        constants,
+    )
+
+
+def _values(bench: TestBench, parts: Mapping[str, Component]) -> dict[str, Value]:
+    """The bench's parameter values that apply to *parts*: what an alternative does not have, it is not given."""
+    values: dict[str, Value] = {}
+    for part in bench.test_components:
+        values |= {f"{part.name}.{name}": value for name, value in part.parameters.items()}
+    for name, value in bench.parameters.items():
+        split = _split(name, parts)
+        if split and (parts[split[0]].parameter(split[1]) or parts[split[0]].interface.port(split[1])):
+            values[name] = value
+    return values
+
+
+def _names(parts: Mapping[str, Component], connected: Iterable[str]) -> tuple[dict[str, Type], frozenset[str]]:
+    """Every name a metric may use with its type, and which of them are waveforms."""
+    types: dict[str, Type] = {}
+    signals = set()
+    inputs = set(connected)
+    for path, component in parts.items():
+        for port in component.interface.ports:
+            name = f"{path}.{port.name}"
+            if port.causality is Causality.OUTPUT:
+                types[name] = port.type
+                signals.add(name)
+            elif name not in inputs:
+                types[name] = port.type
+        types |= {f"{path}.{parameter.name}": parameter.type for parameter in component.parameters}
+    return types, frozenset(signals)
+
+
+def _record_problems(bench: TestBench, parts: Mapping[str, Component], signals: frozenset[str]) -> list[Problem]:
+    """Recorded names that are no output of a part that is there."""
+    problems = []
+    for name in bench.simulation.record:
+        split = _split(name, parts)
+        if split and name not in signals:
+            known = sorted(signal for signal in signals if signal.startswith(f"{split[0]}."))
+            hint = f"outputs: {', '.join(known)}"
+            problems.append(Problem(f"cannot record '{name}': no such output", bench.simulation.where, hint))
+        elif not split and name.split(".")[0] not in bench.design.root.parts:
+            problems.append(Problem(f"cannot record '{name}': no such part", bench.simulation.where))
+    return problems
+
+
+def _kept(bench: TestBench, signals: frozenset[str]) -> tuple[str, ...]:
+    shown = [name for figure in bench.figures for name in (figure.current, figure.target) if name]
+    return tuple(dict.fromkeys(name for name in (*bench.simulation.record, *shown) if name in signals))
+
+
+def _settings(
+    parts: Mapping[str, Component], connected: Iterable[str], values: Mapping[str, Value]
+) -> tuple[dict[str, Setting], dict[str, float]]:
+    settings: dict[str, Setting] = {}
+    constants: dict[str, float] = {}
+    inputs = set(connected)
+    for path, component in parts.items():
+        for parameter in component.parameters:
+            name = f"{path}.{parameter.name}"
+            settings[name] = Setting(f"{path}.{component.variable(parameter.name)}", parameter.type)
+            constants[name] = as_number(values.get(name, parameter.start), parameter.type)
+        for port in component.interface.ports:
+            name = f"{path}.{port.name}"
+            if port.causality is Causality.INPUT and name not in inputs and name in values:
+                settings[name] = Setting(f"{path}.{component.variable(port.name)}", port.type)
+                constants[name] = as_number(values[name], port.type)
+    return settings, constants
+
+
+def _split(name: str, parts: Mapping[str, Component]) -> tuple[str, str] | None:
+    steps = name.split(".")
+    for length in range(len(steps) - 1, 0, -1):
+        path = ".".join(steps[:length])
+        if path in parts:
+            return path, ".".join(steps[length:])
+    return None
+
+
+def _system_name(name: str, parts: Mapping[str, Component]) -> str:
+    split = _split(name, parts)
+    assert split is not None  # noqa: S101  # the name was taken from the parts
+    return f"{split[0]}.{parts[split[0]].variable(split[1])}"
