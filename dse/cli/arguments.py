@@ -4,9 +4,12 @@ from __future__ import annotations
 
 from enum import StrEnum
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
+
+if TYPE_CHECKING:
+    from dse.loading.workspace import Workspace
 
 
 class Output(StrEnum):
@@ -21,18 +24,23 @@ Bench = Annotated[str, typer.Argument(metavar="BENCH", help="A test bench: its n
 StudyName = Annotated[str, typer.Argument(metavar="STUDY", help="A study (PET): its name, or its .pet.yaml file.")]
 Folder = Annotated[Path, typer.Argument(metavar="DIR", help="A study folder, made by 'dse explore' or 'dse run'.")]
 Format = Annotated[Output, typer.Option("--format", help="For a person, or for a program.")]
-Workers = Annotated[
-    int, typer.Option("--workers", "-j", min=0, help="Worker processes; 0 takes one for each processor.")
+Workers = Annotated[int, typer.Option("--workers", "-j", min=0, help="Worker processes; 0: one for each processor.")]
+NewFolder = Annotated[
+    Path, typer.Option("--output", "-o", metavar="DIR", help="The study folder to make or to go on with.")
 ]
-NewFolder = Annotated[Path, typer.Option("--output", "-o", metavar="DIR", help="The study folder to make or go on with.")]
+Fresh = Annotated[bool, typer.Option("--fresh", help="Throw away what the folder holds and start again.")]
 Settings = Annotated[
-    list[str], typer.Option("--set", metavar="NAME=VALUE", help="Give a parameter another value, as 'controller.kp_speed=1.2'.")
+    list[str],
+    typer.Option("--set", metavar="NAME=VALUE", help="Another parameter value, as 'controller.kp_speed=1.2'."),
 ]
 Configuration = Annotated[
-    str | None, typer.Option("--configuration", "-c", metavar="ID", help="A configuration's id (a start of it will do).")
+    str | None, typer.Option("--configuration", "-c", metavar="ID", help="A configuration's id, or a start of it.")
+]
+Plot = Annotated[
+    Path | None, typer.Option("--plot", metavar="FILE", help="Draw the bench's figures (.png, .svg or .pdf).")
 ]
 FmiVersion = Annotated[int, typer.Option("--fmi", min=2, max=3, help="FMI version of the FMUs that are built.")]
-Gate = Annotated[bool, typer.Option("--gate", help="Exit with 3 if a requirement failed, not only if a run did.")]
+Gate = Annotated[bool, typer.Option("--gate", help="Exit with 3 also if a requirement failed, not only a run.")]
 
 
 def processes(workers: int) -> int:
@@ -40,3 +48,11 @@ def processes(workers: int) -> int:
     import os
 
     return workers or os.cpu_count() or 1
+
+
+def workspace_of(name: str) -> Workspace:
+    """The workspace of the file called *name*, or the one around the current folder. Raises DseError."""
+    from dse.loading.workspace import Workspace
+
+    path = Path(name)
+    return Workspace.around(path.parent if path.suffix and path.parent.is_dir() else Path())

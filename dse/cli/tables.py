@@ -22,9 +22,7 @@ def run_data(run: Run) -> dict[str, Any]:
         "outcome": str(run.outcome),
         "problem": run.problem,
         "metrics": dict(run.metrics),
-        "requirements": {
-            j.requirement: {"verdict": str(j.verdict), "margin": j.margin} for j in run.judgements
-        },
+        "requirements": {j.requirement: {"verdict": str(j.verdict), "margin": j.margin} for j in run.judgements},
     }
 
 

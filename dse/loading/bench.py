@@ -98,7 +98,8 @@ def types_of(
         elif signal:
             found.append((component, signal.type))
     if not found:
-        known = {p.name for c in components[place] for p in (*c.parameters, *c.interface.ports)}
+        known = {parameter.name for c in components[place] for parameter in c.parameters}
+        known |= {signal.name for c in components[place] for signal in c.interface.ports}
         raise DseError(Problem(f"'{place}' has no port or parameter '{port}'", where, closest(port, known)))
     return found
 

@@ -87,9 +87,7 @@ def _in_unit(value: float, symbol: str) -> float:
 
 def _configuration(prepared: PreparedBench) -> dict[str, Any]:
     elements = {element.name: sorted(element.start.items()) for element in prepared.system.elements}
-    wires = [
-        f"{w.source}.{w.source_variable} -> {w.target}.{w.target_variable}" for w in prepared.system.wires
-    ]
+    wires = [f"{w.source}.{w.source_variable} -> {w.target}.{w.target_variable}" for w in prepared.system.wires]
     return {
         **describe_configuration(prepared.configuration),
         "start": elements,
@@ -101,9 +99,7 @@ def _configuration(prepared: PreparedBench) -> dict[str, Any]:
 
 def _fmus(prepared: Mapping[str, PreparedBench]) -> dict[str, str]:
     return dict(
-        sorted(
-            {e.model.identifier: e.model.content_hash for p in prepared.values() for e in p.system.elements}.items()
-        )
+        sorted({e.model.identifier: e.model.content_hash for p in prepared.values() for e in p.system.elements}.items())
     )
 
 

@@ -14,6 +14,7 @@ from dse.fmu.build import build_all
 from dse.fmu.unpack import open_fmu
 from dse.loading.values import as_number
 from dse.metrics.program import compile_metrics
+from dse.space.wiring import wire
 from dse.system.assemble import assemble, check_wiring
 from dse.testbench.prepared import PreparedBench, Setting
 
@@ -57,12 +58,11 @@ def check_bench(bench: TestBench, configuration: Configuration) -> None:
 def parts_and_wiring(
     bench: TestBench, configuration: Configuration
 ) -> tuple[dict[str, Component], tuple[Connection, ...]]:
-    """All components on the bench, by path, and every connection between single ports."""
-    from dse.space.flatten import flatten
-
+    """All components on the bench, by path, and every connection between single ports. Raises DseError."""
     test_parts = {part.name: part.component for part in bench.test_components}
-    parts, connections = flatten(bench.design.root, configuration.choices, test_parts, bench.connections)
-    return dict(parts), tuple(connections)
+    interfaces = {name: component.interface for name, component in test_parts.items()}
+    connections = wire(bench.design, configuration.choices, interfaces, bench.connections)
+    return {**configuration.parts, **test_parts}, connections
 
 
 def _prepare(

@@ -14,7 +14,9 @@ from dse.cli.arguments import FmiVersion
 
 @app.command()
 def build(
-    names: Annotated[list[str] | None, typer.Argument(metavar="[COMPONENT]...", help="Components; all if none is named.")] = None,
+    names: Annotated[
+        list[str] | None, typer.Argument(metavar="[COMPONENT]...", help="Components; all if none is named.")
+    ] = None,
     folder: Annotated[Path | None, typer.Option("--output", "-o", metavar="DIR", help="Copy the FMUs here.")] = None,
     version: FmiVersion = 2,
     workspace: Annotated[Path, typer.Option("--workspace", "-w", help="A folder or file in the workspace.")] = Path(),

@@ -27,4 +27,6 @@ def check(
     if problems:
         raise DseError(*problems)
     plural = {"study": "studies", "test bench": "test benches"}
-    console().print("ok: " + ", ".join(f"{n} {what if n == 1 else plural.get(what, what + 's')}" for what, n in counts.items()))
+    console().print(
+        "ok: " + ", ".join(f"{n} {what if n == 1 else plural.get(what, what + 's')}" for what, n in counts.items())
+    )

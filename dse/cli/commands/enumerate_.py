@@ -7,13 +7,12 @@ import sys
 from collections.abc import Iterator
 from enum import StrEnum
 from itertools import islice
-from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from dse.cli.app import app, console, print_json
-from dse.cli.arguments import Design
+from dse.cli.arguments import Design, workspace_of
 
 if TYPE_CHECKING:
     from dse.domain.design import Configuration, DesignSpace
@@ -31,16 +30,17 @@ class Listing(StrEnum):
 def enumerate_(
     design: Design,
     count: Annotated[bool, typer.Option("--count", help="Only how many there are.")] = False,
-    output: Annotated[Listing, typer.Option("--format", help="For a person, a program or a spreadsheet.")] = Listing.TABLE,
+    output: Annotated[
+        Listing, typer.Option("--format", help="For a person, a program or a spreadsheet.")
+    ] = Listing.TABLE,
     limit: Annotated[int | None, typer.Option("--limit", "-n", min=1, help="List only the first N.")] = None,
 ) -> None:
     """List or count the configurations that meet every static constraint."""
     from dse.errors import DseError
-    from dse.loading.workspace import Workspace
     from dse.space.check import check
     from dse.space.enumerate import configurations
 
-    space = Workspace.around(Path(design) if Path(design).exists() else Path()).design(design)
+    space = workspace_of(design).design(design)
     problems = check(space)
     if problems:
         raise DseError(*problems)
@@ -71,9 +71,7 @@ def _count(space: DesignSpace, output: Listing) -> None:
 
 
 def _csv(space: DesignSpace, found: Iterator[Configuration]) -> None:
-    from dse.space.enumerate import decisions
-
-    places = decisions(space)
+    places = _places(space)
     writer = csv.writer(sys.stdout, lineterminator="\n")
     writer.writerow(["id", *places])
     for configuration in found:
@@ -83,12 +81,12 @@ def _csv(space: DesignSpace, found: Iterator[Configuration]) -> None:
 def _table(space: DesignSpace, found: list[Configuration], limit: int | None) -> None:
     from rich.table import Table
 
-    from dse.space.enumerate import decisions, total
+    from dse.space.enumerate import total
     from dse.testbench.definition import describe_configuration
 
     described = [describe_configuration(configuration) for configuration in found]
     shared = [name for name in ("cost", "mass", "power") if any(name in d["totals"] for d in described)]
-    places = decisions(space)
+    places = _places(space)
     table = Table(box=None, pad_edge=False, header_style="bold")
     for heading in ("id", *places):
         table.add_column(heading, no_wrap=True)
@@ -107,3 +105,10 @@ def _table(space: DesignSpace, found: list[Configuration], limit: int | None) ->
         screen.print(f"the first {limit}; {total(space)} in total before the static constraints")
     else:
         screen.print(f"{len(found)} of {total(space)} configurations are valid")
+
+
+def _places(space: DesignSpace) -> list[str]:
+    """The path of every decision, in the order of the file."""
+    from dse.space.decisions import decisions, flat
+
+    return list(dict.fromkeys(decision.path for decision in flat(decisions(space))))

@@ -3,17 +3,12 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 import typer
 
-from dse.cli.app import DONE, RUNS_FAILED, app, console, print_json
-from dse.cli.arguments import Bench, Configuration, FmiVersion, Format, Gate, Output, Settings
-
-if TYPE_CHECKING:
-    from dse.domain.bench import TestBench
-    from dse.domain.component import Value
-    from dse.domain.run import Run
+from dse.cli.app import DONE, RUNS_FAILED, app, print_json
+from dse.cli.arguments import Bench, Configuration, FmiVersion, Format, Gate, Output, Plot, Settings, workspace_of
 
 
 @app.command()
@@ -21,7 +16,7 @@ def simulate(
     bench: Bench,
     configuration: Configuration = None,
     settings: Settings = [],  # noqa: B006  # typer reads the default and never changes it
-    plot: Annotated[Path | None, typer.Option("--plot", metavar="FILE", help="Draw the bench's figures (png, svg, pdf).")] = None,
+    plot: Plot = None,
     output: Format = Output.TABLE,
     version: FmiVersion = 2,
     gate: Gate = False,
@@ -30,24 +25,33 @@ def simulate(
 
     Takes the first valid configuration unless --configuration names another.
     """
-    from dse.domain.study import FullFactorial, Study
-    from dse.loading.workspace import Workspace
-    from dse.testbench.definition import define
-    from dse.testbench.prepare import prepare
+    from dse.cli.exploring import run_alone
+    from dse.cli.showing import draw_run, show_run
+    from dse.cli.tables import run_data
+    from dse.domain.study import Selection
+    from dse.testbench.plan import bench_study, with_settings
     from dse.testbench.select import one
 
-    space = Workspace.around(Path(bench) if Path(bench).exists() else Path())
-    loaded = space.bench(bench)
-    point = read_settings(settings, loaded)
+    loaded = workspace_of(bench).bench(bench)
     chosen = one(loaded.design, configuration)
-    prepared = prepare(loaded, [chosen], version=version)
-    definition = define(Study(loaded.name, loaded, (), FullFactorial()), prepared)
-    check_settings(point, prepared[chosen.id].settings, chosen.id)
-    run = run_once(prepared[chosen.id], chosen.id, point)
+    changed = with_settings(loaded, read_settings(settings), chosen)
+    run, definition = run_alone(bench_study(changed, Selection((chosen.id,))), version=version)
     if output is Output.JSON:
-        print_json(run_data_of(run))
+        print_json(run_data(run))
     else:
-        show(run, definition, chosen.choices)
-    if plot is not None and run.waveforms is not None:
-        draw(run, definition, plot)
-    raise typer.Exit(exit_code([run], gate=gate))
+        show_run(run, definition)
+    if plot is not None:
+        draw_run(run, definition, plot)
+    failed = run.problem or (gate and any(str(j.verdict) == "fail" for j in run.judgements))
+    raise typer.Exit(RUNS_FAILED if failed else DONE)
+
+
+def read_settings(settings: list[str]) -> dict[str, str]:
+    """``NAME=VALUE`` as a mapping; a usage error for anything else."""
+    values: dict[str, str] = {}
+    for entry in settings:
+        name, equals, value = entry.partition("=")
+        if not equals or not name.strip() or not value.strip():
+            raise typer.BadParameter(f"'{entry}' is not NAME=VALUE, as 'controller.kp_speed=1.2'", param_hint="--set")
+        values[name.strip()] = value.strip()
+    return values

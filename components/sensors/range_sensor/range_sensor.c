@@ -1,0 +1,54 @@
+#include "range_sensor.h"
+
+#include <math.h>
+
+#define LENGTH (RANGE_SENSOR_LATENCY + 1)
+
+/* SplitMix64 (Steele, Lea, Flood 2014): uniform on (0, 1], never 0 so that its logarithm exists. */
+static double uniform(uint64_t *state) {
+    uint64_t z = *state += UINT64_C(0x9E3779B97F4A7C15);
+    z = (z ^ (z >> 30)) * UINT64_C(0xBF58476D1CE4E5B9);
+    z = (z ^ (z >> 27)) * UINT64_C(0x94D049BB133111EB);
+    z ^= z >> 31;
+    return (double)((z >> 11) + 1) * 0x1p-53;
+}
+
+/* What lies in front now. Nothing seen: gap and speed stay as they were last seen. */
+static range_sensor_target measured(range_sensor *self, range_sensor_target last) {
+    double azimuth = self->in.scene.azimuth;
+    range_sensor_target now = last;
+    /* Two numbers are drawn per sample, seen or not: noise does not depend on what was seen before. */
+    double radius = 0, angle = 0;
+    if (self->par.gap_noise > 0 || self->par.closing_speed_noise > 0) {
+        radius = sqrt(-2 * log(uniform(&self->random)));
+        angle = 6.283185307179586 * uniform(&self->random);
+    }
+    now.detected = self->in.scene.hit && self->in.scene.range <= self->par.max_range &&
+                   2 * fabs(azimuth) <= self->par.field_of_view;
+    if (now.detected) {
+        /* Doppler and range lie along the ray, the controller wants them along the road. */
+        double along = cos(azimuth);
+        now.gap = self->in.scene.range * along + self->par.gap_noise * radius * cos(angle);
+        now.closing_speed = self->in.scene.closing_speed / along + self->par.closing_speed_noise * radius * sin(angle);
+    }
+    return now;
+}
+
+void range_sensor_init(range_sensor *self) {
+    self->random = (uint64_t)self->par.seed;
+    self->newest = 0;
+    range_sensor_target nothing = {0, 0, false};
+    range_sensor_target first = measured(self, nothing);
+    for (int32_t i = 0; i < LENGTH; ++i) self->samples[i] = first;
+    self->out.target = first;
+}
+
+void range_sensor_step(range_sensor *self) {
+    range_sensor_target last = self->samples[self->newest];
+    self->newest = (self->newest + 1) % LENGTH;
+    self->samples[self->newest] = measured(self, last);
+    int32_t latency = self->par.latency;
+    if (latency < 0) latency = 0;
+    if (latency > RANGE_SENSOR_LATENCY) latency = RANGE_SENSOR_LATENCY;
+    self->out.target = self->samples[(self->newest - latency + LENGTH) % LENGTH];
+}

@@ -1,0 +1,93 @@
+#include "straight_road.h"
+
+#include <math.h>
+
+typedef struct {
+    double travelled, speed;
+} motion;
+
+/* The lead keeps its speed, changes it once at a constant rate, and keeps the new one. */
+static motion lead_motion(const straight_road *self, double time) {
+    double rate = fabs(self->par.lead_change_rate), from = self->par.lead_speed, to = self->par.lead_final_speed;
+    double since = time - self->par.lead_change_time;
+    motion lead = {from * time, from};
+    if (rate > 0 && since > 0) {
+        double acceleration = to < from ? -rate : rate, duration = fabs(to - from) / rate;
+        double changing = fmin(since, duration);
+        lead.speed = since < duration ? from + acceleration * since : to;
+        lead.travelled = from * (time - since + changing) + 0.5 * acceleration * changing * changing + to * (since - changing);
+    }
+    return lead;
+}
+
+static host_data data(const straight_road *self) {
+    host_data host = {
+        .mass = self->par.mass,
+        .front_load_share = self->par.front_load_share,
+        .cg_height = self->par.cg_height,
+        .wheelbase = self->par.wheelbase,
+        .wheel_radius = self->par.wheel_radius,
+        .inertia_front = self->par.inertia_front,
+        .inertia_rear = self->par.inertia_rear,
+        .drag_area = self->par.drag_area,
+        .air_density = self->par.air_density,
+        .rolling_resistance = self->par.rolling_resistance,
+        .grade = self->par.grade,
+        .friction = self->par.friction,
+        .slip_stiffness = self->par.slip_stiffness,
+        .drive_front = self->in.wheels.front,
+        .drive_rear = self->in.wheels.rear,
+        .brake_front = self->in.brake.front,
+        .brake_rear = self->in.brake.rear,
+    };
+    return host;
+}
+
+static void output(straight_road *self) {
+    motion lead = lead_motion(self, self->base_time + (double)self->steps * self->step);
+    double gap = self->par.initial_gap + lead.travelled - self->host.position;
+    double closing_speed = self->host.speed - lead.speed;
+    ray_fan_box box = {
+        gap, gap + self->par.lead_length,
+        self->par.lead_offset - 0.5 * self->par.lead_width, self->par.lead_offset + 0.5 * self->par.lead_width,
+    };
+    ray_fan_echo echo = ray_fan_cast(&self->rays, &box, self->par.ray_reach);
+    self->out.wheel_speed.front = self->host.spin_front;
+    self->out.wheel_speed.rear = self->host.spin_rear;
+    self->out.speed = self->host.speed;
+    self->out.position = self->host.position;
+    self->out.acceleration = self->host.slope[0];
+    self->out.gap = gap;
+    self->out.closing_speed = closing_speed;
+    self->out.lead.speed = lead.speed;
+    self->out.scene.range = echo.range;
+    self->out.scene.azimuth = echo.azimuth;
+    self->out.scene.closing_speed = echo.hit ? closing_speed * cos(echo.azimuth) : 0;
+    self->out.scene.hit = echo.hit;
+    /* Contact has no mechanics here: the gap goes on below zero, and the flag says what it is worth. */
+    bool beside = box.right > 0.5 * self->par.lead_width || box.left < -0.5 * self->par.lead_width;
+    if (gap <= 0 && !beside) self->out.collision = true;
+}
+
+void straight_road_init(straight_road *self) {
+    host_data host = data(self);
+    host_start(&self->host, &host, self->par.initial_speed);
+    ray_fan_aim(&self->rays, self->par.ray_count, self->par.ray_angle);
+    self->base_time = 0;
+    self->step = 0;
+    self->steps = 0;
+    self->out.collision = false;
+    output(self);
+}
+
+void straight_road_step(straight_road *self, double h) {
+    host_data host = data(self);
+    host_advance(&self->host, &host, h, self->par.substeps);
+    if (h != self->step) {
+        self->base_time += (double)self->steps * self->step;
+        self->step = h;
+        self->steps = 0;
+    }
+    self->steps += 1;
+    output(self);
+}

@@ -1,0 +1,25 @@
+"""``dse explore``."""
+
+from __future__ import annotations
+
+from dse.cli.app import app
+from dse.cli.arguments import FmiVersion, Fresh, Gate, NewFolder, StudyName, Workers, workspace_of
+
+
+@app.command()
+def explore(
+    study: StudyName,
+    folder: NewFolder,
+    workers: Workers = 0,
+    version: FmiVersion = 2,
+    fresh: Fresh = False,
+    gate: Gate = False,
+) -> None:
+    """Explore a study's design variables (the paper's PET).
+
+    Interrupted and started again it runs only what is missing; on a finished folder it does nothing.
+    """
+    from dse.cli.exploring import explore_into
+
+    loaded = workspace_of(study).study(study)
+    explore_into(loaded, folder, workers=workers, version=version, fresh=fresh, gate=gate)

@@ -1,0 +1,37 @@
+"""``dse init``."""
+
+from __future__ import annotations
+
+import shutil
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from dse.cli.app import app, console
+from dse.errors import Location, fail
+
+_FOLDERS = ("components", "designs", "testbenches")
+
+
+@app.command()
+def init(
+    folder: Annotated[Path, typer.Argument(metavar="DIR", help="A new or empty folder.")],
+) -> None:
+    """Lay out a working example: components, a design space, a test bench and studies."""
+    if folder.exists() and (not folder.is_dir() or any(folder.iterdir())):
+        raise fail("the folder is not empty", Location(str(folder)), "name a new folder; nothing is overwritten")
+    source = _content()
+    for name in _FOLDERS:
+        shutil.copytree(source / name, folder / name)
+    screen = console()
+    screen.print(f"{folder}: {sum(path.is_file() for path in folder.rglob('*'))} files")
+    screen.print(f"next: cd {folder}; dse check; dse explore acc_gains -o out; dse report out", soft_wrap=True)
+
+
+def _content() -> Path:
+    package = Path(__file__).resolve().parents[2]
+    for candidate in (package / "content", package.parent):
+        if all((candidate / name).is_dir() for name in _FOLDERS):
+            return candidate
+    raise fail("the example's files are missing from this installation", hint="install dse again")

@@ -1,0 +1,32 @@
+"""``dse report``."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from dse.cli.app import app, console
+from dse.cli.arguments import Folder
+
+
+@app.command()
+def report(
+    folder: Folder,
+    target: Annotated[Path | None, typer.Option("--output", "-o", metavar="FILE", help="Default: DIR/report.html.")] = None,
+    waveforms: Annotated[int, typer.Option("--waveforms", min=0, help="Most runs whose waveforms go into the page.")] = 4000,
+) -> None:
+    """Write one offline HTML page: constraint plot, thresholds, waveforms, run table.
+
+    Reads only the study folder; nothing is simulated.
+    """
+    from dse.report.page import write_report
+    from dse.report.study import read_content
+    from dse.results.folder import StudyFolder
+
+    page = target or folder / "report.html"
+    with StudyFolder.open(folder) as store:
+        content = read_content(store, shown_as=folder.as_posix(), most=waveforms)
+    write_report(content, page)
+    console().print(f"{page}: {len(content.runs)} runs, {page.stat().st_size / 1e6:.1f} MB", soft_wrap=True)

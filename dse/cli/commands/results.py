@@ -1,0 +1,43 @@
+"""``dse results``."""
+
+from __future__ import annotations
+
+import sys
+from enum import StrEnum
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from dse.cli.app import app
+from dse.cli.arguments import Folder
+
+
+class Table(StrEnum):
+    """Formats of a results table."""
+
+    CSV = "csv"
+    JSON = "json"
+    PARQUET = "parquet"
+    JUNIT = "junit"
+
+
+@app.command()
+def results(
+    folder: Folder,
+    output: Annotated[Table, typer.Option("--format", help="Table format; junit is for CI servers.")] = Table.CSV,
+    target: Annotated[Path | None, typer.Option("--output", "-o", metavar="FILE", help="Write here, not to standard output.")] = None,
+) -> None:
+    """Print a study's runs: point, metrics, verdicts and margins, in SI units."""
+    from dse.results.export import EXPORTS
+    from dse.results.folder import StudyFolder
+
+    with StudyFolder.open(folder) as store:
+        data = EXPORTS[str(output)](store)
+    if target is not None:
+        target.parent.mkdir(parents=True, exist_ok=True)
+        target.write_bytes(data)
+    elif output is Table.PARQUET and sys.stdout.isatty():
+        raise typer.BadParameter("parquet is no text: name a file with -o", param_hint="--format")
+    else:
+        sys.stdout.buffer.write(data)

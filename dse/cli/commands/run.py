@@ -1,0 +1,26 @@
+"""``dse run``."""
+
+from __future__ import annotations
+
+from dse.cli.app import app
+from dse.cli.arguments import Bench, FmiVersion, Fresh, Gate, NewFolder, Workers, workspace_of
+
+
+@app.command()
+def run(
+    bench: Bench,
+    folder: NewFolder,
+    workers: Workers = 0,
+    version: FmiVersion = 2,
+    fresh: Fresh = False,
+    gate: Gate = False,
+) -> None:
+    """Run a test bench once on every valid configuration.
+
+    Interrupted and started again it goes on where it was.
+    """
+    from dse.cli.exploring import explore_into
+    from dse.testbench.plan import bench_study
+
+    study = bench_study(workspace_of(bench).bench(bench))
+    explore_into(study, folder, workers=workers, version=version, fresh=fresh, gate=gate)

@@ -1,0 +1,116 @@
+"""What `run`, `explore`, `simulate` and `replay` share: exploring with a progress bar, and one run on its own."""
+
+from __future__ import annotations
+
+import tempfile
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import typer
+
+from dse.cli.app import DONE, RUNS_FAILED, console
+from dse.cli.arguments import processes
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+    from typing import Any
+
+    from dse.domain.run import Run
+    from dse.domain.study import Study
+    from dse.results.header import StudyHeader
+    from dse.results.table import RunTable
+    from dse.testbench.plan import Plan
+
+
+def explore_into(study: Study, folder: Path, *, workers: int, version: int, fresh: bool, gate: bool) -> None:
+    """Explore *study* into *folder* with a progress bar, say what came of it, and exit as it deserves."""
+    from dse.cli.progress import progress_bar
+    from dse.exploration.explore import explore
+    from dse.results.folder import StudyFolder
+    from dse.testbench.execute import make_executor
+    from dse.testbench.plan import plan
+
+    with console(stderr=True).status("building FMUs, assembling configurations"):
+        planned = plan(study, version=version)
+    if fresh:
+        StudyFolder.discard(folder)
+    with StudyFolder.resume(folder, header_of(planned)) as store:
+        before = len(store.finished())
+        with progress_bar() as show:
+            explore(
+                study,
+                planned.prepared,
+                store,
+                workers=processes(workers),
+                make_executor=make_executor,
+                on_progress=show,
+            )
+        table = store.table()
+    _say(folder, table, before)
+    raise typer.Exit(exit_code(table, gate=gate))
+
+
+def run_alone(study: Study, *, version: int) -> tuple[Run, Mapping[str, Any]]:
+    """The single run of *study*, made in a process of its own, with waveforms; and the study's definition."""
+    from dse.exploration.explore import explore
+    from dse.results.folder import StudyFolder
+    from dse.testbench.execute import make_executor
+    from dse.testbench.plan import plan
+
+    planned = plan(study, version=version)
+    with tempfile.TemporaryDirectory(prefix="dse-") as scratch:
+        with StudyFolder.create(Path(scratch) / "run", header_of(planned)) as store:
+            explore(
+                study, planned.prepared, store, workers=1, make_executor=make_executor, on_progress=lambda _: None
+            )
+            run = store.run(0)
+    return run, planned.definition
+
+
+def header_of(planned: Plan) -> StudyHeader:
+    """The header of the study folder for *planned*."""
+    from dse.exploration.samplers import requests
+    from dse.results.header import StudyHeader
+
+    runs = len(requests(planned.study, tuple(planned.prepared)))
+    return StudyHeader(planned.definition, planned.fingerprint, runs)
+
+
+def exit_code(table: RunTable, *, gate: bool) -> int:
+    """3 if a run failed to run, or with *gate* if a requirement failed; else 0."""
+    counts = verdict_counts(table)
+    failed = bool((~table.done).any()) or (gate and any(count["fail"] for count in counts.values()))
+    return RUNS_FAILED if failed else DONE
+
+
+def verdict_counts(table: RunTable) -> dict[str, dict[str, int]]:
+    """How often each verdict was given, by requirement."""
+    from dse.results.rows import VERDICTS
+
+    return {
+        name: {str(verdict): int((table.verdicts(name) == code).sum()) for code, verdict in enumerate(VERDICTS)}
+        for name in table.header.requirements
+    }
+
+
+def _say(folder: Path, table: RunTable, before: int) -> None:
+    from rich.table import Table
+
+    screen = console()
+    made = len(table) - before
+    screen.print(f"{folder}: {len(table)} runs, {made} of them new" if made else f"{folder}: all {len(table)} runs were there")
+    titles = {entry["name"]: entry["title"] for entry in table.header.definition["requirements"]}
+    counts = verdict_counts(table)
+    if counts:
+        shown = Table(box=None, pad_edge=False, header_style="bold")
+        shown.add_column("requirement")
+        for verdict in next(iter(counts.values())):
+            shown.add_column(verdict, justify="right")
+        for name, count in counts.items():
+            label = name if titles[name] == name else f"{name} {titles[name]}"
+            shown.add_row(label, *(str(number) for number in count.values()))
+        screen.print(shown)
+    problems = [problem for problem in table.problems if problem]
+    for problem in list(dict.fromkeys(problems))[:5]:
+        screen.print(f"  failed: {problem}", soft_wrap=True)
+    screen.print(f"next: dse report {folder}", soft_wrap=True)

@@ -1,0 +1,45 @@
+"""The progress bar of a study."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from typing import TYPE_CHECKING
+
+from dse.cli.app import console
+
+if TYPE_CHECKING:
+    from rich.progress import TaskID
+
+    from dse.exploration.progress import Progress
+
+
+@contextmanager
+def progress_bar() -> Iterator[Callable[[Progress], None]]:
+    """Shows done of total, rate, time left and failures on standard error while the context lasts."""
+    from rich import progress as columns
+
+    bar = columns.Progress(
+        columns.TextColumn("{task.description}"),
+        columns.BarColumn(bar_width=32),
+        columns.MofNCompleteColumn(),
+        columns.TextColumn("{task.fields[rate]}"),
+        columns.TimeElapsedColumn(),
+        columns.TextColumn("left"),
+        columns.TimeRemainingColumn(),
+        columns.TextColumn("{task.fields[failed]}"),
+        console=console(stderr=True),
+        refresh_per_second=5,
+    )
+    tasks: dict[str, TaskID] = {}
+
+    def show(progress: Progress) -> None:
+        stage = str(progress.stage)
+        if stage not in tasks:
+            tasks[stage] = bar.add_task(stage, total=progress.total, rate="", failed="")
+        rate = f"{progress.rate:,.0f} runs/s" if progress.rate else ""
+        failed = f"{progress.failed} failed" if progress.failed else ""
+        bar.update(tasks[stage], completed=progress.done, total=progress.total, rate=rate, failed=failed)
+
+    with bar:
+        yield show

@@ -1,0 +1,40 @@
+"""One run on the terminal, and its figures as a file."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from dse.cli.app import console
+from dse.cli.tables import metric_table
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from dse.domain.run import Run
+
+
+def show_run(run: Run, definition: Mapping[str, Any]) -> None:
+    """The configuration, the point, and every metric with its verdicts."""
+    screen = console()
+    (configuration,) = [c for c in definition["configurations"] if c["id"] == run.request.configuration]
+    chosen = ", ".join(f"{place} {choice}" for place, choice in configuration["choices"].items())
+    screen.print(f"{definition['title']}", style="bold")
+    screen.print(f"configuration {run.request.configuration}: {chosen}", soft_wrap=True)
+    if run.problem:
+        screen.print(f"failed to run: {run.problem}", style="bold red", soft_wrap=True)
+    screen.print(metric_table(run, definition))
+
+
+def draw_run(run: Run, definition: Mapping[str, Any], target: Path) -> None:
+    """Draw the bench's figures for *run* into *target*; nothing is drawn for a run that failed."""
+    from dse.report.draw import draw_waveforms, save
+    from dse.report.figures import waveform_data
+    from dse.report.study import content_of_run
+
+    if run.waveforms is None:
+        console(stderr=True).print(f"{target}: not drawn, the run has no waveforms")
+        return
+    content = content_of_run(run, definition)
+    save(draw_waveforms(waveform_data(content, run.request.number)), target)
+    console().print(f"figures: {target}", soft_wrap=True)

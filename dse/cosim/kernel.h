@@ -1,0 +1,103 @@
+/* The tables the co-simulation kernel works on. dse/cosim/layout.py mirrors every structure, field by field. */
+#ifndef DSE_COSIM_KERNEL_H
+#define DSE_COSIM_KERNEL_H
+
+#include "fmi.h"
+
+#if defined(_WIN32)
+#define DSE_API __declspec(dllexport)
+#else
+#define DSE_API __attribute__((visibility("default")))
+#endif
+
+/* Type of a group of variables, as its accessor has it. Everything is a double in the table of values. */
+enum { FLOAT64, FLOAT32, INT8, UINT8, INT16, UINT16, INT32, UINT32, INT64, UINT64, BOOLEAN, FMI2_BOOLEAN };
+
+/* The FMI function that is being called; GET and SET have the group's type added. */
+enum {
+    IDLE, INSTANTIATE, FREE_INSTANCE, RESET, SETUP_EXPERIMENT, ENTER_INITIALIZATION, EXIT_INITIALIZATION, DO_STEP,
+    TERMINATE, GET = 16, SET = 32
+};
+
+/* Why a run stopped. */
+enum { NOTHING, BAD_STATUS, NO_INSTANCE, NOT_SETTLED, NOT_FINITE, TOO_LARGE, UNFIT_START, UNFIT_INPUT, STEP_CUT_SHORT };
+
+/* Where the simulation is: written before every FMI call, so that a supervisor can read it after a crash. */
+typedef struct {
+    int64_t element, call, step, run; /* step is -1 outside the stepping phase */
+} Progress;
+
+enum { LOG_LINES = 16, LOG_WIDTH = 512 };
+
+/* The last lines an FMU logged; line i of all *count* lies in lines[i % LOG_LINES]. */
+typedef struct {
+    uint64_t count;
+    char lines[LOG_LINES][LOG_WIDTH];
+} Log;
+
+/* Variables of one element that one accessor call reads or writes. */
+typedef struct {
+    FmiFunction access;
+    const uint32_t *references;
+    const int32_t *sources; /* to write: where each value is taken from */
+    void *room;             /* count values as the accessor has them */
+    int64_t count;
+    int64_t first; /* to read: where the first value goes, the others behind it */
+    int64_t type;
+} Group;
+
+typedef struct {
+    int64_t version; /* 2 or 3 */
+    const char *name, *token, *resources;
+    FmiFunction instantiate, free_instance, reset, setup_experiment, enter_initialization, exit_initialization, do_step,
+        terminate;
+    void *instance;
+    Log *log;
+    Fmi2Callbacks callbacks;
+    Group *starts, *inputs, *outputs;
+    int64_t n_starts, n_inputs, n_outputs;
+    int64_t first, count; /* the element's part of the table of values */
+} Element;
+
+typedef struct {
+    int64_t kind, status; /* UNFIT: status is the group; STEP_CUT_SHORT: whether to end the simulation */
+    Progress place;
+    int64_t position; /* of the variable in its group, or in the table of values */
+    double value;
+} Failure;
+
+typedef struct {
+    Element *elements;
+    int64_t n_elements;
+    double *values, *previous; /* the outputs of all elements, now and one sweep before */
+    int64_t n_values;
+    const int32_t *finite; /* values that have to be finite: floating-point outputs that are wired */
+    int64_t n_finite;
+    int64_t sweeps; /* most sweeps the initialization may take */
+    Progress *progress;
+    Progress unwatched;
+    Failure failure;
+} System;
+
+typedef struct {
+    double stop, step;
+    int64_t steps;
+    const double *starts;
+    const int32_t *record;
+    int64_t n_record;
+    double *out;       /* [steps + 1][n_record] */
+    uint64_t *digests; /* [steps + 1][n_elements], or NULL */
+} Request;
+
+/* All return 0, or 1 with system->failure filled in. */
+DSE_API int dse_instantiate(System *system);
+DSE_API int dse_reset(System *system);
+DSE_API int dse_run(System *system, const Request *request);
+
+/* Free every instance there is. */
+DSE_API void dse_free(System *system);
+
+/* sizeof of the structures above in their order: a binding that disagrees must not go on. */
+DSE_API extern const int64_t dse_layout[8];
+
+#endif

@@ -1,0 +1,172 @@
+"""Simulations of one system, one kernel call per run."""
+
+from __future__ import annotations
+
+import ctypes
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from types import MappingProxyType, TracebackType
+
+import numpy as np
+from numpy.typing import NDArray
+
+from dse.cosim import layout
+from dse.cosim.clock import end_of, steps_in
+from dse.cosim.diagnosis import diagnose
+from dse.cosim.failure import RunFailed
+from dse.cosim.library import occupy, vacate
+from dse.cosim.tables import Tables
+from dse.cosim.wiring import wire_up
+from dse.domain.system import SystemStructure
+
+__all__ = ["RunFailed", "Simulator"]
+
+_NO_START: Mapping[str, float] = MappingProxyType({})
+
+
+@dataclass(frozen=True, slots=True)
+class _Run:
+    stop: float
+    step: float
+    steps: int
+    starts: NDArray[np.float64]
+
+
+class Simulator:
+    """Runs *system* again and again; *record* names the outputs to record, in order (``element.fmi_variable``).
+
+    Loads each FMU library once and owns the instances; close it, or use it in a ``with`` block. The first run is on
+    fresh instances. On the second the FMUs' reset is put to the proof: the run is made on reset instances and again on
+    fresh ones, and every output of every step is compared, bit for bit. From then on instances are reset if that made
+    no difference, and made anew before each run if it did. After a failed run they are made anew in any case.
+
+    *reset_is_trusted* tells the outcome, None before the proof; set it to False to do without resets from the start.
+    *reset_differs* names the elements whose outputs were the first to differ. *progress* is a writable buffer of
+    :data:`dse.cosim.progress.PROGRESS_BYTES` in which the kernel keeps note of the FMI call it is in.
+
+    Raises DseError if the system cannot be simulated (a library that does not load, a wire to a string, …).
+    One simulator must not be used from two threads at a time.
+    """
+
+    def __init__(self, system: SystemStructure, record: Sequence[str], *, progress: memoryview | None = None) -> None:
+        self.system = system
+        self.reset_is_trusted: bool | None = None
+        self.reset_differs: tuple[str, ...] = ()
+        wiring = wire_up(system)
+        self._record = np.array(wiring.record(record), np.int32)
+        self._kernel = layout.kernel()
+        self._tables = Tables(wiring, progress)
+        self._occupied = occupy(system)
+        self._can_reset = False
+        self._lost: RunFailed | None = None
+        self._closed = False
+
+    def run(self, *, stop: float, step: float, start: Mapping[str, float] = _NO_START) -> NDArray[np.float64]:
+        """Simulate from 0 to *stop* in steps of *step* (seconds).
+
+        *start* gives values to parameters and unconnected inputs by ``element.fmi_variable``, for this run only and
+        before those of ``Element.start``. Returns a fresh array of shape ``(round(stop/step) + 1, len(record))``, row
+        k holding the outputs at time ``k * step``. Raises RunFailed if an FMU fails, DseError for an impossible
+        request.
+        """
+        if self._closed:
+            raise ValueError("the simulator is closed")
+        if self._lost:
+            raise self._lost
+        steps = steps_in(stop, step)
+        starts = self._tables.starts
+        if not starts.covers(start):
+            own = {f"{element.name}.{name}" for element in self.system.elements for name in element.start}
+            self._tables.add_starts(sorted(start.keys() - own))
+            starts = self._tables.starts
+        run = _Run(end_of(stop, step, steps), step, steps, starts.values(start))
+        if self._can_reset and self.reset_is_trusted is None:
+            return self._prove_reset(run)
+        if self._can_reset and self.reset_is_trusted and self._reset():
+            return self._simulate(run)
+        self._renew()
+        return self._simulate(run)
+
+    def close(self) -> None:
+        """Free the instances and let go of the progress block. Safe to call twice."""
+        if self._closed:
+            return
+        self._closed = True
+        self._kernel.dse_free(ctypes.byref(self._tables.system))
+        self._tables.release()
+        if not self._lost:
+            vacate(self._occupied)
+
+    def __enter__(self) -> Simulator:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self.close()
+
+    def _simulate(self, run: _Run, digests: NDArray[np.uint64] | None = None) -> NDArray[np.float64]:
+        out = np.empty((run.steps + 1, self._record.size), np.float64)
+        request = layout.Request(
+            run.stop,
+            run.step,
+            run.steps,
+            run.starts.ctypes.data,
+            self._record.ctypes.data,
+            self._record.size,
+            out.ctypes.data,
+            None if digests is None else digests.ctypes.data,
+        )
+        self._can_reset = False
+        if self._kernel.dse_run(ctypes.byref(self._tables.system), ctypes.byref(request)):
+            raise self._failure(run.step)
+        self._can_reset = True
+        return out
+
+    def _reset(self) -> bool:
+        if not self._kernel.dse_reset(ctypes.byref(self._tables.system)):
+            return True
+        failure = self._failure(0.0)
+        self.reset_is_trusted, self.reset_differs = False, (failure.element,)
+        if failure.fatal:
+            raise failure
+        return False
+
+    def _renew(self) -> None:
+        self._kernel.dse_free(ctypes.byref(self._tables.system))
+        if self._kernel.dse_instantiate(ctypes.byref(self._tables.system)):
+            raise self._failure(0.0)
+
+    def _prove_reset(self, run: _Run) -> NDArray[np.float64]:
+        after_reset, fresh = (np.zeros((run.steps + 1, len(self.system.elements)), np.uint64) for _ in range(2))
+        failed_at = None
+        if self._reset():
+            try:
+                self._simulate(run, after_reset)
+            except RunFailed as failure:
+                if failure.fatal:
+                    raise
+                failed_at = failure.element
+        self._renew()
+        out = self._simulate(run, fresh)  # if this fails too, the run is at fault and the reset still unproven
+        if self.reset_is_trusted is None:
+            differs = after_reset != fresh
+            first = differs[differs.any(axis=1).argmax()]
+            names = [element.name for element, differ in zip(self.system.elements, first, strict=True) if differ]
+            self.reset_differs = (failed_at,) if failed_at else tuple(names)
+            self.reset_is_trusted = not self.reset_differs
+        return out
+
+    def _failure(self, step: float) -> RunFailed:
+        failure = diagnose(self._tables, step)
+        if failure.fatal:
+            self._abandon(failure)
+        return failure
+
+    def _abandon(self, failure: RunFailed) -> None:
+        """After a fatal error no function of that library may be called any more, not even to free an instance."""
+        self._lost = failure
+        library = self.system.element(failure.element).model.library
+        for element, structure in zip(self.system.elements, self._tables.elements, strict=True):
+            if element.model.library == library:
+                structure.instance = None

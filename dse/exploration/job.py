@@ -1,0 +1,97 @@
+"""What a worker process is given and what it sends back."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any, Protocol
+
+from dse.domain.component import Value
+from dse.domain.run import Run, RunRequest
+from dse.results.rows import RowBlock
+
+
+class Bench(Protocol):
+    """A configuration ready to be simulated; picklable."""
+
+    @property
+    def timeout(self) -> float:
+        """Seconds a single run may take."""
+
+    def describe_progress(self, block: bytes) -> str:
+        """Where a simulation was, from the progress block it left."""
+
+
+class Executor(Protocol):
+    """Simulates one configuration again and again in a worker process."""
+
+    def run(self, request: RunRequest, *, keep: bool) -> Run:
+        """The run of *request*, with waveforms only if *keep*; a run that fails is a result."""
+
+    def close(self) -> None:
+        """Free what the simulation holds."""
+
+
+MakeExecutor = Callable[[Any, memoryview], Executor]
+"""Makes an executor from a `Bench` and a progress block; a function that can be imported by name."""
+
+
+@dataclass(frozen=True, slots=True)
+class Batch:
+    """Runs of one configuration that go to one worker together.
+
+    *numbers* are sorted; *points* has a row per number and a column per entry of *names*. If *file* is not "",
+    waveforms are kept in the file of that name.
+    """
+
+    identity: int
+    configuration: str
+    names: tuple[str, ...]
+    numbers: tuple[int, ...]
+    points: tuple[tuple[Value, ...], ...]
+    file: str = ""
+
+    @property
+    def keep(self) -> bool:
+        """Whether waveforms are kept."""
+        return bool(self.file)
+
+    def point(self, number: int) -> tuple[Value, ...]:
+        """The point of run *number*; ValueError if it is not in the batch."""
+        return self.points[self.numbers.index(number)]
+
+    def without(self, numbers: set[int]) -> Batch:
+        """The same batch less *numbers*."""
+        left = [row for row, number in enumerate(self.numbers) if number not in numbers]
+        return replace(
+            self,
+            numbers=tuple(self.numbers[row] for row in left),
+            points=tuple(self.points[row] for row in left),
+        )
+
+
+@dataclass(frozen=True, slots=True)
+class Setup:
+    """What every worker of an exploration needs; *benches* holds a pickled bench per configuration."""
+
+    make_executor: MakeExecutor
+    benches: Path
+    waveforms: Path
+    metrics: tuple[str, ...]
+    requirements: tuple[str, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Report:
+    """From a worker: runs of the batch *identity* that are finished.
+
+    *ended* with the last of them; then *kept* are the numbers whose waveforms are in the batch's file. *broken*
+    says why the worker cannot go on at all, as when the disk is full.
+    """
+
+    identity: int
+    block: RowBlock | None = None
+    ended: bool = False
+    kept: tuple[int, ...] = ()
+    broken: str = ""

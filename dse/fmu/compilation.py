@@ -1,0 +1,107 @@
+"""One run of the compiler: staged C files in, a shared library or located problems out."""
+
+from __future__ import annotations
+
+import posixpath
+import re
+import subprocess
+import sys
+import tempfile
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+from dse.fmu.toolchain import Compiler, environment
+
+# No contraction: a*b+c rounds twice everywhere, so results do not depend on the processor's instructions.
+LANGUAGE_OPTIONS = ("-std=c11", "-O2", "-ffp-contract=off")
+"""Options that decide what the numbers are; whoever compiles the embedded sources should use them too."""
+
+# A clock in the binary would make two builds differ; the rest are mistakes that C would let through.
+_CHECKS = ("date-time", "implicit-function-declaration", "incompatible-pointer-types", "int-conversion", "return-type")
+
+
+@dataclass(frozen=True, slots=True)
+class Diagnostic:
+    """An error the compiler reports. *file* is relative to the staged folder; "" if it is the linker's."""
+
+    file: str
+    line: int
+    column: int
+    message: str
+
+
+class CompilationError(Exception):
+    """The compiler refused; *diagnostics* is never empty."""
+
+    def __init__(self, diagnostics: tuple[Diagnostic, ...]) -> None:
+        super().__init__(diagnostics)
+        self.diagnostics = diagnostics
+
+
+def options() -> tuple[str, ...]:
+    """All options but the names of files, for this platform. They belong in the cache key."""
+    common = (*LANGUAGE_OPTIONS, "-fvisibility=hidden", *(f"-Werror={check}" for check in _CHECKS), "-shared")
+    if sys.platform == "win32":
+        return (*common, "-s", "-Wl,--no-insert-timestamp")
+    if sys.platform == "darwin":
+        return (*common, "-fPIC")
+    return (*common, "-fPIC", "-s", "-Wl,-z,defs")
+
+
+def compile_library(
+    compiler: Compiler, files: Mapping[str, bytes], units: Iterable[str], include_folder: str, library: str
+) -> bytes:
+    """The shared library *library* made of *units*, which see no other files than *files* and the system's headers.
+
+    Same input, same bytes: paths are relative. Raises CompilationError.
+    """
+    with tempfile.TemporaryDirectory(prefix="dse-") as scratch:
+        folder = Path(scratch) / "sources"
+        for name, content in files.items():
+            target = folder / name
+            target.parent.mkdir(parents=True, exist_ok=True)
+            target.write_bytes(content)
+        product = Path(scratch) / library
+        libraries = () if sys.platform == "win32" else ("-lm",)
+        arguments = [*options(), f"-I{include_folder}", *units, "-o", f"../{library}", *libraries]
+        answer = subprocess.run(
+            [*compiler.command, *arguments],
+            cwd=folder,
+            env=environment(),
+            stdin=subprocess.DEVNULL,
+            capture_output=True,
+            text=True,
+            encoding="utf-8",
+            errors="replace",
+            check=False,
+        )
+        if answer.returncode == 0 and product.is_file():
+            return product.read_bytes()
+    raise CompilationError(tuple(_diagnostics(answer.stderr or answer.stdout)))
+
+
+_LOCATED = re.compile(r"^(?P<file>[^\s:][^:]*):(?P<line>\d+):(?:(?P<column>\d+):)? (?:fatal )?error: (?P<message>.*)$")
+_UNDEFINED = re.compile(r"undefined (?:reference to|symbol:?) [`'\"]?(?P<name>[A-Za-z_]\w*)")
+_TWICE = re.compile(r"(?:multiple definition of|duplicate symbol:?) [`'\"]?(?P<name>[A-Za-z_]\w*)")
+_FLAG = re.compile(r" \[-W[^\]]*\]$")
+
+
+def _diagnostics(text: str) -> list[Diagnostic]:
+    found = []
+    for line in text.splitlines():
+        if match := _LOCATED.match(line):
+            file = posixpath.normpath(match["file"].replace("\\", "/"))
+            message = _FLAG.sub("", match["message"])
+            found.append(Diagnostic(file, int(match["line"]), int(match["column"] or 0), message))
+    if found:
+        return list(dict.fromkeys(found))
+    for pattern, message in ((_UNDEFINED, "'{}' is called but not defined"), (_TWICE, "'{}' is defined twice")):
+        names = dict.fromkeys(match["name"] for match in pattern.finditer(text))
+        found += [Diagnostic("", 0, 0, message.format(name)) for name in names]
+    return found or [Diagnostic("", 0, 0, "the compiler failed: " + _last_lines(text))]
+
+
+def _last_lines(text: str) -> str:
+    lines = [line.strip() for line in text.splitlines() if line.strip()]
+    return "; ".join(lines[-3:]) or "it said nothing"

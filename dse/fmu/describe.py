@@ -1,0 +1,213 @@
+"""modelDescription.xml and buildDescription.xml of an FMU that is built here, for FMI 2.0 and 3.0."""
+
+from __future__ import annotations
+
+import xml.etree.ElementTree as ET
+from dataclasses import dataclass
+from fractions import Fraction
+
+from dse.domain.component import Kind, Type
+from dse.fmu.slots import SI_SYMBOLS, Role, Slot
+from dse.units import Unit
+
+
+@dataclass(frozen=True, slots=True)
+class Subject:
+    """What is described. *period* is the sample time in seconds, None for a plant; *files* lie in ``sources/``."""
+
+    name: str
+    identifier: str
+    title: str
+    token: str
+    period: float | None
+    slots: tuple[Slot, ...]
+    files: tuple[str, ...]
+    include_folder: str
+
+
+def describe(subject: Subject, version: int) -> bytes:
+    """modelDescription.xml. The dependencies of outputs are left out, which says: on everything."""
+    root = ET.Element("fmiModelDescription", fmiVersion="2.0" if version == 2 else "3.0", modelName=subject.name)
+    root.set("guid" if version == 2 else "instantiationToken", subject.token)
+    if subject.title:
+        root.set("description", subject.title)
+    root.set("generationTool", "dse")
+    root.set("variableNamingConvention", "structured")
+    (_interface_2 if version == 2 else _interface_3)(root, subject)
+    _add_units(root, subject.slots)
+    _add_types(root, subject.slots, version)
+    categories = ET.SubElement(root, "LogCategories")
+    ET.SubElement(categories, "Category", name="logStatusError", description="What was refused, and why")
+    experiment = ET.SubElement(root, "DefaultExperiment", startTime="0.0")
+    if subject.period is not None:
+        experiment.set("stepSize", repr(subject.period))
+    (_variables_2 if version == 2 else _variables_3)(root, subject.slots, is_sampled=subject.period is not None)
+    return _text(root)
+
+
+def describe_build(subject: Subject, options: tuple[str, ...]) -> bytes:
+    """buildDescription.xml, by which an FMI 3.0 importer compiles ``sources/`` itself."""
+    root = ET.Element("fmiBuildDescription", fmiVersion="3.0")
+    configuration = ET.SubElement(root, "BuildConfiguration", modelIdentifier=subject.identifier)
+    files = ET.SubElement(configuration, "SourceFileSet", language="C11", compilerOptions=" ".join(options))
+    for name in subject.files:
+        ET.SubElement(files, "SourceFile", name=name)
+    ET.SubElement(files, "IncludeDirectory", name=subject.include_folder)
+    return _text(root)
+
+
+def _text(root: ET.Element) -> bytes:
+    ET.indent(root)
+    text: bytes = ET.tostring(root, encoding="utf-8", xml_declaration=True)
+    return text + b"\n"
+
+
+def _interface_2(root: ET.Element, subject: Subject) -> None:
+    interface = ET.SubElement(
+        root,
+        "CoSimulation",
+        modelIdentifier=subject.identifier,
+        canHandleVariableCommunicationStepSize="true",
+        canNotUseMemoryManagementFunctions="true",
+        canGetAndSetFMUstate="true",
+        canSerializeFMUstate="true",
+    )
+    sources = ET.SubElement(interface, "SourceFiles")
+    for name in subject.files:
+        ET.SubElement(sources, "File", name=name)
+
+
+def _interface_3(root: ET.Element, subject: Subject) -> None:
+    ET.SubElement(
+        root,
+        "CoSimulation",
+        modelIdentifier=subject.identifier,
+        canHandleVariableCommunicationStepSize="true",
+        canGetAndSetFMUState="true",
+        canSerializeFMUState="true",
+    )
+
+
+def _add_units(root: ET.Element, slots: tuple[Slot, ...]) -> None:
+    units = {slot.type.unit.symbol: slot.type.unit for slot in slots if _has_unit(slot)}
+    if not units:
+        return
+    definitions = ET.SubElement(root, "UnitDefinitions")
+    for symbol, unit in sorted(units.items()):
+        _add_base_unit(ET.SubElement(definitions, "Unit", name=symbol), unit)
+
+
+def _has_unit(slot: Slot) -> bool:
+    return slot.type.kind is Kind.REAL and bool(slot.type.unit.symbol)
+
+
+def _add_base_unit(parent: ET.Element, unit: Unit) -> None:
+    """Exponents, factor and offset to SI; nothing if FMI's base units cannot say the dimension, as for EUR."""
+    if any(name not in SI_SYMBOLS or exponent.denominator != 1 for name, exponent in unit.dimension):
+        return
+    base = ET.SubElement(parent, "BaseUnit")
+    for name, exponent in sorted(unit.dimension):
+        base.set(SI_SYMBOLS[name], str(exponent))
+    if unit.symbol == "rad":
+        base.set("rad", "1")
+    if unit.factor != Fraction(1):
+        base.set("factor", repr(float(unit.factor)))
+    if unit.offset:
+        base.set("offset", repr(float(unit.offset)))
+
+
+def _add_types(root: ET.Element, slots: tuple[Slot, ...], version: int) -> None:
+    types = {str(slot.type): slot.type for slot in slots if slot.type.kind is Kind.ENUMERATION}
+    if not types:
+        return
+    definitions = ET.SubElement(root, "TypeDefinitions")
+    for name, kind in sorted(types.items()):
+        if version == 2:
+            parent = ET.SubElement(ET.SubElement(definitions, "SimpleType", name=name), "Enumeration")
+        else:
+            parent = ET.SubElement(definitions, "EnumerationType", name=name)
+        for number, item in enumerate(kind.items):
+            ET.SubElement(parent, "Item", name=item, value=str(number))
+
+
+def _variables_2(root: ET.Element, slots: tuple[Slot, ...], is_sampled: bool) -> None:
+    variables = ET.SubElement(root, "ModelVariables")
+    for slot in slots:
+        attributes = _common(slot, is_sampled)
+        variable = ET.SubElement(variables, "ScalarVariable", attributes)
+        ET.SubElement(variable, _TYPES_2[slot.type.kind], _typed(slot))
+    structure = ET.SubElement(root, "ModelStructure")
+    outputs = [slot for slot in slots if slot.role is Role.OUTPUT]
+    for name in ("Outputs", "InitialUnknowns") if outputs else ():
+        group = ET.SubElement(structure, name)
+        for slot in outputs:
+            ET.SubElement(group, "Unknown", index=str(slot.reference + 1))
+
+
+def _variables_3(root: ET.Element, slots: tuple[Slot, ...], is_sampled: bool) -> None:
+    variables = ET.SubElement(root, "ModelVariables")
+    for slot in slots:
+        attributes = {**_common(slot, is_sampled), **_typed(slot)}
+        ET.SubElement(variables, _TYPES_3[slot.type.kind], attributes)
+    time = "time"
+    while any(slot.name == time for slot in slots):
+        time += "_"
+    ET.SubElement(
+        variables,
+        "Float64",
+        name=time,
+        valueReference=str(len(slots)),
+        causality="independent",
+        variability="continuous",
+        description="Simulation time in seconds",
+    )
+    structure = ET.SubElement(root, "ModelStructure")
+    for name in ("Output", "InitialUnknown"):
+        for slot in slots:
+            if slot.role is Role.OUTPUT:
+                ET.SubElement(structure, name, valueReference=str(slot.reference))
+
+
+_TYPES_2 = {
+    Kind.REAL: "Real",
+    Kind.INTEGER: "Integer",
+    Kind.BOOLEAN: "Boolean",
+    Kind.ENUMERATION: "Enumeration",
+}
+_TYPES_3 = {**_TYPES_2, Kind.REAL: "Float64", Kind.INTEGER: "Int32"}
+
+
+def _common(slot: Slot, is_sampled: bool) -> dict[str, str]:
+    attributes = {"name": slot.name, "valueReference": str(slot.reference)}
+    if slot.title:
+        attributes["description"] = slot.title
+    attributes["causality"] = str(slot.role)
+    if slot.role is Role.PARAMETER:
+        attributes["variability"] = "tunable" if slot.is_tunable else "fixed"
+        attributes["initial"] = "exact"
+    else:
+        is_continuous = slot.role is Role.INPUT or not is_sampled
+        attributes["variability"] = "continuous" if slot.type.kind is Kind.REAL and is_continuous else "discrete"
+    if slot.role is Role.OUTPUT:
+        attributes["initial"] = "calculated"
+    return attributes
+
+
+def _typed(slot: Slot) -> dict[str, str]:
+    attributes: dict[str, str] = {}
+    if slot.type.kind is Kind.ENUMERATION:
+        attributes["declaredType"] = str(slot.type)
+    if _has_unit(slot):
+        attributes["unit"] = slot.type.unit.symbol
+    for name, number in (("min", slot.minimum), ("max", slot.maximum), ("start", slot.start)):
+        if number is not None and (name == "start" or slot.type.kind in (Kind.REAL, Kind.INTEGER)):
+            attributes[name] = _number(slot.type, number)
+    return attributes
+
+
+def _number(kind: Type, number: float | bool) -> str:
+    if kind.kind is Kind.REAL:
+        return repr(float(number))
+    if kind.kind is Kind.BOOLEAN:
+        return "true" if number else "false"
+    return str(int(number))

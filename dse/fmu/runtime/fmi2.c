@@ -1,0 +1,229 @@
+/* The functions of FMI 2.0 co-simulation over one component. */
+#include "fmi2_abi.h"
+#include "value.h"
+
+/* Most functions that only refuse do not look at their arguments. */
+#pragma GCC diagnostic ignored "-Wunused-parameter"
+
+#define STATUS(is_ok) ((is_ok) ? fmi2OK : fmi2Error)
+#define REFUSE(component, reason)                                                                                      \
+    do {                                                                                                               \
+        if (component) {                                                                                               \
+            dse_refuse(component, __func__, reason);                                                                   \
+        }                                                                                                              \
+        return fmi2Error;                                                                                              \
+    } while (0)
+
+static void tell(struct dse_instance *instance, const char *message) {
+    const fmi2Logger logger = (fmi2Logger)instance->callback;
+    if (logger) {
+        logger(instance->environment, instance->name, fmi2Error, "logStatusError", message);
+    }
+}
+
+DSE_EXPORT const char *fmi2GetTypesPlatform(void) { return "default"; }
+
+DSE_EXPORT const char *fmi2GetVersion(void) { return "2.0"; }
+
+/* Errors are always told; there is nothing else to log. */
+DSE_EXPORT fmi2Status fmi2SetDebugLogging(
+    fmi2Component c, fmi2Boolean on, size_t count, const fmi2String categories[]) {
+    return STATUS(dse_is_allowed(c, __func__, DSE_ANY_STATE));
+}
+
+/* Life */
+
+DSE_EXPORT fmi2Component fmi2Instantiate(fmi2String name, fmi2Type type, fmi2String guid, fmi2String resources,
+    const fmi2CallbackFunctions *functions, fmi2Boolean visible, fmi2Boolean logging) {
+    struct dse_instance *instance = dse_create(name ? name : "");
+    const char *reason = NULL;
+    if (!instance) {
+        return NULL;
+    }
+    instance->tell = tell;
+    instance->callback = functions ? (void (*)(void))functions->logger : NULL;
+    instance->environment = functions ? functions->componentEnvironment : NULL;
+    if (!name || !*name) {
+        reason = "the instance has no name";
+    } else if (!guid || strcmp(guid, DSE_TOKEN) != 0) {
+        reason = "the GUID is not that of this FMU; modelDescription.xml and library belong to different builds";
+    } else if (type != fmi2CoSimulation) {
+        reason = "only co-simulation is supported";
+    }
+    if (reason) {
+        dse_refuse(instance, __func__, "%s", reason);
+        dse_destroy(instance);
+        return NULL;
+    }
+    return instance;
+}
+
+DSE_EXPORT void fmi2FreeInstance(fmi2Component c) { dse_destroy(c); }
+
+DSE_EXPORT fmi2Status fmi2SetupExperiment(fmi2Component c, fmi2Boolean has_tolerance, fmi2Real tolerance,
+    fmi2Real start_time, fmi2Boolean has_stop_time, fmi2Real stop_time) {
+    return STATUS(dse_is_allowed(c, __func__, DSE_INSTANTIATED) && dse_set_up(c, __func__, start_time));
+}
+
+DSE_EXPORT fmi2Status fmi2EnterInitializationMode(fmi2Component c) {
+    struct dse_instance *instance = c;
+    if (!dse_is_allowed(instance, __func__, DSE_INSTANTIATED)) {
+        return fmi2Error;
+    }
+    if (!instance->at.is_set_up) {
+        REFUSE(instance, "fmi2SetupExperiment has to be called first");
+    }
+    dse_enter_initialization(instance);
+    return fmi2OK;
+}
+
+DSE_EXPORT fmi2Status fmi2ExitInitializationMode(fmi2Component c) {
+    if (!dse_is_allowed(c, __func__, DSE_INITIALIZING)) {
+        return fmi2Error;
+    }
+    dse_exit_initialization(c);
+    return fmi2OK;
+}
+
+DSE_EXPORT fmi2Status fmi2Terminate(fmi2Component c) {
+    struct dse_instance *instance = c;
+    if (!dse_is_allowed(instance, __func__, DSE_STEPPING)) {
+        return fmi2Error;
+    }
+    instance->at.state = DSE_TERMINATED;
+    return fmi2OK;
+}
+
+DSE_EXPORT fmi2Status fmi2Reset(fmi2Component c) {
+    if (!dse_is_allowed(c, __func__, DSE_ANY_STATE)) {
+        return fmi2Error;
+    }
+    dse_rewind(c);
+    return fmi2OK;
+}
+
+DSE_EXPORT fmi2Status fmi2DoStep(fmi2Component c, fmi2Real time, fmi2Real step, fmi2Boolean never_back) {
+    return STATUS(dse_do_step(c, __func__, time, step));
+}
+
+DSE_EXPORT fmi2Status fmi2CancelStep(fmi2Component c) { REFUSE(c, "no step is ever pending"); }
+
+/* Values */
+
+DSE_EXPORT fmi2Status fmi2GetReal(
+    fmi2Component c, const fmi2ValueReference references[], size_t count, fmi2Real values[]) {
+    return STATUS(dse_get_reals(c, __func__, references, count, values));
+}
+
+DSE_EXPORT fmi2Status fmi2SetReal(
+    fmi2Component c, const fmi2ValueReference references[], size_t count, const fmi2Real values[]) {
+    return STATUS(dse_set_reals(c, __func__, references, count, values));
+}
+
+#define WHOLE(name, type, kinds)                                                                                       \
+    DSE_EXPORT fmi2Status fmi2Get##name(                                                                               \
+        fmi2Component c, const fmi2ValueReference references[], size_t count, type values[]) {                         \
+        bool is_ok = dse_begin_get(c, __func__);                                                                       \
+        for (size_t k = 0; is_ok && k < count; k++) {                                                                  \
+            int64_t value = 0;                                                                                         \
+            is_ok = dse_get_whole(c, __func__, references[k], kinds, INT_MIN, INT_MAX, &value);                        \
+            values[k] = (type)value;                                                                                   \
+        }                                                                                                              \
+        return STATUS(is_ok);                                                                                          \
+    }                                                                                                                  \
+    DSE_EXPORT fmi2Status fmi2Set##name(                                                                               \
+        fmi2Component c, const fmi2ValueReference references[], size_t count, const type values[]) {                   \
+        bool is_ok = dse_begin_set(c, __func__);                                                                       \
+        for (size_t k = 0; is_ok && k < count; k++) {                                                                  \
+            is_ok = dse_set_whole(c, __func__, references[k], kinds, values[k]);                                       \
+        }                                                                                                              \
+        return STATUS(is_ok);                                                                                          \
+    }
+
+WHOLE(Integer, fmi2Integer, DSE_INTEGER | DSE_ENUMERATION)
+WHOLE(Boolean, fmi2Boolean, DSE_BOOLEAN)
+
+DSE_EXPORT fmi2Status fmi2GetString(
+    fmi2Component c, const fmi2ValueReference references[], size_t count, fmi2String values[]) {
+    REFUSE(c, "there are no strings");
+}
+
+DSE_EXPORT fmi2Status fmi2SetString(
+    fmi2Component c, const fmi2ValueReference references[], size_t count, const fmi2String values[]) {
+    REFUSE(c, "there are no strings");
+}
+
+/* Saved states */
+
+DSE_EXPORT fmi2Status fmi2GetFMUstate(fmi2Component c, fmi2FMUstate *state) {
+    struct dse_instance *instance = c;
+    return STATUS(dse_is_allowed(c, __func__, DSE_ANY_STATE) && dse_keep(c, __func__, &instance->at, state));
+}
+
+DSE_EXPORT fmi2Status fmi2SetFMUstate(fmi2Component c, fmi2FMUstate state) {
+    return STATUS(dse_is_allowed(c, __func__, DSE_ANY_STATE) && dse_restore(c, __func__, state));
+}
+
+DSE_EXPORT fmi2Status fmi2FreeFMUstate(fmi2Component c, fmi2FMUstate *state) {
+    free(*state);
+    *state = NULL;
+    return fmi2OK;
+}
+
+DSE_EXPORT fmi2Status fmi2SerializedFMUstateSize(fmi2Component c, fmi2FMUstate state, size_t *size) {
+    *size = DSE_SERIALIZED_SIZE;
+    return fmi2OK;
+}
+
+DSE_EXPORT fmi2Status fmi2SerializeFMUstate(fmi2Component c, fmi2FMUstate state, fmi2Byte bytes[], size_t size) {
+    return STATUS(dse_is_allowed(c, __func__, DSE_ANY_STATE) && dse_serialize(c, __func__, state, bytes, size));
+}
+
+DSE_EXPORT fmi2Status fmi2DeSerializeFMUstate(
+    fmi2Component c, const fmi2Byte bytes[], size_t size, fmi2FMUstate *state) {
+    return STATUS(dse_is_allowed(c, __func__, DSE_ANY_STATE) && dse_deserialize(c, __func__, bytes, size, state));
+}
+
+/* What FMI 2.0 leaves optional and this FMU does not claim */
+
+DSE_EXPORT fmi2Status fmi2GetDirectionalDerivative(fmi2Component c, const fmi2ValueReference unknowns[],
+    size_t unknown_count, const fmi2ValueReference knowns[], size_t known_count, const fmi2Real seed[],
+    fmi2Real sensitivity[]) {
+    REFUSE(c, "directional derivatives are not provided");
+}
+
+DSE_EXPORT fmi2Status fmi2SetRealInputDerivatives(fmi2Component c, const fmi2ValueReference references[],
+    size_t count, const fmi2Integer order[], const fmi2Real values[]) {
+    REFUSE(c, "inputs are held over a step; their derivatives are not used");
+}
+
+DSE_EXPORT fmi2Status fmi2GetRealOutputDerivatives(fmi2Component c, const fmi2ValueReference references[],
+    size_t count, const fmi2Integer order[], fmi2Real values[]) {
+    REFUSE(c, "output derivatives are not provided");
+}
+
+/* Steps never run in the background, so no status is ever pending: FMI answers such questions with "discard". */
+DSE_EXPORT fmi2Status fmi2GetStatus(fmi2Component c, const fmi2StatusKind kind, fmi2Status *value) {
+    return fmi2Discard;
+}
+
+DSE_EXPORT fmi2Status fmi2GetRealStatus(fmi2Component c, const fmi2StatusKind kind, fmi2Real *value) {
+    const struct dse_instance *instance = c;
+    if (!instance || kind != fmi2LastSuccessfulTime) {
+        return fmi2Discard;
+    }
+    *value = instance->at.time;
+    return fmi2OK;
+}
+
+DSE_EXPORT fmi2Status fmi2GetIntegerStatus(fmi2Component c, const fmi2StatusKind kind, fmi2Integer *value) {
+    return fmi2Discard;
+}
+
+DSE_EXPORT fmi2Status fmi2GetBooleanStatus(fmi2Component c, const fmi2StatusKind kind, fmi2Boolean *value) {
+    return fmi2Discard;
+}
+
+DSE_EXPORT fmi2Status fmi2GetStringStatus(fmi2Component c, const fmi2StatusKind kind, fmi2String *value) {
+    return fmi2Discard;
+}

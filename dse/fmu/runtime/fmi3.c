@@ -1,0 +1,203 @@
+/* The functions of FMI 3.0 over one component; what is not co-simulation is in fmi3_refused.h. */
+#include "fmi3_abi.h"
+#include "model.h"
+/* In FMI 3.0 time is a variable; it comes after the component's own. */
+#define DSE_TIME DSE_SLOT_COUNT
+#include "value.h"
+
+/* Functions that only refuse do not look at their arguments. */
+#pragma GCC diagnostic ignored "-Wunused-parameter"
+
+#define STATUS(is_ok) ((is_ok) ? fmi3OK : fmi3Error)
+#define REFUSE(instance, reason)                                                                                       \
+    do {                                                                                                               \
+        if (instance) {                                                                                                \
+            dse_refuse(instance, __func__, reason);                                                                    \
+        }                                                                                                              \
+        return fmi3Error;                                                                                              \
+    } while (0)
+
+static void tell(struct dse_instance *instance, const char *message) {
+    const fmi3Logger logger = (fmi3Logger)instance->callback;
+    if (logger) {
+        logger(instance->environment, fmi3Error, "logStatusError", message);
+    }
+}
+
+/* NULL after telling why, if *reason* is given or the token is not ours. */
+static fmi3Instance create(
+    const char *function, fmi3String name, fmi3String token, void *environment, fmi3Logger logger, const char *reason) {
+    struct dse_instance *instance = dse_create(name ? name : "");
+    if (!instance) {
+        return NULL;
+    }
+    instance->tell = tell;
+    instance->callback = (void (*)(void))logger;
+    instance->environment = environment;
+    if (!reason && (!name || !*name)) {
+        reason = "the instance has no name";
+    }
+    if (!reason && (!token || strcmp(token, DSE_TOKEN) != 0)) {
+        reason = "the instantiation token is not that of this FMU; modelDescription.xml and library belong to "
+                 "different builds";
+    }
+    if (reason) {
+        dse_refuse(instance, function, "%s", reason);
+        dse_destroy(instance);
+        return NULL;
+    }
+    return instance;
+}
+
+DSE_EXPORT const char *fmi3GetVersion(void) { return "3.0"; }
+
+/* Errors are always told; there is nothing else to log. */
+DSE_EXPORT fmi3Status fmi3SetDebugLogging(
+    fmi3Instance c, fmi3Boolean on, size_t count, const fmi3String categories[]) {
+    return STATUS(dse_is_allowed(c, __func__, DSE_ANY_STATE));
+}
+
+/* Life */
+
+DSE_EXPORT fmi3Instance fmi3InstantiateCoSimulation(fmi3String name, fmi3String token, fmi3String resources,
+    fmi3Boolean visible, fmi3Boolean logging, fmi3Boolean has_event_mode, fmi3Boolean may_return_early,
+    const fmi3ValueReference intermediate[], size_t intermediate_count, void *environment, fmi3Logger logger,
+    fmi3IntermediateUpdate update) {
+    return create(
+        __func__, name, token, environment, logger, has_event_mode ? "there is no event mode in this FMU" : NULL);
+}
+
+DSE_EXPORT void fmi3FreeInstance(fmi3Instance c) { dse_destroy(c); }
+
+DSE_EXPORT fmi3Status fmi3EnterInitializationMode(fmi3Instance c, fmi3Boolean has_tolerance, fmi3Float64 tolerance,
+    fmi3Float64 start_time, fmi3Boolean has_stop_time, fmi3Float64 stop_time) {
+    if (!dse_is_allowed(c, __func__, DSE_INSTANTIATED) || !dse_set_up(c, __func__, start_time)) {
+        return fmi3Error;
+    }
+    dse_enter_initialization(c);
+    return fmi3OK;
+}
+
+DSE_EXPORT fmi3Status fmi3ExitInitializationMode(fmi3Instance c) {
+    if (!dse_is_allowed(c, __func__, DSE_INITIALIZING)) {
+        return fmi3Error;
+    }
+    dse_exit_initialization(c);
+    return fmi3OK;
+}
+
+DSE_EXPORT fmi3Status fmi3Terminate(fmi3Instance c) {
+    struct dse_instance *instance = c;
+    if (!dse_is_allowed(instance, __func__, DSE_STEPPING)) {
+        return fmi3Error;
+    }
+    instance->at.state = DSE_TERMINATED;
+    return fmi3OK;
+}
+
+DSE_EXPORT fmi3Status fmi3Reset(fmi3Instance c) {
+    if (!dse_is_allowed(c, __func__, DSE_ANY_STATE)) {
+        return fmi3Error;
+    }
+    dse_rewind(c);
+    return fmi3OK;
+}
+
+DSE_EXPORT fmi3Status fmi3DoStep(fmi3Instance c, fmi3Float64 time, fmi3Float64 step, fmi3Boolean never_back,
+    fmi3Boolean *event, fmi3Boolean *terminate, fmi3Boolean *early, fmi3Float64 *last_time) {
+    const struct dse_instance *instance = c;
+    const bool is_ok = dse_do_step(c, __func__, time, step);
+    *event = *terminate = *early = false;
+    if (instance) {
+        *last_time = instance->at.time;
+    }
+    return STATUS(is_ok);
+}
+
+/* Values */
+
+DSE_EXPORT fmi3Status fmi3GetFloat64(fmi3Instance c, const fmi3ValueReference references[], size_t count,
+    fmi3Float64 values[], size_t value_count) {
+    return STATUS(dse_get_reals(c, __func__, references, count, values));
+}
+
+DSE_EXPORT fmi3Status fmi3SetFloat64(fmi3Instance c, const fmi3ValueReference references[], size_t count,
+    const fmi3Float64 values[], size_t value_count) {
+    return STATUS(dse_set_reals(c, __func__, references, count, values));
+}
+
+/* *kinds* are those whose variables the description declares with this type. */
+#define WHOLE(name, type, kinds, lowest, highest)                                                                      \
+    DSE_EXPORT fmi3Status fmi3Get##name(fmi3Instance c, const fmi3ValueReference references[], size_t count,           \
+        type values[], size_t value_count) {                                                                           \
+        bool is_ok = dse_begin_get(c, __func__);                                                                       \
+        for (size_t k = 0; is_ok && k < count; k++) {                                                                  \
+            int64_t value = 0;                                                                                         \
+            is_ok = dse_get_whole(c, __func__, references[k], kinds, lowest, highest, &value);                         \
+            values[k] = (type)value;                                                                                   \
+        }                                                                                                              \
+        return STATUS(is_ok);                                                                                          \
+    }                                                                                                                  \
+    DSE_EXPORT fmi3Status fmi3Set##name(fmi3Instance c, const fmi3ValueReference references[], size_t count,           \
+        const type values[], size_t value_count) {                                                                     \
+        bool is_ok = dse_begin_set(c, __func__);                                                                       \
+        for (size_t k = 0; is_ok && k < count; k++) {                                                                  \
+            is_ok = dse_set_whole(c, __func__, references[k], kinds, (int64_t)values[k]);                              \
+        }                                                                                                              \
+        return STATUS(is_ok);                                                                                          \
+    }
+
+WHOLE(Int32, fmi3Int32, DSE_INTEGER, INT32_MIN, INT32_MAX)
+WHOLE(Int64, fmi3Int64, DSE_ENUMERATION, INT64_MIN, INT64_MAX)
+WHOLE(Boolean, fmi3Boolean, DSE_BOOLEAN, INT64_MIN, INT64_MAX)
+
+#define ABSENT(name, type)                                                                                             \
+    DSE_EXPORT fmi3Status fmi3Get##name(fmi3Instance c, const fmi3ValueReference references[], size_t count,           \
+        type values[], size_t value_count) {                                                                           \
+        return STATUS(dse_has_none(c, __func__, references, count));                                                   \
+    }                                                                                                                  \
+    DSE_EXPORT fmi3Status fmi3Set##name(fmi3Instance c, const fmi3ValueReference references[], size_t count,           \
+        const type values[], size_t value_count) {                                                                     \
+        return STATUS(dse_has_none(c, __func__, references, count));                                                   \
+    }
+
+ABSENT(Float32, fmi3Float32)
+ABSENT(Int8, fmi3Int8)
+ABSENT(UInt8, fmi3UInt8)
+ABSENT(Int16, fmi3Int16)
+ABSENT(UInt16, fmi3UInt16)
+ABSENT(UInt32, fmi3UInt32)
+ABSENT(UInt64, fmi3UInt64)
+
+/* Saved states */
+
+DSE_EXPORT fmi3Status fmi3GetFMUState(fmi3Instance c, fmi3FMUState *state) {
+    struct dse_instance *instance = c;
+    return STATUS(dse_is_allowed(c, __func__, DSE_ANY_STATE) && dse_keep(c, __func__, &instance->at, state));
+}
+
+DSE_EXPORT fmi3Status fmi3SetFMUState(fmi3Instance c, fmi3FMUState state) {
+    return STATUS(dse_is_allowed(c, __func__, DSE_ANY_STATE) && dse_restore(c, __func__, state));
+}
+
+DSE_EXPORT fmi3Status fmi3FreeFMUState(fmi3Instance c, fmi3FMUState *state) {
+    free(*state);
+    *state = NULL;
+    return fmi3OK;
+}
+
+DSE_EXPORT fmi3Status fmi3SerializedFMUStateSize(fmi3Instance c, fmi3FMUState state, size_t *size) {
+    *size = DSE_SERIALIZED_SIZE;
+    return fmi3OK;
+}
+
+DSE_EXPORT fmi3Status fmi3SerializeFMUState(fmi3Instance c, fmi3FMUState state, fmi3Byte bytes[], size_t size) {
+    return STATUS(dse_is_allowed(c, __func__, DSE_ANY_STATE) && dse_serialize(c, __func__, state, bytes, size));
+}
+
+DSE_EXPORT fmi3Status fmi3DeserializeFMUState(
+    fmi3Instance c, const fmi3Byte bytes[], size_t size, fmi3FMUState *state) {
+    return STATUS(dse_is_allowed(c, __func__, DSE_ANY_STATE) && dse_deserialize(c, __func__, bytes, size, state));
+}
+
+#include "fmi3_refused.h"

@@ -1,0 +1,212 @@
+/* One instance of a component: its life, its time, its saved states. Knows nothing of an FMI version.
+ *
+ * Until the initialization is over, inputs and parameters are collected in *start*, whose other members stay
+ * zero. The component's own struct *now* is made from it by init, as often as values change and an output is
+ * asked for, so init always sees the same: values as set, all else zero.
+ */
+#ifndef DSE_INSTANCE_H
+#define DSE_INSTANCE_H
+
+#include <float.h>
+#include <math.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "model.h"
+#include "slot.h"
+
+#if defined _WIN32
+#define DSE_EXPORT __declspec(dllexport)
+#else
+#define DSE_EXPORT __attribute__((visibility("default")))
+#endif
+/* Kept out of the many accessors that call it: compiling copies of it is what a build would take its time for. */
+#define DSE_APART __attribute__((noinline))
+#define DSE_UNLIKELY(condition) __builtin_expect(!!(condition), 0)
+#define DSE_ANY_STATE (DSE_INSTANTIATED | DSE_INITIALIZING | DSE_STEPPING | DSE_TERMINATED)
+#define DSE_VALUES_KNOWN (DSE_INITIALIZING | DSE_STEPPING | DSE_TERMINATED)
+
+/* All that a saved state holds: numbers only, so that it can be copied and written to a file. */
+struct dse_snapshot {
+    uint32_t state;
+    uint32_t is_stale; /* *now* is older than *start* */
+    uint64_t is_set_up;
+    int64_t hits; /* sample hits that have run */
+    double start_time;
+    double time;
+    dse_component start;
+    dse_component now;
+};
+
+struct dse_instance {
+    struct dse_snapshot at;
+    void (*tell)(struct dse_instance *instance, const char *message);
+    void (*callback)(void); /* the importer's logger; only *tell* knows its type */
+    void *environment;
+    char *name;
+};
+
+static const char *dse_state_name(uint32_t state) {
+    switch (state) {
+    case DSE_INSTANTIATED: return "before the initialization mode";
+    case DSE_INITIALIZING: return "in the initialization mode";
+    case DSE_STEPPING: return "while stepping";
+    case DSE_TERMINATED: return "after the termination";
+    default: return "in an unknown state";
+    }
+}
+
+/* Tell the importer what is wrong; false, so that a caller can return it. */
+static DSE_APART __attribute__((cold)) bool dse_refuse(struct dse_instance *instance, const char *function, const char *format, ...) {
+    char text[512];
+    int used = snprintf(text, sizeof text, "%s: ", function);
+    va_list arguments;
+    va_start(arguments, format);
+    if (used > 0 && (size_t)used < sizeof text) {
+        vsnprintf(text + used, sizeof text - (size_t)used, format, arguments);
+    }
+    va_end(arguments);
+    instance->tell(instance, text);
+    return false;
+}
+
+static DSE_APART bool dse_refuse_state(struct dse_instance *instance, const char *function) {
+    return instance && dse_refuse(instance, function, "not allowed %s", dse_state_name(instance->at.state));
+}
+
+static inline bool dse_is_allowed(struct dse_instance *instance, const char *function, uint32_t states) {
+    if (DSE_UNLIKELY(!instance || !(instance->at.state & states))) {
+        return dse_refuse_state(instance, function);
+    }
+    return true;
+}
+
+static void dse_rewind(struct dse_instance *instance) {
+    memset(&instance->at, 0, sizeof instance->at);
+    instance->at.state = DSE_INSTANTIATED;
+    dse_component_start(&instance->at.start);
+}
+
+static struct dse_instance *dse_create(const char *name) {
+    struct dse_instance *instance = calloc(1, sizeof *instance);
+    size_t length = strlen(name) + 1;
+    if (!instance) {
+        return NULL;
+    }
+    instance->name = malloc(length);
+    if (!instance->name) {
+        free(instance);
+        return NULL;
+    }
+    memcpy(instance->name, name, length);
+    dse_rewind(instance);
+    return instance;
+}
+
+static void dse_destroy(struct dse_instance *instance) {
+    if (instance) {
+        free(instance->name);
+        free(instance);
+    }
+}
+
+static bool dse_set_up(struct dse_instance *instance, const char *function, double start_time) {
+    if (!isfinite(start_time)) {
+        return dse_refuse(instance, function, "the start time is not a finite number");
+    }
+    instance->at.start_time = instance->at.time = start_time;
+    instance->at.is_set_up = 1;
+    return true;
+}
+
+static void dse_enter_initialization(struct dse_instance *instance) {
+    instance->at.state = DSE_INITIALIZING;
+    instance->at.is_stale = 1;
+}
+
+static DSE_APART void dse_initialize(struct dse_instance *instance) {
+    memcpy(&instance->at.now, &instance->at.start, sizeof instance->at.now);
+    dse_component_init(&instance->at.now);
+    instance->at.is_stale = 0;
+}
+
+static void dse_exit_initialization(struct dse_instance *instance) {
+    if (instance->at.is_stale) {
+        dse_initialize(instance);
+    }
+    instance->at.state = DSE_STEPPING;
+}
+
+/* Advance from *time* by *step*, both in seconds. A sampled component runs at every hit start_time + k * period in
+ * [time, time + step); k is counted, never summed up, and a hit is told from its neighbours with 1e-4 of the period
+ * to spare, so that an importer whose clock drifts by rounding neither loses nor doubles one. */
+static inline bool dse_do_step(struct dse_instance *instance, const char *function, double time, double step) {
+    struct dse_snapshot *at;
+    if (DSE_UNLIKELY(!dse_is_allowed(instance, function, DSE_STEPPING))) {
+        return false;
+    }
+    at = &instance->at;
+    if (DSE_UNLIKELY(!(step > 0.0 && step <= DBL_MAX))) {
+        return dse_refuse(instance, function, "the step of %g s is not positive and finite", step);
+    }
+    if (DSE_UNLIKELY(!(fabs(time - at->time) <= 1e-6 * step + 1e-12 * fabs(time)))) {
+        return dse_refuse(instance, function, "starts at %.17g s, but the instance stands at %.17g s", time, at->time);
+    }
+#ifdef DSE_PERIOD
+    const double end = (time - at->start_time) + step - 1e-4 * DSE_PERIOD;
+    while ((double)at->hits * DSE_PERIOD < end) {
+        dse_component_step(&at->now);
+        at->hits++;
+    }
+#else
+    dse_component_step(&at->now, step);
+#endif
+    at->time = time + step;
+    return true;
+}
+
+/* Saved states: a copy of the snapshot; serialized, the token goes ahead, so that no other component's is taken. */
+#define DSE_SERIALIZED_SIZE (sizeof DSE_TOKEN + sizeof(struct dse_snapshot))
+
+static bool dse_keep(struct dse_instance *instance, const char *function, const struct dse_snapshot *from, void **state) {
+    if (!*state) {
+        *state = malloc(sizeof *from);
+    }
+    if (!*state) {
+        return dse_refuse(instance, function, "out of memory");
+    }
+    memcpy(*state, from, sizeof *from);
+    return true;
+}
+
+static bool dse_restore(struct dse_instance *instance, const char *function, const void *state) {
+    if (!state) {
+        return dse_refuse(instance, function, "no saved state given");
+    }
+    memcpy(&instance->at, state, sizeof instance->at);
+    return true;
+}
+
+static bool dse_serialize(
+    struct dse_instance *instance, const char *function, const void *state, void *bytes, size_t size) {
+    if (!state || size < DSE_SERIALIZED_SIZE) {
+        return dse_refuse(instance, function, "no saved state given, or too little room for it");
+    }
+    memcpy(bytes, DSE_TOKEN, sizeof DSE_TOKEN);
+    memcpy((char *)bytes + sizeof DSE_TOKEN, state, sizeof(struct dse_snapshot));
+    return true;
+}
+
+static bool dse_deserialize(
+    struct dse_instance *instance, const char *function, const void *bytes, size_t size, void **state) {
+    struct dse_snapshot read;
+    if (size != DSE_SERIALIZED_SIZE || memcmp(bytes, DSE_TOKEN, sizeof DSE_TOKEN) != 0) {
+        return dse_refuse(instance, function, "the bytes are not a saved state of this component");
+    }
+    memcpy(&read, (const char *)bytes + sizeof DSE_TOKEN, sizeof read);
+    return dse_keep(instance, function, &read, state);
+}
+
+#endif

@@ -1,0 +1,238 @@
+/* Reading and writing an instance's variables. Doubles go straight through; everything else is converted with a check,
+ * so that no number is ever cut to fit.
+ */
+#ifndef DSE_VALUE_H
+#define DSE_VALUE_H
+
+#include "instance.h"
+
+static inline const char *dse_source(const struct dse_instance *instance, const struct dse_slot *slot) {
+    return (const char *)&instance->at.now + slot->offset;
+}
+
+static inline char *dse_target(struct dse_instance *instance, const struct dse_slot *slot) {
+    dse_component *component = instance->at.state == DSE_STEPPING ? &instance->at.now : &instance->at.start;
+    return (char *)component + slot->offset;
+}
+
+static const char *dse_kind_name(int kinds) {
+    return kinds & DSE_REAL ? "real" : kinds & DSE_INTEGER ? "integer" : kinds & DSE_BOOLEAN ? "Boolean" : "enumeration";
+}
+
+/* The slot of *reference*, or NULL after telling why it is not one of *kinds*. */
+static DSE_APART const struct dse_slot *dse_find(
+    struct dse_instance *instance, const char *function, uint32_t reference, int kinds) {
+    if (DSE_UNLIKELY(reference >= DSE_SLOT_COUNT)) {
+        dse_refuse(instance, function, "there is no variable with value reference %lu", (unsigned long)reference);
+        return NULL;
+    }
+    if (DSE_UNLIKELY(!(dse_slots[reference].kind & kinds))) {
+        dse_refuse(instance, function, "variable '%s' is of the kind %s", dse_names[reference],
+            dse_kind_name(dse_slots[reference].kind));
+        return NULL;
+    }
+    return &dse_slots[reference];
+}
+
+/* As dse_find, and the variable may be set now. */
+static DSE_APART const struct dse_slot *dse_find_settable(
+    struct dse_instance *instance, const char *function, uint32_t reference, int kinds) {
+    const struct dse_slot *slot = dse_find(instance, function, reference, kinds);
+    if (slot && DSE_UNLIKELY(!(slot->settable & instance->at.state))) {
+        dse_refuse(instance, function, "variable '%s' cannot be set %s", dse_names[reference],
+            dse_state_name(instance->at.state));
+        return NULL;
+    }
+    return slot;
+}
+
+/* To be called before any variable is read. */
+static inline bool dse_begin_get(struct dse_instance *instance, const char *function) {
+    if (DSE_UNLIKELY(!dse_is_allowed(instance, function, DSE_VALUES_KNOWN))) {
+        return false;
+    }
+    if (DSE_UNLIKELY(instance->at.is_stale)) {
+        dse_initialize(instance);
+    }
+    return true;
+}
+
+/* To be called before any variable is written. */
+static inline bool dse_begin_set(struct dse_instance *instance, const char *function) {
+    if (DSE_UNLIKELY(!dse_is_allowed(instance, function, DSE_INPUT))) {
+        return false;
+    }
+    instance->at.is_stale = instance->at.state != DSE_STEPPING;
+    return true;
+}
+
+/* The way for all that is not a double of the component; refuses what is not real. */
+static DSE_APART bool dse_get_float(struct dse_instance *instance, const char *function, uint32_t reference, double *value) {
+    const struct dse_slot *slot;
+    float narrow;
+#ifdef DSE_TIME
+    if (reference == DSE_TIME) {
+        *value = instance->at.time;
+        return true;
+    }
+#endif
+    slot = dse_find(instance, function, reference, DSE_REAL);
+    if (!slot) {
+        return false;
+    }
+    memcpy(&narrow, dse_source(instance, slot), sizeof narrow);
+    *value = narrow;
+    return true;
+}
+
+static DSE_APART bool dse_set_float(struct dse_instance *instance, const char *function, uint32_t reference, double value) {
+    const struct dse_slot *slot = dse_find_settable(instance, function, reference, DSE_REAL);
+    if (!slot) {
+        return false;
+    }
+    if (slot->type == DSE_F64) {
+        memcpy(dse_target(instance, slot), &value, sizeof value);
+        return true;
+    }
+    if (isfinite(value) && fabs(value) > (double)FLT_MAX) {
+        return dse_refuse(instance, function, "variable '%s': %g does not fit a float", dse_names[reference], value);
+    }
+    const float narrow = (float)value;
+    memcpy(dse_target(instance, slot), &narrow, sizeof narrow);
+    return true;
+}
+
+static inline bool dse_get_reals(
+    struct dse_instance *instance, const char *function, const uint32_t references[], size_t count, double values[]) {
+    bool is_ok = dse_begin_get(instance, function);
+    for (size_t k = 0; is_ok && k < count; k++) {
+        const uint32_t reference = references[k];
+        if (reference < DSE_SLOT_COUNT && dse_slots[reference].type == DSE_F64) {
+            memcpy(&values[k], dse_source(instance, &dse_slots[reference]), sizeof values[k]);
+        } else {
+            is_ok = dse_get_float(instance, function, reference, &values[k]);
+        }
+    }
+    return is_ok;
+}
+
+static inline bool dse_set_reals(struct dse_instance *instance, const char *function, const uint32_t references[],
+    size_t count, const double values[]) {
+    bool is_ok = dse_begin_set(instance, function);
+    for (size_t k = 0; is_ok && k < count; k++) {
+        const uint32_t reference = references[k];
+        const struct dse_slot *slot = &dse_slots[reference < DSE_SLOT_COUNT ? reference : 0];
+        if (reference < DSE_SLOT_COUNT && slot->type == DSE_F64 && (slot->settable & instance->at.state)) {
+            memcpy(dse_target(instance, slot), &values[k], sizeof values[k]);
+        } else {
+            is_ok = dse_set_float(instance, function, reference, values[k]);
+        }
+    }
+    return is_ok;
+}
+
+/* For accessors of types that no variable has: whoever asks for one is told what it is. */
+static DSE_APART bool dse_has_none(
+    struct dse_instance *instance, const char *function, const uint32_t references[], size_t count) {
+    return dse_is_allowed(instance, function, DSE_ANY_STATE)
+           && (count == 0 || dse_find(instance, function, references[0], 0));
+}
+
+#define DSE_LOAD(code, ctype)                                                                                          \
+    case code: {                                                                                                       \
+        ctype typed;                                                                                                   \
+        memcpy(&typed, from, sizeof typed);                                                                            \
+        *value = (int64_t)typed;                                                                                       \
+        return true;                                                                                                   \
+    }
+#define DSE_STORE(code, ctype)                                                                                         \
+    case code: {                                                                                                       \
+        const ctype typed = (ctype)value;                                                                              \
+        memcpy(to, &typed, sizeof typed);                                                                              \
+        return;                                                                                                        \
+    }
+
+/* False if the number is beyond what an int64_t can say. */
+static inline bool dse_load(const char *from, int type, int64_t *value) {
+    switch (type) {
+        DSE_LOAD(DSE_BOOL, bool)
+        DSE_LOAD(DSE_I8, int8_t)
+        DSE_LOAD(DSE_I16, int16_t)
+        DSE_LOAD(DSE_I32, int32_t)
+        DSE_LOAD(DSE_I64, int64_t)
+        DSE_LOAD(DSE_U8, uint8_t)
+        DSE_LOAD(DSE_U16, uint16_t)
+        DSE_LOAD(DSE_U32, uint32_t)
+    default: {
+        uint64_t typed;
+        memcpy(&typed, from, sizeof typed);
+        *value = (int64_t)typed;
+        return typed <= (uint64_t)INT64_MAX;
+    }
+    }
+}
+
+static inline void dse_store(char *to, int type, int64_t value) {
+    switch (type) {
+        DSE_STORE(DSE_BOOL, bool)
+        DSE_STORE(DSE_I8, int8_t)
+        DSE_STORE(DSE_I16, int16_t)
+        DSE_STORE(DSE_I32, int32_t)
+        DSE_STORE(DSE_I64, int64_t)
+        DSE_STORE(DSE_U8, uint8_t)
+        DSE_STORE(DSE_U16, uint16_t)
+        DSE_STORE(DSE_U32, uint32_t)
+        DSE_STORE(DSE_U64, uint64_t)
+    default: return;
+    }
+}
+
+/* One integer, truth value or number of an enumeration's item, which must lie in *lowest* … *highest* as well. */
+static DSE_APART bool dse_get_whole(struct dse_instance *instance, const char *function, uint32_t reference, int kinds,
+    int64_t lowest, int64_t highest, int64_t *value) {
+    const struct dse_slot *slot = dse_find(instance, function, reference, kinds);
+    if (DSE_UNLIKELY(!slot)) {
+        return false;
+    }
+    if (DSE_UNLIKELY(!dse_load(dse_source(instance, slot), slot->type, value))) {
+        return dse_refuse(instance, function, "the value of '%s' is beyond 64 bits with sign", dse_names[reference]);
+    }
+    if (slot->kind == DSE_BOOLEAN) {
+        *value = *value != 0;
+    }
+    if (slot->kind == DSE_ENUMERATION) {
+        lowest = 0;
+        highest = slot->items - 1;
+    }
+    if (DSE_UNLIKELY(*value < lowest || *value > highest)) {
+        return dse_refuse(instance, function, "the value %lld of '%s' is not in %lld … %lld", (long long)*value,
+            dse_names[reference], (long long)lowest, (long long)highest);
+    }
+    return true;
+}
+
+static DSE_APART bool dse_set_whole(
+    struct dse_instance *instance, const char *function, uint32_t reference, int kinds, int64_t value) {
+    const struct dse_slot *slot = dse_find_settable(instance, function, reference, kinds);
+    int64_t lowest, highest;
+    if (DSE_UNLIKELY(!slot)) {
+        return false;
+    }
+    lowest = DSE_LOWEST(slot->type);
+    highest = DSE_HIGHEST(slot->type);
+    if (slot->kind == DSE_BOOLEAN) {
+        value = value != 0;
+    }
+    if (slot->kind == DSE_ENUMERATION) {
+        lowest = 0;
+        highest = slot->items - 1;
+    }
+    if (DSE_UNLIKELY(value < lowest || value > highest)) {
+        return dse_refuse(instance, function, "%lld does not fit '%s', which takes %lld … %lld", (long long)value,
+            dse_names[reference], (long long)lowest, (long long)highest);
+    }
+    dse_store(dse_target(instance, slot), slot->type, value);
+    return true;
+}
+
+#endif

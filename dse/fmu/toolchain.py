@@ -1,0 +1,126 @@
+"""Which C compiler builds components on this machine."""
+
+from __future__ import annotations
+
+import importlib.metadata
+import importlib.util
+import os
+import platform
+import re
+import shlex
+import shutil
+import subprocess
+import sys
+from dataclasses import dataclass
+from functools import lru_cache
+from pathlib import Path
+
+from dse.errors import DseError, fail
+
+_NAMES = ("cc", "gcc", "clang")
+_INSTALL = "install a C compiler (gcc or clang), or run: pip install 'dse[toolchain]'"
+
+
+@dataclass(frozen=True, slots=True)
+class Compiler:
+    """A C compiler that takes gcc's options.
+
+    *command* starts it. *identity* says its name, version and target; it holds no path, so that it may stand
+    in a cache key.
+    """
+
+    command: tuple[str, ...]
+    identity: str
+
+
+def find_compiler() -> Compiler:
+    """The compiler named by ``$CC``, else cc, gcc or clang, else the one in the ziglang wheel.
+
+    Raises DseError if there is none, or if ``$CC`` names one that cannot be run.
+    """
+    named = os.environ.get("CC", "").strip()
+    if named:
+        return _named(named)
+    for name in _NAMES:
+        path = shutil.which(name)
+        identity = _identify((path,)) if path else None
+        if path and identity:
+            return Compiler((path,), identity)
+    if importlib.util.find_spec("ziglang") is not None:
+        return _zig()
+    raise fail("there is no C compiler on this machine", hint=_INSTALL)
+
+
+def environment() -> dict[str, str]:
+    """The environment a compiler runs in: English messages, and no search path that its key does not know."""
+    kept = {name: value for name, value in os.environ.items() if name not in _HIDDEN_INPUTS}
+    return {**kept, "LC_ALL": "C", "LANGUAGE": "C"}
+
+
+_HIDDEN_INPUTS = {"CPATH", "C_INCLUDE_PATH", "LIBRARY_PATH", "COMPILER_PATH", "GCC_EXEC_PREFIX"}
+
+
+def _named(text: str) -> Compiler:
+    whole = shutil.which(text)
+    words = [whole] if whole else shlex.split(text, posix=os.name != "nt")
+    path = shutil.which(words[0])
+    if path is None:
+        raise _unusable(text, "it is not on PATH")
+    command = (path, *words[1:])
+    identity = _identify(command)
+    if identity is None:
+        raise _unusable(text, "it does not answer like gcc or clang")
+    return Compiler(command, identity)
+
+
+def _unusable(text: str, reason: str) -> DseError:
+    return fail(f"CC is set to '{text}', but {reason}", hint="set CC to gcc or clang, or unset it")
+
+
+def _identify(command: tuple[str, ...]) -> str | None:
+    executable = Path(command[0])
+    try:
+        changed = executable.stat().st_mtime_ns
+    except OSError:
+        return None
+    return _ask(command, changed)
+
+
+@lru_cache(maxsize=32)
+def _ask(command: tuple[str, ...], changed: int) -> str | None:  # noqa: ARG001  # an updated compiler is asked anew
+    try:
+        answer = subprocess.run(
+            [*command, "-v"],
+            env=environment(),
+            capture_output=True,
+            text=True,
+            encoding="utf-8",
+            errors="replace",
+            timeout=60,
+            check=False,
+        )
+    except (OSError, subprocess.TimeoutExpired):
+        return None
+    version = re.search(r"^.*\b(?:gcc|clang) version .*$", answer.stderr, re.MULTILINE)
+    target = re.search(r"^Target: (\S+)", answer.stderr, re.MULTILINE)
+    if answer.returncode != 0 or version is None or target is None:
+        return None
+    options = " ".join(command[1:])
+    return f"{version[0].strip()}; {target[1]}; {options}".rstrip("; ")
+
+
+def _zig() -> Compiler:
+    # A named target takes the baseline processor and an old glibc, so that the library runs elsewhere too.
+    target = _zig_target()
+    command = (sys.executable, "-m", "ziglang", "cc", "-target", target)
+    return Compiler(command, f"ziglang {importlib.metadata.version('ziglang')}; {target}")
+
+
+def _zig_target() -> str:
+    machine = platform.machine().lower()
+    architecture = {"amd64": "x86_64", "arm64": "aarch64"}.get(machine, machine)
+    if sys.platform == "win32":
+        return f"{architecture}-windows-gnu"
+    if sys.platform == "darwin":
+        return f"{architecture}-macos"
+    return f"{architecture}-linux-gnu.2.17" if platform.libc_ver()[0] == "glibc" else f"{architecture}-linux-musl"

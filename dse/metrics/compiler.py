@@ -1,0 +1,250 @@
+"""Expressions over waveforms → instructions.
+
+Waveforms combine with each other and with numbers row by row (``world.speed - world.lead_speed``, also
+comparisons, for `duration`); the functions of `dse.metrics.catalogue` turn them into numbers. An item of an
+enumeration is compared by its name, ``mode == speed``. A comparison with NaN is false, also ``!=``.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from fractions import Fraction
+from typing import Any
+
+import numpy as np
+
+from dse.domain.component import Kind, Type
+from dse.domain.expression import (
+    Between,
+    Binary,
+    Call,
+    Chosen,
+    Conditional,
+    Expression,
+    Name,
+    Node,
+    Number,
+    Truth,
+    Unary,
+)
+from dse.loading.expression_sorts import (
+    TRUTH,
+    Form,
+    Sort,
+    binary_sort,
+    choice_sort,
+    error_in,
+    require_alike,
+    require_number,
+    require_truth,
+    unary_sort,
+)
+from dse.metrics.catalogue import FUNCTIONS, ROWWISE, Argument, Wants
+from dse.metrics.machine import TIME, Instruction, Register
+from dse.metrics.operators import OPERATORS, is_true, select
+from dse.metrics.show import show_unit
+from dse.units import Dimension, describe, parse_unit, power
+
+Typed = tuple[Sort, Register]
+
+
+class FollowUpError(Exception):
+    """Something that cannot be compiled because a metric it uses was not, which is reported already."""
+
+
+class Compiler:
+    """Emits every computation once, however often it is written: one maximum per waveform serves all metrics."""
+
+    def __init__(self, types: Mapping[str, Type], signals: frozenset[str], names: Sequence[str]) -> None:
+        self.types = types
+        self.signals = signals
+        self.names = names
+        self.broken: set[str] = set()
+        self.metrics: dict[str, Typed] = {}
+        self.size = TIME + 1
+        self.inputs: dict[str, Register] = {}
+        self.literals: dict[float, Register] = {}
+        self.instructions: dict[tuple[Callable[..., Any], tuple[Register, ...]], Instruction] = {}
+
+    def compile(self, expression: Expression, node: Node) -> Typed:
+        """The sort of *node* and the register its value will be in. Raises DseError or FollowUpError."""
+        match node:
+            case Number():
+                return Sort(Form.NUMBER, node.unit.dimension), self._literal(float(node.si))
+            case Truth():
+                return TRUTH, self._emit(is_true, self._literal(float(node.value)))
+            case Name():
+                return self._name(expression, node)
+            case Call():
+                return self._call(expression, node)
+            case Unary():
+                sort, operand = self.compile(expression, node.operand)
+                function = np.negative if node.operator == "-" else np.logical_not
+                return unary_sort(expression, node, sort), self._emit(function, operand)
+            case Binary():
+                return self._binary(expression, node)
+            case Between():
+                low = Binary("<=", node.low, node.value, node.span)
+                high = Binary("<=", node.value, node.high, node.span)
+                return self._binary(expression, Binary("and", low, high, node.span))
+            case Conditional():
+                condition_sort, condition = self.compile(expression, node.condition)
+                require_truth(expression, node.condition, condition_sort)
+                (yes_sort, yes), (no_sort, no) = (self.compile(expression, n) for n in (node.yes, node.no))
+                sort = choice_sort(expression, node.span, yes_sort, no_sort)
+                varies = sort.varies or condition_sort.varies
+                return Sort(sort.form, sort.dimension, varies, sort.items), self._emit(select, condition, yes, no)
+            case Chosen():
+                what = f"'{node.place}' is a choice; metrics do not depend on choices by name"
+                raise error_in(expression, node.span, what, "compare an item as in mode == speed")
+
+    def _name(self, expression: Expression, node: Name) -> Typed:
+        name = node.path
+        if name in self.metrics:
+            return self.metrics[name]
+        if name in self.broken:
+            raise FollowUpError
+        if name not in self.types:
+            if name in self.names:
+                raise error_in(expression, node.span, f"metric '{name}' is defined further down", "move it up")
+            known = (*self.types, *self.metrics)
+            raise error_in(expression, node.span, f"unknown name '{name}'", closest_name(name, known))
+        if name not in self.inputs:
+            self.inputs[name] = self._register()
+        type_, register, varies = self.types[name], self.inputs[name], name in self.signals
+        match type_.kind:
+            case Kind.BOOLEAN:
+                return Sort(Form.TRUTH, (), varies), self._emit(is_true, register)
+            case Kind.ENUMERATION:
+                return Sort(Form.ITEM, (), varies, type_.items), register
+        return Sort(Form.NUMBER, type_.unit.dimension, varies), register
+
+    def _binary(self, expression: Expression, node: Binary) -> Typed:
+        (left_sort, left), (right_sort, right) = self._sides(expression, node)
+        sort = binary_sort(expression, node, left_sort, right_sort)
+        return sort, self._emit(OPERATORS[node.operator], left, right)
+
+    def _sides(self, expression: Expression, node: Binary) -> tuple[Typed, Typed]:
+        if node.operator in ("==", "!="):
+            for one, other in ((node.left, node.right), (node.right, node.left)):
+                if isinstance(one, Name) and self._is_enumeration(one) and isinstance(other, Name):
+                    items = self.types[one.path].items
+                    if other.path in items:
+                        item = Sort(Form.ITEM, (), False, items), self._literal(float(items.index(other.path)))
+                        typed = self._name(expression, one)
+                        return (typed, item) if one is node.left else (item, typed)
+        return self.compile(expression, node.left), self.compile(expression, node.right)
+
+    def _is_enumeration(self, node: Name) -> bool:
+        type_ = self.types.get(node.path)
+        return type_ is not None and type_.kind is Kind.ENUMERATION
+
+    def _call(self, expression: Expression, node: Call) -> Typed:
+        if node.function in ROWWISE:
+            return self._rowwise(expression, node)
+        if node.function not in FUNCTIONS:
+            known = (*FUNCTIONS, *ROWWISE)
+            what = f"unknown function '{node.function}'"
+            raise error_in(expression, node.span, what, closest_name(node.function, known))
+        function = FUNCTIONS[node.function]
+        registers: list[Register] = []
+        first: Dimension = ()
+        for argument, given in self._arguments(expression, node, function.arguments):
+            if given is None:
+                registers.append(self._literal(argument.default or 0.0))
+                continue
+            sort, register = self.compile(expression, given)
+            self._check_argument(expression, node, argument, given, sort, first)
+            first = first if registers else sort.dimension
+            registers.append(register)
+        return Sort(Form.NUMBER, function.result(first), function.varies), function.emit(self._emit, *registers)
+
+    def _arguments(
+        self, expression: Expression, node: Call, wanted: tuple[Argument, ...]
+    ) -> Iterable[tuple[Argument, Node | None]]:
+        form = f"{node.function}({', '.join(_form(argument) for argument in wanted)})"
+        if len(node.arguments) > len(wanted):
+            extra = node.arguments[len(wanted)]
+            raise error_in(expression, extra.span, f"too many arguments for '{node.function}'", f"the form is {form}")
+        given = dict(zip((argument.name for argument in wanted), node.arguments, strict=False))
+        for name, value in node.options:
+            if name not in {argument.name for argument in wanted}:
+                what = f"'{node.function}' has no argument '{name}'"
+                raise error_in(expression, value.span, what, f"the form is {form}")
+            if name in given:
+                raise error_in(expression, value.span, f"'{name}' is given twice", f"the form is {form}")
+            given[name] = value
+        for argument in wanted:
+            if argument.name not in given and argument.default is None:
+                what = f"'{node.function}' needs '{argument.name}'"
+                raise error_in(expression, node.span, what, f"the form is {form}")
+        return [(argument, given.get(argument.name)) for argument in wanted]
+
+    def _check_argument(
+        self, expression: Expression, node: Call, argument: Argument, given: Node, sort: Sort, first: Dimension
+    ) -> None:
+        if argument.wants is Wants.CONDITION:
+            require_truth(expression, given, sort)
+        else:
+            require_number(expression, given, sort)
+        if sort.varies is (argument.wants is Wants.CONSTANT):
+            shown = expression.text[slice(*given.span)]
+            what = f"'{argument.name}' of {node.function} must be {argument.wants}; '{shown}' "
+            advice = "take its final value or mean" if sort.varies else "connect or choose a port that varies in time"
+            raise error_in(expression, given.span, what + ("varies" if sort.varies else "does not vary"), advice)
+        if argument.wants is Wants.CONDITION or argument.any_unit:
+            return
+        dimension = first if argument.unit is None else parse_unit(argument.unit).dimension
+        if sort.dimension != dimension:
+            what = f"'{argument.name}' of {node.function} must be {describe(dimension)}, found {sort}"
+            unit = show_unit(None, dimension)
+            raise error_in(expression, given.span, what, f"give it in {unit}" if unit.symbol else "give a bare number")
+
+    def _rowwise(self, expression: Expression, node: Call) -> Typed:
+        number = 2 if node.function in ("min", "max") else 1
+        if len(node.arguments) < number or (number == 1 and len(node.arguments) > 1) or node.options:
+            what = f"'{node.function}' needs {'two values or more' if number == 2 else 'one value'}"
+            raise error_in(expression, node.span, what, "of a waveform take minimum(…) or maximum(…)")
+        compiled = [self.compile(expression, argument) for argument in node.arguments]
+        for argument, (sort, _) in zip(node.arguments, compiled, strict=True):
+            require_number(expression, argument, sort)
+            require_alike(expression, argument.span, compiled[0][0], sort, "compare")
+        function = ROWWISE[node.function]
+        dimension = compiled[0][0].dimension
+        if node.function == "floor" and dimension:
+            advice = "divide by a unit first"
+            raise error_in(expression, node.span, f"floor takes a plain number, found {compiled[0][0]}", advice)
+        result = compiled[0][1]
+        for _, register in compiled[1:]:
+            result = self._emit(function, result, register)
+        if number == 1:
+            result = self._emit(function, result)
+        if node.function == "sqrt":
+            dimension = power(dimension, Fraction(1, 2))
+        return Sort(Form.NUMBER, dimension, any(sort.varies for sort, _ in compiled)), result
+
+    def _emit(self, function: Callable[..., Any], *arguments: Register) -> Register:
+        key = function, arguments
+        if key not in self.instructions:
+            self.instructions[key] = Instruction(function, arguments, self._register())
+        return self.instructions[key].target
+
+    def _literal(self, value: float) -> Register:
+        if value not in self.literals:
+            self.literals[value] = self._register()
+        return self.literals[value]
+
+    def _register(self) -> Register:
+        self.size += 1
+        return self.size - 1
+
+
+def _form(argument: Argument) -> str:
+    return argument.name if argument.default is None else f"{argument.name} = {argument.default:g}"
+
+
+def closest_name(word: str, words: Iterable[str]) -> str:
+    """A hint that names the word meant."""
+    from dse.loading.fields import closest  # brings pydantic along, needed for a message only
+
+    return closest(word, words)

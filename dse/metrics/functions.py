@@ -1,0 +1,187 @@
+"""From waveforms to numbers, all in SI, signed and unrounded; NaN where a number is not defined.
+
+A waveform is an array x of n rows over *time*, in seconds and ascending, n ≥ 1; between rows it is taken as
+straight. Definitions follow K. Ogata, Modern Control Engineering, 5th edition, section 5-3, made signed so
+that a run that stays below its target is told from one that goes past it.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+Waveform = NDArray[np.float64]
+Condition = NDArray[np.bool_]
+
+
+def overshoot(x: Waveform, target: float) -> float:
+    """How far the largest value is past *target*, relative to |target|; negative if x never gets there.
+
+    Ogata's maximum overshoot M_p with the steady state replaced by the target. NaN for a target of zero.
+    """
+    return relative_excess(maximum(x), target)
+
+
+def undershoot(x: Waveform, target: float) -> float:
+    """How far the smallest value is below *target*, relative to |target|; negative if x stays above.
+
+    The overshoot of a quantity that must not fall, as a gap. NaN for a target of zero.
+    """
+    return relative_shortfall(minimum(x), target)
+
+
+def rise_time(time: Waveform, x: Waveform, target: float) -> float:
+    """Seconds from 10 % to 90 % of the way from x[0] to *target*; NaN if x does not come that far (Ogata, 5-3)."""
+    start = x.item(0)
+    way = target - start
+    if not way:
+        return math.nan
+    return _crossing(time, x, start + 0.9 * way, way > 0) - _crossing(time, x, start + 0.1 * way, way > 0)
+
+
+def reach_time(time: Waveform, x: Waveform, target: float, band: float = 0.02) -> float:
+    """Seconds until x is first within target·(1 ± band); NaN if it never is."""
+    low, high = _limits(target, band)
+    start = x.item(0)
+    if low <= start <= high:
+        return 0.0
+    return _crossing(time, x, low if start < low else high, start < low) - time.item(0)
+
+
+def settling_time(time: Waveform, x: Waveform, target: float, band: float = 0.02) -> float:
+    """Seconds until x is within target·(1 ± band) for good; NaN if it is outside in the last row (Ogata, 5-3)."""
+    low, high = _limits(target, band)
+    # Bytes are searched from the end by one library call; NaN counts as outside.
+    last = ((x >= low) & (x <= high)).tobytes().rfind(b"\0")
+    if last < 0:
+        return 0.0
+    if last == x.size - 1:
+        return math.nan
+    edge = low if x.item(last) < low else high
+    return _between(time, x, last, edge) - time.item(0)
+
+
+def steady_state_error(time: Waveform, x: Waveform, target: float, window: float = 1.0) -> float:
+    """Mean of x - *target* over the rows of the last *window* seconds, in x's unit; NaN if the run is shorter."""
+    end = time.item(-1)
+    # The row at the window's start belongs to it, however its time was rounded.
+    start = end - window - 1e-9 * max(abs(end), window)
+    if time.item(0) - start > 2e-9 * max(abs(end), window) or window < 0:
+        return math.nan
+    tail = x[int(np.searchsorted(time, start)) :]
+    return float(np.add.reduce(tail)) / tail.size - target
+
+
+def minimum(x: Waveform) -> float:
+    """The smallest value, in x's unit; NaN if x has one."""
+    return float(np.minimum.reduce(x))
+
+
+def maximum(x: Waveform) -> float:
+    """The largest value, in x's unit; NaN if x has one."""
+    return float(np.maximum.reduce(x))
+
+
+def initial(x: Waveform) -> float:
+    """The value in the first row, in x's unit."""
+    return x.item(0)
+
+
+def final(x: Waveform) -> float:
+    """The value in the last row, in x's unit."""
+    return x.item(-1)
+
+
+def integral(time: Waveform, x: Waveform) -> float:
+    """∫ x dt by the trapezoidal rule, in x's unit times seconds."""
+    return weighted_sum(x, row_widths(time))
+
+
+def mean(time: Waveform, x: Waveform) -> float:
+    """The time average of x, in x's unit; NaN for a single row."""
+    return average(x, row_widths(time))
+
+
+def rms(time: Waveform, x: Waveform) -> float:
+    """The root of the time average of x², in x's unit; NaN for a single row."""
+    return root_average_square(x, row_widths(time))
+
+
+def duration(time: Waveform, condition: Condition) -> float:
+    """Seconds during which *condition* holds; each row stands for half the way to its neighbours."""
+    return time_held(condition, row_widths(time))
+
+
+def time_to_collision(gap: Waveform, closing_speed: Waveform) -> Waveform:
+    """gap / closing_speed row by row, in seconds; infinite where the gap does not close.
+
+    J. C. Hayward, Near-miss determination through use of a scale of danger, 1972.
+    """
+    with np.errstate(divide="ignore", invalid="ignore"):
+        time = gap / closing_speed
+    time[closing_speed <= 0] = math.inf
+    return time
+
+
+def relative_excess(peak: float, target: float) -> float:
+    """(peak - target) / |target|; NaN for a target of zero."""
+    return (peak - target) / abs(target) if target else math.nan
+
+
+def relative_shortfall(lowest: float, target: float) -> float:
+    """(target - lowest) / |target|; NaN for a target of zero."""
+    return (target - lowest) / abs(target) if target else math.nan
+
+
+def row_widths(time: Waveform) -> Waveform:
+    """The seconds each row stands for in the trapezoidal rule."""
+    widths = np.zeros_like(time)
+    half = 0.5 * np.diff(time)
+    widths[:-1] = half
+    widths[1:] += half
+    return widths
+
+
+def weighted_sum(x: Waveform, widths: Waveform) -> float:
+    """∫ x dt over rows of these widths."""
+    # Not a dot product: BLAS may split and order the sum differently from machine to machine.
+    return float(np.add.reduce(x * widths))
+
+
+def average(x: Waveform, widths: Waveform) -> float:
+    """Time average of x over rows of these widths."""
+    span = float(np.add.reduce(widths))
+    return weighted_sum(x, widths) / span if span else math.nan
+
+
+def root_average_square(x: Waveform, widths: Waveform) -> float:
+    """Root of the time average of x² over rows of these widths."""
+    return math.sqrt(average(x * x, widths))
+
+
+def time_held(condition: Condition, widths: Waveform) -> float:
+    """Sum of the widths of the rows where *condition* holds."""
+    return float(np.add.reduce(widths[condition]))
+
+
+def _limits(target: float, band: float) -> tuple[float, float]:
+    half = abs(band * target) if band >= 0 else math.nan
+    return target - half, target + half
+
+
+def _crossing(time: Waveform, x: Waveform, level: float, rising: bool) -> float:
+    """When x first comes to *level*; NaN if it does not."""
+    beyond = x >= level if rising else x <= level
+    first = int(beyond.argmax())
+    if not beyond.item(first):
+        return math.nan
+    return _between(time, x, first - 1, level) if first else time.item(0)
+
+
+def _between(time: Waveform, x: Waveform, row: int, level: float) -> float:
+    """When x comes to *level* between *row* and the next."""
+    before, after = x.item(row), x.item(row + 1)
+    share = (level - before) / (after - before)
+    return time.item(row) + share * (time.item(row + 1) - time.item(row))

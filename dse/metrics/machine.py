@@ -1,0 +1,97 @@
+"""Compiled metrics: a list of instructions over registers, small enough to be sent to every worker."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from dse.domain.bench import Judgement, Requirement, Verdict
+from dse.units import Dimension, Unit
+
+Register = int
+TIME: Register = 0
+"""The register that holds the time."""
+
+
+@dataclass(frozen=True, slots=True)
+class Instruction:
+    """``registers[target] = function(registers[arguments]…)``; the function is found by its name when unpickled."""
+
+    function: Callable[..., Any]
+    arguments: tuple[Register, ...]
+    target: Register
+
+
+@dataclass(frozen=True, slots=True)
+class Check:
+    """A requirement with the registers of its metric and of the condition under which it is exercised."""
+
+    requirement: str
+    at_most: float
+    at_least: float
+    metric: Register
+    exercised: Register | None
+
+
+@dataclass(frozen=True, slots=True)
+class MetricProgram:
+    """Metrics and requirements, compiled.
+
+    *signals* are the waveforms and *constants* the single values that `evaluate` needs. *dimensions* and
+    *units* say what each metric is and in which unit to show it; values are SI.
+    """
+
+    signals: tuple[str, ...]
+    constants: tuple[str, ...]
+    dimensions: Mapping[str, Dimension]
+    units: Mapping[str, Unit]
+    inputs: Mapping[str, Register]
+    literals: tuple[tuple[Register, float], ...]
+    instructions: tuple[Instruction, ...]
+    metrics: Mapping[str, Register]
+    checks: tuple[Check, ...]
+    size: int
+
+    def evaluate(
+        self,
+        time: NDArray[np.float64],
+        columns: Mapping[str, NDArray[np.float64]],
+        constants: Mapping[str, float],
+    ) -> tuple[dict[str, float], tuple[Judgement, ...]]:
+        """The metrics, SI and unrounded, and a judgement for every requirement.
+
+        *time* has n ≥ 1 rows in seconds; *columns* holds n rows for every signal and *constants* a number for
+        every constant: SI, 0 and 1 for truth values, the number of an item. Raises KeyError if one is missing.
+        """
+        registers: list[Any] = [None] * self.size
+        registers[TIME] = time
+        for register, literal in self.literals:
+            registers[register] = np.float64(literal)
+        for name in self.signals:
+            registers[self.inputs[name]] = columns[name]
+        for name in self.constants:
+            registers[self.inputs[name]] = np.float64(constants[name])
+        # numpy's own numbers follow IEEE 754 where Python's would raise.
+        with np.errstate(all="ignore"):
+            for step in self.instructions:
+                registers[step.target] = step.function(*[registers[argument] for argument in step.arguments])
+        values = {name: float(registers[register]) for name, register in self.metrics.items()}
+        return values, tuple([_judge(check, registers) for check in self.checks])
+
+
+def judge_failed(requirements: Sequence[Requirement]) -> tuple[Judgement, ...]:
+    """The judgements of a run that did not come to its end."""
+    return tuple(Judgement(requirement.name, Verdict.FAILED_TO_RUN, math.nan) for requirement in requirements)
+
+
+def _judge(check: Check, registers: Sequence[Any]) -> Judgement:
+    value = float(registers[check.metric])
+    margin = min(check.at_most - value, value - check.at_least)
+    if math.isnan(margin) or (check.exercised is not None and not registers[check.exercised]):
+        return Judgement(check.requirement, Verdict.NOT_EXERCISED, margin)
+    return Judgement(check.requirement, Verdict.PASS if margin >= 0 else Verdict.FAIL, margin)

@@ -1,0 +1,122 @@
+"""Metrics and requirements → a program that every run goes through. Names and units are checked here, once."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+
+from dse.domain.bench import Metric, Requirement
+from dse.domain.component import Type
+from dse.domain.expression import (
+    Expression,
+)
+from dse.errors import DseError, Problem, raise_if_any
+from dse.loading.expression_sorts import (
+    Sort,
+    error_in,
+    require_number,
+    require_truth,
+)
+from dse.metrics.compiler import Compiler, FollowUpError, closest_name
+from dse.metrics.machine import Check, MetricProgram, Register, judge_failed
+from dse.metrics.show import show_unit
+from dse.units import describe
+
+__all__ = ["MetricProgram", "compile_metrics", "judge_failed"]
+
+
+def compile_metrics(
+    metrics: Sequence[Metric],
+    requirements: Sequence[Requirement],
+    types: Mapping[str, Type],
+    signals: frozenset[str],
+) -> MetricProgram:
+    """Compile a bench's metrics and requirements.
+
+    *types* gives the type of every name that may be used (``world.speed``, ``controller.set_speed``);
+    *signals* are those of them that are waveforms, the others keep one value for a run. Raises DseError with
+    every unknown name, wrong unit and misused function, located.
+    """
+    compiler = Compiler(types, signals, [metric.name for metric in metrics])
+    problems: list[Problem] = []
+    checks: list[Check] = []
+    for metric in metrics:
+        try:
+            _compile_metric(compiler, metric)
+        except DseError as error:
+            compiler.broken.add(metric.name)
+            problems += error.problems
+        except FollowUpError:
+            compiler.broken.add(metric.name)
+    for requirement in requirements:
+        try:
+            checks.append(_compile_requirement(compiler, requirement))
+        except DseError as error:
+            problems += error.problems
+        except FollowUpError:
+            continue
+    raise_if_any(problems)
+    return _program(compiler, {metric.name: metric for metric in metrics}, checks)
+
+
+def _program(compiler: Compiler, metrics: Mapping[str, Metric], checks: Sequence[Check]) -> MetricProgram:
+    dimensions = {name: sort.dimension for name, (sort, _) in compiler.metrics.items()}
+    return MetricProgram(
+        tuple(name for name in compiler.inputs if name in compiler.signals),
+        tuple(name for name in compiler.inputs if name not in compiler.signals),
+        dimensions,
+        {name: show_unit(metrics[name].unit, dimension) for name, dimension in dimensions.items()},
+        compiler.inputs,
+        tuple((register, value) for value, register in compiler.literals.items()),
+        tuple(compiler.instructions.values()),
+        {name: register for name, (_, register) in compiler.metrics.items()},
+        tuple(checks),
+        compiler.size,
+    )
+
+
+def _compile_metric(compiler: Compiler, metric: Metric) -> None:
+    expression = metric.expression
+    sort, register = compiler.compile(expression, expression.root)
+    require_number(expression, expression.root, sort)
+    if sort.varies:
+        what, advice = "a metric is one number, this is a waveform", "take its minimum, maximum, final or mean"
+        raise error_in(expression, expression.root.span, what, advice)
+    if metric.unit.symbol and metric.unit.dimension != sort.dimension:
+        what = f"'{metric.name}' is {sort} and cannot be shown in {metric.unit}"
+        raise error_in(expression, expression.root.span, what, f"it is computed in {_si(sort)}")
+    compiler.metrics[metric.name] = sort, register
+
+
+def _compile_requirement(compiler: Compiler, requirement: Requirement) -> Check:
+    name, where = requirement.metric, requirement.where
+    if name in compiler.broken:
+        raise FollowUpError
+    if name not in compiler.metrics:
+        what = f"requirement '{requirement.name}': unknown metric '{name}'"
+        raise DseError(Problem(what, where, closest_name(name, compiler.names)))
+    if requirement.at_most is None and requirement.at_least is None:
+        what = f"requirement '{requirement.name}' has no bound"
+        raise DseError(Problem(what, where, "give at_most or at_least"))
+    sort, register = compiler.metrics[name]
+    if requirement.unit.dimension != sort.dimension:
+        bound = describe(requirement.unit.dimension)
+        what = f"requirement '{requirement.name}': '{name}' is {sort}, its bound is {bound}"
+        raise DseError(Problem(what, where, f"give the bound in {_si(sort)}"))
+    exercised = None if requirement.exercised_when is None else _compile_condition(compiler, requirement.exercised_when)
+    at_most = math.inf if requirement.at_most is None else requirement.at_most
+    at_least = -math.inf if requirement.at_least is None else requirement.at_least
+    return Check(requirement.name, at_most, at_least, register, exercised)
+
+
+def _compile_condition(compiler: Compiler, expression: Expression) -> Register:
+    sort, register = compiler.compile(expression, expression.root)
+    require_truth(expression, expression.root, sort)
+    if sort.varies:
+        what, advice = "a condition on a run is true or false, this varies", "write duration(…) > 0 s"
+        raise error_in(expression, expression.root.span, what, advice)
+    return register
+
+
+def _si(sort: Sort) -> str:
+    return str(show_unit(None, sort.dimension)) or "no unit, or %"

@@ -1,0 +1,216 @@
+"""What the report shows: plain values in display units, and nothing about where they came from."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from enum import StrEnum
+from typing import TypeVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+Floats = NDArray[np.float64]
+Flags = NDArray[np.bool_]
+
+
+class SamplerKind(StrEnum):
+    """How the runs lie in the space of the design variables."""
+
+    FULL_FACTORIAL = "full_factorial"
+    SLICED = "sliced"
+    SCATTERED = "scattered"
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Variable:
+    """A design variable; *values* holds one number per run, in the unit shown (as do all bounds)."""
+
+    name: str
+    title: str
+    unit_symbol: str
+    low: float
+    high: float
+    levels: int | None
+    nominal: float
+    values: Floats
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class MetricColumn:
+    """A metric; *values* holds one number per run in the unit shown, NaN where it is undefined."""
+
+    name: str
+    title: str
+    unit_symbol: str
+    values: Floats
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class RequirementRow:
+    """Bounds on *metric*, in its unit; *exercised* says for each run whether the requirement came into play."""
+
+    name: str
+    title: str
+    metric: str
+    at_most: float | None
+    at_least: float | None
+    exercised: Flags
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class FigureSpec:
+    """A waveform against its target, in the unit shown.
+
+    *time* has n_t values in seconds. *kept* holds the numbers of the n_k runs whose waveforms are there;
+    *current* is (n_k, n_t). *target* is absent, one constant per kept run (n_k,), or a waveform (n_k, n_t).
+    """
+
+    name: str
+    title: str
+    unit_symbol: str
+    current_label: str
+    target_label: str | None
+    time: Floats
+    kept: NDArray[np.int64]
+    current: NDArray[np.floating]
+    target: NDArray[np.floating] | None = None
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Runs:
+    """One entry per run: its number, its configuration's id, whether it came to its end, and why not ("" if it did)."""
+
+    numbers: NDArray[np.int64]
+    configurations: tuple[str, ...]
+    done: Flags
+    problems: tuple[str, ...]
+
+    def __len__(self) -> int:
+        return len(self.numbers)
+
+
+@dataclass(frozen=True, slots=True)
+class ConfigurationEntry:
+    """A configuration: *choices* by path in the design, *properties* as ``number unit``."""
+
+    id: str
+    choices: Mapping[str, str]
+    properties: Mapping[str, str]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class ReportContent:
+    """Everything the page and the figures are made from.
+
+    *slices* are names of variables that were varied together, for a sliced study. *study_folder* is what the
+    reader types in ``dse replay``. *facts* are shown as they stand, in order. Raises ValueError if the parts
+    do not fit each other.
+    """
+
+    title: str
+    sampler: SamplerKind
+    study_folder: str
+    runs: Runs
+    configurations: tuple[ConfigurationEntry, ...]
+    variables: tuple[Variable, ...] = ()
+    metrics: tuple[MetricColumn, ...] = ()
+    requirements: tuple[RequirementRow, ...] = ()
+    figures: tuple[FigureSpec, ...] = ()
+    slices: tuple[tuple[str, ...], ...] = ()
+    facts: tuple[tuple[str, str], ...] = ()
+
+    def __post_init__(self) -> None:
+        problems = [*_run_problems(self), *_column_problems(self), *_reference_problems(self), *_figure_problems(self)]
+        if problems:
+            raise ValueError("; ".join(problems))
+
+    def variable(self, name: str) -> Variable:
+        """The variable called *name*; KeyError if there is none."""
+        return _named(self.variables, name)
+
+    def metric(self, name: str) -> MetricColumn:
+        """The metric called *name*; KeyError if there is none."""
+        return _named(self.metrics, name)
+
+    def rows_of(self, configuration: str) -> NDArray[np.intp]:
+        """Positions of the runs of one configuration."""
+        return np.flatnonzero(np.array([name == configuration for name in self.runs.configurations], dtype=np.bool_))
+
+
+_Noun = TypeVar("_Noun", "Variable", "MetricColumn")
+
+
+def label(title: str, unit_symbol: str) -> str:
+    """*title* with its unit as an axis carries it: ``gap [m]``; a plain number reads ``[–]``."""
+    return f"{title} [{unit_symbol or '–'}]"
+
+
+def _named(nouns: Iterable[_Noun], name: str) -> _Noun:
+    for noun in nouns:
+        if noun.name == name:
+            return noun
+    raise KeyError(name)
+
+
+def _run_problems(content: ReportContent) -> list[str]:
+    runs = content.runs
+    found = []
+    if not len(runs.configurations) == len(runs.done) == len(runs.problems) == len(runs):
+        found.append("numbers, configurations, done and problems of the runs differ in length")
+    if len(np.unique(runs.numbers)) != len(runs):
+        found.append("two runs have the same number")
+    unknown = set(runs.configurations) - {entry.id for entry in content.configurations}
+    if unknown:
+        found.append(f"runs name configurations that are not listed: {', '.join(sorted(unknown))}")
+    return found
+
+
+def _column_problems(content: ReportContent) -> list[str]:
+    found = []
+    for kind, columns in (("variable", content.variables), ("metric", content.metrics)):
+        names = [column.name for column in columns]
+        found += [f"two {kind}s are called '{name}'" for name in sorted({n for n in names if names.count(n) > 1})]
+        found += [
+            f"{kind} '{column.name}' has {len(column.values)} values for {len(content.runs)} runs"
+            for column in columns
+            if column.values.shape != (len(content.runs),)
+        ]
+    for variable in content.variables:
+        if not variable.low < variable.high:
+            found.append(f"variable '{variable.name}' has an empty range {variable.low} … {variable.high}")
+        if not np.all(np.isfinite(variable.values)):
+            found.append(f"variable '{variable.name}' is not finite in every run")
+    return found
+
+
+def _reference_problems(content: ReportContent) -> list[str]:
+    metrics = {metric.name for metric in content.metrics}
+    variables = {variable.name for variable in content.variables}
+    found = []
+    for requirement in content.requirements:
+        if requirement.metric not in metrics:
+            found.append(f"requirement '{requirement.name}' names an unknown metric '{requirement.metric}'")
+        if requirement.at_most is None and requirement.at_least is None:
+            found.append(f"requirement '{requirement.name}' has no bound")
+        if requirement.exercised.shape != (len(content.runs),):
+            found.append(f"requirement '{requirement.name}' has {len(requirement.exercised)} flags")
+    for names in content.slices:
+        unknown = set(names) - variables
+        if unknown or len(names) < 2:
+            found.append(f"slice {names} does not name two or more variables of the study")
+    return found
+
+
+def _figure_problems(content: ReportContent) -> list[str]:
+    numbers = set(content.runs.numbers.tolist())
+    found = []
+    for figure in content.figures:
+        shape = (len(figure.kept), len(figure.time))
+        if figure.current.shape != shape:
+            found.append(f"figure '{figure.name}': current is {figure.current.shape}, expected {shape}")
+        if figure.target is not None and figure.target.shape not in (shape, shape[:1]):
+            found.append(f"figure '{figure.name}': target is {figure.target.shape}, expected {shape} or {shape[:1]}")
+        if not set(figure.kept.tolist()) <= numbers:
+            found.append(f"figure '{figure.name}' keeps waveforms of runs that are not listed")
+    return found

@@ -1,0 +1,34 @@
+// Bundles src/ into dist/report.js and dist/report.css, which dse puts into every report.
+import { build } from "esbuild";
+import { existsSync, readFileSync, readdirSync, writeFileSync } from "node:fs";
+
+const common = { bundle: true, minify: true, charset: "ascii", legalComments: "none", logLevel: "warning" };
+
+const script = await build({
+  ...common,
+  entryPoints: ["src/main.ts"],
+  outfile: "dist/report.js",
+  format: "iife",
+  target: "es2022",
+  metafile: true,
+});
+await build({ ...common, entryPoints: ["src/style/report.css"], outfile: "dist/report.css" });
+
+const text = readFileSync("dist/report.js", "utf8") + licences(Object.keys(script.metafile.inputs));
+if (/<\/script|<!--/i.test(text)) throw new Error("dist/report.js could not stand inside a script element");
+writeFileSync("dist/report.js", text);
+
+// The libraries' licences ask that their text goes where their code goes.
+function licences(inputs) {
+  const packages = new Set(inputs.map((path) => /node_modules\/((?:@[^/]+\/)?[^/]+)/.exec(path)?.[1]).filter(Boolean));
+  const texts = new Map();
+  for (const name of [...packages].sort()) {
+    const folder = `node_modules/${name}`;
+    const file = readdirSync(folder).find((entry) => /^licen[cs]e/i.test(entry));
+    const licence = file && existsSync(`${folder}/${file}`) ? readFileSync(`${folder}/${file}`, "utf8").trim() : "";
+    if (!licence) throw new Error(`${name} is bundled but carries no licence text`);
+    texts.set(licence, [...(texts.get(licence) ?? []), name]);
+  }
+  const parts = [...texts].map(([licence, names]) => `${names.join(", ")}\n\n${licence}`);
+  return `\n/*!\n${parts.join("\n\n----\n\n").replaceAll("*/", "* /")}\n*/\n`;
+}

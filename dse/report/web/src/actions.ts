@@ -1,0 +1,77 @@
+// What the reader does that touches more than one choice at once.
+import { liesIn } from "./plane/plane";
+import type { State, Store } from "./store";
+
+/** Selects a run; where it is not in the plane shown, moves the plane to it. */
+export function selectRun(store: Store, run: number): void {
+  const { study, state } = store;
+  const patch: Partial<State> = { selected: run };
+  const configuration = study.configuration[run]!;
+  if (configuration !== state.configuration) patch.configuration = configuration;
+  if (study.variables.length >= 2 && study.sampler !== "scattered") {
+    Object.assign(patch, planeThrough(store, run, configuration));
+  }
+  store.set(patch);
+}
+
+/** Shows another configuration; the run at the same place, or its first, is selected. */
+export function selectConfiguration(store: Store, configuration: number): void {
+  const { study, state } = store;
+  const same = (run: number): boolean =>
+    state.selected < 0 || study.variables.every(({ values }) => values[run] === values[state.selected]);
+  let first = -1;
+  for (let run = 0; run < study.size; run++) {
+    if (study.configuration[run] !== configuration) continue;
+    if (same(run)) return store.set({ configuration, selected: run });
+    if (first < 0) first = run;
+  }
+  store.set({ configuration, selected: first });
+}
+
+/** Moves the plane so that it goes through the selected run. */
+export function planeToSelected(store: Store): void {
+  const { study, state } = store;
+  if (state.selected >= 0) store.set({ fixed: study.variables.map(({ values }) => values[state.selected]!) });
+}
+
+function planeThrough(store: Store, run: number, configuration: number): Partial<State> {
+  const { study, state } = store;
+  if (liesIn(study, run, { ...state, configuration })) return {};
+  if (study.sampler === "sliced") {
+    for (const [x, y] of study.slices) {
+      if (liesIn(study, run, { ...state, configuration, x: x!, y: y! })) return { x: x!, y: y! };
+    }
+  }
+  return { fixed: study.variables.map(({ values }) => values[run]!) };
+}
+
+/** The run to begin with: the one nearest to a boundary among those that pass, else the first that was done. */
+export function startingRun(store: Store, candidates: Iterable<number>): number {
+  const { study, state } = store;
+  const { overall } = store.judgement();
+  const scales = study.requirements.map(({ metric }) => {
+    const known = study.metrics[metric]!.values.filter(Number.isFinite).sort();
+    return Math.max(1e-12, (known[Math.floor(0.9 * known.length)] ?? 1) - (known[Math.floor(0.1 * known.length)] ?? 0));
+  });
+  let best = -1;
+  let least = Infinity;
+  for (const run of candidates) {
+    if (overall[run] !== 0) continue;
+    // The corner where all margins are small is where the requirements trade off.
+    const worst = Math.max(
+      0,
+      ...study.requirements.map(({ metric }, index) => {
+        const { atMost, atLeast } = state.thresholds[index]!;
+        const value = study.metrics[metric]!.values[run]!;
+        return Math.min(Math.abs((atMost ?? Infinity) - value), Math.abs(value - (atLeast ?? -Infinity))) / scales[index]!;
+      }),
+    );
+    if (worst < least) {
+      least = worst;
+      best = run;
+    }
+  }
+  if (best >= 0) return best;
+  const first = study.done.indexOf(1);
+  return first >= 0 ? first : study.size ? 0 : -1;
+}

@@ -1,0 +1,55 @@
+// Elements are built here and nowhere else: text goes in as text, so nothing a user named can become markup.
+
+type Child = Node | string | null | undefined | false;
+type Listener = (event: never) => void;
+type Attributes = Record<string, string | number | boolean | Listener | undefined>;
+
+export function el<K extends keyof HTMLElementTagNameMap>(
+  tag: K,
+  attributes: Attributes = {},
+  ...children: Child[]
+): HTMLElementTagNameMap[K] {
+  const node = document.createElement(tag);
+  for (const [name, value] of Object.entries(attributes)) {
+    if (value === undefined || value === false) continue;
+    if (typeof value === "function") node.addEventListener(name, value as EventListener);
+    else node.setAttribute(name, value === true ? "" : String(value));
+  }
+  append(node, ...children);
+  return node;
+}
+
+export function append(node: Element, ...children: Child[]): void {
+  for (const child of children) if (child || child === "") node.append(child as Node | string);
+}
+
+export function card(name: string, title: string, ...children: Child[]): HTMLElement {
+  const id = `heading-${name}`;
+  return el("section", { class: `card ${name}`, "aria-labelledby": id }, el("h2", { id }, title), ...children);
+}
+
+export function field(text: string, control: HTMLElement): HTMLElement {
+  return el("label", { class: "field" }, el("span", {}, text), control);
+}
+
+export function choose(options: [string, string][], value: string, change: (value: string) => void): HTMLSelectElement {
+  const select = el("select", { change: () => change(select.value) });
+  for (const [key, text] of options) select.append(el("option", { value: key }, text));
+  select.value = value;
+  return select;
+}
+
+/** A canvas sized to its box in device pixels; drawing units are CSS pixels. */
+export function fit(canvas: HTMLCanvasElement): { pen: CanvasRenderingContext2D; width: number; height: number } {
+  const ratio = window.devicePixelRatio || 1;
+  const width = canvas.clientWidth;
+  const height = canvas.clientHeight;
+  if (canvas.width !== Math.round(width * ratio) || canvas.height !== Math.round(height * ratio)) {
+    canvas.width = Math.round(width * ratio);
+    canvas.height = Math.round(height * ratio);
+  }
+  const pen = canvas.getContext("2d")!;
+  pen.setTransform(ratio, 0, 0, ratio, 0, 0);
+  pen.clearRect(0, 0, width, height);
+  return { pen, width, height };
+}

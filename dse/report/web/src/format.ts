@@ -1,0 +1,54 @@
+// Numbers as text: a true minus sign, digits that fit the range of a column, nothing that depends on the locale.
+
+export function number(value: number, digits = 4): string {
+  if (Number.isNaN(value)) return "undefined";
+  if (!Number.isFinite(value)) return value > 0 ? "\u221e" : "\u2212\u221e";
+  const size = Math.abs(value);
+  const text =
+    size !== 0 && (size >= 1e6 || size < 1e-4)
+      ? value.toExponential(digits - 1).replace(/\.?0+e\+?/, "e")
+      : String(Number(value.toPrecision(digits)));
+  return minus(text);
+}
+
+/** A formatter with the same number of decimals for every value of a column. */
+export function columnText(values: Float64Array): (value: number) => string {
+  let largest = 0;
+  let whole = true;
+  for (const value of values) {
+    if (!Number.isFinite(value)) continue;
+    largest = Math.max(largest, Math.abs(value));
+    whole &&= Number.isInteger(value);
+  }
+  if (largest >= 1e6 || (largest > 0 && largest < 1e-3)) return (value) => number(value, 4);
+  const decimals = whole || largest === 0 ? 0 : Math.min(6, Math.max(0, 3 - Math.floor(Math.log10(largest))));
+  return (value) => {
+    if (!Number.isFinite(value)) return number(value);
+    const text = value.toFixed(decimals);
+    // A small value beside a bound must not look like zero.
+    return Number(text) === 0 && value !== 0 ? number(value, 2) : minus(text);
+  };
+}
+
+export function withUnit(text: string, unit: string): string {
+  return unit ? `${text}\u202f${unit}` : text;
+}
+
+export function percent(part: number, whole: number): string {
+  if (!whole) return "0\u202f%";
+  const share = (100 * part) / whole;
+  const text = share > 0 && share < 0.1 ? "<0.1" : share < 100 && share > 99.9 ? ">99.9" : share.toFixed(share < 10 ? 1 : 0);
+  return `${text}\u202f%`;
+}
+
+export function count(value: number, singular: string): string {
+  return `${group(value)} ${singular}${value === 1 ? "" : "s"}`;
+}
+
+export function group(value: number): string {
+  return String(value).replace(/\B(?=(\d{3})+$)/g, "\u202f");
+}
+
+function minus(text: string): string {
+  return text.replace(/-/g, "\u2212");
+}

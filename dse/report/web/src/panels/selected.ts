@@ -1,0 +1,152 @@
+// The selected run: its parameters, its metrics against the thresholds, and its parameters as YAML.
+import { el } from "../dom";
+import { number, withUnit } from "../format";
+import type { Store } from "../store";
+import type { Study } from "../study";
+import { CLASSES, margin, SIGNS, WORDS, type Threshold } from "../verdicts";
+
+export function createSelected(store: Store): HTMLElement {
+  const box = el("div", { class: "selected" });
+  let open = false;
+  const draw = (): void => {
+    const run = store.state.selected;
+    if (run < 0) return box.replaceChildren(el("p", { class: "muted" }, "No run is selected."));
+    const yaml = yamlBlock(store.study, run, open, (now) => (open = now));
+    box.replaceChildren(heading(store, run), ...parameters(store.study, run), metricsTable(store, run), yaml);
+  };
+  draw();
+  store.subscribe((_, changed) => {
+    if (changed.has("selected") || changed.has("thresholds")) draw();
+  });
+  return box;
+}
+
+export function badge(mark: number): HTMLElement {
+  return el("span", { class: `badge ${CLASSES[mark]}` }, `${SIGNS[mark]} ${WORDS[mark]}`);
+}
+
+export function yamlOf(study: Study, run: number): string {
+  const lines = [
+    `# run ${study.number[run]} of ${study.title.replace(/\s+/g, " ")}`,
+    `configuration: ${scalar(study.configurations[study.configuration[run]!]!.id)}`,
+  ];
+  if (study.variables.length) lines.push("parameters:");
+  for (const { name, unit, values } of study.variables) {
+    lines.push(`  ${scalar(name)}: ${unit ? scalar(`${values[run]} ${unit}`) : String(values[run])}`);
+  }
+  return lines.join("\n") + "\n";
+}
+
+// Anything beyond plain words is quoted; a JSON string is a YAML string.
+function scalar(text: string): string {
+  return /^[A-Za-z0-9_.+-][A-Za-z0-9_.+\-/%\u00b0 ]*$/.test(text) && !/^[-?]|\s$|^[\d.]+$|^(true|false|null|~)$/i.test(text)
+    ? text
+    : /^-?[\d.]+(e[-+]?\d+)? [A-Za-z%/.0-9\u00b0]+$/.test(text)
+      ? text
+      : JSON.stringify(text);
+}
+
+function heading(store: Store, run: number): HTMLElement {
+  const { study } = store;
+  const problem = study.problems.get(run);
+  return el(
+    "div",
+    {},
+    el("h3", { id: "selected-run" }, `Run ${study.number[run]}`, badge(store.judgement().overall[run]!)),
+    problem !== undefined && el("p", { class: "problem" }, problem),
+  );
+}
+
+function parameters(study: Study, run: number): HTMLElement[] {
+  const list = el("dl", { class: "parameters" });
+  for (const { title, name, unit, values, text } of study.variables) {
+    list.append(el("div", { title: name }, el("dt", {}, title), el("dd", {}, withUnit(text(values[run]!), unit))));
+  }
+  const configuration = study.configurations[study.configuration[run]!]!;
+  const parts: HTMLElement[] = study.variables.length ? [list] : [];
+  const choices = configuration.choices.map(([place, component]) => `${place}: ${component}`).join("\n");
+  if (study.configurations.length > 1 || !study.variables.length) {
+    parts.push(el("p", { class: "configuration", title: choices }, "Configuration ", el("code", {}, configuration.id)));
+  }
+  return parts;
+}
+
+function metricsTable(store: Store, run: number): HTMLElement {
+  const { study, state } = store;
+  const { each } = store.judgement();
+  const head = ["Metric", "Value", "Required", "Margin", "Verdict"];
+  const body = el("tbody");
+  study.metrics.forEach((metric, index) => {
+    const value = metric.values[run]!;
+    const bound = study.requirements.flatMap((requirement, place) => (requirement.metric === index ? [place] : []));
+    const shown = study.done[run] ? withUnit(metric.text(value), metric.unit) : "\u2013";
+    const name = el("th", { scope: "row", title: metric.name }, metric.title);
+    if (!bound.length) {
+      body.append(el("tr", {}, name, el("td", {}, shown), el("td"), el("td"), el("td")));
+      return;
+    }
+    bound.forEach((place, order) => {
+      const threshold = state.thresholds[place]!;
+      const mark = each[place]![run]!;
+      const by = margin(value, threshold);
+      body.append(
+        el(
+          "tr",
+          { class: "judged", title: study.requirements[place]!.title },
+          order ? el("th", { scope: "row", class: "again" }, metric.title) : name,
+          el("td", {}, shown),
+          el("td", {}, bounds(threshold, metric.unit)),
+          el("td", { class: mark < 2 ? CLASSES[mark]! : "muted" }, study.done[run] && !Number.isNaN(by) ? signed(by, metric.unit) : "\u2013"),
+          el("td", { class: `verdict ${CLASSES[mark]}` }, `${SIGNS[mark]} ${WORDS[mark]}`),
+        ),
+      );
+    });
+  });
+  return el(
+    "div",
+    { class: "scroll" },
+    el("table", { class: "metrics", id: "metrics" }, el("thead", {}, el("tr", {}, ...head.map((text) => el("th", { scope: "col" }, text)))), body),
+  );
+}
+
+export function bounds({ atMost, atLeast }: Threshold, unit: string): string {
+  const parts = [];
+  if (atLeast !== null) parts.push(`\u2265\u202f${number(atLeast)}`);
+  if (atMost !== null) parts.push(`\u2264\u202f${number(atMost)}`);
+  return withUnit(parts.join(" and "), unit);
+}
+
+function signed(value: number, unit: string): string {
+  return withUnit(`${value > 0 ? "+" : ""}${number(value, 3)}`, unit);
+}
+
+function yamlBlock(study: Study, run: number, open: boolean, toggled: (open: boolean) => void): HTMLElement {
+  const text = yamlOf(study, run);
+  const shown = el("pre", { id: "yaml", tabindex: 0 }, text);
+  const said = el("span", { class: "muted", role: "status" });
+  const copy = el(
+    "button",
+    {
+      id: "copy-yaml",
+      type: "button",
+      click: () => {
+        void copyText(text, shown).then((done) => (said.textContent = done ? "copied" : "selected: press Ctrl+C"));
+      },
+    },
+    "Copy as YAML",
+  );
+  const details = el("details", { open, toggle: () => toggled(details.open) }, el("summary", {}, "Parameters as YAML"), shown);
+  return el("div", { class: "yaml" }, details, el("div", { class: "copy" }, copy, said));
+}
+
+async function copyText(text: string, shown: HTMLElement): Promise<boolean> {
+  try {
+    await navigator.clipboard.writeText(text);
+    return true;
+  } catch {
+    // A page opened from disk may not reach the clipboard; then the text is at least selected.
+    (shown.parentElement as HTMLDetailsElement).open = true;
+    getSelection()?.selectAllChildren(shown);
+    return false;
+  }
+}

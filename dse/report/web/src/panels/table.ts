@@ -1,0 +1,186 @@
+// All runs, sorted and filtered; only the rows in view exist, so that a hundred thousand cost no more than thirty.
+import { selectRun } from "../actions";
+import { el } from "../dom";
+import { group } from "../format";
+import type { Filter, Store } from "../store";
+import { axisLabel, type Study } from "../study";
+import { CLASSES, SIGNS, tally, WORDS } from "../verdicts";
+import { scope } from "./summary";
+
+const ROW = 28;
+const SPARE = 12;
+
+interface Column {
+  key: string;
+  title: string;
+  numeric: boolean;
+  sort: (run: number) => number | string;
+  text: (run: number) => string;
+  marks: ((run: number) => number) | null;
+}
+
+export function createTable(store: Store): HTMLElement {
+  const columns = columnsOf(store);
+  const head = el("tr");
+  const body = el("tbody");
+  const table = el("table", { class: "runs", "aria-label": "All runs" }, el("thead", {}, head), body);
+  const view = el("div", { class: "view", tabindex: 0, "aria-label": "Run table; up and down arrows move the selection" }, table);
+  const filters = el("div", { class: "tabs", role: "group", "aria-label": "Runs shown" });
+  let runs = new Int32Array(0);
+
+  const rows = (): void => {
+    const start = Math.max(0, Math.floor(view.scrollTop / ROW) - SPARE);
+    const end = Math.min(runs.length, Math.ceil((view.scrollTop + view.clientHeight) / ROW) + SPARE);
+    body.replaceChildren(gap(start, columns.length), ...Array.from(runs.subarray(start, end), (run) => rowOf(store, columns, run)), gap(runs.length - end, columns.length));
+    table.setAttribute("aria-rowcount", String(runs.length + 1));
+  };
+  const order = (): void => {
+    runs = arrange(store, columns);
+    drawHead(store, columns, head);
+    drawFilters(store, filters);
+    rows();
+  };
+  const reveal = (): void => {
+    const place = runs.indexOf(store.state.selected);
+    if (place < 0) return;
+    const top = place * ROW;
+    if (top < view.scrollTop || top > view.scrollTop + view.clientHeight - 3 * ROW) view.scrollTop = top - view.clientHeight / 2 + ROW;
+  };
+
+  view.addEventListener("scroll", rows, { passive: true });
+  view.addEventListener("keydown", (event) => {
+    const step = event.key === "ArrowDown" ? 1 : event.key === "ArrowUp" ? -1 : 0;
+    if (!step || !runs.length) return;
+    event.preventDefault();
+    const place = runs.indexOf(store.state.selected);
+    selectRun(store, runs[Math.min(runs.length - 1, Math.max(0, place + step))]!);
+  });
+  new ResizeObserver(rows).observe(view);
+  store.subscribe((_, changed) => {
+    const scoped = changed.has("configuration");
+    if (changed.has("thresholds") || changed.has("filter") || changed.has("sort") || scoped) order();
+    else if (changed.has("selected")) rows();
+    if (changed.has("selected") || scoped) reveal();
+  });
+  order();
+  requestAnimationFrame(reveal);
+  return el("div", { class: "table" }, filters, view);
+}
+
+function columnsOf(store: Store): Column[] {
+  const { study } = store;
+  const columns: Column[] = [
+    { key: "run", title: "Run", numeric: true, sort: (run) => study.number[run]!, text: (run) => String(study.number[run]), marks: null },
+  ];
+  study.variables.forEach(({ values, text, ...variable }, index) => {
+    columns.push({ key: `variable.${index}`, title: axisLabel(variable), numeric: true, sort: (run) => values[run]!, text: (run) => text(values[run]!), marks: null });
+  });
+  study.metrics.forEach(({ values, text, ...metric }, index) => {
+    const judged = requirementOf(study, index);
+    columns.push({
+      key: `metric.${index}`,
+      title: axisLabel(metric),
+      numeric: true,
+      sort: (run) => values[run]!,
+      text: (run) => (study.done[run] ? text(values[run]!) : "\u2013"),
+      marks: judged < 0 ? null : (run) => store.judgement().each[judged]![run]!,
+    });
+  });
+  columns.push({
+    key: "verdict",
+    title: "Verdict",
+    numeric: false,
+    sort: (run) => store.judgement().overall[run]!,
+    text: (run) => WORDS[store.judgement().overall[run]!]!,
+    marks: (run) => store.judgement().overall[run]!,
+  });
+  return columns;
+}
+
+function requirementOf(study: Study, metric: number): number {
+  return study.requirements.findIndex((requirement) => requirement.metric === metric);
+}
+
+function arrange(store: Store, columns: Column[]): Int32Array<ArrayBuffer> {
+  const { study, state } = store;
+  const { overall } = store.judgement();
+  const configuration = scope(store);
+  const found: number[] = [];
+  for (let run = 0; run < study.size; run++) {
+    if (state.filter !== "all" && overall[run] !== state.filter) continue;
+    if (configuration < 0 || study.configuration[run] === configuration) found.push(run);
+  }
+  const column = columns.find(({ key }) => key === state.sort.column) ?? columns[0]!;
+  const keys = new Map(found.map((run) => [run, column.sort(run)]));
+  const direction = state.sort.descending ? -1 : 1;
+  found.sort((a, b) => {
+    const [x, y] = [keys.get(a)!, keys.get(b)!];
+    // What is undefined goes last, whichever way the column is sorted.
+    if (x !== x || y !== y) return (x !== x ? 1 : 0) - (y !== y ? 1 : 0);
+    return x < y ? -direction : x > y ? direction : a - b;
+  });
+  return Int32Array.from(found);
+}
+
+function drawHead(store: Store, columns: Column[], head: HTMLElement): void {
+  const { sort } = store.state;
+  const focused = (document.activeElement as HTMLElement | null)?.dataset["sort"];
+  head.replaceChildren(
+    ...columns.map(({ key, title, numeric }) => {
+      const active = sort.column === key;
+      return el(
+        "th",
+        { scope: "col", class: numeric ? "numeric" : "", "aria-sort": active ? (sort.descending ? "descending" : "ascending") : "none" },
+        el(
+          "button",
+          { type: "button", "data-sort": key, click: () => store.set({ sort: { column: key, descending: active && !sort.descending } }) },
+          title,
+          el("span", { class: "arrow", "aria-hidden": "true" }, active ? (sort.descending ? "\u25be" : "\u25b4") : ""),
+        ),
+      );
+    }),
+  );
+  if (focused) head.querySelector<HTMLElement>(`[data-sort="${CSS.escape(focused)}"]`)?.focus();
+}
+
+function drawFilters(store: Store, box: HTMLElement): void {
+  const counts = tally(store.study, store.judgement().overall, scope(store));
+  const total = counts.reduce((sum, value) => sum + value, 0);
+  const options: [Filter, string, number][] = [
+    ["all", "all", total],
+    ...([0, 1, 2, 3] as const).map((mark): [Filter, string, number] => [mark, WORDS[mark], counts[mark]!]),
+  ];
+  const focused = (document.activeElement as HTMLElement | null)?.id;
+  box.replaceChildren(
+    ...options.map(([filter, word, count]) =>
+      el(
+        "button",
+        { id: `filter-${filter}`, type: "button", "aria-pressed": String(store.state.filter === filter), click: () => store.set({ filter }) },
+        word,
+        el("span", { class: "count" }, group(count)),
+      ),
+    ),
+  );
+  if (focused?.startsWith("filter-")) document.getElementById(focused)?.focus();
+}
+
+function rowOf(store: Store, columns: Column[], run: number): HTMLElement {
+  const selected = store.state.selected === run;
+  return el(
+    "tr",
+    { class: selected ? "chosen" : "", "aria-selected": String(selected), click: () => selectRun(store, run) },
+    ...columns.map(({ key, numeric, text, marks }) => {
+      const mark = marks?.(run);
+      const kind = mark === undefined ? "" : CLASSES[mark]!;
+      const shown = key === "verdict" ? `${SIGNS[mark!]} ${text(run)}` : text(run);
+      return el("td", { class: `${numeric ? "numeric" : "verdict"} ${kind}` }, shown);
+    }),
+  );
+}
+
+function gap(count: number, columns: number): HTMLElement {
+  const row = el("tr", { class: "gap", "aria-hidden": "true" }, el("td", { colspan: columns }));
+  row.style.height = `${count * ROW}px`;
+  if (!count) row.hidden = true;
+  return row;
+}

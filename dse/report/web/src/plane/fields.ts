@@ -1,0 +1,31 @@
+// Continuous fields over the plane of two variables, given row by row at the nodes of a grid.
+
+/** Node `j * xs.length + i` lies at `xs[i]`, `ys[j]`; both rise, their spacing may vary. */
+export interface Grid {
+  xs: Float64Array;
+  ys: Float64Array;
+}
+
+/** `size` even places from `low` to `high`. */
+export function even(low: number, high: number, size: number): Float64Array {
+  return Float64Array.from({ length: size }, (_, i) => low + ((high - low) * i) / (size - 1));
+}
+
+export interface Fields extends Grid {
+  /** How the fields come from the runs, in words. */
+  how: string;
+  metric(index: number): Float64Array;
+  /** 0.5 or more where the requirement is exercised; null if it is everywhere. */
+  exercised(requirement: number): Float64Array | null;
+  /** 0.5 or more where all requirements have a value; null if they have everywhere. */
+  known(): Float64Array | null;
+}
+
+/** Remembers the result for each argument. */
+export function remember<T>(make: (key: number) => T): (key: number) => T {
+  const made = new Map<number, T>();
+  return (key) => {
+    if (!made.has(key)) made.set(key, make(key));
+    return made.get(key)!;
+  };
+}

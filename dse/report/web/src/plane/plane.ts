@@ -1,0 +1,140 @@
+// The plane of two design variables that is shown: which runs lie in it, and the fields between them.
+import type { State } from "../store";
+import type { Study } from "../study";
+import { group } from "../format";
+import type { Fields } from "./fields";
+import { latticeFields, latticeOf } from "./lattice";
+import { radialFields } from "./radial";
+
+export interface Plane {
+  x: number;
+  y: number;
+  /** Runs in the plane. */
+  on: Int32Array;
+  /** Runs beside the plane that are shown all the same, and how strongly (0 … 1). */
+  beside: Int32Array;
+  strength: Float32Array;
+  fields: Fields | null;
+  /** Why there are no fields, or how they were made. */
+  note: string;
+}
+
+type Shown = Pick<State, "configuration" | "x" | "y" | "fixed">;
+
+export function createPlanes(study: Study): (state: Shown) => Plane {
+  let key = "";
+  let plane: Plane | null = null;
+  return (state) => {
+    const wanted = [state.configuration, state.x, state.y, ...others(study, state.x, state.y).map((i) => state.fixed[i])].join();
+    if (!plane || key !== wanted) {
+      plane = makePlane(study, state);
+      key = wanted;
+    }
+    return plane;
+  };
+}
+
+/** The variables that are on neither axis. */
+export function others(study: Study, x: number, y: number): number[] {
+  return study.variables.map((_, index) => index).filter((index) => index !== x && index !== y);
+}
+
+/** The others that the reader may move: in a sliced study only those of a slice that has both axes. */
+export function movable(study: Study, x: number, y: number): number[] {
+  const rest = others(study, x, y);
+  if (study.sampler !== "sliced") return rest;
+  const slice = study.slices.find((names) => names.includes(x) && names.includes(y));
+  return rest.filter((index) => slice?.includes(index));
+}
+
+/** The values a variable takes in the runs, in order. */
+export function levels(study: Study, index: number): number[] {
+  return [...new Set(study.variables[index]!.values)].sort((a, b) => a - b);
+}
+
+/** Where the variables that are on no axis start: at their nominal value, or at the level nearest to it. */
+export function startingPoint(study: Study): number[] {
+  return study.variables.map((variable, index) => {
+    if (study.sampler === "scattered") return variable.nominal;
+    let best = variable.nominal;
+    let least = Infinity;
+    for (const level of levels(study, index)) {
+      if (Math.abs(level - variable.nominal) < least) {
+        least = Math.abs(level - variable.nominal);
+        best = level;
+      }
+    }
+    return best;
+  });
+}
+
+export function liesIn(study: Study, run: number, { configuration, x, y, fixed }: Shown): boolean {
+  return (
+    study.configuration[run] === configuration &&
+    others(study, x, y).every((index) => {
+      const { values, low, high } = study.variables[index]!;
+      return Math.abs(values[run]! - fixed[index]!) <= 1e-9 * (high - low);
+    })
+  );
+}
+
+function makePlane(study: Study, shown: Shown): Plane {
+  const { configuration, x, y } = shown;
+  const base = { x, y, beside: new Int32Array(0), strength: new Float32Array(0) };
+  const [horizontal, vertical] = [study.variables[x]!, study.variables[y]!];
+  if (study.sampler === "scattered") return scatteredPlane(study, shown);
+  const on: number[] = [];
+  for (let run = 0; run < study.size; run++) if (liesIn(study, run, shown)) on.push(run);
+  const runs = Int32Array.from(on);
+  const sliced = study.sampler === "sliced" && !study.slices.some((names) => names.includes(x) && names.includes(y));
+  const lattice = sliced ? null : latticeOf(horizontal.values, vertical.values, runs);
+  if (lattice) {
+    const fields = latticeFields(study, lattice);
+    return { ...base, on: runs, fields, note: fields.how };
+  }
+  const why = sliced
+    ? "These two variables were not varied together in this study: only the runs are shown, no boundaries."
+    : runs.length
+      ? "Too few runs of this plane have been made: only the runs are shown, no boundaries."
+      : `No run of configuration ${study.configurations[configuration]?.id ?? ""} lies in this plane.`;
+  return { ...base, on: runs, fields: null, note: why };
+}
+
+function scatteredPlane(study: Study, { configuration, x, y, fixed }: Shown): Plane {
+  const on: number[] = [];
+  const beside: number[] = [];
+  const strength: number[] = [];
+  const rest = others(study, x, y);
+  for (let run = 0; run < study.size; run++) {
+    if (study.configuration[run] !== configuration) continue;
+    let square = 0;
+    for (const index of rest) {
+      const { values, low, high } = study.variables[index]!;
+      square += ((values[run]! - fixed[index]!) / (high - low)) ** 2;
+    }
+    const away = Math.sqrt(square / Math.max(1, rest.length));
+    if (away < 1e-9) on.push(run);
+    else {
+      beside.push(run);
+      strength.push(Math.max(0.1, 1 - 2.2 * away));
+    }
+  }
+  const radial = study.configurations[configuration]?.radial ?? null;
+  const fields = radial ? radialFields(study, radial, x, y, fixed) : null;
+  const most = study.mostCentres;
+  const faint = rest.length ? " Runs away from this plane are drawn fainter." : "";
+  const note = fields
+    ? fields.how + faint
+    : on.length + beside.length > most
+      ? `More than ${group(most)} scattered runs: interpolating through all of them is too slow for a page, so only the runs are shown.`
+      : "Too few runs to interpolate: only the runs are shown.";
+  return {
+    x,
+    y,
+    on: Int32Array.from(on),
+    beside: Int32Array.from(beside),
+    strength: Float32Array.from(strength),
+    fields,
+    note,
+  };
+}

@@ -1,0 +1,81 @@
+// Scattered runs: radial interpolation with the weights computed by dse/report/radial.py.
+import type { Radial, Study } from "../study";
+import { even, remember, type Fields } from "./fields";
+
+const SIZE = 81;
+
+export function radialFields(study: Study, radial: Radial, x: number, y: number, fixed: number[]): Fields {
+  const [horizontal, vertical] = [study.variables[x]!, study.variables[y]!];
+  const metrics = study.metrics.length;
+  const last = metrics + study.requirements.length;
+  // What a repaint always needs is computed in one go: the distances cost most and are shared.
+  const always = [...new Set(study.requirements.map(({ metric }) => metric))];
+  for (let field = metrics; field <= last; field++) if (!isConstant(radial, field)) always.push(field);
+  let first: Map<number, Float64Array> | null = null;
+  const values = remember((field) => {
+    first ??= evaluate(study, radial, x, y, fixed, always);
+    return first.get(field) ?? evaluate(study, radial, x, y, fixed, [field]).get(field)!;
+  });
+  const region = (field: number): Float64Array | null => (isConstant(radial, field) ? null : values(field));
+  return {
+    xs: even(horizontal.low, horizontal.high, SIZE),
+    ys: even(vertical.low, vertical.high, SIZE),
+    how: `Boundaries are interpolated with radial functions through ${radial.centres.length} runs; they are estimates between the runs.`,
+    metric: values,
+    exercised: (requirement) => region(metrics + requirement),
+    known: () => region(last),
+  };
+}
+
+// Only a field that is 1 at every run has no weights; one that is 0 everywhere must still be drawn.
+function isConstant(radial: Radial, field: number): boolean {
+  const n = radial.centres.length;
+  const weights = radial.weights.subarray(field * (n + 1), (field + 1) * (n + 1));
+  return Math.abs(weights[n]! - 1) < 1e-4 && weights.subarray(0, n).every((weight) => Math.abs(weight) < 1e-6);
+}
+
+function evaluate(
+  study: Study,
+  { centres, weights }: Radial,
+  x: number,
+  y: number,
+  fixed: number[],
+  fields: number[],
+): Map<number, Float64Array> {
+  const n = centres.length;
+  const beside = new Float64Array(n);
+  study.variables.forEach((variable, index) => {
+    if (index === x || index === y) return;
+    const scale = variable.high - variable.low;
+    for (let c = 0; c < n; c++) beside[c]! += ((variable.values[centres[c]!]! - fixed[index]!) / scale) ** 2;
+  });
+  const across = squares(study, centres, x);
+  const along = squares(study, centres, y);
+  const rows = fields.map((field) => Float64Array.from(weights.subarray(field * (n + 1), (field + 1) * (n + 1))));
+  const results = fields.map(() => new Float64Array(SIZE * SIZE));
+  const distance = new Float64Array(n);
+  for (let j = 0; j < SIZE; j++) {
+    for (let i = 0; i < SIZE; i++) {
+      for (let c = 0; c < n; c++) distance[c] = Math.sqrt(across[i * n + c]! + along[j * n + c]! + beside[c]!);
+      for (let f = 0; f < rows.length; f++) {
+        const row = rows[f]!;
+        let sum = row[n]!;
+        for (let c = 0; c < n; c++) sum += row[c]! * distance[c]!;
+        results[f]![j * SIZE + i] = sum;
+      }
+    }
+  }
+  return new Map(fields.map((field, f) => [field, results[f]!]));
+}
+
+// Squared distance of every centre to each of SIZE even places along one variable, scaled to 0 … 1.
+function squares(study: Study, centres: Int32Array, index: number): Float64Array {
+  const { values, low, high } = study.variables[index]!;
+  const result = new Float64Array(SIZE * centres.length);
+  for (let i = 0; i < SIZE; i++) {
+    for (let c = 0; c < centres.length; c++) {
+      result[i * centres.length + c] = ((values[centres[c]!]! - low) / (high - low) - i / (SIZE - 1)) ** 2;
+    }
+  }
+  return result;
+}

@@ -1,0 +1,188 @@
+// The constraint plot: regions, runs and labels on one canvas, hover and selection on a second above it.
+import { el, fit } from "../dom";
+import { number, withUnit } from "../format";
+import type { Plane } from "../plane/plane";
+import type { Changed, State, Store } from "../store";
+import type { Study } from "../study";
+import { palette, type Palette } from "../theme";
+import type { Threshold } from "../verdicts";
+import { drawColourBar } from "./colourbar";
+import { above, below, path, type Ring } from "./contour";
+import { drawAxes, frameOf, type Frame } from "./frame";
+import { labelBoundary, labelRegion, type Spot } from "./labels";
+import { paintPoints, placeOf } from "./points";
+import { colourOf, paintRegions, regionsOf, sameOpen, scaleOf, type Regions } from "./regions";
+
+export interface Plot {
+  element: HTMLElement;
+  surface: HTMLElement;
+  plane(): Plane;
+  frame(): Frame | null;
+  hover(run: number): void;
+}
+
+const REPAINTED: (keyof State)[] = ["configuration", "x", "y", "fixed", "thresholds", "fill", "theme"];
+
+export function createPlot(store: Store, planes: (state: State) => Plane): Plot {
+  const ground = el("canvas", { class: "ground", "aria-hidden": "true" });
+  const overlay = el("canvas", { class: "overlay", "aria-hidden": "true" });
+  const surface = el("div", {
+    class: "plot",
+    tabindex: 0,
+    role: "application",
+    "aria-roledescription": "constraint plot",
+    "aria-label": "Constraint plot. Arrow keys select the neighbouring run.",
+    "aria-describedby": "announcement",
+  }, ground, overlay);
+  let frame: Frame | null = null;
+  let hovered = -1;
+  const plane = (): Plane => planes(store.state);
+
+  const repaint = (): void => {
+    const started = performance.now();
+    frame = paintGround(ground, store, plane());
+    performance.measure("paint", { start: started, end: performance.now() });
+    drawOverlay();
+  };
+  const drawOverlay = (): void => {
+    if (frame) paintOverlay(overlay, frame, store, plane(), hovered);
+  };
+
+  store.subscribe((_, changed: Changed) => {
+    if (REPAINTED.some((key) => changed.has(key))) repaint();
+    else if (changed.has("selected")) drawOverlay();
+  });
+  new ResizeObserver(repaint).observe(surface);
+  return {
+    element: surface,
+    surface,
+    plane,
+    frame: () => frame,
+    hover: (run) => {
+      if (run === hovered) return;
+      hovered = run;
+      drawOverlay();
+    },
+  };
+}
+
+function paintGround(canvas: HTMLCanvasElement, store: Store, plane: Plane): Frame {
+  const { study, state } = store;
+  const { pen, width, height } = fit(canvas);
+  const colours = palette();
+  const [horizontal, vertical] = [study.variables[plane.x]!, study.variables[plane.y]!];
+  const metric = state.fill >= 0 && plane.fields ? study.metrics[state.fill]! : null;
+  const frame = frameOf(width, height, horizontal, vertical, metric !== null);
+  pen.fillStyle = colours.plot;
+  pen.fillRect(frame.left, frame.top, frame.right - frame.left, frame.bottom - frame.top);
+  if (plane.fields) {
+    const regions = regionsOf(study, plane.fields, state.thresholds, frame);
+    const runs = plane.beside.length ? plane.beside : plane.on;
+    const fill = metric ? { values: plane.fields.metric(state.fill), scale: scaleOf(metric.values, runs) } : null;
+    paintRegions(pen, frame, plane.fields, regions, fill, colours);
+    if (metric && fill) drawColourBar(pen, frame, width, metric, fill.scale, colours);
+    drawAxes(pen, frame, horizontal, vertical, colours);
+    paintPoints(pen, frame, study, plane, store.judgement().overall, colours);
+    writeLabels(pen, frame, study, plane.fields, state.thresholds, regions, metric === null, colours);
+  } else {
+    drawAxes(pen, frame, horizontal, vertical, colours);
+    paintPoints(pen, frame, study, plane, store.judgement().overall, colours);
+  }
+  return frame;
+}
+
+function writeLabels(
+  pen: CanvasRenderingContext2D,
+  frame: Frame,
+  study: Study,
+  fields: NonNullable<Plane["fields"]>,
+  thresholds: Threshold[],
+  regions: Regions,
+  nameFeasible: boolean,
+  colours: Palette,
+): void {
+  const taken: Spot[] = [];
+  const ratio = pen.getTransform().a;
+  const failing = path(regions.infeasible.flat());
+  study.requirements.forEach(({ metric }, index) => {
+    const { title, unit } = study.metrics[metric]!;
+    const { atMost, atLeast } = thresholds[index]!;
+    const blank = path([...regions.open[index]!, ...regions.unknown]);
+    const inside = (shape: Path2D, x: number, y: number): boolean => pen.isPointInPath(shape, x * ratio, y * ratio);
+    const field = fields.metric(metric);
+    const sides: [number | null, (limit: number) => Ring[]][] = [
+      [atMost, (limit) => above(field, fields, frame, limit)],
+      [atLeast, (limit) => below(field, fields, frame, limit)],
+    ];
+    for (const [limit, rings] of sides) {
+      if (limit === null) continue;
+      const visible = rings(limit).map((ring) => ring.map((p) => (inside(blank, p[0], p[1]) ? [NaN, NaN] : p)) as Ring);
+      const text = `${title} = ${withUnit(number(limit), unit)}`;
+      const before = taken.length;
+      const colour = colourOf(colours, index);
+      // Beside the hatching the name reads best; on it, it still reads.
+      labelBoundary(pen, frame, visible, text, colour, colours, taken, (x, y) => !inside(failing, x, y) && !inside(blank, x, y));
+      if (taken.length === before) {
+        labelBoundary(pen, frame, visible, text, colour, colours, taken, (x, y) => !inside(blank, x, y));
+      }
+    }
+  });
+  for (const group of sameOpen(regions.open)) {
+    const exercised = fields.exercised(group[0]!)!;
+    const names = group.length === study.requirements.length ? [] : group.map((index) => study.requirements[index]!.title);
+    labelRegion(pen, frame, fields, (node) => exercised[node]! < 0.5, ["not exercised", ...names.slice(0, 3)], colours.plot, colours, taken);
+  }
+  if (nameFeasible && study.requirements.length) {
+    labelRegion(pen, frame, fields, meetsAll(study, fields, thresholds), ["all requirements met"], colours.feasible, colours, taken);
+  }
+}
+
+function meetsAll(study: Study, fields: NonNullable<Plane["fields"]>, thresholds: Threshold[]): (node: number) => boolean {
+  const known = fields.known();
+  const parts = study.requirements.map(({ metric }, index) => ({
+    field: fields.metric(metric),
+    exercised: fields.exercised(index),
+    high: thresholds[index]!.atMost ?? Infinity,
+    low: thresholds[index]!.atLeast ?? -Infinity,
+  }));
+  return (node) =>
+    (!known || known[node]! >= 0.5) &&
+    parts.every(
+      ({ field, exercised, high, low }) =>
+        field[node]! <= high && field[node]! >= low && (!exercised || exercised[node]! >= 0.5),
+    );
+}
+
+function paintOverlay(canvas: HTMLCanvasElement, frame: Frame, store: Store, plane: Plane, hovered: number): void {
+  const { study, state } = store;
+  const { pen } = fit(canvas);
+  const colours = palette();
+  const ring = (run: number, radius: number, width: number): void => {
+    const [x, y] = placeOf(frame, study, plane, run);
+    pen.beginPath();
+    pen.arc(x, y, radius, 0, 2 * Math.PI);
+    pen.strokeStyle = colours.plot;
+    pen.lineWidth = width + 3;
+    pen.stroke();
+    pen.strokeStyle = colours.ink;
+    pen.lineWidth = width;
+    pen.stroke();
+  };
+  if (hovered >= 0 && hovered !== state.selected) ring(hovered, 7, 1.2);
+  if (state.selected >= 0 && (plane.on.includes(state.selected) || plane.beside.includes(state.selected))) {
+    const [x, y] = placeOf(frame, study, plane, state.selected);
+    pen.strokeStyle = colours.ink;
+    pen.lineWidth = 0.8;
+    pen.globalAlpha = 0.45;
+    pen.setLineDash([3, 3]);
+    pen.beginPath();
+    pen.moveTo(x, y + 10);
+    pen.lineTo(x, frame.bottom);
+    pen.moveTo(x - 10, y);
+    pen.lineTo(frame.left, y);
+    pen.stroke();
+    pen.setLineDash([]);
+    pen.globalAlpha = 1;
+    ring(state.selected, 8, 2.2);
+  }
+}

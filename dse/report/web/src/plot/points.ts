@@ -1,0 +1,152 @@
+// The runs as points: filled = pass, dot = fail, hollow = not exercised, cross = failed to run.
+import type { Plane } from "../plane/plane";
+import type { Study } from "../study";
+import { channels, type Palette } from "../theme";
+import { FAIL, FAILED, NOT_EXERCISED, PASS } from "../verdicts";
+import type { Frame } from "./frame";
+
+const MOST_DRAWN = 6000;
+const ORDER = [FAIL, NOT_EXERCISED, PASS, FAILED];
+const SHADES = 6;
+
+export function paintPoints(
+  pen: CanvasRenderingContext2D,
+  frame: Frame,
+  study: Study,
+  plane: Plane,
+  marks: Uint8Array,
+  colours: Palette,
+): void {
+  const total = plane.on.length + plane.beside.length;
+  if (total > MOST_DRAWN) return stampPoints(pen, frame, study, plane, marks, colours);
+  const spacing = Math.sqrt(((frame.right - frame.left) * (frame.bottom - frame.top)) / Math.max(1, total));
+  const size = Math.min(1, Math.max(0.4, spacing / 22));
+  const groups: number[][] = Array.from({ length: SHADES }, () => []);
+  plane.beside.forEach((run, i) => groups[Math.min(SHADES - 1, Math.floor(plane.strength[i]! * SHADES))]!.push(run));
+  groups.forEach((runs, shade) => {
+    pen.globalAlpha = (shade + 1) / SHADES;
+    for (const mark of ORDER) drawMark(pen, frame, study, plane, runs.filter((run) => marks[run] === mark), mark, size, colours);
+  });
+  pen.globalAlpha = 1;
+  for (const mark of ORDER) {
+    const runs = Array.from(plane.on).filter((run) => marks[run] === mark);
+    drawMark(pen, frame, study, plane, runs, mark, size, colours);
+  }
+}
+
+function drawMark(
+  pen: CanvasRenderingContext2D,
+  frame: Frame,
+  study: Study,
+  plane: Plane,
+  runs: number[],
+  mark: number,
+  size: number,
+  colours: Palette,
+): void {
+  if (!runs.length) return;
+  const places = runs.map((run) => placeOf(frame, study, plane, run));
+  pen.beginPath();
+  for (const [x, y] of places) drawShape(pen, x, y, mark, size);
+  paintShape(pen, mark, size, colours);
+}
+
+/** Adds one mark's outline to the current path. */
+export function drawShape(pen: CanvasRenderingContext2D, x: number, y: number, mark: number, size: number): void {
+  if (mark === FAILED) {
+    const arm = 4.2 * Math.max(0.7, size);
+    pen.moveTo(x - arm, y - arm);
+    pen.lineTo(x + arm, y + arm);
+    pen.moveTo(x - arm, y + arm);
+    pen.lineTo(x + arm, y - arm);
+    return;
+  }
+  const radius = mark === PASS ? 3.6 * size : mark === FAIL ? Math.max(0.9, 1.6 * size) : 2.9 * size;
+  pen.moveTo(x + radius, y);
+  pen.arc(x, y, radius, 0, 2 * Math.PI);
+}
+
+/** Paints the marks of the current path. */
+export function paintShape(pen: CanvasRenderingContext2D, mark: number, size: number, colours: Palette): void {
+  if (mark === FAILED) {
+    pen.strokeStyle = colours.plot;
+    pen.lineWidth = 4.5;
+    pen.stroke();
+    pen.strokeStyle = colours.broken;
+    pen.lineWidth = 2;
+  } else if (mark === PASS) {
+    pen.fillStyle = colours.pass;
+    pen.fill();
+    pen.strokeStyle = colours.plot;
+    pen.lineWidth = 1.2 * size;
+  } else if (mark === FAIL) {
+    pen.fillStyle = colours.ink;
+    pen.fill();
+    return;
+  } else {
+    pen.fillStyle = colours.plot;
+    pen.fill();
+    pen.strokeStyle = colours.muted;
+    pen.lineWidth = Math.max(0.8, 1.2 * size);
+  }
+  pen.stroke();
+}
+
+export function placeOf(frame: Frame, study: Study, { x, y }: Plane, run: number): [number, number] {
+  return [frame.x(study.variables[x]!.values[run]!), frame.y(study.variables[y]!.values[run]!)];
+}
+
+// Beyond some thousand points a path per point is slow; squares set straight into pixels take milliseconds.
+function stampPoints(
+  pen: CanvasRenderingContext2D,
+  frame: Frame,
+  study: Study,
+  plane: Plane,
+  marks: Uint8Array,
+  colours: Palette,
+): void {
+  const ratio = pen.getTransform().a;
+  const { width, height } = pen.canvas;
+  const image = new ImageData(width, height);
+  const pixels = new Uint32Array(image.data.buffer);
+  const runs = plane.beside.length ? joined(plane.on, plane.beside) : plane.on;
+  const side = Math.max(1, Math.round((runs.length > 200_000 ? 1 : runs.length > 40_000 ? 1.5 : 2.4) * ratio));
+  const ink = [colours.pass, colours.ink, colours.muted, colours.broken].map(packed);
+  const sides = [side + Math.round(ratio), side, side, side + Math.round(2 * ratio)];
+  const xs = study.variables[plane.x]!.values;
+  const ys = study.variables[plane.y]!.values;
+  const [x0, x1] = [frame.x(0), frame.x(1) - frame.x(0)];
+  const [y0, y1] = [frame.y(0), frame.y(1) - frame.y(0)];
+  for (const mark of ORDER) {
+    const colour = ink[mark]!;
+    const edge = sides[mark]!;
+    for (let i = 0; i < runs.length; i++) {
+      const run = runs[i]!;
+      if (marks[run] !== mark) continue;
+      const column = Math.round((x0 + x1 * xs[run]!) * ratio - edge / 2);
+      const row = Math.round((y0 + y1 * ys[run]!) * ratio - edge / 2);
+      if (column < 0 || row < 0 || column + edge > width || row + edge > height) continue;
+      for (let b = 0; b < edge; b++) {
+        const start = (row + b) * width + column;
+        for (let a = 0; a < edge; a++) pixels[start + a] = colour;
+      }
+    }
+  }
+  const sheet = document.createElement("canvas");
+  sheet.width = width;
+  sheet.height = height;
+  sheet.getContext("2d")!.putImageData(image, 0, 0);
+  pen.drawImage(sheet, 0, 0, width / ratio, height / ratio);
+}
+
+function joined(a: Int32Array, b: Int32Array): Int32Array {
+  const both = new Int32Array(a.length + b.length);
+  both.set(a);
+  both.set(b, a.length);
+  return both;
+}
+
+function packed(hex: string): number {
+  const [red, green, blue] = channels(hex);
+  return ((255 << 24) | (blue << 16) | (green << 8) | red) >>> 0;
+}

@@ -1,0 +1,75 @@
+// What the reader has chosen. Parts of the page subscribe; changes of one animation frame arrive together.
+import { judge, type Judgement, type Threshold } from "./verdicts";
+import type { Study } from "./study";
+
+export type Filter = "all" | 0 | 1 | 2 | 3;
+
+export interface State {
+  configuration: number;
+  x: number;
+  y: number;
+  /** Value of every variable that is on no axis. */
+  fixed: number[];
+  thresholds: Threshold[];
+  /** Metric shown as colour, -1 for the region that meets every requirement. */
+  fill: number;
+  /** Selected run (position, not number), -1 for none. */
+  selected: number;
+  filter: Filter;
+  sort: { column: string; descending: boolean };
+  theme: "light" | "dark";
+}
+
+export type Changed = ReadonlySet<keyof State>;
+type Listener = (state: State, changed: Changed) => void;
+
+export interface Store {
+  readonly study: Study;
+  readonly state: State;
+  set(patch: Partial<State>): void;
+  subscribe(listener: Listener): void;
+  judgement(): Judgement;
+}
+
+export function createStore(study: Study, initial: State): Store {
+  let state = initial;
+  let judged: { thresholds: Threshold[]; judgement: Judgement } | null = null;
+  let pending: Set<keyof State> | null = null;
+  const listeners: Listener[] = [];
+
+  const flush = (): void => {
+    const changed = pending!;
+    pending = null;
+    for (const listener of listeners) listener(state, changed);
+  };
+
+  return {
+    study,
+    get state() {
+      return state;
+    },
+    set(patch) {
+      const keys = (Object.keys(patch) as (keyof State)[]).filter((key) => patch[key] !== state[key]);
+      if (!keys.length) return;
+      state = { ...state, ...patch };
+      if (!pending) {
+        pending = new Set();
+        requestAnimationFrame(flush);
+      }
+      for (const key of keys) pending.add(key);
+    },
+    subscribe(listener) {
+      listeners.push(listener);
+    },
+    judgement() {
+      if (judged?.thresholds !== state.thresholds) {
+        judged = { thresholds: state.thresholds, judgement: judge(study, state.thresholds) };
+      }
+      return judged.judgement;
+    },
+  };
+}
+
+export function studyThresholds(study: Study): Threshold[] {
+  return study.requirements.map(({ atMost, atLeast }) => ({ atMost, atLeast }));
+}

@@ -1,0 +1,118 @@
+"""Opening `study.sqlite`, and turning what can go wrong with it into problems a user can act on."""
+
+from __future__ import annotations
+
+import json
+import os
+import sqlite3
+from collections.abc import Iterator
+from contextlib import closing, contextmanager
+from pathlib import Path
+
+from dse.errors import DseError, Location, fail
+from dse.results.header import StudyHeader
+from dse.results.schema import APPLICATION_ID, VERSION, statements
+
+NAME = "study.sqlite"
+
+_BUSY_SECONDS = 30.0
+
+
+@contextmanager
+def located(path: Path) -> Iterator[None]:
+    """SQLite's errors inside the block become a DseError that names the study folder *path*."""
+    try:
+        yield
+    except sqlite3.OperationalError as error:
+        raise fail(
+            f"{NAME} cannot be used: {error}", Location(str(path)), "look at the disk's space, the rights and the locks"
+        ) from error
+    except sqlite3.DatabaseError as error:
+        raise _damaged(path, str(error)) from error
+
+
+def lay_out(path: Path, header: StudyHeader) -> None:
+    """Write an empty `study.sqlite` into *path*, all of it or nothing."""
+    aside = path / f"{NAME}.part"
+    aside.unlink(missing_ok=True)
+    with located(path), closing(sqlite3.connect(aside, isolation_level=None)) as connection:
+        connection.execute("BEGIN")
+        for statement in statements(header):
+            connection.execute(statement)
+        write_header(connection, header)
+        connection.execute("COMMIT")
+    aside.replace(path / NAME)
+
+
+def connect(path: Path, *, write: bool) -> sqlite3.Connection:
+    """A connection to the study in *path*; DseError if there is none or this program cannot read it."""
+    file = path / NAME
+    if not path.is_dir():
+        what = "is not a study folder" if path.exists() else "there is no such folder"
+        raise fail(what, Location(str(path)), "name the folder given to explore or run with -o")
+    if not file.is_file():
+        raise fail(f"is not a study folder: there is no {NAME} in it", Location(str(path)))
+    with located(path):
+        connection = sqlite3.connect(_address(file), uri=True, isolation_level=None, timeout=_BUSY_SECONDS)
+    try:
+        with located(path):
+            _check_version(path, connection)
+            if write:
+                connection.execute("PRAGMA journal_mode = WAL")
+                # In WAL mode this survives a killed process; only a power cut may cost the last commits.
+                connection.execute("PRAGMA synchronous = NORMAL")
+            else:
+                connection.execute("PRAGMA query_only = ON")
+    except DseError:
+        connection.close()
+        raise
+    return connection
+
+
+def write_header(connection: sqlite3.Connection, header: StudyHeader) -> None:
+    """Store *header*; the caller has a transaction open."""
+    facts = {"definition": header.definition, "fingerprint": header.fingerprint, "runs": header.runs}
+    connection.executemany("INSERT INTO facts VALUES (?, ?)", [(key, _json(value)) for key, value in facts.items()])
+    connection.executemany(
+        "INSERT INTO configurations VALUES (?, ?, ?)",
+        [
+            (entry["id"], _json(entry.get("choices", {})), _json(entry.get("totals", {})))
+            for entry in header.definition["configurations"]
+        ],
+    )
+
+
+def read_header(connection: sqlite3.Connection, path: Path) -> StudyHeader:
+    """The header stored by `write_header`."""
+    try:
+        facts = {key: json.loads(value) for key, value in connection.execute("SELECT key, value FROM facts")}
+        return StudyHeader(facts["definition"], facts["fingerprint"], facts["runs"])
+    except (ValueError, KeyError) as error:
+        raise _damaged(path, f"its facts cannot be read ({error})") from error
+
+
+def _check_version(path: Path, connection: sqlite3.Connection) -> None:
+    (application,) = connection.execute("PRAGMA application_id").fetchone()
+    (version,) = connection.execute("PRAGMA user_version").fetchone()
+    if application != APPLICATION_ID:
+        raise fail(f"is not a study folder: {NAME} was written by another program", Location(str(path)))
+    if version > VERSION:
+        raise fail(
+            f"the study was written by a newer dse (tables of version {version}, this one knows {VERSION})",
+            Location(str(path)),
+            "update dse, or explore again into another folder",
+        )
+
+
+def _address(file: Path) -> str:
+    # Without the right to write, SQLite cannot make the index that WAL readers share; such a file does not change.
+    mode = "mode=rw" if os.access(file, os.W_OK) and os.access(file.parent, os.W_OK) else "mode=ro&immutable=1"
+    return f"{file.resolve().as_uri()}?{mode}"
+
+
+def _damaged(path: Path, why: str) -> DseError:
+    return fail(f"{NAME} is damaged: {why}", Location(str(path)), "explore again into another folder, or with --fresh")
+
+
+def _json(value: object) -> str:
+    return json.dumps(value, sort_keys=True, ensure_ascii=False, separators=(",", ":"))

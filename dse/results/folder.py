@@ -1,0 +1,233 @@
+"""The study folder: `study.sqlite` with a row per run, and `waveforms/` with the waveforms that were kept."""
+
+from __future__ import annotations
+
+import sqlite3
+import time
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from types import TracebackType
+
+from dse.domain.component import Value
+from dse.domain.run import Outcome, Run, Waveforms
+from dse.errors import Location, fail
+from dse.results.database import NAME, connect, lay_out, located, read_header
+from dse.results.header import StudyHeader
+from dse.results.rows import VERDICTS, RowBlock
+from dse.results.schema import cell_of, columns
+from dse.results.table import RunTable, read_table
+from dse.results.waveforms import PART, read_waveforms
+
+WAVEFORMS = "waveforms"
+
+_COMMIT_EVERY = 0.25
+
+
+class StudyFolder:
+    """One study's results. Use `create`, `resume` or `open`; close it, or use it in a with statement.
+
+    There is one writer; any number of readers may look on while it writes. What is added is committed every
+    quarter of a second and at the end, so a killed process loses no more than that.
+    """
+
+    def __init__(self, path: Path, header: StudyHeader, connection: sqlite3.Connection) -> None:
+        self.path = path
+        self.header = header
+        self._connection = connection
+        self._begun: float | None = None
+
+    @classmethod
+    def create(cls, path: Path, header: StudyHeader) -> StudyFolder:
+        """A new folder for the study of *header*; DseError if *path* is a file or holds something else already."""
+        if path.is_file():
+            raise fail("is a file, not a folder", Location(str(path)), "give another folder with -o")
+        if (path / NAME).exists():
+            raise fail("holds a study already", Location(str(path)), "give another folder with -o, or say --fresh")
+        if path.is_dir() and any(entry.name not in (WAVEFORMS, f"{NAME}.part") for entry in path.iterdir()):
+            raise fail("is not empty and not a study folder", Location(str(path)), "give another folder with -o")
+        try:
+            (path / WAVEFORMS).mkdir(parents=True, exist_ok=True)
+        except OSError as error:
+            raise fail(f"the folder cannot be made: {error.strerror}", Location(str(path))) from error
+        lay_out(path, header)
+        return cls(path, header, connect(path, write=True))
+
+    @classmethod
+    def resume(cls, path: Path, header: StudyHeader) -> StudyFolder:
+        """The folder at *path* to go on with, or a new one; DseError if it holds the results of another study."""
+        if not (path / NAME).exists():
+            return cls.create(path, header)
+        folder = cls._connected(path, write=True)
+        if folder.header.fingerprint != header.fingerprint:
+            folder.close()
+            changed = ", ".join(folder.header.differences(header)) or "the way it was computed"
+            raise fail(
+                f"holds the results of another study (different: {changed})",
+                Location(str(path)),
+                "give another folder with -o, or say --fresh to throw these results away",
+            )
+        for torn in (path / WAVEFORMS).glob(f"*{PART}"):
+            torn.unlink(missing_ok=True)
+        (path / WAVEFORMS).mkdir(exist_ok=True)
+        return folder
+
+    @classmethod
+    def open(cls, path: Path) -> StudyFolder:
+        """The folder at *path* for reading; DseError if it is none, is damaged or was written by a newer dse."""
+        return cls._connected(path, write=False)
+
+    @staticmethod
+    def discard(path: Path) -> None:
+        """Remove the study in *path* and nothing else; DseError if there is something there that is no study."""
+        if not (path / NAME).exists():
+            if path.exists() and not (path.is_dir() and not any(path.iterdir())):
+                raise fail("is not a study folder", Location(str(path)), "give another folder with -o")
+            return
+        for pattern in (f"{NAME}*", f"{WAVEFORMS}/*.parquet", f"{WAVEFORMS}/*{PART}"):
+            for file in path.glob(pattern):
+                file.unlink()
+
+    @property
+    def waveform_folder(self) -> Path:
+        """Where the waveform files lie."""
+        return self.path / WAVEFORMS
+
+    def finished(self) -> set[int]:
+        """Numbers of the runs that have a row, done or failed."""
+        return self._numbers("SELECT number FROM runs")
+
+    def failed(self) -> set[int]:
+        """Numbers of the runs that failed."""
+        return self._numbers("SELECT number FROM runs WHERE outcome = 'failed'")
+
+    def kept(self) -> Mapping[int, str]:
+        """Waveform file by number for the runs whose waveforms were asked for; "" where there are none to store."""
+        with located(self.path):
+            rows = self._connection.execute("SELECT number, file FROM kept ORDER BY number").fetchall()
+        return {number: file or "" for number, file in rows}
+
+    def table(self, numbers: Sequence[int] = ()) -> RunTable:
+        """The runs of *numbers* that are stored, or all that are, as columns."""
+        with located(self.path):
+            return read_table(self._connection, self.header, numbers)
+
+    def run(self, number: int) -> Run:
+        """Run *number* with its waveforms if they were kept; DseError if it has not been made."""
+        for run in self.table((number,)).runs():
+            return Run(
+                run.request, run.outcome, run.metrics, run.judgements, run.problem, waveforms=self.waveforms(number)
+            )
+        raise fail(
+            f"there is no run {number}", Location(str(self.path)), f"the study has runs 0 to {self.header.runs - 1}"
+        )
+
+    def waveforms(self, number: int) -> Waveforms | None:
+        """The waveforms of run *number*, None if they were not kept; DseError if their file is gone or damaged."""
+        with located(self.path):
+            row = self._connection.execute("SELECT file FROM kept WHERE number = ?", (number,)).fetchone()
+        return read_waveforms(self.waveform_folder / row[0], number) if row and row[0] else None
+
+    def timing(self) -> Mapping[int, float]:
+        """Wall time in seconds by run, of this machine and never exported; NaN where a worker died."""
+        with located(self.path):
+            rows = self._connection.execute("SELECT number, wall FROM timing ORDER BY number").fetchall()
+        return {number: float("nan") if wall is None else wall for number, wall in rows}
+
+    def add(self, configuration: str, points: Sequence[Sequence[Value]], block: RowBlock) -> None:
+        """Store *block*, all of one *configuration*; *points* (n, variables) in the header's order.
+
+        A run that has a row already keeps it.
+        """
+        numbers = block.numbers.tolist()
+        rows = [
+            (
+                number,
+                configuration,
+                str(Outcome.DONE if done else Outcome.FAILED),
+                block.problems.get(number, ""),
+                *map(cell_of, point),
+                *metrics,
+                *(str(VERDICTS[code]) for code in verdicts),
+                *margins,
+            )
+            for number, done, point, metrics, verdicts, margins in zip(
+                numbers,
+                block.done.tolist(),
+                points,
+                block.metrics.tolist(),
+                block.verdicts.tolist(),
+                block.margins.tolist(),
+                strict=True,
+            )
+        ]
+        places = ", ".join("?" * len(columns(self.header)))
+        with located(self.path):
+            self._begin()
+            self._connection.executemany(f"INSERT OR IGNORE INTO runs VALUES ({places})", rows)  # noqa: S608  # marks only
+            self._connection.executemany(
+                "INSERT OR IGNORE INTO timing VALUES (?, ?)", zip(numbers, block.wall.tolist(), strict=True)
+            )
+        self.commit_if_due()
+
+    def add_kept(self, numbers: Sequence[int], file: str) -> None:
+        """Note that the waveforms of *numbers* are in *file*, which is there already; "" if there are none to store."""
+        with located(self.path):
+            self._begin()
+            self._connection.executemany(
+                "INSERT OR REPLACE INTO kept VALUES (?, ?)", [(number, file or None) for number in numbers]
+            )
+        self.commit_if_due()
+
+    def set_problem(self, number: int, problem: str) -> None:
+        """Replace what run *number* has to say of itself."""
+        with located(self.path):
+            self._begin()
+            self._connection.execute("UPDATE runs SET problem = ? WHERE number = ?", (problem, number))
+        self.commit_if_due()
+
+    def commit_if_due(self) -> None:
+        """Commit what has been waiting for a quarter of a second or more."""
+        if self._begun is not None and time.monotonic() - self._begun >= _COMMIT_EVERY:
+            self.commit()
+
+    def commit(self) -> None:
+        """Commit what has been added."""
+        if self._begun is not None:
+            with located(self.path):
+                self._connection.execute("COMMIT")
+            self._begun = None
+
+    def close(self) -> None:
+        """Commit and close."""
+        try:
+            self.commit()
+        finally:
+            self._connection.close()
+
+    def __enter__(self) -> StudyFolder:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self.close()
+
+    @classmethod
+    def _connected(cls, path: Path, *, write: bool) -> StudyFolder:
+        connection = connect(path, write=write)
+        try:
+            with located(path):
+                header = read_header(connection, path)
+        except BaseException:
+            connection.close()
+            raise
+        return cls(path, header, connection)
+
+    def _numbers(self, query: str) -> set[int]:
+        with located(self.path):
+            return {number for (number,) in self._connection.execute(query)}
+
+    def _begin(self) -> None:
+        if self._begun is None:
+            self._connection.execute("BEGIN IMMEDIATE")
+            self._begun = time.monotonic()

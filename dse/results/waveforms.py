@@ -1,0 +1,85 @@
+"""Waveforms of a chunk of runs in one Parquet file, one row group per run."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from dse.domain.run import Waveforms
+from dse.errors import Location, fail
+
+PART = ".part"
+"""Suffix of a file that is still being written."""
+
+
+def file_name(first: int, last: int) -> str:
+    """Name of the file for the chunk of runs *first* to *last*, both included."""
+    return f"runs-{first:08d}-{last:08d}.parquet"
+
+
+def write_waveforms(file: Path, runs: Sequence[tuple[int, Waveforms]]) -> None:
+    """Write *runs* (number, waveforms), sorted by number, all recorded alike. The file is there whole or not at all.
+
+    Columns: run (int32), time in seconds, one float64 column per recorded variable in SI. ValueError if the
+    runs recorded different variables.
+    """
+    import pyarrow as pa
+    import pyarrow.parquet as pq
+
+    names = list(runs[0][1].values)
+    schema = pa.schema([("run", pa.int32()), ("time", pa.float64()), *((name, pa.float64()) for name in names)])
+    # Its own name per process: a second writer of the same chunk writes the same bytes, but not into this file.
+    aside = file.with_name(f"{file.name}.{os.getpid()}{PART}")
+    with pq.ParquetWriter(aside, schema, compression="zstd", use_dictionary=False) as writer:
+        for number, waveforms in runs:
+            if list(waveforms.values) != names:
+                raise ValueError(f"run {number} recorded other variables than run {runs[0][0]}")
+            run = np.full(len(waveforms.time), number, dtype=np.int32)
+            arrays = [pa.array(run), pa.array(waveforms.time), *(pa.array(waveforms.values[name]) for name in names)]
+            writer.write_table(pa.Table.from_arrays(arrays, schema=schema), row_group_size=max(len(run), 1))
+    aside.replace(file)
+
+
+def read_waveforms(file: Path, number: int) -> Waveforms:
+    """The waveforms of run *number*; DseError if the file is missing, damaged or does not hold the run."""
+    import pyarrow as pa
+    import pyarrow.parquet as pq
+
+    try:
+        with pq.ParquetFile(file) as parquet:
+            group = _group_of(parquet, number)
+            table = None if group is None else parquet.read_row_group(group)
+    except (OSError, pa.ArrowException) as error:
+        raise fail(f"waveforms of run {number} cannot be read: {error}", Location(str(file))) from error
+    if table is None:
+        raise fail(f"there are no waveforms of run {number} in it", Location(str(file)))
+    arrays = {name: table.column(name).to_numpy() for name in table.column_names if name != "run"}
+    return Waveforms(arrays.pop("time"), arrays)
+
+
+def _group_of(parquet: Any, number: int) -> int | None:
+    for group in range(parquet.metadata.num_row_groups):
+        statistics = parquet.metadata.row_group(group).column(0).statistics
+        if statistics is not None and statistics.has_min_max and statistics.min == number:
+            return group
+    return None
+
+
+def read_all_waveforms(file: Path) -> Iterator[tuple[int, Waveforms]]:
+    """Every run in *file* with its waveforms, in order; DseError if the file is missing or damaged."""
+    import pyarrow as pa
+    import pyarrow.parquet as pq
+
+    try:
+        with pq.ParquetFile(file) as parquet:
+            for group in range(parquet.metadata.num_row_groups):
+                table = parquet.read_row_group(group)
+                arrays = {name: table.column(name).to_numpy() for name in table.column_names}
+                number = int(arrays.pop("run")[0])
+                yield number, Waveforms(arrays.pop("time"), arrays)
+    except (OSError, pa.ArrowException) as error:
+        raise fail(f"waveforms cannot be read: {error}", Location(str(file))) from error

@@ -1,0 +1,101 @@
+"""Everything that can be known to be wrong with a design space before a configuration is looked at."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+
+from dse.domain.component import Causality, Interface
+from dse.domain.design import Alternative, Compound, Connection, DesignSpace, Node, Optional, Part, walk
+from dse.errors import DseError, Problem
+from dse.space.evaluate import compile_in
+from dse.space.places import Places
+from dse.space.wiring import Place, PortOf, port_pairs, two_sources, with_bench
+
+
+def check(space: DesignSpace) -> list[Problem]:
+    """What is wrong with the constraints, the alternatives' interfaces and the connections of *space*."""
+    problems = [problem for path, node in walk(space.root) for problem in _interfaces(path, node)]
+    if not problems:
+        compounds = [(path, node) for path, node in walk(space.root) if isinstance(node, Compound)]
+        problems += [problem for path, compound in compounds for problem in _wiring(path, compound)]
+    places = Places(space)
+    for constraint in space.constraints:
+        try:
+            compile_in(constraint.rule, places)
+        except DseError as error:
+            problems += error.problems
+    return problems
+
+
+def check_bench_connections(
+    space: DesignSpace, test_components: Mapping[str, Interface], connections: Iterable[Connection]
+) -> list[Problem]:
+    """What is wrong with a test bench's *connections* between its *test_components* and the parts of a design."""
+    root, _ = _place(space.root, "", optional=False)
+    problems: list[Problem] = []
+    for connection in connections:
+        try:
+            port_pairs(connection, with_bench(root, test_components, ()))
+        except DseError as error:
+            problems += error.problems
+    return problems
+
+
+def _interfaces(path: str, node: Node) -> Iterable[Problem]:
+    if not isinstance(node, Alternative):
+        return
+    first = node.options[0]
+    for option in node.options:
+        if isinstance(option, Compound) and option.interface is None:
+            what = f"'{option.name}' at '{path}' is an architecture among alternatives without an interface"
+            offered = f" {first.interface.name}" if first.interface else ""
+            yield Problem(what, option.where, f"add implements:{offered or ' …'}")
+        elif option.interface and first.interface and not _alike(option.interface, first.interface):
+            what = (
+                f"alternatives at '{path}' have different interfaces: "
+                f"'{first.name}' is a {first.interface.name}, '{option.name}' a {option.interface.name}"
+            )
+            yield Problem(what, option.where or node.where, "alternatives must be exchangeable")
+
+
+def _alike(a: Interface, b: Interface) -> bool:
+    return a.name == b.name and set(a.ports) == set(b.ports)
+
+
+def _place(node: Node, path: str, *, optional: bool) -> tuple[Place, frozenset[str]]:
+    """The place with every part there, alternatives by their interface; and the paths that may be left out."""
+    match node:
+        case Optional():
+            return _place(node.content, path, optional=True)
+        case Part() | Alternative():
+            return Place(path, node.interface, {}, (), is_component=True), frozenset({path} if optional else ())
+        case Compound():
+            parts: dict[str, Place | None] = {}
+            missing = frozenset({path} if optional else ())
+            for name, child in node.parts.items():
+                parts[name], below = _place(child, f"{path}.{name}" if path else name, optional=optional)
+                missing |= below
+            return Place(path, node.interface, parts, node.connections), missing
+
+
+def _wiring(path: str, compound: Compound) -> Iterable[Problem]:
+    scope, may_miss = _place(compound, path, optional=False)
+    driven: set[PortOf] = set()
+    always: dict[PortOf, Connection] = {}
+    for connection in compound.connections:
+        try:
+            pairs = port_pairs(connection, scope)
+        except DseError as error:
+            yield from error.problems
+            continue
+        for source, target in pairs:
+            driven.add(target)
+            if source[0] in may_miss or target[0] in may_miss:
+                continue
+            first = always.setdefault(target, connection)
+            if first is not connection:
+                yield two_sources(target, first, connection)
+    for port in compound.interface.ports if compound.interface else ():
+        if port.causality is Causality.OUTPUT and (path, port.name) not in driven:
+            what = f"nothing inside '{compound.name}' gives its output '{port.name}'"
+            yield Problem(what, compound.where, f"add a connection '… -> {port.name}'")

@@ -1,0 +1,139 @@
+"""A design space as decisions: what is chosen where, and under which choices a place is filled."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from math import prod
+
+from dse.domain.component import Component
+from dse.domain.design import Alternative, Compound, DesignSpace, Node, Optional, Part
+
+Choices = Mapping[str, str]
+"""What is chosen, by the path of the decision; an optional part that is left out is not in it."""
+
+Condition = tuple[tuple[str, str], ...]
+"""Choices (path, name) that must all have been made; empty is always true."""
+
+
+@dataclass(frozen=True, slots=True)
+class Branch:
+    """One outcome of a decision, None for leaving the part out, and the decisions it brings along."""
+
+    choice: str | None
+    decisions: tuple[Decision, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Decision:
+    """One choice to be made. *position* counts all decisions of the space in the order of the file.
+
+    Two architectures may each have a decision of the same path; at most one of them exists at a time.
+    """
+
+    path: str
+    position: int
+    branches: tuple[Branch, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Site:
+    """A component, or an architecture (*component* None), that stands at *path* when *condition* is met."""
+
+    path: str
+    name: str
+    component: Component | None
+    condition: Condition
+
+    def is_there(self, choices: Choices) -> bool:
+        """Whether the choices put this here."""
+        return all(choices.get(path) == name for path, name in self.condition)
+
+
+def decisions(space: DesignSpace) -> tuple[Decision, ...]:
+    """The decisions that always exist, in the order of the file; the others hang below their branches."""
+    return _decisions(space.root, "", _Positions())
+
+
+def sites(space: DesignSpace) -> tuple[Site, ...]:
+    """Everything that can stand somewhere, in the order of the file; the root compound is not a site."""
+    times = Counter(decision.path for decision in flat(decisions(space)))
+    found = (site for name, child in space.root.parts.items() for site in _sites(child, name, ()))
+    return tuple(Site(s.path, s.name, s.component, _shortened(s.condition, times)) for s in found)
+
+
+def flat(tree: tuple[Decision, ...]) -> Iterator[Decision]:
+    """Every decision of the tree, in order of position."""
+    for decision in tree:
+        yield decision
+        for branch in decision.branches:
+            yield from flat(branch.decisions)
+
+
+def product_of(tree: tuple[Decision, ...]) -> int:
+    """In how many ways the decisions can be made, rules aside."""
+    return prod(sum(product_of(branch.decisions) for branch in decision.branches) for decision in tree)
+
+
+class _Positions:
+    def __init__(self) -> None:
+        self.next = 0
+
+    def take(self) -> int:
+        self.next += 1
+        return self.next - 1
+
+
+def _decisions(node: Node, path: str, positions: _Positions) -> tuple[Decision, ...]:
+    match node:
+        case Part():
+            return ()
+        case Compound():
+            return tuple(
+                decision
+                for name, child in node.parts.items()
+                for decision in _decisions(child, _join(path, name), positions)
+            )
+        case Alternative() | Optional():
+            position = positions.take()
+            return (Decision(path, position, _branches(node, path, positions)),)
+
+
+def _branches(node: Node, path: str, positions: _Positions) -> tuple[Branch, ...]:
+    match node:
+        case Optional():
+            return (*_branches(node.content, path, positions), Branch(None, ()))
+        case Alternative():
+            return tuple(Branch(option.name, _decisions(option, path, positions)) for option in node.options)
+        case Part() | Compound():
+            return (Branch(node.name, _decisions(node, path, positions)),)
+
+
+def _sites(node: Node, path: str, condition: Condition) -> Iterator[Site]:
+    match node:
+        case Part():
+            yield Site(path, node.name, node.component, condition)
+        case Compound():
+            yield Site(path, node.name, None, condition)
+            for name, child in node.parts.items():
+                yield from _sites(child, _join(path, name), condition)
+        case Alternative():
+            for option in node.options:
+                yield from _sites(option, path, (*condition, (path, option.name)))
+        case Optional(Alternative() as content):
+            yield from _sites(content, path, condition)
+        case Optional(Part() | Compound() as content):
+            yield from _sites(content, path, (*condition, (path, content.name)))
+
+
+def _shortened(condition: Condition, times: Mapping[str, int]) -> Condition:
+    """Without the choices that a later one implies, because its decision exists only below them."""
+    for start in range(len(condition) - 1, 0, -1):
+        if times[condition[start][0]] == 1:
+            return condition[start:]
+    return condition
+
+
+def _join(path: str, name: str) -> str:
+    return f"{path}.{name}" if path else name

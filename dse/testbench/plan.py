@@ -1,0 +1,89 @@
+"""A study ready to be explored: configurations chosen, benches prepared, header written."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+from dse.domain.bench import TestBench
+from dse.domain.component import Value
+from dse.domain.design import Configuration
+from dse.domain.study import DesignVariable, FullFactorial, Keep, Selection, Study
+from dse.errors import DseError, Location, Problem
+from dse.loading.bench import setting
+from dse.loading.values import Raw
+from dse.testbench.definition import define, fingerprint
+from dse.testbench.prepare import prepare
+from dse.testbench.prepared import PreparedBench
+from dse.testbench.select import selected
+
+
+@dataclass(frozen=True, slots=True)
+class Plan:
+    """A study with its prepared benches by configuration id, and its definition as JSON data."""
+
+    study: Study
+    prepared: Mapping[str, PreparedBench]
+    definition: Mapping[str, object]
+    fingerprint: str
+
+
+def plan(study: Study, *, version: int = 2, cache: Path | None = None) -> Plan:
+    """Choose the configurations, build FMUs, assemble systems. Raises DseError with everything that is wrong."""
+    configurations = selected(study.bench.design, study.selection, study.where)
+    prepared = prepare(study.bench, configurations, version=version, cache=cache)
+    _require_variables(study, prepared)
+    definition = define(study, prepared)
+    return Plan(study, prepared, definition, fingerprint(definition))
+
+
+def bench_study(bench: TestBench, selection: Selection | None = None) -> Study:
+    """The study that runs a bench once on every configuration, waveforms kept."""
+    return Study(
+        bench.name, bench, (), FullFactorial(), selection or Selection(), Keep.ALL, title=bench.title, where=bench.where
+    )
+
+
+def with_settings(bench: TestBench, settings: Mapping[str, Raw], configuration: Configuration) -> TestBench:
+    """*bench* with other parameter values for one configuration, given as the user writes them. Raises DseError."""
+    test_parts = {part.name: part.component for part in bench.test_components}
+    components = {path: (component,) for path, component in {**configuration.parts, **test_parts}.items()}
+    values: dict[str, Value] = {}
+    problems: list[Problem] = []
+    for name, raw in settings.items():
+        here = Location(f"--set {name}={raw}")
+        try:
+            values[name] = setting(name, raw, components, here, here)
+        except DseError as error:
+            problems += error.problems
+    if problems:
+        raise DseError(*problems)
+    return with_values(bench, values)
+
+
+def with_values(bench: TestBench, values: Mapping[str, Value]) -> TestBench:
+    """*bench* with other parameter values, in SI."""
+    return replace(bench, parameters={**bench.parameters, **values})
+
+
+def _require_variables(study: Study, prepared: Mapping[str, PreparedBench]) -> None:
+    """Every design variable must exist, and be free, in every configuration that is explored."""
+    problems = []
+    for variable in study.variables:
+        lacking = [p for p in prepared.values() if variable.name not in p.settings]
+        if lacking:
+            problems.append(_missing(variable, lacking, len(prepared)))
+    if problems:
+        raise DseError(*problems)
+
+
+def _missing(variable: DesignVariable, lacking: list[PreparedBench], total: int) -> Problem:
+    first = lacking[0].configuration
+    place = variable.name.split(".")[0]
+    chosen = first.choices.get(place) or "what stands there"
+    return Problem(
+        f"{len(lacking)} of {total} configurations cannot vary '{variable.name}', as {first.id}: {place} is {chosen}",
+        variable.where,
+        f"choose configurations that have it: 'configurations: {{where: {place} is …}}'",
+    )

@@ -1,0 +1,126 @@
+from __future__ import annotations
+
+import subprocess
+import sys
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import pytest
+
+from dse.domain.component import Kind
+from dse.domain.fmu import FmuModel, Variable
+from dse.domain.system import Element, SystemStructure, Wire
+from dse.fmu.toolchain import find_compiler
+
+SOURCES = Path(__file__).parent / "fmus"
+
+REAL, WHOLE, TRUTH = ("Real", "Float64"), ("Integer", "Int32"), ("Boolean", "Boolean")
+RELAYED = {
+    2: {"Real": 0, "Integer": 6, "Boolean": 10},
+    3: {
+        "Float64": 0,
+        "Float32": 1,
+        "Int8": 2,
+        "UInt8": 3,
+        "Int16": 4,
+        "UInt16": 5,
+        "Int32": 6,
+        "UInt32": 7,
+        "Int64": 8,
+        "UInt64": 9,
+        "Boolean": 10,
+    },
+}
+VARIABLES = {
+    "linear": {"u": REAL, "a": REAL, "b": REAL, "y0": REAL, "y": REAL},
+    "gain": {"u": REAL, "k": REAL, "c": REAL, "y": REAL},
+    "counter": {"enable": TRUTH, "increment": WHOLE, "count": WHOLE, "odd": TRUTH},
+    "liar": {"u": REAL, "y": REAL},
+    "faulty": {"mode": WHOLE, "at": REAL, "y": REAL, "n": ("Integer", "Int64"), "u": REAL},
+}
+OUTPUTS = {"y", "count", "odd", "n"}
+
+
+@dataclass(frozen=True)
+class Shelf:
+    """Compiles the FMUs in fmus/ when they are first asked for, and builds systems of them."""
+
+    folder: Path
+
+    def fmu(self, name: str, version: int = 2, *flags: str) -> FmuModel:
+        key = "_".join([name, f"fmi{version}", *(flag.strip("-") for flag in flags)])
+        library = self.folder / f"{key}{'.dll' if sys.platform == 'win32' else '.so'}"
+        if not library.exists():
+            fpic = [] if sys.platform == "win32" else ["-fPIC"]
+            source = str(SOURCES / f"{name}.c")
+            command = [*find_compiler().command, "-std=c11", "-O1", "-ffp-contract=off", "-Wall", "-Werror"]
+            subprocess.run(
+                [*command, *fpic, "-shared", f"-DFMI={version}", *flags, source, "-o", str(library)], check=True
+            )
+        return FmuModel(
+            archive=library,
+            folder=self.folder,
+            library=library,
+            version=version,
+            identifier=name,
+            token="the token",  # noqa: S106  # FMI's word for an identity
+            variables={v.name: v for v in variables(name, version)},
+            can_handle_variable_step=True,
+            can_save_state=False,
+            once_per_process="-DONCE" in flags,
+        )
+
+    def system(
+        self,
+        elements: Mapping[str, FmuModel],
+        wires: Sequence[str] = (),
+        start: Mapping[str, float] | None = None,
+        record: Sequence[str] = (),
+    ) -> SystemStructure:
+        """Elements by name; wires as "a.y -> b.u"; start by "element.variable"; what is recorded becomes an output."""
+        ends = [wire.split(" -> ") for wire in wires]
+        sources, targets = {source for source, _ in ends} | set(record), {target for _, target in ends}
+        built = [
+            Element(
+                name,
+                model,
+                tuple(v for v in model.variables.values() if f"{name}.{v.name}" in targets),
+                tuple(v for v in model.variables.values() if f"{name}.{v.name}" in sources),
+                {key.split(".", 1)[1]: x for key, x in (start or {}).items() if key.split(".", 1)[0] == name},
+            )
+            for name, model in elements.items()
+        ]
+        return SystemStructure(
+            "test", tuple(built), tuple(Wire(*source.split(".", 1), *target.split(".", 1)) for source, target in ends)
+        )
+
+
+def variables(name: str, version: int) -> list[Variable]:
+    if name == "relay":
+        return [
+            Variable(f"{side}_{fmi_type}", reference + offset, fmi_type, causality, None)
+            for fmi_type, reference in RELAYED[version].items()
+            for side, offset, causality in (("from", 0, "input"), ("to", 16, "output"))
+        ]
+    return [
+        Variable(v, number, types[version - 2], "output" if v in OUTPUTS else "parameter", Kind.REAL)
+        for number, (v, types) in enumerate(VARIABLES[name].items())
+    ]
+
+
+@pytest.fixture(scope="session")
+def shelf(tmp_path_factory: pytest.TempPathFactory) -> Shelf:
+    return Shelf(tmp_path_factory.mktemp("fmus"))
+
+
+@pytest.fixture
+def lone(shelf: Shelf):
+    """A system of one faulty FMU called world that takes a mode and a time, and a gain it is wired to."""
+
+    def build(version: int, **changes: object) -> SystemStructure:
+        model = replace(shelf.fmu("faulty", version), **changes)
+        elements = {"world": model, "car": shelf.fmu("gain", version)}
+        return shelf.system(elements, ["world.y -> car.u"], {"world.mode": 0, "world.at": 0}, ["car.y", "world.n"])
+
+    return build

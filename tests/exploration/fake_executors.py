@@ -1,0 +1,135 @@
+"""Fake benches, executors and studies. Importable by name, as a worker process needs it; imports little."""
+
+from __future__ import annotations
+
+import math
+import os
+import signal
+import struct
+import sys
+import time
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from dse.domain.bench import Judgement, Simulation, TestBench, Verdict
+from dse.domain.design import Compound, DesignSpace
+from dse.domain.run import Outcome, Run, RunRequest, Waveforms
+from dse.domain.study import DesignVariable, FullFactorial, Keep, Sampler, Study
+from dse.errors import fail
+from dse.results.header import StudyHeader
+from dse.units import DIMENSIONLESS
+
+METRICS = tuple(f"m{i}" for i in range(8))
+REQUIREMENTS = ("R1", "R2")
+
+
+@dataclass(frozen=True)
+class FakeBench:
+    """What happens (*mischief*) in the runs whose number is in *when*; *file* lets it happen only once."""
+
+    name: str
+    mischief: str = ""
+    when: tuple[int, ...] = ()
+    timeout: float = 60.0
+    file: Path | None = None
+    seconds: float = 0.0
+
+    def describe_progress(self, block: bytes) -> str:
+        (number,) = struct.unpack_from("=q", block)
+        return f"fake: fmi2DoStep of run {number - 1}" if number else ""
+
+
+class FakeExecutor:
+    """Metrics are simple functions of the point, so that any mistake on their way shows."""
+
+    def __init__(self, bench: FakeBench, progress: memoryview) -> None:
+        self.bench = bench
+        self.progress = progress
+        if bench.mischief == "refuses":
+            raise fail("sensor.gap -> controller.speed: units differ", hint="connect another port")
+        if bench.mischief == "dies loading":
+            print("cannot open libfake.so", file=sys.stderr, flush=True)
+            os._exit(7)
+
+    def run(self, request: RunRequest, *, keep: bool) -> Run:
+        bench = self.bench
+        struct.pack_into("=q", self.progress, 0, request.number + 1)
+        if bench.seconds:
+            time.sleep(bench.seconds)
+        first = bench.file is None or not bench.file.exists()
+        if request.number in bench.when and first:
+            if bench.file is not None:
+                bench.file.touch()
+            self._misbehave(request.number)
+        if bench.mischief == "fails" and request.number in bench.when:
+            return Run(request, Outcome.FAILED, problem="world: fmi2DoStep at t = 3.21 s returned error")
+        values = [value for value in request.point.values() if isinstance(value, float)]
+        total = sum(values)
+        drift = 1e-15 if bench.mischief == "drifts" and keep else 0.0
+        metrics = {name: total * (i + 1) + drift for i, name in enumerate(METRICS)}
+        metrics["m6"] = math.nan if total > 1.5 else -math.inf
+        if bench.mischief == "forgets" and request.number in bench.when:
+            del metrics["m3"]
+        verdicts = (Verdict.PASS if total < 1.0 else Verdict.FAIL, Verdict.NOT_EXERCISED)
+        judgements = tuple(Judgement(n, v, 1.0 - total) for n, v in zip(REQUIREMENTS, verdicts, strict=True))
+        return Run(request, Outcome.DONE, metrics, judgements, "", waveforms(request.number) if keep else None)
+
+    def close(self) -> None:
+        pass
+
+    def _misbehave(self, number: int) -> None:
+        match self.bench.mischief:
+            case "exits":
+                os._exit(3)
+            case "crashes":
+                os.kill(os.getpid(), signal.SIGSEGV)
+            case "is killed":
+                os.kill(os.getpid(), signal.SIGKILL)
+            case "hangs":
+                time.sleep(3600)
+            case "raises":
+                raise ValueError(f"bad run {number}")
+            case "eats memory":
+                import resource
+
+                _, hard = resource.getrlimit(resource.RLIMIT_AS)
+                resource.setrlimit(resource.RLIMIT_AS, (4 << 30, hard))
+                bytearray(16 << 30)
+
+
+def waveforms(number: int) -> Waveforms:
+    time_axis = np.linspace(0.0, 1.0, 11)
+    return Waveforms(time_axis, {"world.speed": time_axis * number, "world.gap": np.full(11, float(number))})
+
+
+def make_fake(bench: FakeBench, progress: memoryview) -> FakeExecutor:
+    return FakeExecutor(bench, progress)
+
+
+def study_of(sampler: Sampler | None = None, levels: int = 5, variables: int = 2, **changes: object) -> Study:
+    """A study of *variables* from 0 to 1 on an empty bench."""
+    bench = TestBench(
+        "bench", DesignSpace("design", Compound("design", {})), (), (), {}, Simulation(1.0, 0.1, (), 0.1), (), ()
+    )
+    varied = tuple(DesignVariable(f"part.x{i}", 0.0, 1.0, levels, 0.3, DIMENSIONLESS) for i in range(variables))
+    settings: dict[str, object] = {"keep": Keep.NONE, "seed": 1, **changes}
+    return Study("study", bench, varied, sampler or FullFactorial(), **settings)  # type: ignore[arg-type]  # by name
+
+
+def header_of(study: Study, runs: int, configurations: tuple[str, ...] = ("a",), **facts: object) -> StudyHeader:
+    definition = {
+        "study": study.name,
+        "variables": [{"name": variable.name} for variable in study.variables],
+        "metrics": [{"name": name} for name in METRICS],
+        "requirements": [{"name": name} for name in REQUIREMENTS],
+        "configurations": [{"id": name, "choices": {"place": name}, "totals": {}} for name in configurations],
+        **facts,
+    }
+    return StudyHeader(definition, f"fingerprint of {sorted(facts.items())}", runs)
+
+
+def benches(*names: str, **settings: object) -> Mapping[str, FakeBench]:
+    return {name: FakeBench(name, **settings) for name in names}  # type: ignore[arg-type]  # by name

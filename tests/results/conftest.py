@@ -1,0 +1,70 @@
+"""A small study to store: two configurations, one variable, two metrics, two requirements."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from dse.domain.bench import Judgement, Verdict
+from dse.domain.component import Value
+from dse.domain.run import Outcome, Run, RunRequest
+from dse.results.folder import StudyFolder
+from dse.results.header import StudyHeader
+from dse.results.rows import block_of
+
+METRICS = ("overshoot", "rise_time")
+REQUIREMENTS = ("R1", "R2")
+
+
+@pytest.fixture
+def header() -> StudyHeader:
+    definition = {
+        "study": "gains",
+        "variables": [{"name": "controller.kp"}],
+        "metrics": [{"name": name} for name in METRICS],
+        "requirements": [{"name": name} for name in REQUIREMENTS],
+        "configurations": [
+            {"id": "c1", "choices": {"sensor": "radar"}, "totals": {"cost": {"value": 45.0, "unit": "EUR"}}},
+            {"id": "c2", "choices": {"sensor": "lidar <ä>"}, "totals": {}},
+        ],
+        "fmus": {"pd_acc": "0123"},
+    }
+    return StudyHeader(definition, "f1", 6)
+
+
+def done(number: int, configuration: str, kp: Value, overshoot: float, rise_time: float, margin: float) -> Run:
+    verdict = Verdict.PASS if margin >= 0 else Verdict.FAIL
+    judgements = (Judgement("R1", verdict, margin), Judgement("R2", Verdict.NOT_EXERCISED, math.nan))
+    metrics = {"overshoot": overshoot, "rise_time": rise_time}
+    return Run(RunRequest(number, configuration, {"controller.kp": kp}), Outcome.DONE, metrics, judgements)
+
+
+@pytest.fixture
+def runs() -> list[Run]:
+    return [
+        done(0, "c1", 0.1, 0.1 + 0.2, math.nan, 0.25),
+        done(1, "c1", 0.2, -5e-324, math.inf, -1.5),
+        Run(RunRequest(2, "c1", {"controller.kp": 0.3}), Outcome.FAILED, problem='world: "t" < 3 s\x00 & more'),
+        done(4, "c2", 0.2, 1.0, -math.inf, 0.0),
+    ]
+
+
+@pytest.fixture
+def add() -> Callable[[StudyFolder, Run], None]:
+    def add(folder: StudyFolder, run: Run) -> None:
+        point = tuple(run.request.point.values())
+        folder.add(run.request.configuration, [point], block_of((run,), (0.5,), METRICS, REQUIREMENTS))
+
+    return add
+
+
+@pytest.fixture
+def stored(tmp_path: Path, header: StudyHeader, runs: list[Run], add: Callable[[StudyFolder, Run], None]) -> Path:
+    """A folder with the runs, added in another order than that of their numbers."""
+    with StudyFolder.create(tmp_path / "study", header) as folder:
+        for run in reversed(runs):
+            add(folder, run)
+    return tmp_path / "study"

@@ -1,0 +1,151 @@
+"""Connections are checked port by port; every message names both ends."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from dse.domain.component import Causality, Component, Interface, Kind, Parameter, Port, Type
+from dse.domain.design import Connection
+from dse.domain.fmu import FmuModel, Variable
+from dse.errors import DseError, Location
+from dse.system.assemble import assemble
+from dse.units import parse_unit
+
+METRE = Type(Kind.REAL, parse_unit("m"))
+SPEED = Type(Kind.REAL, parse_unit("m/s"))
+MODE = Type(Kind.ENUMERATION, items=("speed", "distance"))
+IN, OUT = Causality.INPUT, Causality.OUTPUT
+HERE = Location("bench.yaml", 7, 5)
+
+
+def component(name: str, *ports: tuple[str, Causality, Type], parameters: tuple[Parameter, ...] = ()) -> Component:
+    return Component(name, Interface(f"{name}_interface", tuple(Port(*port) for port in ports)), parameters=parameters)
+
+
+def model(part: Component, **changes: dict[str, object]) -> FmuModel:
+    variables = {}
+    described = [(p.name, str(p.causality), p.type) for p in part.interface.ports]
+    described += [(p.name, "parameter", p.type) for p in part.parameters]
+    for reference, (name, causality, type_) in enumerate(described):
+        fields = {"causality": causality, "kind": type_.kind, "unit": type_.unit.symbol} | changes.get(name, {})
+        variables[name] = Variable(name, reference, "Real", **fields)
+    nowhere = Path("nowhere")
+    return FmuModel(nowhere, nowhere, nowhere, 2, part.name, "{}", variables, True, True, False)
+
+
+SENSOR = component("radar", ("gap", OUT, METRE), ("rate", OUT, SPEED))
+KP = Parameter("kp", Type(Kind.REAL), 0.8)
+CONTROLLER = component(
+    "pd", ("distance", IN, METRE), ("speed", IN, SPEED), ("mode", OUT, MODE), parameters=(KP,)
+)
+DISPLAY = component("display", ("mode", IN, MODE))
+PARTS = {"sensor": SENSOR, "controller": CONTROLLER}
+MODELS = {"radar": model(SENSOR), "pd": model(CONTROLLER), "display": model(DISPLAY)}
+WIRES = [
+    Connection("sensor.gap", "controller.distance", HERE),
+    Connection("sensor.rate", "controller.speed", HERE),
+]
+
+
+def problem(parts=PARTS, wires=WIRES, values=(), models=MODELS, outputs=()) -> str:
+    with pytest.raises(DseError) as caught:
+        assemble("s", parts, wires, models, dict(values), outputs)
+    (found,) = caught.value.problems
+    return str(found)
+
+
+def test_a_system_holds_its_elements_wires_and_start_values():
+    system = assemble("s", PARTS, WIRES, MODELS, {"controller.kp": 1.5}, ["controller.mode"])
+    assert [element.name for element in system.elements] == ["sensor", "controller"]
+    assert [variable.name for variable in system.element("controller").inputs] == ["distance", "speed"]
+    assert [variable.name for variable in system.element("controller").outputs] == ["mode"]
+    assert system.element("controller").start == {"kp": 1.5}
+    assert [(w.source, w.source_variable, w.target, w.target_variable) for w in system.wires] == [
+        ("sensor", "gap", "controller", "distance"),
+        ("sensor", "rate", "controller", "speed"),
+    ]
+
+
+def test_outputs_nobody_reads_are_left_out():
+    system = assemble("s", PARTS, WIRES, MODELS, {}, [])
+    assert system.element("controller").outputs == ()
+
+
+def test_elements_stand_along_the_flow_of_signals():
+    parts = {"controller": CONTROLLER, "sensor": SENSOR}
+    assert [element.name for element in assemble("s", parts, WIRES, MODELS, {}, []).elements] == ["sensor", "controller"]
+
+
+def test_an_enumeration_is_started_by_its_items_number():
+    system = assemble("s", {"display": DISPLAY}, [], MODELS, {"display.mode": "distance"}, [])
+    assert system.element("display").start == {"mode": 1.0}
+
+
+def test_units_that_differ_are_refused_and_the_fitting_port_is_hinted():
+    wires = [Connection("sensor.gap", "controller.speed", HERE), WIRES[0]]
+    with pytest.raises(DseError) as caught:
+        assemble("s", PARTS, wires, MODELS, {}, [])
+    first = next(p for p in caught.value.problems if "units differ" in p.what)
+    assert str(first) == (
+        "bench.yaml:7:5: sensor.gap -> controller.speed: units differ: m and m/s\n    hint: connect sensor.rate"
+    )
+
+
+def test_types_that_differ_are_refused():
+    parts = {"sensor": SENSOR, "display": DISPLAY}
+    with pytest.raises(DseError, match=r"types differ: m and enum\[speed, distance\]"):
+        assemble("s", parts, [Connection("sensor.gap", "display.mode")], MODELS, {}, [])
+
+
+def test_an_input_with_neither_source_nor_value_is_refused():
+    text = problem(wires=WIRES[:1])
+    assert "input controller.speed (pd) is neither connected nor given a value" in text
+    assert "-> controller.speed" in text
+
+
+def test_an_input_with_two_sources_is_refused():
+    text = problem(wires=[*WIRES, Connection("sensor.gap", "controller.distance", HERE)])
+    assert "sensor.gap -> controller.distance: the input has a source already: sensor.gap" in text
+
+
+def test_an_input_with_source_and_value_is_refused():
+    assert "controller.speed is given a value and connected to sensor.rate" in problem(
+        values=[("controller.speed", 1.0)]
+    )
+
+
+def test_a_connection_from_an_input_is_refused():
+    wires = [*WIRES, Connection("controller.speed", "display.mode", HERE)]
+    parts = {**PARTS, "display": DISPLAY}
+    text = problem(parts=parts, wires=wires, values=[("display.mode", "speed")])
+    assert "controller.speed -> display.mode: controller.speed is an input" in text
+    assert "outputs of controller: mode" in text
+
+
+def test_a_port_that_does_not_exist_is_named_with_those_that_do():
+    text = problem(wires=[*WIRES, Connection("sensor.range", "controller.speed", HERE)])
+    assert "sensor (radar, radar_interface) has no port 'range'" in text
+    assert "ports: gap, rate" in text
+
+
+def test_a_part_that_does_not_exist_is_named():
+    assert "no part stands at 'radar.gap'" in problem(wires=[*WIRES, Connection("radar.gap", "controller.speed", HERE)])
+
+
+def test_a_variable_missing_from_the_fmu_is_named():
+    smaller = model(component("radar", ("gap", OUT, METRE)))
+    text = problem(models={**MODELS, "radar": smaller})
+    assert "the FMU of radar has no variable 'rate'" in text
+    assert "the FMU has gap" in text
+
+
+def test_a_variable_in_another_unit_is_refused():
+    text = problem(models={**MODELS, "radar": model(SENSOR, gap={"unit": "km"})})
+    assert "'gap' in the FMU of radar is in km, expected m" in text
+
+
+def test_a_variable_of_another_causality_is_refused():
+    text = problem(models={**MODELS, "radar": model(SENSOR, gap={"causality": "local"})})
+    assert "'gap' in the FMU of radar is local, not output" in text
