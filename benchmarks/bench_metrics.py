@@ -12,7 +12,7 @@ import numpy as np
 from dse.domain.bench import Metric, Requirement
 from dse.domain.component import Kind, Type
 from dse.loading.expression import parse_expression
-from dse.metrics.program import compile_metrics
+from dse.metrics.program import MetricProgram, compile_metrics
 from dse.units import parse_unit
 
 ROWS = 9001
@@ -50,7 +50,7 @@ def seconds_per_run(repeats: int = 2000) -> float:
     return min(averages)
 
 
-def _program():
+def _program() -> MetricProgram:
     units = {
         "world.speed": "m/s",
         "world.gap": "m",

@@ -11,6 +11,7 @@ from dse.errors import DseError
 
 if TYPE_CHECKING:
     from rich.console import Console
+    from rich.table import Table
 
 DONE, WRONG_FILES, USAGE, RUNS_FAILED = 0, 1, 2, 3
 """Exit codes: done; the user's files are wrong; wrong usage; some runs failed, or a requirement under --gate."""
@@ -72,6 +73,13 @@ def console(*, stderr: bool = False) -> Console:
     from rich.console import Console
 
     return Console(stderr=stderr, highlight=False, markup=False, emoji=False)
+
+
+def print_table(table: Table) -> None:
+    """A table in full: a narrow terminal wraps its lines, nothing is cut off."""
+    screen = console()
+    screen.width = max(screen.width, screen.measure(table, options=screen.options.update(max_width=10_000)).maximum)
+    screen.print(table, soft_wrap=True)
 
 
 def print_json(data: object) -> None:

@@ -58,12 +58,12 @@ def run_alone(study: Study, *, version: int) -> tuple[Run, Mapping[str, Any]]:
     from dse.testbench.plan import plan
 
     planned = plan(study, version=version)
-    with tempfile.TemporaryDirectory(prefix="dse-") as scratch:
-        with StudyFolder.create(Path(scratch) / "run", header_of(planned)) as store:
-            explore(
-                study, planned.prepared, store, workers=1, make_executor=make_executor, on_progress=lambda _: None
-            )
-            run = store.run(0)
+    with (
+        tempfile.TemporaryDirectory(prefix="dse-") as scratch,
+        StudyFolder.create(Path(scratch) / "run", header_of(planned)) as store,
+    ):
+        explore(study, planned.prepared, store, workers=1, make_executor=make_executor, on_progress=lambda _: None)
+        run = store.run(0)
     return run, planned.definition
 
 
@@ -98,7 +98,8 @@ def _say(folder: Path, table: RunTable, before: int) -> None:
 
     screen = console()
     made = len(table) - before
-    screen.print(f"{folder}: {len(table)} runs, {made} of them new" if made else f"{folder}: all {len(table)} runs were there")
+    what = f"{len(table)} runs, {made} of them new" if made else f"all {len(table)} runs were there"
+    screen.print(f"{folder}: {what}", soft_wrap=True)
     titles = {entry["name"]: entry["title"] for entry in table.header.definition["requirements"]}
     counts = verdict_counts(table)
     if counts:

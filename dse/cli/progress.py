@@ -21,11 +21,10 @@ def progress_bar() -> Iterator[Callable[[Progress], None]]:
 
     bar = columns.Progress(
         columns.TextColumn("{task.description}"),
-        columns.BarColumn(bar_width=32),
+        columns.BarColumn(bar_width=20),
         columns.MofNCompleteColumn(),
         columns.TextColumn("{task.fields[rate]}"),
         columns.TimeElapsedColumn(),
-        columns.TextColumn("left"),
         columns.TimeRemainingColumn(),
         columns.TextColumn("{task.fields[failed]}"),
         console=console(stderr=True),
@@ -36,6 +35,8 @@ def progress_bar() -> Iterator[Callable[[Progress], None]]:
     def show(progress: Progress) -> None:
         stage = str(progress.stage)
         if stage not in tasks:
+            for earlier in tasks.values():
+                bar.update(earlier, completed=bar.tasks[earlier].total)
             tasks[stage] = bar.add_task(stage, total=progress.total, rate="", failed="")
         rate = f"{progress.rate:,.0f} runs/s" if progress.rate else ""
         failed = f"{progress.failed} failed" if progress.failed else ""

@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from dse.cli.app import console
+from dse.cli.app import console, print_table
 from dse.cli.tables import metric_table
 
 if TYPE_CHECKING:
@@ -23,7 +23,7 @@ def show_run(run: Run, definition: Mapping[str, Any]) -> None:
     screen.print(f"configuration {run.request.configuration}: {chosen}", soft_wrap=True)
     if run.problem:
         screen.print(f"failed to run: {run.problem}", style="bold red", soft_wrap=True)
-    screen.print(metric_table(run, definition))
+    print_table(metric_table(run, definition))
 
 
 def draw_run(run: Run, definition: Mapping[str, Any], target: Path) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
@@ -48,7 +49,7 @@ def quantity(value: float, unit: str) -> str:
     """An SI number in *unit* as a person reads it; a dash where it is undefined."""
     from dse.units import parse_unit
 
-    if value != value:
+    if math.isnan(value):
         return "–"
     return f"{parse_unit(unit).from_si(value) if abs(value) != float('inf') else value:.4g} {unit}".rstrip()
 

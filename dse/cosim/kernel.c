@@ -2,14 +2,13 @@
  *
  * At t = k*step, for k = 0 … steps: read all outputs, record them, write all inputs, let every element step.
  * dse/cosim/reference.py is the same algorithm in plain Python and must agree with this one bit for bit. */
+#include "convert.h"
 #include "kernel.h"
 
 #include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-
-#define EXACT_INTEGER 9007199254740992.0 /* 2^53: beyond it a double no longer tells integers apart */
 
 const int64_t dse_layout[8] = {sizeof(Progress), sizeof(Log),    sizeof(Group),  sizeof(Element),
                                sizeof(Failure),  sizeof(System), sizeof(Request), LOG_LINES *LOG_WIDTH};
@@ -56,9 +55,14 @@ static bool fail(System *system, int64_t kind, int64_t status, int64_t position,
     return false;
 }
 
+static inline bool is_good(int status)
+{
+    return (unsigned)status <= FMI_WARNING;
+}
+
 static inline bool accept(System *system, int status)
 {
-    return (unsigned)status <= FMI_WARNING ? true : fail(system, BAD_STATUS, status, 0, 0);
+    return is_good(status) ? true : fail(system, BAD_STATUS, status, 0, 0);
 }
 
 static void begin(System *system)
@@ -79,161 +83,107 @@ static int end(System *system, bool succeeded)
 
 /* ---- reading and writing variables ---- */
 
-/* Convert values[count] as the accessor returned them to double; returns the first that is too large, or count. */
-static int64_t widen(const Group *group, double *values)
+static inline int call_accessor(const Group *group)
 {
-    int64_t i = 0;
-    switch (group->type) {
-#define PLAIN(TYPE, C_TYPE)                                                                                           \
-    case TYPE:                                                                                                        \
-        for (; i < group->count; i++)                                                                                 \
-            values[i] = (double)((const C_TYPE *)group->room)[i];                                                     \
-        break;
-#define CHECKED(TYPE, C_TYPE)                                                                                         \
-    case TYPE:                                                                                                        \
-        for (; i < group->count; i++) {                                                                               \
-            values[i] = (double)((const C_TYPE *)group->room)[i];                                                     \
-            if (values[i] > EXACT_INTEGER || values[i] < -EXACT_INTEGER ||                                            \
-                (C_TYPE)values[i] != ((const C_TYPE *)group->room)[i])                                                \
-                return i;                                                                                             \
-        }                                                                                                             \
-        break;
-        PLAIN(FLOAT32, float)
-        PLAIN(INT8, int8_t)
-        PLAIN(UINT8, uint8_t)
-        PLAIN(INT16, int16_t)
-        PLAIN(UINT16, uint16_t)
-        PLAIN(INT32, int32_t)
-        PLAIN(UINT32, uint32_t)
-        CHECKED(INT64, int64_t)
-        CHECKED(UINT64, uint64_t)
-    case BOOLEAN:
-        for (; i < group->count; i++)
-            values[i] = ((const bool *)group->room)[i] ? 1.0 : 0.0;
-        break;
-    case FMI2_BOOLEAN:
-        for (; i < group->count; i++)
-            values[i] = ((const int32_t *)group->room)[i] ? 1.0 : 0.0;
-        break;
-    }
-    return group->count;
+    const size_t count = (size_t)group->count;
+    return group->version == 2
+               ? ((Fmi2Access)group->access)(group->instance, group->references, count, group->room)
+               : ((Fmi3Access)group->access)(group->instance, group->references, count, group->room, count);
 }
 
-/* Gather a group's values as its accessor wants them; returns the first that does not fit, or count. */
-static inline int64_t narrow(const Group *group, const double *from)
+static inline bool read_groups(System *system, const Group *groups, int64_t n_groups)
 {
-    int64_t i = 0;
-    switch (group->type) {
-    case FLOAT64:
-        for (; i < group->count; i++)
-            ((double *)group->room)[i] = from[group->sources[i]];
-        break;
-    case FLOAT32:
-        for (; i < group->count; i++)
-            ((float *)group->room)[i] = (float)from[group->sources[i]];
-        break;
-#define WHOLE(TYPE, C_TYPE, LOW, HIGH)                                                                                \
-    case TYPE:                                                                                                        \
-        for (; i < group->count; i++) {                                                                               \
-            double value = from[group->sources[i]];                                                                   \
-            if (!(value >= (LOW) && value <= (HIGH)) || (double)(int64_t)value != value)                              \
-                return i;                                                                                             \
-            ((C_TYPE *)group->room)[i] = (C_TYPE)value;                                                               \
-        }                                                                                                             \
-        break;
-        WHOLE(INT8, int8_t, INT8_MIN, INT8_MAX)
-        WHOLE(UINT8, uint8_t, 0, UINT8_MAX)
-        WHOLE(INT16, int16_t, INT16_MIN, INT16_MAX)
-        WHOLE(UINT16, uint16_t, 0, UINT16_MAX)
-        WHOLE(INT32, int32_t, INT32_MIN, INT32_MAX)
-        WHOLE(UINT32, uint32_t, 0, UINT32_MAX)
-        WHOLE(INT64, int64_t, -EXACT_INTEGER, EXACT_INTEGER)
-        WHOLE(UINT64, uint64_t, 0, EXACT_INTEGER)
-        WHOLE(BOOLEAN, bool, 0, 1)
-        WHOLE(FMI2_BOOLEAN, int32_t, 0, 1)
-    }
-    return group->count;
-}
-
-static inline int call_accessor(const Element *element, const Group *group, void *room)
-{
-    return element->version == 2
-               ? ((Fmi2Access)group->access)(element->instance, group->references, (size_t)group->count, room)
-               : ((Fmi3Access)group->access)(element->instance, group->references, (size_t)group->count, room,
-                                             (size_t)group->count);
-}
-
-static inline bool read_outputs(System *system, int64_t e)
-{
-    const Element *element = &system->elements[e];
-    for (const Group *group = element->outputs; group < element->outputs + element->n_outputs; group++) {
-        double *values = system->values + group->first;
-        bool direct = group->type == FLOAT64;
-        enter(system, e, GET + group->type);
-        if (!accept(system, call_accessor(element, group, direct ? (void *)values : group->room)))
-            return false;
-        int64_t good = direct ? group->count : widen(group, values);
+    for (const Group *group = groups, *end = groups + n_groups; group < end; group++) {
+        enter(system, group->element, group->call);
+        int status = call_accessor(group);
+        if (!is_good(status))
+            return fail(system, BAD_STATUS, status, 0, 0);
+        if (group->type == FLOAT64)
+            continue;
+        int64_t good = widen(group);
         if (good < group->count)
-            return fail(system, TOO_LARGE, 0, group->first + good, values[good]);
+            return fail(system, TOO_LARGE, 0, group->values + good - system->values, group->values[good]);
     }
     return true;
 }
 
-static inline bool write_groups(System *system, int64_t e, const Group *groups, int64_t n_groups, const double *from,
-                                int64_t unfit)
+static bool fail_unfit(System *system, const Group *group, int64_t kind, int64_t position)
 {
-    for (const Group *group = groups; group < groups + n_groups; group++) {
-        enter(system, e, SET + group->type);
-        int64_t good = narrow(group, from);
-        if (good < group->count)
-            return fail(system, unfit, group - groups, good, from[group->sources[good]]);
-        if (!accept(system, call_accessor(&system->elements[e], group, group->room)))
-            return false;
+    const Element *element = &system->elements[group->element];
+    const Group *first = kind == UNFIT_START ? element->starts : element->inputs;
+    return fail(system, kind, group - first, position, group->values[position]);
+}
+
+static inline bool write_groups(System *system, const Group *groups, int64_t n_groups, int64_t unfit)
+{
+    for (const Group *group = groups, *end = groups + n_groups; group < end; group++) {
+        enter(system, group->element, group->call);
+        if (group->type != FLOAT64) {
+            int64_t good = narrow(group);
+            if (good < group->count)
+                return fail_unfit(system, group, unfit, good);
+        }
+        int status = call_accessor(group);
+        if (!is_good(status))
+            return fail(system, BAD_STATUS, status, 0, 0);
     }
     return true;
 }
 
-static inline bool write_inputs(System *system, int64_t e)
+/* Carry outputs along the wires to count inputs; returns NaN if any is not finite, otherwise 0. */
+static inline double stage(const System *system, int64_t first, int64_t count)
 {
-    const Element *element = &system->elements[e];
-    return write_groups(system, e, element->inputs, element->n_inputs, system->values, UNFIT_INPUT);
+    const double *values = system->values;
+    const int32_t *sources = system->sources + first;
+    double *staged = system->staged + first, probe = 0.0;
+    for (int64_t i = 0; i < count; i++) {
+        double value = values[sources[i]];
+        staged[i] = value;
+        probe += 0.0 * value;
+    }
+    return probe;
 }
 
-static bool all_finite(System *system)
+static bool fail_not_finite(System *system)
 {
-    bool bad = false;
-    for (int64_t i = 0; i < system->n_finite; i++) {
-        double value = system->values[system->finite[i]];
-        bad |= value - value != 0.0;
-    }
-    if (!bad)
-        return true;
-    for (int64_t i = 0; i < system->n_values; i++)
-        for (int64_t j = 0; j < system->n_finite; j++)
-            if (system->finite[j] == i && system->values[i] - system->values[i] != 0.0)
-                return fail(system, NOT_FINITE, 0, i, system->values[i]);
-    return true;
+    int64_t position = system->n_values;
+    for (int64_t i = 0; i < system->n_staged; i++)
+        if (system->staged[i] - system->staged[i] != 0.0 && system->sources[i] < position)
+            position = system->sources[i];
+    return fail(system, NOT_FINITE, 0, position, system->values[position]);
 }
 
 /* ---- the phases of a run ---- */
 
-static bool start(System *system, const Request *request)
+static void bind(System *system)
+{
+    for (Element *element = system->elements; element < system->elements + system->n_elements; element++) {
+        for (int64_t i = 0; i < element->n_starts; i++)
+            element->starts[i].instance = element->instance;
+        for (int64_t i = 0; i < element->n_inputs; i++)
+            element->inputs[i].instance = element->instance;
+        for (int64_t i = 0; i < element->n_outputs; i++)
+            element->outputs[i].instance = element->instance;
+    }
+}
+
+static bool start(System *system, double stop)
 {
     for (int64_t e = 0; e < system->n_elements; e++) {
         const Element *element = &system->elements[e];
         bool is_fmi2 = element->version == 2;
         if (is_fmi2) {
             enter(system, e, SETUP_EXPERIMENT);
-            if (!accept(system, ((Fmi2SetupExperiment)element->setup_experiment)(element->instance, 0, 0.0, 0.0, 1,
-                                                                                 request->stop)))
+            Fmi2SetupExperiment set_up = (Fmi2SetupExperiment)element->setup_experiment;
+            if (!accept(system, set_up(element->instance, 0, 0.0, 0.0, 1, stop)))
                 return false;
         }
-        if (!write_groups(system, e, element->starts, element->n_starts, request->starts, UNFIT_START))
+        if (!write_groups(system, element->starts, element->n_starts, UNFIT_START))
             return false;
         enter(system, e, ENTER_INITIALIZATION);
         if (!accept(system, is_fmi2 ? ((FmiPlain)element->enter_initialization)(element->instance)
                                     : ((Fmi3EnterInitialization)element->enter_initialization)(
-                                          element->instance, false, 0.0, 0.0, true, request->stop)))
+                                          element->instance, false, 0.0, 0.0, true, stop)))
             return false;
     }
     return true;
@@ -243,14 +193,16 @@ static bool start(System *system, const Request *request)
 static bool settle(System *system)
 {
     size_t size = (size_t)system->n_values * sizeof(double);
-    for (int64_t e = 0; e < system->n_elements; e++)
-        if (!read_outputs(system, e))
-            return false;
+    if (!read_groups(system, system->outputs, system->n_outputs))
+        return false;
     for (int64_t sweep = 0; sweep < system->sweeps; sweep++) {
         memcpy(system->previous, system->values, size);
-        for (int64_t e = 0; e < system->n_elements; e++)
-            if (!write_inputs(system, e) || !read_outputs(system, e))
+        for (const Element *element = system->elements; element < system->elements + system->n_elements; element++) {
+            stage(system, element->first_staged, element->n_staged);
+            if (!write_groups(system, element->inputs, element->n_inputs, UNFIT_INPUT) ||
+                !read_groups(system, element->outputs, element->n_outputs))
                 return false;
+        }
         if (memcmp(system->previous, system->values, size) == 0)
             return true;
     }
@@ -286,7 +238,7 @@ static void digest(const System *system, uint64_t *digests)
     for (int64_t e = 0; e < system->n_elements; e++) {
         const Element *element = &system->elements[e];
         uint64_t hash = 0x9E3779B97F4A7C15u;
-        for (int64_t i = element->first; i < element->first + element->count; i++) {
+        for (int64_t i = element->first_value; i < element->first_value + element->n_values; i++) {
             uint64_t bits;
             memcpy(&bits, &system->values[i], sizeof bits);
             hash = (hash ^ bits) * 0xD6E8FEB86659FD93u;
@@ -299,23 +251,23 @@ static void digest(const System *system, uint64_t *digests)
 static bool simulate(System *system, const Request *request)
 {
     const int64_t n_elements = system->n_elements, n_record = request->n_record;
+    const int32_t *record = request->record;
     double *row = request->out;
     for (int64_t k = 0;; k++, row += n_record) {
         ((volatile Progress *)system->progress)->step = k;
-        for (int64_t e = 0; e < n_elements; e++)
-            if (!read_outputs(system, e))
-                return false;
+        if (!read_groups(system, system->outputs, system->n_outputs))
+            return false;
+        const double *values = system->values;
         for (int64_t i = 0; i < n_record; i++)
-            row[i] = system->values[request->record[i]];
+            row[i] = values[record[i]];
         if (request->digests)
             digest(system, request->digests + k * n_elements);
-        if (!all_finite(system))
-            return false;
+        if (stage(system, 0, system->n_staged) != 0.0)
+            return fail_not_finite(system);
         if (k == request->steps)
             return true;
-        for (int64_t e = 0; e < n_elements; e++)
-            if (!write_inputs(system, e))
-                return false;
+        if (!write_groups(system, system->inputs, system->n_inputs, UNFIT_INPUT))
+            return false;
         /* Never accumulated: 6000 steps of 10 ms end at 60 s, not at 59.9999999999966 s. */
         const double time = (double)k * request->step;
         for (int64_t e = 0; e < n_elements; e++)
@@ -339,8 +291,9 @@ static bool terminate_all(System *system)
 int dse_run(System *system, const Request *request)
 {
     begin(system);
+    bind(system);
     system->progress->run++;
-    return end(system, start(system, request) && settle(system) && leave_initialization(system) &&
+    return end(system, start(system, request->stop) && settle(system) && leave_initialization(system) &&
                            simulate(system, request) && terminate_all(system));
 }
 

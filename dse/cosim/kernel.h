@@ -38,12 +38,12 @@ typedef struct {
 /* Variables of one element that one accessor call reads or writes. */
 typedef struct {
     FmiFunction access;
+    void *instance; /* the element's, filled in when a run begins */
     const uint32_t *references;
-    const int32_t *sources; /* to write: where each value is taken from */
-    void *room;             /* count values as the accessor has them */
+    void *room;     /* count values as the accessor has them; for FLOAT64 these are the values themselves */
+    double *values; /* count values in a table: outputs, staged inputs or starts */
     int64_t count;
-    int64_t first; /* to read: where the first value goes, the others behind it */
-    int64_t type;
+    int32_t element, version, type, call;
 } Group;
 
 typedef struct {
@@ -56,7 +56,8 @@ typedef struct {
     Fmi2Callbacks callbacks;
     Group *starts, *inputs, *outputs;
     int64_t n_starts, n_inputs, n_outputs;
-    int64_t first, count; /* the element's part of the table of values */
+    int64_t first_value, n_values; /* the element's part of system->values */
+    int64_t first_staged, n_staged;
 } Element;
 
 typedef struct {
@@ -68,11 +69,11 @@ typedef struct {
 
 typedef struct {
     Element *elements;
-    int64_t n_elements;
-    double *values, *previous; /* the outputs of all elements, now and one sweep before */
-    int64_t n_values;
-    const int32_t *finite; /* values that have to be finite: floating-point outputs that are wired */
-    int64_t n_finite;
+    Group *outputs, *inputs; /* of all elements, in their order */
+    double *values, *previous; /* all outputs, now and one sweep before */
+    double *staged;            /* all inputs */
+    const int32_t *sources;    /* staged[i] is values[sources[i]] */
+    int64_t n_elements, n_outputs, n_inputs, n_values, n_staged;
     int64_t sweeps; /* most sweeps the initialization may take */
     Progress *progress;
     Progress unwatched;
@@ -82,7 +83,6 @@ typedef struct {
 typedef struct {
     double stop, step;
     int64_t steps;
-    const double *starts;
     const int32_t *record;
     int64_t n_record;
     double *out;       /* [steps + 1][n_record] */

@@ -39,12 +39,15 @@ class Group(ctypes.Structure):
 
     _fields_: ClassVar[_Fields] = [
         ("access", ctypes.c_void_p),
+        ("instance", ctypes.c_void_p),
         ("references", ctypes.c_void_p),
-        ("sources", ctypes.c_void_p),
         ("room", ctypes.c_void_p),
+        ("values", ctypes.c_void_p),
         ("count", ctypes.c_int64),
-        ("first", ctypes.c_int64),
-        ("type", ctypes.c_int64),
+        ("element", ctypes.c_int32),
+        ("version", ctypes.c_int32),
+        ("type", ctypes.c_int32),
+        ("call", ctypes.c_int32),
     ]
 
 
@@ -65,16 +68,18 @@ class Element(ctypes.Structure):
         ("do_step", ctypes.c_void_p),
         ("terminate", ctypes.c_void_p),
         ("instance", ctypes.c_void_p),
-        ("log", ctypes.POINTER(Log)),
+        ("log", ctypes.c_void_p),
         ("callbacks", ctypes.c_void_p * 5),
-        ("starts", ctypes.POINTER(Group)),
-        ("inputs", ctypes.POINTER(Group)),
-        ("outputs", ctypes.POINTER(Group)),
+        ("starts", ctypes.c_void_p),
+        ("inputs", ctypes.c_void_p),
+        ("outputs", ctypes.c_void_p),
         ("n_starts", ctypes.c_int64),
         ("n_inputs", ctypes.c_int64),
         ("n_outputs", ctypes.c_int64),
-        ("first", ctypes.c_int64),
-        ("count", ctypes.c_int64),
+        ("first_value", ctypes.c_int64),
+        ("n_values", ctypes.c_int64),
+        ("first_staged", ctypes.c_int64),
+        ("n_staged", ctypes.c_int64),
     ]
 
 
@@ -94,13 +99,18 @@ class System(ctypes.Structure):
     """All elements and the table of their outputs."""
 
     _fields_: ClassVar[_Fields] = [
-        ("elements", ctypes.POINTER(Element)),
-        ("n_elements", ctypes.c_int64),
+        ("elements", ctypes.c_void_p),
+        ("outputs", ctypes.c_void_p),
+        ("inputs", ctypes.c_void_p),
         ("values", ctypes.c_void_p),
         ("previous", ctypes.c_void_p),
+        ("staged", ctypes.c_void_p),
+        ("sources", ctypes.c_void_p),
+        ("n_elements", ctypes.c_int64),
+        ("n_outputs", ctypes.c_int64),
+        ("n_inputs", ctypes.c_int64),
         ("n_values", ctypes.c_int64),
-        ("finite", ctypes.c_void_p),
-        ("n_finite", ctypes.c_int64),
+        ("n_staged", ctypes.c_int64),
         ("sweeps", ctypes.c_int64),
         ("progress", ctypes.c_void_p),
         ("unwatched", Progress),
@@ -115,7 +125,6 @@ class Request(ctypes.Structure):
         ("stop", ctypes.c_double),
         ("step", ctypes.c_double),
         ("steps", ctypes.c_int64),
-        ("starts", ctypes.c_void_p),
         ("record", ctypes.c_void_p),
         ("n_record", ctypes.c_int64),
         ("out", ctypes.c_void_p),

@@ -29,7 +29,6 @@ class _Run:
     stop: float
     step: float
     steps: int
-    starts: NDArray[np.float64]
 
 
 class Simulator:
@@ -79,7 +78,8 @@ class Simulator:
             own = {f"{element.name}.{name}" for element in self.system.elements for name in element.start}
             self._tables.add_starts(sorted(start.keys() - own))
             starts = self._tables.starts
-        run = _Run(end_of(stop, step, steps), step, steps, starts.values(start))
+        starts.take(start)
+        run = _Run(end_of(stop, step, steps), step, steps)
         if self._can_reset and self.reset_is_trusted is None:
             return self._prove_reset(run)
         if self._can_reset and self.reset_is_trusted and self._reset():
@@ -111,7 +111,6 @@ class Simulator:
             run.stop,
             run.step,
             run.steps,
-            run.starts.ctypes.data,
             self._record.ctypes.data,
             self._record.size,
             out.ctypes.data,

@@ -3,18 +3,18 @@
 from __future__ import annotations
 
 import ctypes
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
+from itertools import accumulate
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from dse.cosim import layout
-from dse.cosim.calls import C_TYPES, Call, function_name
+from dse.cosim.calls import C_TYPES, Call, Type, function_name
 from dse.cosim.library import address, lifecycle, load, resources
 from dse.cosim.wiring import Group, Wiring, start_groups
 from dse.domain.fmu import FmuModel
-from dse.domain.system import Element
 
 
 class Tables:
@@ -25,24 +25,35 @@ class Tables:
 
     def __init__(self, wiring: Wiring, progress: memoryview | None) -> None:
         self.wiring = wiring
-        self.libraries: dict[str, ctypes.CDLL] = {}
         self.values = np.zeros(len(wiring.values), np.float64)
         self._previous = np.zeros(len(wiring.values), np.float64)
-        self._finite = np.array(wiring.finite, np.int32)
+        self._sources = np.array(
+            [position for groups in wiring.inputs for group in groups for position in group.positions], np.int32
+        )
+        self._staged = np.zeros(self._sources.size, np.float64)
+        self._libraries: dict[str, ctypes.CDLL] = {}
         self._logs = [layout.Log() for _ in wiring.system.elements]
         self._block = _block(progress)
-        self._kept: list[Any] = []
         self.elements = (layout.Element * len(wiring.system.elements))()
-        for index in range(len(wiring.system.elements)):
+        self._outputs = self.groups(wiring.outputs, Call.GET, self.values)
+        self._inputs = self.groups(wiring.inputs, Call.SET, self._staged)
+        for index in range(len(self.elements)):
             self._fill(index)
+        self._connect("outputs", self._outputs, wiring.outputs)
+        self._connect("inputs", self._inputs, wiring.inputs)
         self.system = layout.System(
-            elements=ctypes.cast(self.elements, ctypes.POINTER(layout.Element)),
-            n_elements=len(self.elements),
+            elements=ctypes.addressof(self.elements),
+            outputs=ctypes.addressof(self._outputs.structures),
+            inputs=ctypes.addressof(self._inputs.structures),
             values=self.values.ctypes.data,
             previous=self._previous.ctypes.data,
+            staged=self._staged.ctypes.data,
+            sources=self._sources.ctypes.data,
+            n_elements=len(self.elements),
+            n_outputs=len(self._outputs.structures),
+            n_inputs=len(self._inputs.structures),
             n_values=self.values.size,
-            finite=self._finite.ctypes.data,
-            n_finite=self._finite.size,
+            n_staged=self._staged.size,
             sweeps=wiring.sweeps,
             progress=ctypes.addressof(self._block) if self._block else None,
         )
@@ -61,39 +72,47 @@ class Tables:
         """Make room for start values the system does not set itself; DseError for unknown names."""
         self.starts = StartTable(self, extra)
 
-    def groups(
-        self, element: Element, groups: Sequence[Group], verb: str, *, into_table: bool
-    ) -> tuple[Any, list[Any]]:
-        """The kernel's structures for *groups* and the arrays they point into."""
-        model = element.model
-        library = self._library(model)
-        kept: list[Any] = []
-        structures = (layout.Group * len(groups))()
-        for structure, group in zip(structures, groups, strict=True):
-            references = np.array([variable.reference for variable in group.variables], np.uint32)
-            positions = np.array(group.positions, np.int32)
-            room = (C_TYPES[group.type] * len(group.variables))()
-            kept += [references, positions, room]
-            name = function_name(Call[verb] + group.type, model.version)
-            structure.access = address(model, library, name)
-            structure.references = references.ctypes.data
-            structure.sources = None if into_table else positions.ctypes.data
-            structure.room = ctypes.addressof(room)
-            structure.count = len(group.variables)
-            structure.first = group.positions[0]
-            structure.type = group.type
-        return structures, [structures, *kept]
-
     def release(self) -> None:
         """Let go of the progress block, so that its memory can be closed."""
         self.system.progress = None
         self._block = None
 
+    def groups(self, groups: Sequence[Sequence[Group]], verb: Call, values: NDArray[np.float64]) -> GroupTable:
+        """The kernel's structures for each element's *groups*, whose values lie in *values* one after another."""
+        flat = [(index, group) for index, part in enumerate(groups) for group in part]
+        structures = (layout.Group * len(flat))()
+        kept: list[Any] = [values]
+        first = 0
+        for structure, (index, group) in zip(structures, flat, strict=True):
+            model = self.wiring.system.elements[index].model
+            references = np.array([variable.reference for variable in group.variables], np.uint32)
+            room = (C_TYPES[group.type] * len(group.variables))()
+            kept += [references, room]
+            call = verb + group.type
+            structure.access = address(model, self._library(model), function_name(call, model.version))
+            structure.references = references.ctypes.data
+            structure.values = values.ctypes.data + first * values.itemsize
+            structure.room = structure.values if group.type is Type.FLOAT64 else ctypes.addressof(room)
+            structure.count = len(group.variables)
+            structure.element, structure.version = index, model.version
+            structure.type, structure.call = group.type, call
+            first += len(group.variables)
+        return GroupTable(structures, kept)
+
+    def use_starts(self, table: GroupTable, groups: Sequence[Sequence[Group]]) -> None:
+        """Let the elements take their start values from *table*."""
+        self._connect("starts", table, groups)
+
+    def _connect(self, side: str, table: GroupTable, groups: Sequence[Sequence[Group]]) -> None:
+        for element, part, first in zip(self.elements, groups, _offsets(groups, len), strict=True):
+            setattr(element, side, ctypes.addressof(table.structures) + first * ctypes.sizeof(layout.Group))
+            setattr(element, f"n_{side}", len(part))
+
     def _library(self, model: FmuModel) -> ctypes.CDLL:
         key = str(model.library)
-        if key not in self.libraries:
-            self.libraries[key] = load(model)
-        return self.libraries[key]
+        if key not in self._libraries:
+            self._libraries[key] = load(model)
+        return self._libraries[key]
 
     def _fill(self, index: int) -> None:
         element, target = self.wiring.system.elements[index], self.elements[index]
@@ -104,43 +123,50 @@ class Tables:
         target.resources = resources(model).encode()
         for call, where in lifecycle(model, self._library(model)).items():
             setattr(target, call.name.lower(), where)
-        target.log = ctypes.pointer(self._logs[index])
-        for side, verb in (("inputs", "SET"), ("outputs", "GET")):
-            groups: tuple[Group, ...] = getattr(self.wiring, side)[index]
-            structures, kept = self.groups(element, groups, verb, into_table=verb == "GET")
-            setattr(target, side, structures)
-            setattr(target, f"n_{side}", len(groups))
-            self._kept.append(kept)
-        part = self.wiring.part(index)
-        target.first, target.count = part.start, len(part)
+        target.log = ctypes.addressof(self._logs[index])
+        for part, groups in (("value", self.wiring.outputs), ("staged", self.wiring.inputs)):
+            setattr(target, f"first_{part}", _offsets(groups, _size)[index])
+        target.n_values = _size(self.wiring.outputs[index])
+        target.n_staged = _size(self.wiring.inputs[index])
+
+
+class GroupTable:
+    """The kernel's structures for groups of variables, and the memory they point into."""
+
+    def __init__(self, structures: ctypes.Array[layout.Group], kept: list[Any]) -> None:
+        self.structures = structures
+        self._kept = kept
 
 
 class StartTable:
     """Where start values lie, and the system's own; creating one makes *tables* use it."""
 
     def __init__(self, tables: Tables, extra: Sequence[str]) -> None:
-        system = tables.wiring.system
-        self.positions, own, self.groups = start_groups(system, extra)
-        self.extra = frozenset(extra)
+        self.positions, own, self.groups = start_groups(tables.wiring.system, extra)
+        self._extra = frozenset(extra)
         self._own = np.array(own, np.float64)
-        # All built before any is put to use: a missing accessor must leave the tables as they were.
-        self._built = [
-            tables.groups(element, groups, "SET", into_table=False)
-            for element, groups in zip(system.elements, self.groups, strict=True)
-        ]
-        for target, (structures, _) in zip(tables.elements, self._built, strict=True):
-            target.starts, target.n_starts = structures, len(structures)
+        self._values = self._own.copy()
+        # Built before it is put to use: a missing accessor must leave the tables as they were.
+        self._table = tables.groups(self.groups, Call.SET, self._values)
+        tables.use_starts(self._table, self.groups)
 
     def covers(self, start: Mapping[str, float]) -> bool:
         """Whether *start* gives values to exactly the extra names and otherwise to names the system sets itself."""
-        return start.keys() <= self.positions.keys() and self.extra <= start.keys()
+        return start.keys() <= self.positions.keys() and self._extra <= start.keys()
 
-    def values(self, start: Mapping[str, float]) -> NDArray[np.float64]:
-        """The table of start values with those in *start* in place of the system's own."""
-        table = self._own.copy()
+    def take(self, start: Mapping[str, float]) -> None:
+        """Use the values in *start* from now on, and the system's own for all other names."""
+        self._values[:] = self._own
         for name, value in start.items():
-            table[self.positions[name]] = value
-        return table
+            self._values[self.positions[name]] = value
+
+
+def _size(groups: Sequence[Group]) -> int:
+    return sum(len(group.variables) for group in groups)
+
+
+def _offsets(parts: Sequence[Sequence[Group]], size: Callable[[Sequence[Group]], int]) -> list[int]:
+    return [0, *accumulate(size(part) for part in parts)][: len(parts)]
 
 
 def _block(progress: memoryview | None) -> layout.Progress | None:

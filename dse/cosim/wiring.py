@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
-from dse.cosim.calls import FLOATING, Type, type_of
+from dse.cosim.calls import Type, type_of
 from dse.domain.fmu import Variable
 from dse.domain.system import Element, SystemStructure
 from dse.errors import Problem, fail, raise_if_any
@@ -15,7 +15,8 @@ from dse.errors import Problem, fail, raise_if_any
 class Group:
     """Variables of one element that one accessor call reads or writes.
 
-    *positions* point into the table of values for outputs and inputs, into the table of start values for starts.
+    *positions* say where outputs lie in the table of values, where in it inputs take their values from, and where
+    starts lie in the table of start values. Outputs and starts lie one after another, group by group.
     """
 
     type: Type
@@ -27,7 +28,7 @@ class Group:
 class Wiring:
     """*values* names what lies at each position of the table; *outputs*, *inputs* hold one tuple per element.
 
-    *finite* are the positions that must stay finite: floating-point outputs that are wired. *sweeps* is how many
+    *wired* are the positions of outputs that a wire starts at. *sweeps* is how many
     sweeps an initialization without algebraic loops needs at most: one for every wired output along the longest
     path, one for outputs that are only recorded, one to see that nothing changes any more.
     """
@@ -36,7 +37,6 @@ class Wiring:
     values: tuple[str, ...]
     outputs: tuple[tuple[Group, ...], ...]
     inputs: tuple[tuple[Group, ...], ...]
-    finite: tuple[int, ...]
     wired: tuple[int, ...]
 
     @property
@@ -49,11 +49,6 @@ class Wiring:
         positions = {name: position for position, name in enumerate(self.values)}
         raise_if_any(_no_output(name, self.system) for name in names if name not in positions)
         return tuple(positions[name] for name in names)
-
-    def part(self, index: int) -> range:
-        """Positions of the outputs of the element with this *index*."""
-        positions = [position for group in self.outputs[index] for position in group.positions]
-        return range(positions[0], positions[-1] + 1) if positions else range(0)
 
 
 def wire_up(system: SystemStructure) -> Wiring:
@@ -69,13 +64,13 @@ def wire_up(system: SystemStructure) -> Wiring:
             groups.append(Group(kind, variables, tuple(range(position, position + len(variables)))))
             position += len(variables)
         outputs.append(tuple(groups))
-    types = [
-        (f"{element.name}.{variable.name}", group.type)
+    names = tuple(
+        f"{element.name}.{variable.name}"
         for element, groups in zip(system.elements, outputs, strict=True)
         for group in groups
         for variable in group.variables
-    ]
-    at = {name: index for index, (name, _) in enumerate(types)}
+    )
+    at = {name: index for index, name in enumerate(names)}
     inputs = tuple(
         tuple(
             Group(kind, variables, tuple(at[wired_from[f"{element.name}.{v.name}"]] for v in variables))
@@ -85,11 +80,10 @@ def wire_up(system: SystemStructure) -> Wiring:
     )
     return Wiring(
         system,
-        tuple(name for name, _ in types),
+        names,
         tuple(outputs),
         inputs,
-        tuple(index for index, (name, kind) in enumerate(types) if name in sources and kind in FLOATING),
-        tuple(index for index, (name, _) in enumerate(types) if name in sources),
+        tuple(index for index, name in enumerate(names) if name in sources),
     )
 
 
@@ -102,24 +96,22 @@ def start_groups(
     """
     wanted = {f"{e.name}.{name}": float(value) for e in system.elements for name, value in e.start.items()}
     wanted |= {name: 0.0 for name in extra if name not in wanted}
-    at = {name: position for position, name in enumerate(wanted)}
     problems = []
     groups = []
-    known = set()
+    at: dict[str, int] = {}
     for element in system.elements:
         prefix = f"{element.name}."
-        named = [v for v in element.model.variables.values() if prefix + v.name in at]
-        known |= {prefix + variable.name for variable in named}
+        named = [v for v in element.model.variables.values() if prefix + v.name in wanted]
         problems += [p for v in named if (p := _unsettable(element, v))]
-        groups.append(
-            tuple(
-                Group(kind, variables, tuple(at[prefix + v.name] for v in variables))
-                for kind, variables in _by_type(element, named)
-            )
-        )
-    problems += [Problem(f"there is no variable '{name}' to set") for name in at if name not in known]
+        part = []
+        for kind, variables in _by_type(element, named):
+            part.append(Group(kind, variables, tuple(range(len(at), len(at) + len(variables)))))
+            at |= {prefix + v.name: len(at) + number for number, v in enumerate(variables)}
+        groups.append(tuple(part))
+    known = {f"{e.name}.{v.name}" for e in system.elements for v in e.model.variables.values()}
+    problems += [Problem(f"there is no variable '{name}' to set") for name in wanted if name not in known]
     raise_if_any(problems)
-    return at, tuple(wanted.values()), tuple(groups)
+    return at, tuple(wanted[name] for name in at), tuple(groups)
 
 
 def _by_type(element: Element, variables: Iterable[Variable]) -> list[tuple[Type, tuple[Variable, ...]]]:

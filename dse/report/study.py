@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from dse.domain.bench import Verdict
-from dse.domain.run import Waveforms
+from dse.domain.run import Outcome, Run, Waveforms
 from dse.report.content import (
     ConfigurationEntry,
     FigureSpec,
@@ -41,7 +42,9 @@ def read_content(folder: StudyFolder, *, shown_as: str, most: int = MAX_WAVEFORM
     units = {metric["name"]: parse_unit(metric["unit"]) for metric in definition["metrics"]}
     kept = sorted(number for number, file in folder.kept().items() if file)
     chosen = kept if len(kept) <= most else [kept[i] for i in np.linspace(0, len(kept) - 1, most).astype(int)]
-    figures = _figures(folder, table, chosen) if definition["figures"] and chosen else ()
+    constants = {entry["id"]: entry["constants"] for entry in definition["configurations"]}
+    rows = _Rows(table.numbers, table.configurations, table.points, constants)
+    figures = _figures(definition, rows, _waveforms(folder, chosen) if definition["figures"] else {})
     return ReportContent(
         definition["title"],
         _sampler(definition),
@@ -58,6 +61,70 @@ def read_content(folder: StudyFolder, *, shown_as: str, most: int = MAX_WAVEFORM
         tuple(tuple(names) for names in definition["sampler"].get("slices", ())),
         _facts(folder, table, len(kept), len(chosen)),
     )
+
+
+def content_of_run(run: Run, definition: Mapping[str, Any]) -> ReportContent:
+    """One run on its own, with its waveforms, as the figures need it."""
+    entry = next(c for c in definition["configurations"] if c["id"] == run.request.configuration)
+    waveforms = {run.request.number: run.waveforms} if run.waveforms else {}
+    numbers = np.asarray([run.request.number], dtype=np.int64)
+    done = np.asarray([run.outcome is Outcome.DONE])
+    rows = _Rows(numbers, (run.request.configuration,), {}, {entry["id"]: entry["constants"]})
+    return ReportContent(
+        definition["title"],
+        SamplerKind.FULL_FACTORIAL,
+        "",
+        Runs(numbers, (run.request.configuration,), done, (run.problem,)),
+        (_configuration(entry),),
+        figures=_figures(definition, rows, waveforms),
+    )
+
+
+def planes(content: ReportContent) -> list[tuple[str, str]]:
+    """The pairs of design variables to draw constraint plots over: one for each slice, else the first two variables."""
+    pairs = [(names[0], names[1]) for names in content.slices if len(names) > 1]
+    if pairs or len(content.variables) < 2:
+        return pairs
+    return [(content.variables[0].name, content.variables[1].name)]
+
+
+def picked_run(folder: StudyFolder) -> int | None:
+    """The run nearest the boundary from inside: passes every requirement, keeps waveforms, has the least margin.
+
+    Margins are compared in the units their requirements speak. Without a passing run the first kept one; None
+    if no waveforms were kept.
+    """
+    table = folder.table()
+    kept = {number for number, file in folder.kept().items() if file}
+    passes = VERDICTS.index(Verdict.PASS)
+    names = table.header.requirements
+    good = np.asarray([number in kept for number in table.numbers.tolist()], dtype=np.bool_)
+    if not good.any():
+        return None
+    margins = np.full(len(table), np.inf)
+    for name in names:
+        good &= table.verdicts(name) == passes
+        margins = np.minimum(margins, table.margins(name))
+    if not good.any():
+        return min(kept)
+    return int(table.numbers[np.flatnonzero(good)[np.argmin(margins[good])]])
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Rows:
+    """What targets of figures are looked up in: points by run, constants by configuration."""
+
+    numbers: NDArray[np.int64]
+    configurations: tuple[str, ...]
+    points: Mapping[str, NDArray[Any]]
+    constants: Mapping[str, Mapping[str, float]]
+
+    def value(self, name: str, number: int) -> float:
+        """Value (SI) of the parameter *name* in run *number*; NaN if it has none."""
+        row = int(np.searchsorted(self.numbers, number))
+        if name in self.points:
+            return float(self.points[name][row])
+        return self.constants[self.configurations[row]].get(name, float("nan"))
 
 
 def _sampler(definition: Mapping[str, Any]) -> SamplerKind:
@@ -95,27 +162,17 @@ def _requirement(entry: Mapping[str, Any], table: RunTable, unit: Unit) -> Requi
     return RequirementRow(entry["name"], entry["title"], entry["metric"], high, low, exercised)
 
 
-def _figures(folder: StudyFolder, table: RunTable, chosen: list[int]) -> tuple[FigureSpec, ...]:
-    waveforms = _waveforms(folder, chosen)
-    rows = {number: row for row, number in enumerate(table.numbers.tolist())}
-    constants = {entry["id"]: entry["constants"] for entry in folder.header.definition["configurations"]}
+def _figures(definition: Mapping[str, Any], rows: _Rows, waveforms: Mapping[int, Waveforms]) -> tuple[FigureSpec, ...]:
     figures = []
-    for entry in folder.header.definition["figures"]:
+    for entry in definition["figures"]:
         unit = parse_unit(entry["unit"])
-        numbers = [number for number in chosen if entry["current"] in waveforms[number].values]
+        numbers = [number for number, recorded in waveforms.items() if entry["current"] in recorded.values]
         if not numbers:
             continue
         current = np.stack([waveforms[number].values[entry["current"]] for number in numbers])
         target = None
         if entry["target"]:
-            lines = [
-                _target(entry["target"], waveforms[n], table, rows[n], constants[table.configurations[rows[n]]])
-                for n in numbers
-            ]
-            varies = any(line.shape for line in lines)
-            length = current.shape[1]
-            target = np.stack([np.broadcast_to(line, length) for line in lines]) if varies else np.stack(lines)
-            target = _shown(target, unit)
+            target = _shown(_target(entry["target"], numbers, rows, waveforms, current.shape[1]), unit)
         figures.append(
             FigureSpec(
                 entry["name"],
@@ -132,22 +189,21 @@ def _figures(folder: StudyFolder, table: RunTable, chosen: list[int]) -> tuple[F
     return tuple(figures)
 
 
+def _target(
+    name: str, numbers: list[int], rows: _Rows, waveforms: Mapping[int, Waveforms], length: int
+) -> NDArray[np.float64]:
+    """The target of each run: one value each (n,) if it is a parameter everywhere, else waveforms (n, *length*)."""
+    if not any(name in waveforms[number].values for number in numbers):
+        return np.asarray([rows.value(name, number) for number in numbers])
+    lines = [waveforms[number].values.get(name, np.full(length, rows.value(name, number))) for number in numbers]
+    return np.stack(lines)
+
+
 def _waveforms(folder: StudyFolder, chosen: list[int]) -> dict[int, Waveforms]:
     wanted, kept = set(chosen), folder.kept()
     files = sorted({kept[number] for number in chosen})
     read = (entry for file in files for entry in read_all_waveforms(folder.waveform_folder / file))
-    return {number: waveforms for number, waveforms in read if number in wanted}
-
-
-def _target(
-    name: str, waveforms: Waveforms, table: RunTable, row: int, constants: Mapping[str, float]
-) -> NDArray[np.float64]:
-    """The target's waveform, or its value in this run as an array without dimensions; NaN if it has none."""
-    if name in waveforms.values:
-        return waveforms.values[name]
-    if name in table.points:
-        return np.asarray(table.points[name][row], dtype=np.float64)
-    return np.asarray(constants.get(name, np.nan), dtype=np.float64)
+    return dict(sorted((number, waveforms) for number, waveforms in read if number in wanted))
 
 
 def _facts(folder: StudyFolder, table: RunTable, kept: int, chosen: int) -> tuple[tuple[str, str], ...]:

@@ -41,7 +41,8 @@ def to_json(folder: StudyFolder) -> bytes:
     """
     header = folder.header
     about = {"definition": header.definition, "fingerprint": header.fingerprint}
-    head = _json(about).removesuffix("}")
+    # Sorted, as a header that came from the user's files has its keys in another order than a stored one.
+    head = _json(about, sort_keys=True).removesuffix("}")
     runs = ",\n".join(_json(_json_run(run)) for run in folder.table().runs())
     return f'{head},"runs":[\n{runs}\n]}}\n'.encode()
 
@@ -107,8 +108,8 @@ def _json_run(run: Run) -> dict[str, object]:
     }
 
 
-def _json(value: object) -> str:
-    return json.dumps(value, ensure_ascii=False, allow_nan=False, separators=(",", ":"))
+def _json(value: object, *, sort_keys: bool = False) -> str:
+    return json.dumps(value, ensure_ascii=False, allow_nan=False, separators=(",", ":"), sort_keys=sort_keys)
 
 
 def _json_number(value: object) -> object:

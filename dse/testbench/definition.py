@@ -1,4 +1,4 @@
-"""What was studied, as plain data that goes into the study folder: enough to show every result without the workspace."""
+"""What was studied, as plain data for the study folder: enough to show every result without the workspace."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ def define(study: Study, prepared: Mapping[str, PreparedBench]) -> dict[str, Any
         "sampler": _sampler(study.sampler),
         "keep_waveforms": str(study.keep),
         "seed": study.seed,
-        "metrics": [_metric(metric, bench.requirements) for metric in bench.metrics],
+        "metrics": [_metric(metric, bench.requirements, prepared) for metric in bench.metrics],
         "requirements": [_requirement(requirement) for requirement in bench.requirements],
         "figures": [_figure(figure) for figure in bench.figures],
         "simulation": {
@@ -111,11 +111,15 @@ def _sampler(sampler: Sampler) -> dict[str, Any]:
             return {"kind": "latin_hypercube", "samples": sampler.samples}
 
 
-def _metric(metric: Metric, requirements: tuple[Requirement, ...]) -> dict[str, Any]:
-    # A metric without a unit of its own is shown in the unit its requirement speaks.
+def _metric(
+    metric: Metric, requirements: tuple[Requirement, ...], prepared: Mapping[str, PreparedBench]
+) -> dict[str, Any]:
+    # A metric without a unit of its own is shown in the unit its requirement speaks, else in SI.
     unit: Unit = metric.unit
     if not unit.symbol:
         unit = next((r.unit for r in requirements if r.metric == metric.name and r.unit.symbol), unit)
+    if not unit.symbol and prepared:
+        unit = next(iter(prepared.values())).program.units[metric.name]
     return {
         "name": metric.name,
         "title": metric.title or metric.name.replace("_", " "),

@@ -175,3 +175,15 @@ def test_pi_acc_sums_up_its_error_inside_the_limits(new_part: NewPart) -> None:
     for _ in range(300):
         part.step()
     assert net_demand(part) == pytest.approx(torque(0.5 + 0.1 * 3.0, 20.0), rel=1e-11)
+
+
+def test_pi_acc_turns_the_gap_into_a_speed_and_feeds_its_slope_forward(new_part: NewPart) -> None:
+    part = new_part("pi_time_gap_acc", kp_speed=0.5, ki_speed=0.1, k_gap=0.2)
+    part["set_speed"], part["set_gap"] = 30.0, 40.0
+    drive(part, 16.0, 50.0, 1.5, True)
+    part.init()
+    error = (16.0 - 1.5 + 0.2 * (50.0 - 40.0)) - 16.0
+    assert net_demand(part) == pytest.approx(torque(0.5 * error - 0.2 * 1.5, 16.0), rel=EXACT)
+    assert part["mode"] == 1
+    part.step()
+    assert net_demand(part) == pytest.approx(torque(0.5 * error - 0.2 * 1.5 + 0.1 * error * T, 16.0), rel=EXACT)

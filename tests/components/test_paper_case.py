@@ -32,13 +32,17 @@ WIRES = [
 
 
 def simulate(
-    new_part: NewPart, sensor: str = "radar_77ghz_mid", powertrain: str = "combustion_ideal", **gains: float
+    new_part: NewPart,
+    sensor: str = "radar_77ghz_mid",
+    controller: str = "pd_acc",
+    powertrain: str = "combustion_ideal",
+    **gains: float,
 ) -> NDArray[np.float64]:
     """Speed, gap and mode every 10 ms for 60 s; outputs first, then inputs, then steps, as the master does it."""
     parts = {
         "world": new_part("straight_road"),
         "sensor": new_part(sensor, gap_noise=0.0, closing_speed_noise=0.0),
-        "controller": new_part("pd_acc", **gains),
+        "controller": new_part(controller, **gains),
         "powertrain": new_part(powertrain),
         "brake": new_part("hydraulic_booster"),
     }
@@ -82,6 +86,18 @@ def test_the_nominal_gains_suit_every_sensor(new_part: NewPart, sensor: str) -> 
     speed, gap, _ = simulate(new_part, sensor).T
     assert speed.max() <= SET_SPEED * 1.005
     assert gap.min() >= SET_GAP * 0.99
+    assert gap[-1] == pytest.approx(40, abs=0.5)
+
+
+@pytest.mark.parametrize("powertrain", ["combustion_ideal", "bev_ideal"])
+@pytest.mark.parametrize("controller", ["pd_acc", "pi_time_gap_acc"])
+def test_controllers_with_a_fixed_gap_end_behind_the_lead_with_every_powertrain(
+    new_part: NewPart, controller: str, powertrain: str
+) -> None:
+    speed, gap, _ = simulate(new_part, controller=controller, powertrain=powertrain).T
+    assert speed.max() <= SET_SPEED * 1.005
+    assert gap.min() >= SET_GAP * 0.99
+    assert speed[-1] * 3.6 == pytest.approx(50, abs=0.5)
     assert gap[-1] == pytest.approx(40, abs=0.5)
 
 

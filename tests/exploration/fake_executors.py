@@ -51,7 +51,8 @@ class FakeExecutor:
         if bench.mischief == "refuses":
             raise fail("sensor.gap -> controller.speed: units differ", hint="connect another port")
         if bench.mischief == "dies loading":
-            print("cannot open libfake.so", file=sys.stderr, flush=True)
+            sys.stderr.write("cannot open libfake.so\n")
+            sys.stderr.flush()
             os._exit(7)
 
     def run(self, request: RunRequest, *, keep: bool) -> Run:

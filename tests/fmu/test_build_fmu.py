@@ -221,7 +221,10 @@ def test_build_all_builds_each_and_collects_every_problem(workshop, cache, tmp_p
     good = [workshop.counter(), workshop.integrator()]
     built = build_all(good, cache=cache)
     assert {name: path.is_file() for name, path in built.items()} == {"counter": True, "integrator": True}
-    bad = [replace(good[0], name="soul", source=None), replace(good[0], name="mo", source=UnsupportedSource("modelica"))]
+    bad = [
+        replace(good[0], name="soul", source=None),
+        replace(good[0], name="mo", source=UnsupportedSource("modelica")),
+    ]
     with pytest.raises(DseError) as caught:
         build_all([*good, *bad], cache=cache)
     assert [problem.what for problem in caught.value.problems] == [

@@ -38,9 +38,8 @@ def edit(component, old, new, suffix=".h"):
 def test_a_syntax_error_is_shown_where_the_user_wrote_it(workshop, refused):
     component = edit(workshop.counter(), "c->out.hits++;", "c->out.hits++", suffix=".c")
     ((where, what, _),) = refused(component)
-    line = (workshop.folder / "counter.c").read_text(encoding="utf-8").splitlines().index(
-        next(line for line in (workshop.folder / "counter.c").read_text(encoding="utf-8").splitlines() if "hits++" in line)
-    )
+    code = (workshop.folder / "counter.c").read_text(encoding="utf-8")
+    line = code[: code.index("hits++")].count("\n")
     assert where.startswith(f"{workshop.folder / 'counter.c'}:{line + 1}:")
     assert "expected" in what
 
@@ -66,8 +65,13 @@ def test_missing_members_are_told_all_at_once_in_the_users_words(workshop, refus
         Port("target.far.gap", Causality.INPUT, REAL),
         Port("mode", Causality.OUTPUT, Type(Kind.ENUMERATION, items=("a", "b"))),
     )
-    found = refused(replace(component, interface=Interface("more", ports), parameters=(
-        *component.parameters, Parameter("lag", Type(Kind.INTEGER), 1))))
+    found = refused(
+        replace(
+            component,
+            interface=Interface("more", ports),
+            parameters=(*component.parameters, Parameter("lag", Type(Kind.INTEGER), 1)),
+        )
+    )
     header = str(workshop.folder / "counter.h")
     assert found == [
         (header, "struct counter has no member 'in.gap' for input 'gap'", "declare it in counter.h, as double"),
@@ -81,21 +85,17 @@ def test_missing_members_are_told_all_at_once_in_the_users_words(workshop, refus
     ]
 
 
-@pytest.mark.parametrize(
-    ("declaration", "message"),
-    [
-        ("int u;", "'in.u' is not double or float, as input 'u' (real) needs"),
-        ("double u[3];", "'in.u' is not double or float"),
-        ("struct { double v; } u;", "'in.u' is not double or float"),
-        ("double *u;", "'in.u' is not double or float"),
-    ],
-)
-def test_a_member_of_the_wrong_type_is_told(workshop, refused, declaration, message):
+@pytest.mark.parametrize("declaration", ["int u;", "double u[3];", "struct { double v; } u;", "double *u;"])
+def test_a_member_of_the_wrong_type_is_told(workshop, refused, declaration):
     component = edit(workshop.counter(), "double u;", declaration)
     edit(component, "c->in.u", "0", suffix=".c")
-    assert [what for _, what, _ in refused(component)] == [what for what in [f"struct counter: {message}"]] or (
-        message in refused(component)[0][1]
-    )
+    assert refused(component) == [
+        (
+            str(workshop.folder / "counter.h"),
+            "struct counter: 'in.u' is not double or float, as input 'u' (real) needs",
+            "declare it as double",
+        )
+    ]
 
 
 def test_a_member_too_narrow_for_its_values_is_told(workshop, refused):
@@ -116,11 +116,9 @@ def test_a_struct_of_another_name_is_told_once(workshop, refused):
 def test_functions_that_are_missing_or_of_another_shape_are_told(workshop, refused):
     component = workshop.counter()
     source = replace(component.source, init="counter_start", step=None)
-    assert [what for _, what, _ in refused(replace(component, source=source))] == [
-        "'counter_start' is not declared as `void counter_start(counter *);`",
-        "'counter_step' is not declared as `void counter_step(counter *, double);`, "
-        "because the component has no 'step'",
-    ]
+    init, step = refused(replace(component, source=source))
+    assert init[1] == "'counter_start' is not declared as `void counter_start(counter *);`"
+    assert step[1].startswith("'counter_step' is not declared as `void counter_step(counter *, double);`, because ")
     plant = workshop.integrator()
     ((_, what, _),) = refused(replace(plant, source=replace(plant.source, step=0.1)))
     assert what.endswith("because it runs every 0.1 s")

@@ -153,7 +153,7 @@ def test_a_wrong_token_is_refused_with_a_message(workshop, new_slave, version):
     slave = new_slave(workshop.counter())
     wrong = type(slave)(slave.model)
     with pytest.raises(Exception, match="Failed to instantiate"):
-        wrong.create(token="{of another build}")
+        wrong.create("{of another build}")
     assert "different builds" in wrong.messages[0]
 
 

@@ -1,4 +1,4 @@
-/* Cascaded cruise control: a P law turns the gap into a speed to drive, a PI law drives that speed. */
+/* Cascaded cruise control: a P law turns the gap into a speed to drive, a PI law with feed-forward drives that speed. */
 #ifndef PI_TIME_GAP_ACC_H
 #define PI_TIME_GAP_ACC_H
 

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from dse.cli.app import app, console, print_json
+from dse.cli.app import app, print_json, print_table
 from dse.cli.arguments import Format, Output
 
 if TYPE_CHECKING:
@@ -35,7 +35,7 @@ def components(
     for component in found:
         properties = ", ".join(f"{name} {quantity}" for name, quantity in component.properties.items())
         table.add_row(component.name, component.interface.name, _kind(component), properties, component.title)
-    console().print(table)
+    print_table(table)
 
 
 def _kind(component: Component) -> str:

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from dse.cli.app import app, console, print_json
+from dse.cli.app import app, console, print_json, print_table
 from dse.cli.arguments import Design, workspace_of
 
 if TYPE_CHECKING:
@@ -99,8 +99,8 @@ def _table(space: DesignSpace, found: list[Configuration], limit: int | None) ->
             *(data["choices"].get(place, "–") for place in places),
             *(f"{t['value']:g} {t['unit']}" if t else "–" for t in totals),
         )
+    print_table(table)
     screen = console()
-    screen.print(table)
     if limit is not None and len(found) == limit:
         screen.print(f"the first {limit}; {total(space)} in total before the static constraints")
     else:

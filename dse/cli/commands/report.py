@@ -10,12 +10,15 @@ import typer
 from dse.cli.app import app, console
 from dse.cli.arguments import Folder
 
+ReportFile = Annotated[Path | None, typer.Option("--output", "-o", metavar="FILE", help="Default: DIR/report.html.")]
+MostWaveforms = Annotated[int, typer.Option("--waveforms", min=0, help="Most runs whose waveforms go into the page.")]
+
 
 @app.command()
 def report(
     folder: Folder,
-    target: Annotated[Path | None, typer.Option("--output", "-o", metavar="FILE", help="Default: DIR/report.html.")] = None,
-    waveforms: Annotated[int, typer.Option("--waveforms", min=0, help="Most runs whose waveforms go into the page.")] = 4000,
+    target: ReportFile = None,
+    waveforms: MostWaveforms = 4000,
 ) -> None:
     """Write one offline HTML page: constraint plot, thresholds, waveforms, run table.
 

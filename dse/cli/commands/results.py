@@ -22,11 +22,16 @@ class Table(StrEnum):
     JUNIT = "junit"
 
 
+TableFile = Annotated[
+    Path | None, typer.Option("--output", "-o", metavar="FILE", help="Write here, not to standard output.")
+]
+
+
 @app.command()
 def results(
     folder: Folder,
     output: Annotated[Table, typer.Option("--format", help="Table format; junit is for CI servers.")] = Table.CSV,
-    target: Annotated[Path | None, typer.Option("--output", "-o", metavar="FILE", help="Write here, not to standard output.")] = None,
+    target: TableFile = None,
 ) -> None:
     """Print a study's runs: point, metrics, verdicts and margins, in SI units."""
     from dse.results.export import EXPORTS

@@ -59,7 +59,7 @@ static const char *dse_state_name(uint32_t state) {
 }
 
 /* Tell the importer what is wrong; false, so that a caller can return it. */
-static DSE_APART __attribute__((cold)) bool dse_refuse(struct dse_instance *instance, const char *function, const char *format, ...) {
+static DSE_APART bool dse_refuse(struct dse_instance *instance, const char *function, const char *format, ...) {
     char text[512];
     int used = snprintf(text, sizeof text, "%s: ", function);
     va_list arguments;
@@ -170,7 +170,8 @@ static inline bool dse_do_step(struct dse_instance *instance, const char *functi
 /* Saved states: a copy of the snapshot; serialized, the token goes ahead, so that no other component's is taken. */
 #define DSE_SERIALIZED_SIZE (sizeof DSE_TOKEN + sizeof(struct dse_snapshot))
 
-static bool dse_keep(struct dse_instance *instance, const char *function, const struct dse_snapshot *from, void **state) {
+static bool dse_keep(
+    struct dse_instance *instance, const char *function, const struct dse_snapshot *from, void **state) {
     if (!*state) {
         *state = malloc(sizeof *from);
     }

@@ -16,7 +16,10 @@ static inline char *dse_target(struct dse_instance *instance, const struct dse_s
 }
 
 static const char *dse_kind_name(int kinds) {
-    return kinds & DSE_REAL ? "real" : kinds & DSE_INTEGER ? "integer" : kinds & DSE_BOOLEAN ? "Boolean" : "enumeration";
+    return kinds & DSE_REAL      ? "real"
+           : kinds & DSE_INTEGER ? "integer"
+           : kinds & DSE_BOOLEAN ? "Boolean"
+                                 : "enumeration";
 }
 
 /* The slot of *reference*, or NULL after telling why it is not one of *kinds*. */
@@ -67,7 +70,8 @@ static inline bool dse_begin_set(struct dse_instance *instance, const char *func
 }
 
 /* The way for all that is not a double of the component; refuses what is not real. */
-static DSE_APART bool dse_get_float(struct dse_instance *instance, const char *function, uint32_t reference, double *value) {
+static DSE_APART bool dse_get_float(
+    struct dse_instance *instance, const char *function, uint32_t reference, double *value) {
     const struct dse_slot *slot;
     float narrow;
 #ifdef DSE_TIME
@@ -85,7 +89,8 @@ static DSE_APART bool dse_get_float(struct dse_instance *instance, const char *f
     return true;
 }
 
-static DSE_APART bool dse_set_float(struct dse_instance *instance, const char *function, uint32_t reference, double value) {
+static DSE_APART bool dse_set_float(
+    struct dse_instance *instance, const char *function, uint32_t reference, double value) {
     const struct dse_slot *slot = dse_find_settable(instance, function, reference, DSE_REAL);
     if (!slot) {
         return false;
@@ -129,13 +134,6 @@ static inline bool dse_set_reals(struct dse_instance *instance, const char *func
         }
     }
     return is_ok;
-}
-
-/* For accessors of types that no variable has: whoever asks for one is told what it is. */
-static DSE_APART bool dse_has_none(
-    struct dse_instance *instance, const char *function, const uint32_t references[], size_t count) {
-    return dse_is_allowed(instance, function, DSE_ANY_STATE)
-           && (count == 0 || dse_find(instance, function, references[0], 0));
 }
 
 #define DSE_LOAD(code, ctype)                                                                                          \

@@ -1,6 +1,7 @@
 // What the reader does that touches more than one choice at once.
 import { liesIn } from "./plane/plane";
 import type { State, Store } from "./store";
+import { PASS } from "./verdicts";
 
 /** Selects a run; where it is not in the plane shown, moves the plane to it. */
 export function selectRun(store: Store, run: number): void {
@@ -16,16 +17,22 @@ export function selectRun(store: Store, run: number): void {
 
 /** Shows another configuration; the run at the same place, or its first, is selected. */
 export function selectConfiguration(store: Store, configuration: number): void {
-  const { study, state } = store;
+  store.set({ configuration, selected: counterparts(store)[configuration]! });
+}
+
+/** For every configuration its run at the parameters of the selected run, else its first run, else -1. */
+export function counterparts({ study, state }: Store): number[] {
+  const runs = study.configurations.map(() => -1);
+  const exact = study.configurations.map(() => false);
   const same = (run: number): boolean =>
-    state.selected < 0 || study.variables.every(({ values }) => values[run] === values[state.selected]);
-  let first = -1;
+    state.selected >= 0 && study.variables.every(({ values }) => values[run] === values[state.selected]);
   for (let run = 0; run < study.size; run++) {
-    if (study.configuration[run] !== configuration) continue;
-    if (same(run)) return store.set({ configuration, selected: run });
-    if (first < 0) first = run;
+    const configuration = study.configuration[run]!;
+    if (exact[configuration]) continue;
+    exact[configuration] = same(run);
+    if (exact[configuration] || runs[configuration]! < 0) runs[configuration] = run;
   }
-  store.set({ configuration, selected: first });
+  return runs;
 }
 
 /** Moves the plane so that it goes through the selected run. */
@@ -45,9 +52,12 @@ function planeThrough(store: Store, run: number, configuration: number): Partial
   return { fixed: study.variables.map(({ values }) => values[run]!) };
 }
 
-/** The run to begin with: the one nearest to a boundary among those that pass, else the first that was done. */
-export function startingRun(store: Store, candidates: Iterable<number>): number {
+/** The run to begin with: the one nearest to a boundary among those that pass, if it can with waveforms. */
+export function startingRun(store: Store, among: Iterable<number>): number {
   const { study, state } = store;
+  const all = [...among];
+  const kept = all.filter((run) => study.figures.some((figure) => figure.row.has(study.number[run]!)));
+  const candidates = kept.some((run) => store.judgement().overall[run] === PASS) ? kept : all;
   const { overall } = store.judgement();
   const scales = study.requirements.map(({ metric }) => {
     const known = study.metrics[metric]!.values.filter(Number.isFinite).sort();
@@ -56,7 +66,7 @@ export function startingRun(store: Store, candidates: Iterable<number>): number 
   let best = -1;
   let least = Infinity;
   for (const run of candidates) {
-    if (overall[run] !== 0) continue;
+    if (overall[run] !== PASS) continue;
     // The corner where all margins are small is where the requirements trade off.
     const worst = Math.max(
       0,

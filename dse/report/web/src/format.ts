@@ -26,7 +26,7 @@ export function columnText(values: Float64Array): (value: number) => string {
     if (!Number.isFinite(value)) return number(value);
     const text = value.toFixed(decimals);
     // A small value beside a bound must not look like zero.
-    return Number(text) === 0 && value !== 0 ? number(value, 2) : minus(text);
+    return Number(text) === 0 && value !== 0 ? number(value, 1) : minus(text);
   };
 }
 

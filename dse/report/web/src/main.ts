@@ -75,21 +75,26 @@ function header(store: Store): HTMLElement {
 
 function sections(store: Store, planes: ReturnType<typeof createPlanes> | null): HTMLElement[] {
   const { study } = store;
-  const thresholds = study.requirements.length > 0 && card("requirements", "Thresholds", createThresholds(store));
-  const left = el("div", { class: "left" });
-  if (planes) left.append(plotCard(store, planes));
-  else left.append(card("overview", study.variables.length ? "Runs" : "Configurations", createSummary(store), listing(store)));
-  if (thresholds) left.append(thresholds);
-  const right = el("div", { class: "right" }, card("run", "Selected run", createSelected(store)));
-  if (study.figures.length) {
-    const hint = el("p", { class: "hint" }, "Drag to zoom in time, double-click to see everything.");
-    right.append(card("waves", "Waveforms", createWaveforms(store), hint));
+  const thresholds = study.requirements.length ? [card("requirements", "Thresholds", createThresholds(store))] : [];
+  const run = card("run", "Selected run", createSelected(store));
+  const waves = study.figures.length ? [card("waves", "Waveforms", createWaveforms(store))] : [];
+  const column = (name: string, ...cards: HTMLElement[]): HTMLElement => el("div", { class: name }, ...cards);
+  if (!planes) {
+    const overview = card("overview", study.variables.length ? "Runs" : "Configurations", createSummary(store), listing(store));
+    return [
+      el("main", {}, column("wide", overview), column("left", run, ...thresholds), column("right", ...waves), column("wide", createFacts(study))),
+    ];
   }
-  const below: HTMLElement[] = [];
-  if (planes && study.configurations.length > 1) below.push(card("overview", "Configurations", createConfigurations(store)));
-  if (planes) below.push(card("all", "All runs", createTable(store)));
-  below.push(createFacts(study));
-  return [el("main", {}, left, right, el("div", { class: "below" }, ...below))];
+  const configurations = study.configurations.length > 1 ? [card("overview", "Configurations", createConfigurations(store))] : [];
+  return [
+    el(
+      "main",
+      {},
+      column("left", plotCard(store, planes), ...thresholds),
+      column("right", run, ...waves),
+      column("wide", ...configurations, card("all", "All runs", createTable(store)), createFacts(study)),
+    ),
+  ];
 }
 
 function listing(store: Store): HTMLElement {

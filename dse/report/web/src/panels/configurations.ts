@@ -1,5 +1,5 @@
 // One row per configuration: what was chosen, what it costs, and how it did.
-import { selectConfiguration } from "../actions";
+import { counterparts, selectConfiguration } from "../actions";
 import { el } from "../dom";
 import { group } from "../format";
 import type { Store } from "../store";
@@ -18,10 +18,11 @@ export function createConfigurations(store: Store): HTMLElement {
     requestAnimationFrame(() => box.querySelector(".chosen")?.scrollIntoView({ block: "nearest" }));
   });
   store.subscribe((_, changed) => {
-    if (changed.has("configuration") || changed.has("thresholds")) draw();
+    if (changed.has("configuration") || changed.has("thresholds") || (changed.has("selected") && store.study.variables.length)) draw();
   });
   draw();
-  return box;
+  if (!store.study.variables.length) return box;
+  return el("div", {}, box, el("p", { class: "hint" }, "Metrics at the parameters of the selected run, or of the configuration\u2019s first run."));
 }
 
 function tableOf(store: Store): HTMLElement {
@@ -29,17 +30,14 @@ function tableOf(store: Store): HTMLElement {
   const places = names(study.configurations, "choices").filter((name) => differs(study.configurations, name));
   const properties = names(study.configurations, "properties");
   const many = study.variables.length > 0;
-  const first = new Map<number, number>();
-  study.configuration.forEach((configuration, run) => {
-    if (!first.has(configuration)) first.set(configuration, run);
-  });
+  const shown = counterparts(store);
   const { each, overall } = store.judgement();
   const head = (text: string, numeric = false): HTMLElement => el("th", { scope: "col", class: numeric ? "numeric" : "" }, text);
   const rows = study.configurations.map((configuration, index) => {
-    const run = first.get(index);
+    const run = shown[index]!;
     const counts = many ? tally(study, overall, index) : [];
     const total = counts.reduce((sum, value) => sum + value, 0);
-    const mark = run === undefined ? -1 : overall[run]!;
+    const mark = run < 0 ? -1 : overall[run]!;
     return el(
       "tr",
       { class: state.configuration === index ? "chosen" : "", "aria-selected": String(state.configuration === index), click: () => selectConfiguration(store, index) },
@@ -48,8 +46,8 @@ function tableOf(store: Store): HTMLElement {
       ...properties.map((name) => el("td", { class: "numeric" }, lookUp(configuration.properties, name))),
       ...study.metrics.map((metric, place) => {
         const judged = study.requirements.findIndex((requirement) => requirement.metric === place);
-        const kind = run === undefined || judged < 0 ? "" : CLASSES[each[judged]![run]!]!;
-        return el("td", { class: `numeric ${kind}` }, run === undefined || !study.done[run] ? "\u2013" : metric.text(metric.values[run]!));
+        const kind = run < 0 || judged < 0 ? "" : CLASSES[each[judged]![run]!]!;
+        return el("td", { class: `numeric ${kind}` }, run < 0 || !study.done[run] ? "\u2013" : metric.text(metric.values[run]!));
       }),
       many
         ? el("td", { class: "numeric" }, `${group(counts[PASS]!)} of ${group(total)}`)

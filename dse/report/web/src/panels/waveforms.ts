@@ -28,10 +28,14 @@ export function createWaveforms(store: Store): HTMLElement {
     const { selected } = store.state;
     const run = selected < 0 ? -1 : store.study.number[selected]!;
     box.dataset["run"] = String(run);
+    const kept = store.study.figures.some((figure) => figure.row.has(run));
     box.replaceChildren(
-      ...store.study.figures.map((figure, index) =>
-        figure.row.has(run) ? drawFigure(figure, index, run, blocks, charts) : missing(store, figure, run),
-      ),
+      ...(kept
+        ? store.study.figures.map((figure, index) =>
+            figure.row.has(run) ? drawFigure(figure, index, run, blocks, charts) : missing(store, run, figure.title),
+          )
+        : [missing(store, run, "")]),
+      ...(kept ? [el("p", { class: "hint" }, "Drag to zoom in time, double-click to see everything.")] : []),
     );
     for (const { plot, box: holder } of charts) plot.setSize({ width: holder.clientWidth, height: HEIGHT });
   };
@@ -47,13 +51,13 @@ export function createWaveforms(store: Store): HTMLElement {
   return box;
 }
 
-function missing(store: Store, figure: Figure, run: number): HTMLElement {
+function missing(store: Store, run: number, title: string): HTMLElement {
   const { selected } = store.state;
   const failed = selected >= 0 && !store.study.done[selected];
   return el(
     "figure",
     { class: "missing" },
-    el("figcaption", {}, el("b", {}, figure.title)),
+    title && el("figcaption", {}, el("b", {}, title)),
     el(
       "p",
       {},
@@ -61,7 +65,7 @@ function missing(store: Store, figure: Figure, run: number): HTMLElement {
         ? "Select a run to see its waveform."
         : failed
           ? `Run ${run} failed and left no waveform. To see it fail again:`
-          : `The waveform of run ${run} was not kept. To simulate the run again, bit for bit:`,
+          : `${title ? "The waveform" : "The waveforms"} of run ${run} ${title ? "was" : "were"} not kept. To simulate the run again, bit for bit:`,
     ),
     run >= 0 && el("code", {}, `dse replay ${store.study.folder} ${run}`),
   );
@@ -80,7 +84,7 @@ function drawFigure(figure: Figure, index: number, run: number, blocks: Map<stri
     reading.textContent = parts.join("   ");
   };
   read(time.length - 1);
-  const axis = { stroke: colours.ink, font: `11.5px ${colours.font}`, labelFont: `600 11.5px ${colours.font}`, labelSize: 20 };
+  const axis = { stroke: colours.ink, font: `12px ${colours.font}`, labelFont: `600 12px ${colours.font}`, labelSize: 20 };
   const lines = { grid: { stroke: colours.line, width: 1 }, ticks: { stroke: colours.line, width: 1, size: 5 } };
   const plot = new uPlot(
     {

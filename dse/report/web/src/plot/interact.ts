@@ -40,6 +40,8 @@ export function attachInteraction(store: Store, plot: Plot): void {
     const direction = ARROWS[event.key];
     if (!direction || event.altKey || event.ctrlKey || event.metaKey) return;
     event.preventDefault();
+    tip.hidden = true;
+    plot.hover(-1);
     const run = neighbour(store, plot, direction);
     if (run >= 0) selectRun(store, run);
   });

@@ -1,0 +1,58 @@
+"""``dse figure``."""
+
+from __future__ import annotations
+
+from enum import StrEnum
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from dse.cli.app import app, console
+from dse.cli.arguments import Configuration, Folder
+
+
+class Kind(StrEnum):
+    """File formats of figures."""
+
+    PNG = "png"
+    SVG = "svg"
+    PDF = "pdf"
+
+
+@app.command()
+def figure(
+    folder: Folder,
+    target: Annotated[Path | None, typer.Option("--output", "-o", metavar="DIR", help="Default: DIR/figures.")] = None,
+    kind: Annotated[Kind, typer.Option("--format", help="File format.")] = Kind.PNG,
+    x: Annotated[str | None, typer.Option("--x", help="Design variable of the horizontal axis.")] = None,
+    y: Annotated[str | None, typer.Option("--y", help="Design variable of the vertical axis.")] = None,
+    configuration: Configuration = None,
+    number: Annotated[int | None, typer.Option("--run", help="The run whose waveforms are drawn.", min=0)] = None,
+) -> None:
+    """Draw the constraint plot and one run's waveforms for print (the paper's figures 6 and 7).
+
+    Without --x and --y one constraint plot is drawn for each slice of the study. Without --run the waveforms are those
+    of the run nearest the boundary from inside: it passes everything, with the least margin.
+    """
+    from dse.report.draw import draw_constraint_plot, draw_waveforms, save
+    from dse.report.figures import constraint_plot_data, waveform_data
+    from dse.report.study import picked_run, planes, read_content
+    from dse.results.folder import StudyFolder
+
+    with StudyFolder.open(folder) as store:
+        content = read_content(store, shown_as=folder.as_posix())
+        chosen = configuration or content.configurations[0].id
+        run = picked_run(store) if number is None else number
+    place = target or folder / "figures"
+    place.mkdir(parents=True, exist_ok=True)
+    written = []
+    for across, up in [(x, y)] if x and y else planes(content):
+        data = constraint_plot_data(content, across, up, chosen)
+        written.append(place / f"constraints_{across}_{up}.{kind}")
+        save(draw_constraint_plot(data), written[-1])
+    if run is not None and content.figures:
+        written.append(place / f"waveforms_{run}.{kind}")
+        save(draw_waveforms(waveform_data(content, run)), written[-1])
+    for path in written:
+        console().print(str(path), soft_wrap=True)

@@ -1,0 +1,169 @@
+"""What goes wrong in a worker becomes the result of the run at hand, and of no other."""
+
+from __future__ import annotations
+
+import multiprocessing
+import sys
+from pathlib import Path
+from typing import Any
+
+import pytest
+from fake_executors import METRICS, benches, header_of, make_fake, study_of
+
+from dse.domain.run import Outcome
+from dse.domain.study import Keep, Study
+from dse.errors import DseError
+from dse.exploration import supervisor
+from dse.exploration.explore import Summary, explore
+from dse.results.folder import StudyFolder
+from dse.results.table import RunTable
+
+posix = pytest.mark.skipif(sys.platform == "win32", reason="signals")
+
+
+def explored(path: Path, study: Study, *, workers: int = 1, **mischief: Any) -> tuple[Summary, RunTable, StudyFolder]:
+    with StudyFolder.resume(path, header_of(study, 25)) as folder:
+        summary = explore(
+            study,
+            benches("a", **mischief),
+            folder,
+            workers=workers,
+            make_executor=make_fake,
+            on_progress=lambda progress: None,
+        )
+        return summary, folder.table(), folder
+
+
+def failures(table: RunTable) -> dict[int, str]:
+    return {run.request.number: run.problem for run in table.runs() if run.outcome is Outcome.FAILED}
+
+
+def test_a_worker_that_ends_itself_costs_the_run_at_hand_and_no_other(tmp_path: Path) -> None:
+    summary, table, _ = explored(tmp_path, study_of(), mischief="exits", when=(7,))
+    assert failures(table) == {7: "ended by itself (exit code 3) in fake: fmi2DoStep of run 7"}
+    assert (summary.runs, summary.failed, summary.simulated) == (25, 1, 25)
+    assert len(table) == 25
+
+
+@posix
+def test_a_crash_names_the_signal_and_the_place(tmp_path: Path) -> None:
+    _, table, _ = explored(tmp_path, study_of(), mischief="crashes", when=(0, 24), workers=2)
+    assert failures(table) == {n: f"crashed (signal 11) in fake: fmi2DoStep of run {n}" for n in (0, 24)}
+
+
+def test_a_hanging_run_is_ended_after_its_timeout(tmp_path: Path) -> None:
+    _, table, _ = explored(tmp_path, study_of(), mischief="hangs", when=(7,), timeout=0.3)
+    assert failures(table) == {7: "no answer for 0.3 s in fake: fmi2DoStep of run 7"}
+
+
+def test_slow_runs_are_not_hanging_runs(tmp_path: Path) -> None:
+    # The batch as a whole takes longer than a run may.
+    _, table, _ = explored(tmp_path, study_of(levels=5), seconds=0.05, timeout=0.5)
+    assert failures(table) == {}
+
+
+@posix
+def test_a_run_whose_worker_was_killed_from_outside_is_tried_once_more(tmp_path: Path) -> None:
+    summary, table, _ = explored(
+        tmp_path / "study", study_of(), mischief="is killed", when=(7,), file=tmp_path / "happened"
+    )
+    assert failures(table) == {}
+    assert summary.retried == 1
+
+
+@posix
+def test_a_run_that_gets_its_worker_killed_again_is_recorded(tmp_path: Path) -> None:
+    summary, table, _ = explored(tmp_path, study_of(), mischief="is killed", when=(7,))
+    assert failures(table) == {7: "killed from outside (signal 9) for the second time in fake: fmi2DoStep of run 7"}
+    assert summary.retried == 1
+
+
+def test_an_unexpected_exception_is_a_failed_run(tmp_path: Path) -> None:
+    _, table, _ = explored(tmp_path, study_of(), mischief="raises", when=(3, 4))
+    assert set(failures(table)) == {3, 4}
+    assert failures(table)[3].startswith("unexpected ValueError at fake_executors.py:")
+    assert failures(table)[3].endswith(": bad run 3")
+
+
+def test_a_run_that_lacks_a_metric_is_a_failed_run(tmp_path: Path) -> None:
+    _, table, _ = explored(tmp_path, study_of(), mischief="forgets", when=(3,))
+    assert set(failures(table)) == {3}
+    assert failures(table)[3].endswith("the simulation gave no m3")
+
+
+def test_a_failure_the_executor_reports_is_stored_in_its_words(tmp_path: Path) -> None:
+    _, table, _ = explored(tmp_path, study_of(), mischief="fails", when=(3,))
+    assert failures(table) == {3: "world: fmi2DoStep at t = 3.21 s returned error"}
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="RLIMIT_AS")
+def test_a_run_that_wants_too_much_memory_fails_alone(tmp_path: Path) -> None:
+    _, table, _ = explored(tmp_path, study_of(), mischief="eats memory", when=(3,))
+    assert set(failures(table)) == {3}
+    assert "MemoryError" in failures(table)[3]
+
+
+def test_a_configuration_that_cannot_be_loaded_fails_in_each_of_its_runs(tmp_path: Path) -> None:
+    study = study_of(levels=2)
+    with StudyFolder.create(tmp_path, header_of(study, 8, ("a", "b"))) as folder:
+        prepared = {**benches("a", mischief="refuses"), **benches("b")}
+        explore(study, prepared, folder, workers=1, make_executor=make_fake, on_progress=lambda progress: None)
+        problems = failures(folder.table())
+    assert set(problems) == {0, 1, 2, 3}
+    assert problems[0].startswith("sensor.gap -> controller.speed: units differ")
+
+
+def test_workers_that_die_before_any_run_end_the_exploration_with_their_last_words(tmp_path: Path) -> None:
+    expected = (
+        r"3 workers in a row ended outside of any run, the last while loading[\s\S]*code 7[\s\S]*cannot open libfake"
+    )
+    with pytest.raises(DseError, match=expected):
+        explored(tmp_path, study_of(), mischief="dies loading")
+    with StudyFolder.open(tmp_path) as folder:
+        assert folder.finished() == set()
+    assert multiprocessing.active_children() == []
+
+
+def test_a_worker_that_hangs_while_loading_is_not_waited_for_forever(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(supervisor, "START_TIMEOUT", 0.01)
+    with pytest.raises(DseError, match=r"no answer for 0\.01 s"):
+        explored(tmp_path, study_of())
+
+
+def test_waveforms_that_cannot_be_written_end_the_exploration_but_not_the_results(tmp_path: Path) -> None:
+    study = study_of(keep=Keep.ALL)
+    StudyFolder.create(tmp_path, header_of(study, 25)).close()
+    # A folder where the first chunk's file is to be: the rename over it fails on every system.
+    (tmp_path / "waveforms" / "runs-00000000-00000000.parquet").mkdir()
+    with pytest.raises(DseError, match="waveforms cannot be written"):
+        explored(tmp_path, study)
+    assert multiprocessing.active_children() == []
+
+
+@posix
+def test_waveforms_of_a_chunk_survive_a_crash_in_it(tmp_path: Path) -> None:
+    # 2,500 runs make chunks of 32, so that run 40 crashes in the middle of one.
+    study = study_of(levels=50, keep=Keep.ALL)
+    with StudyFolder.create(tmp_path, header_of(study, 2500)) as folder:
+        prepared = benches("a", mischief="crashes", when=(40,))
+        summary = explore(study, prepared, folder, workers=2, make_executor=make_fake, on_progress=lambda p: None)
+        assert (summary.failed, summary.kept, summary.irreproducible) == (1, 2499, 0)
+        assert set(folder.kept()) == set(range(2500)) - {40}
+        for number in (32, 39, 41, 63, 2499):
+            waveforms = folder.waveforms(number)
+            assert waveforms is not None
+            assert waveforms.values["world.gap"].tolist() == [float(number)] * 11
+
+
+def test_metrics_arrive_as_they_were_computed(tmp_path: Path) -> None:
+    _, table, _ = explored(tmp_path, study_of(), workers=2)
+    total = sum(table.points.values())
+    for i, name in enumerate(METRICS[:6]):
+        assert (table.metric(name) == total * (i + 1)).all()
+
+
+def test_no_worker_is_left_behind(tmp_path: Path) -> None:
+    explored(tmp_path, study_of(), workers=2)
+    assert multiprocessing.active_children() == []

@@ -1,0 +1,235 @@
+"""Counting and listing against a brute-force listing of small random spaces."""
+
+from __future__ import annotations
+
+from itertools import islice, product
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from dse.domain.component import Component, Interface
+from dse.domain.design import Alternative, Compound, Constraint, DesignSpace, Optional, Part
+from dse.errors import DseError
+from dse.loading.expression import parse_expression
+from dse.space.enumerate import configurations, count, find, total, violated
+from dse.space.resolve import identify, resolve
+from dse.units import parse_quantity
+
+ANY = Interface("any", ())
+COSTS = {name: cost for cost, name in enumerate("abcdef", start=1)}
+
+
+def part(name):
+    properties = {"cost": parse_quantity(f"{COSTS.get(name, 7)}.5 EUR")}
+    return Part(Component(name, ANY, properties=properties))
+
+
+def space(parts, *rules):
+    constraints = tuple(Constraint(f"c{i}", parse_expression(rule)) for i, rule in enumerate(rules))
+    return DesignSpace("car", Compound("car", parts), constraints)
+
+
+def choices_of(a_space):
+    return [dict(configuration.choices) for configuration in configurations(a_space)]
+
+
+SENSOR = Alternative((part("a"), part("b"), part("c")))
+ENGINE = Alternative((part("d"), part("e")))
+HYBRID = Compound("hybrid", {"engine": ENGINE, "gearbox": part("f")}, (), ANY)
+POWERTRAIN = Alternative((part("a"), HYBRID))
+
+
+def test_an_optional_container_doubles_the_configurations():
+    assert total(space({"s": SENSOR})) == 3
+    assert total(space({"s": SENSOR, "o": Optional(part("a"))})) == 6
+
+
+def test_the_order_is_that_of_the_file_with_the_last_part_fastest():
+    listed = choices_of(space({"s": Optional(part("a")), "p": POWERTRAIN}))
+    assert listed == [
+        {"s": "a", "p": "a"},
+        {"s": "a", "p": "hybrid", "p.engine": "d"},
+        {"s": "a", "p": "hybrid", "p.engine": "e"},
+        {"p": "a"},
+        {"p": "hybrid", "p.engine": "d"},
+        {"p": "hybrid", "p.engine": "e"},
+    ]
+
+
+def test_parts_that_are_no_decision_are_parts_but_no_choices():
+    configuration = next(configurations(space({"s": part("b"), "p": Compound("p", {"x": part("c")})})))
+    assert configuration.choices == {}
+    assert {path: component.name for path, component in configuration.parts.items()} == {"s": "b", "p.x": "c"}
+    assert configuration.total("cost") == 6.0
+
+
+def test_a_space_of_one_design_has_one_configuration():
+    assert (total(space({"s": part("a")})), count(space({"s": part("a")}))) == (1, 1)
+
+
+def test_the_total_of_a_huge_space_is_exact_and_its_first_design_comes_at_once():
+    parts = {f"p{i}": SENSOR for i in range(60)}
+    huge = space(parts, "p0 is not a")
+    assert total(huge) == 3**60
+    first = next(configurations(huge))
+    assert first.choices["p0"] == "b"
+
+
+def test_a_constraint_on_early_decisions_is_counted_without_visiting_the_rest():
+    parts = {f"p{i}": SENSOR for i in range(60)}
+    assert count(space(parts, "p0 is not a")) == 2 * 3**59
+
+
+def test_counting_is_refused_beyond_the_limit_and_says_how_to_raise_it():
+    parts = {f"p{i}": SENSOR for i in range(60)}
+    with pytest.raises(DseError, match="more than the limit of 10,000,000") as caught:
+        count(space(parts, "sum(cost) <= 100 EUR"))
+    assert "--limit" in str(caught.value)
+    with pytest.raises(DseError, match="limit of 8"):
+        count(space({"s": SENSOR, "t": SENSOR}, "same_choice(s, t)"), limit=8)
+    assert count(space({"s": SENSOR, "t": SENSOR}, "same_choice(s, t)"), limit=9) == 3
+
+
+def test_a_partial_design_that_breaks_a_rule_is_not_continued():
+    parts = {"s": SENSOR, **{f"p{i}": SENSOR for i in range(40)}}
+    # 2·3^40 of 3^41 designs break the rule; visiting them would not end.
+    listed = list(islice(configurations(space(parts, "s is c")), 3))
+    assert {configuration.choices["s"] for configuration in listed} == {"c"}
+
+
+def test_an_id_survives_another_order_of_the_file():
+    one = {c.id: c.choices for c in configurations(space({"s": SENSOR, "p": POWERTRAIN}))}
+    shuffled = Alternative((Compound("hybrid", dict(reversed(HYBRID.parts.items())), (), ANY), part("a")))
+    other = {c.id: c.choices for c in configurations(space({"p": shuffled, "s": Alternative(SENSOR.options[::-1])}))}
+    assert one == other
+    assert len(one) == total(space({"s": SENSOR, "p": POWERTRAIN})) == 9
+
+
+def test_an_id_is_ten_letters_and_digits_and_never_changes():
+    assert identify({"s": "a", "p": "b"}) == identify({"p": "b", "s": "a"}) == "yd5k5cwebp"
+
+
+def test_a_configuration_is_found_by_its_id_or_its_beginning():
+    a_space = space({"s": SENSOR})
+    wanted = list(configurations(a_space))[1]
+    assert find(a_space, wanted.id) == find(a_space, wanted.id[:8]) == wanted
+    with pytest.raises(DseError, match="no valid configuration 'zzz'"):
+        find(a_space, "zzz")
+    with pytest.raises(DseError, match="no valid configuration ''"):
+        find(a_space, "")
+
+
+def test_choices_become_a_configuration_only_if_they_fit():
+    a_space = space({"s": SENSOR, "p": POWERTRAIN, "o": Optional(part("a"))})
+    listed = next(configurations(a_space))
+    assert resolve(a_space, listed.choices) == listed
+    with pytest.raises(DseError) as caught:
+        resolve(a_space, {"s": "x", "p.engine": "d", "o": "a"})
+    assert [problem.what for problem in caught.value.problems] == [
+        "'s' cannot be 'x'",
+        "nothing is chosen for 'p'",
+        "there is no decision 'p.engine' in this design",
+    ]
+
+
+def test_the_constraints_a_design_breaks_are_named():
+    a_space = space({"s": SENSOR}, "s is a", "cost <= 2 EUR", "s is not a")
+    assert violated(a_space, {"s": "b"}) == ("c0", "c1")
+
+
+def test_every_constraint_that_cannot_be_understood_is_reported_before_the_first_design():
+    with pytest.raises(DseError) as caught:
+        configurations(space({"s": SENSOR}, "t is a", "s is z"))
+    assert len(caught.value.problems) == 2
+
+
+# Random spaces: a tree is generated together with nothing else; the brute force below knows only the nouns.
+
+leaves = st.sampled_from("abcdef").map(part)
+options = st.lists(st.sampled_from("abcd"), min_size=1, max_size=3, unique=True).map(lambda names: [*map(part, names)])
+
+
+def containers(inner):
+    compounds = st.dictionaries(st.sampled_from("xyz"), inner, min_size=1, max_size=3)
+    named = compounds.map(lambda parts: Compound("box", parts, (), ANY))
+    alternatives = st.tuples(options, st.none() | named).map(lambda t: Alternative((*t[0], *([t[1]] if t[1] else []))))
+    optionals = st.one_of(leaves, named, alternatives).map(Optional)
+    return st.one_of(named, alternatives, optionals)
+
+
+nodes = st.recursive(leaves, containers, max_leaves=5)
+designs = st.dictionaries(st.sampled_from("uvw"), nodes, min_size=1, max_size=3)
+
+
+def brute(node, path):
+    """Every (choices, names by path) of *node*, by the definition of the containers."""
+    match node:
+        case Part():
+            return [({}, {path: node.name})]
+        case Compound():
+            own = {path: node.name} if path else {}
+            each = [brute(child, f"{path}.{name}" if path else name) for name, child in node.parts.items()]
+            return [(merge(c for c, _ in combo), merge([own, *(n for _, n in combo)])) for combo in product(*each)]
+        case Alternative():
+            return [({path: o.name, **c}, names) for o in node.options for c, names in brute(o, path)]
+        case Optional(Alternative() as content):
+            return [*brute(content, path), ({}, {})]
+        case Optional(content):
+            return [*(({path: content.name, **c}, names) for c, names in brute(content, path)), ({}, {})]
+
+
+def merge(mappings):
+    return {key: value for mapping in mappings for key, value in mapping.items()}
+
+
+def cost(names, below=""):
+    inside = [n for path, n in names.items() if path == below or path.startswith(below + ".") or not below]
+    return sum(COSTS[name] + 0.5 for name in inside if name in COSTS)
+
+
+def rules_for(design):
+    """Texts of rules on this design, each with what it means for the names by path."""
+    first = next(iter(design))
+    found = [
+        ("sum(cost) <= 12 EUR", lambda names: cost(names) <= 12),
+        (f"sum(cost, {first}) > 2 EUR", lambda names: cost(names, first) > 2),
+        ("count(cost) == 3", lambda names: sum(name in COSTS for name in names.values()) == 3),
+        (f"{first} is absent or cost < 9 EUR", lambda names: first not in names or cost(names) < 9),
+    ]
+    reachable = brute(Compound("", design), "")
+    for path, name in sorted({item for _, names in reachable for item in names.items()})[:6]:
+        found.append((f"{path} is {name}", lambda names, path=path, name=name: names.get(path) == name))
+        found.append((f"{path} is {name} implies sum(cost) < 8 EUR", lambda names, path=path, name=name: (
+            names.get(path) != name or cost(names) < 8
+        )))
+    return found
+
+
+@settings(max_examples=150, deadline=None)
+@given(designs, st.data())
+def test_listing_and_counting_agree_with_brute_force(design, data):
+    everything = brute(Compound("", design), "")
+    assert total(space(design)) == len(everything) == len(choices_of(space(design)))
+    has_costs = any(name in COSTS for _, names in everything for name in names.values())
+    known = rules_for(design) if has_costs else []
+    first = next(iter(design))
+    below = any(n in COSTS for _, names in everything for p, n in names.items() if p == first or p.startswith(f"{first}."))
+    known = [rule for rule in known if below or not rule[0].startswith(f"sum(cost, {first})")]
+    chosen = data.draw(st.lists(st.sampled_from(known), max_size=3)) if known else []
+    constrained = space(design, *(text for text, _ in chosen))
+    expected = [choices for choices, names in everything if all(holds(names) for _, holds in chosen)]
+    assert choices_of(constrained) == expected
+    assert count(constrained) == len(expected)
+    for choices in expected:
+        assert violated(constrained, choices) == ()
+
+
+@settings(max_examples=50, deadline=None)
+@given(designs, st.data())
+def test_a_constraint_never_adds_a_configuration_and_ids_are_unique(design, data):
+    free = [configuration.id for configuration in configurations(space(design))]
+    text, _ = data.draw(st.sampled_from([rule for rule in rules_for(design) if "sum(cost, " not in rule[0]]))
+    bound = [configuration.id for configuration in configurations(space(design, text))]
+    assert set(bound) <= set(free)
+    assert len(set(free)) == len(free)

@@ -1,0 +1,202 @@
+"""What a constraint means: exact numbers, roll-ups, absent parts, and located refusals."""
+
+from __future__ import annotations
+
+import pytest
+
+from dse.domain.component import Component, Interface
+from dse.domain.design import Alternative, Compound, Constraint, DesignSpace, Optional, Part
+from dse.errors import DseError, Location
+from dse.loading.expression import parse_expression
+from dse.space.check import check
+from dse.space.enumerate import configurations
+from dse.space.evaluate import compile_rule, matching
+from dse.units import parse_quantity
+
+ANY = Interface("any", ())
+HERE = Location("designs/car.yaml", 3, 10)
+
+
+def part(name, **properties):
+    return Part(Component(name, ANY, properties={key: parse_quantity(text) for key, text in properties.items()}))
+
+
+RADAR = part("radar", cost="0.1 EUR", range="150 m", mass="200 g")
+CAMERA = part("camera", cost="0.2 EUR", range="90 m")
+ENGINE = part("engine", cost="10 EUR", mass="100 kg", factor="2")
+MOTOR = part("motor", cost="20 EUR", mass="50 kg", factor="3")
+HYBRID = Compound("hybrid", {"engine": Alternative((ENGINE, MOTOR)), "motor": MOTOR}, (), ANY)
+CAR = DesignSpace(
+    "car",
+    Compound(
+        "car",
+        {
+            "sensor": Alternative((RADAR, CAMERA)),
+            "rear": Optional(CAMERA),
+            "drive": Alternative((ENGINE, HYBRID)),
+            "body": part("body", mass="300 kg"),
+        },
+    ),
+)
+SMALL = {"sensor": "radar", "drive": "engine"}
+FULL = {"sensor": "camera", "rear": "camera", "drive": "hybrid", "drive.engine": "motor"}
+
+
+def outcome(text, choices):
+    return compile_rule(parse_expression(text, HERE), CAR).outcome(choices)
+
+
+@pytest.mark.parametrize(
+    ("text", "small", "full"),
+    [
+        ("true", True, True),
+        ("sensor.range >= 100 m", True, False),
+        ("sensor.range >= 0.09 km", True, True),
+        ("sensor is radar", True, False),
+        ("sensor is not radar", False, True),
+        ("sensor in [radar, camera]", True, True),
+        ("body is body", True, True),
+        ("rear is camera", False, True),
+        ("rear is absent", True, False),
+        ("rear is present", False, True),
+        ("drive is hybrid", False, True),
+        ("drive.engine is motor", False, True),
+        ("drive.engine in [engine, absent]", True, False),
+        ("sum(cost) == 10.1 EUR", True, False),
+        ("sum(cost) == 40.4 EUR", False, True),
+        ("cost == 40.4 EUR", False, True),
+        ("sum(cost, drive) == 10 EUR", True, False),
+        ("sum(cost, rear) == 0 EUR", True, False),
+        ("sum(mass) between 400.2 kg and 400.2 kg", True, True),
+        ("count(cost) == 2", True, False),
+        ("count(cost, drive.engine) == 0", True, False),
+        ("min(cost) == 0.1 EUR", True, False),
+        ("max(mass, drive) == 100 kg", True, False),
+        ("max(mass, drive.engine) < 1 kg", None, False),
+        ("mean(cost) == 10.1 EUR", False, True),
+        ("mean(cost) == 5.05 EUR", True, False),
+        ("product(factor) == 9", False, True),
+        ("product(factor, drive.engine) == 1", True, False),
+        ("rear.range > 100 m", None, False),
+        ("not rear.range > 100 m", None, True),
+        ("rear.range > 100 m or sensor is radar", True, False),
+        ("rear.range > 100 m and sensor is camera", False, False),
+        ("sensor is radar implies rear.range > 1 m", None, True),
+        ("rear.range > 1 m implies sensor is radar", True, False),
+        ("if rear.range > 1 m then true else true", None, True),
+        ("if rear is present then rear.range > 100 m else true", True, False),
+        ("same_choice(sensor, rear)", None, True),
+        ("same_choice(drive, drive.engine)", None, False),
+        ("sensor is radar xor rear is camera", True, True),
+        ("sensor is radar iff rear is absent", True, True),
+        ("min(sensor.range, 100 m) == 100 m", True, False),
+        ("max(sensor.range, 100 m, 1 km) == 1 km", True, True),
+        ("abs(sensor.range - 120 m) == 30 m", True, True),
+        ("floor(sensor.range / 100 m) == 1", True, False),
+        ("sqrt(sensor.range / 1.5 m) == 10", True, False),
+        ("sqrt(sensor.range * 1 m) < 12.2475 m", False, True),
+        ("sensor.range ^ 2 == 22500 m^2", True, False),
+        ("(sensor.range / 1 m) ^ 0.5 > 12.2", True, False),
+        ("sensor.range ^ -1 <= 1 / 150 * 1 m^-1", True, False),
+        ("-sensor.range < 0 m", True, True),
+        ("0.1 + 0.2 == 0.3", True, True),
+        ("if sensor is radar then 1 m < 2 m else 2 m < 1 m", True, False),
+    ],
+)
+def test_a_condition_is_evaluated_exactly_on_what_is_chosen(text, small, full):
+    assert outcome(text, SMALL) is small
+    assert outcome(text, FULL) is full
+
+
+def test_an_undefined_constraint_holds_but_an_undefined_selection_does_not_select():
+    rule = parse_expression("rear.range > 100 m")
+    space = DesignSpace("car", CAR.root, (Constraint("far", rule),))
+    held = list(configurations(space))
+    assert held
+    assert all("rear" not in configuration.choices for configuration in held)
+    assert list(matching(space, rule, held)) == []
+
+
+def test_a_rule_knows_the_decisions_it_depends_on():
+    depends = compile_rule(parse_expression("sum(cost, drive) < 1 EUR and body.mass > 1 kg"), CAR).decisions
+    assert depends == {"drive", "drive.engine"}
+
+
+@pytest.mark.parametrize(
+    ("text", "what"),
+    [
+        ("1 / (sensor.range - 150 m) > 0 m^-1", "division by zero, for sensor=radar, drive=engine"),
+        ("0 ^ -1 > 0", "division by zero"),
+        ("sqrt(sensor.range - 200 m) > 0 m^0.5", "square root of a negative number"),
+        ("(-2) ^ 0.5 > 0", "power of a negative number"),
+        ("((2 ^ 100) ^ 100) ^ 100 > 0", "too many digits"),
+        ("(10 ^ 900) ^ 0.5 > 0", "too large"),
+    ],
+)
+def test_a_value_that_does_not_exist_is_refused_with_the_choices_that_led_to_it(text, what):
+    with pytest.raises(DseError, match=what):
+        outcome(text, SMALL)
+
+
+def test_a_guard_keeps_a_division_by_zero_away():
+    assert outcome("if sensor.range > 150 m then 1 m / (sensor.range - 150 m) > 0 else true", SMALL) is True
+    assert outcome("sensor.range > 150 m and 1 m / (sensor.range - 150 m) > 0", SMALL) is False
+
+
+REFUSED = [
+    ("sum(cost) <= 5 kg", 0, "cannot compare currency and mass", "same unit"),
+    ("sum(cost) <= 5", 0, "cannot compare currency and a plain number", "a bare number has none"),
+    ("true and sensor.rang > 5 m", 9, "nothing at 'sensor' states 'rang'", "did you mean 'range'"),
+    ("senor.range > 5 m", 0, "unknown place 'senor'", "did you mean 'sensor'"),
+    ("senor is radar", 0, "unknown place 'senor'", "did you mean 'sensor'"),
+    ("sensor is rader", 0, "'rader' cannot be chosen for 'sensor'", "did you mean 'radar'"),
+    ("sum(cots) < 1 EUR", 4, "no component states 'cots'", "did you mean 'cost'"),
+    ("sum(cost, rare) < 1 EUR", 10, "unknown place 'rare'", "did you mean 'rear'"),
+    ("sum(cost, body) < 1 EUR", 0, "nothing at 'body' states 'cost'", "leave out the place"),
+    ("sum() < 1", 0, "'sum' needs a property", "sum(property)"),
+    ("sum(1) < 1", 4, "a roll-up takes names", "sum(property)"),
+    ("sum(sensor.cost) < 1 EUR", 4, "a roll-up takes a bare property", "sum(property)"),
+    ("sum(cost, of = 1) < 1 EUR", 15, "'sum' has no option 'of'", "no named arguments"),
+    ("drive.cost < 1 EUR", 0, "'drive' can be several parts", "sum(cost, drive)"),
+    ("sensor.mass < 1 kg", 0, "'camera', which can stand at 'sensor', does not state 'mass'", "add it"),
+    ("sensor > 1", 0, "'sensor' is a place, not a value", "sensor is"),
+    ("foo > 1", 0, "unknown name 'foo'", "possible"),
+    ("sensor.range", 0, "expected a condition, found a number (length)", "compare it"),
+    ("sensor.range and true", 0, "expected a condition", "compare it"),
+    ("1 + true > 1", 4, "expected a number, found a condition", "arithmetic"),
+    ("sensor.range + 1 s > 1 m", 0, "cannot add length and time", "same unit"),
+    ("sensor.range ^ sensor.range > 1", 15, "an exponent has no unit", "bare number"),
+    ("sensor.range ^ count(cost) > 1", 15, "must be written out", "open"),
+    ("product(cost) > 1", 0, "cannot multiply up 'cost'", "number of parts"),
+    ("summ(cost) > 1 EUR", 0, "unknown function 'summ'", "did you mean 'sum'"),
+    ("abs(1, 2) > 1", 0, "'abs' needs one value", "abs(x)"),
+    ("min(2) > 1", 0, "'min' needs two values", "min("),
+    ("max(1 m, 2 s) > 1 m", 9, "cannot compare length and time", "same unit"),
+    ("floor(1 m) > 1 m", 0, "plain number", "same unit"),
+    ("same_choice(sensor) ", 0, "needs two places", "same_choice(front"),
+    ("same_choice(sensor, 1)", 20, "compares places", "same_choice(front"),
+    ("if 1 then true else true", 3, "expected a condition", "compare it"),
+    ("if true then 1 else 2 m > 3 m", 0, "cannot choose between", "same unit"),
+    ("true < false", 0, "expected a number", "arithmetic"),
+    ("true == 1", 0, "cannot compare a condition and a plain number", "same unit"),
+]
+
+
+@pytest.mark.parametrize(("text", "offset", "what", "hint"), REFUSED, ids=[text for text, *_ in REFUSED])
+def test_a_constraint_that_makes_no_sense_is_refused_at_its_column(text, offset, what, hint):
+    space = DesignSpace("car", CAR.root, (Constraint("c", parse_expression(text, HERE)),))
+    (problem,) = check(space)
+    assert what in problem.what
+    assert hint in problem.hint
+    assert problem.where == Location(HERE.file, HERE.line, HERE.column + offset)
+
+
+def test_a_property_of_two_kinds_names_both_components():
+    other = part("other", cost="3 kg")
+    space = DesignSpace("car", Compound("car", {"sensor": Alternative((RADAR, other))}))
+    with pytest.raises(DseError, match="'cost' is currency in 'radar' and mass in 'other'"):
+        compile_rule(parse_expression("sum(cost) < 1 EUR"), space)
+
+
+def test_a_good_space_has_no_problems():
+    assert check(CAR) == []
