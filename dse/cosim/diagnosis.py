@@ -28,9 +28,9 @@ class Kind(IntEnum):
 def diagnose(tables: Tables, step: float) -> RunFailed:
     """The failure that the kernel left in *tables*; *step* is the run's communication step in seconds."""
     failure, wiring = tables.system.failure, tables.wiring
-    index, kind = failure.place.element, Kind(failure.kind)
-    time = failure.place.step * step if failure.place.step >= 0 else None
-    call = failure.place.call
+    index, kind = failure.progress.element, Kind(failure.kind)
+    time = failure.progress.step * step if failure.progress.step >= 0 else None
+    call = failure.progress.call
     what = ""
     if kind is Kind.NOT_SETTLED:
         moving = tables.still_changing()

@@ -42,11 +42,15 @@ static void keep_fmi3_line(void *environment, int status, const char *category, 
 
 /* ---- failures and the place they happen at ---- */
 
-static inline void enter(System *system, int64_t element, int64_t call)
+/* The block is in memory before the FMU runs: no compiler may hold a store to it back past an unknown function. */
+static inline void enter(System *system, Place place)
 {
-    volatile Progress *progress = system->progress; /* must be in memory when the FMU crashes */
-    progress->element = element;
-    progress->call = call;
+    system->progress->place = place;
+}
+
+static inline void enter_call(System *system, int64_t element, int64_t call)
+{
+    enter(system, (Place){element, call});
 }
 
 static bool fail(System *system, int64_t kind, int64_t status, int64_t position, double value)
@@ -77,7 +81,7 @@ static void begin(System *system)
 
 static int end(System *system, bool succeeded)
 {
-    enter(system, 0, IDLE);
+    enter_call(system, 0, IDLE);
     return succeeded ? 0 : 1;
 }
 
@@ -91,66 +95,99 @@ static inline int call_accessor(const Group *group)
                : ((Fmi3Access)group->access)(group->instance, group->references, count, group->room, count);
 }
 
+/* Reals need no conversion: their accessors work on the table itself. Nearly all variables are reals. */
+static inline bool access_reals(const Group *group, int *status)
+{
+    const size_t count = (size_t)group->count;
+    if (group->direct == 2)
+        *status = ((Fmi2Access)group->access)(group->instance, group->references, count, group->values);
+    else if (group->direct == 3)
+        *status = ((Fmi3Access)group->access)(group->instance, group->references, count, group->values, count);
+    else
+        return false;
+    return true;
+}
+
+static bool read_converted(System *system, const Group *group)
+{
+    if (!accept(system, call_accessor(group)))
+        return false;
+    int64_t good = widen(group);
+    return good == group->count ||
+           fail(system, TOO_LARGE, 0, group->values + good - system->values, group->values[good]);
+}
+
 static inline bool read_groups(System *system, const Group *groups, int64_t n_groups)
 {
     for (const Group *group = groups, *end = groups + n_groups; group < end; group++) {
-        enter(system, group->element, group->call);
-        int status = call_accessor(group);
-        if (!is_good(status))
-            return fail(system, BAD_STATUS, status, 0, 0);
-        if (group->type == FLOAT64)
-            continue;
-        int64_t good = widen(group);
-        if (good < group->count)
-            return fail(system, TOO_LARGE, 0, group->values + good - system->values, group->values[good]);
+        int status;
+        enter(system, group->place);
+        if (access_reals(group, &status)) {
+            if (!is_good(status))
+                return fail(system, BAD_STATUS, status, 0, 0);
+        } else if (!read_converted(system, group))
+            return false;
     }
     return true;
 }
 
 static bool fail_unfit(System *system, const Group *group, int64_t kind, int64_t position)
 {
-    const Element *element = &system->elements[group->element];
+    const Element *element = &system->elements[group->place.element];
     const Group *first = kind == UNFIT_START ? element->starts : element->inputs;
     return fail(system, kind, group - first, position, group->values[position]);
+}
+
+static bool write_converted(System *system, const Group *group, int64_t unfit)
+{
+    int64_t good = narrow(group);
+    return good == group->count ? accept(system, call_accessor(group)) : fail_unfit(system, group, unfit, good);
 }
 
 static inline bool write_groups(System *system, const Group *groups, int64_t n_groups, int64_t unfit)
 {
     for (const Group *group = groups, *end = groups + n_groups; group < end; group++) {
-        enter(system, group->element, group->call);
-        if (group->type != FLOAT64) {
-            int64_t good = narrow(group);
-            if (good < group->count)
-                return fail_unfit(system, group, unfit, good);
-        }
-        int status = call_accessor(group);
-        if (!is_good(status))
-            return fail(system, BAD_STATUS, status, 0, 0);
+        int status;
+        enter(system, group->place);
+        if (access_reals(group, &status)) {
+            if (!is_good(status))
+                return fail(system, BAD_STATUS, status, 0, 0);
+        } else if (!write_converted(system, group, unfit))
+            return false;
     }
     return true;
 }
 
-/* Carry outputs along the wires to count inputs; returns NaN if any is not finite, otherwise 0. */
-static inline double stage(const System *system, int64_t first, int64_t count)
+/* to[i] = table[positions[i]]; returns the sum, which tells in one test whether all were finite. */
+static inline double gather(double *to, const double *table, const int32_t *positions, int64_t count)
 {
-    const double *values = system->values;
-    const int32_t *sources = system->sources + first;
-    double *staged = system->staged + first, probe = 0.0;
-    for (int64_t i = 0; i < count; i++) {
-        double value = values[sources[i]];
-        staged[i] = value;
-        probe += 0.0 * value;
+    /* By twos: in runs of a few values the loop costs more than the copying. */
+    typedef double Pair __attribute__((vector_size(2 * sizeof(double)), aligned(sizeof(double)), may_alias));
+    Pair sum = {0.0, 0.0};
+    int64_t i = 0;
+    for (; i + 1 < count; i += 2) {
+        Pair pair = {table[positions[i]], table[positions[i + 1]]};
+        *(Pair *)(to + i) = pair;
+        sum += pair;
     }
-    return probe;
+    if (i < count)
+        sum[0] += to[i] = table[positions[i]];
+    return sum[0] + sum[1];
 }
 
-static bool fail_not_finite(System *system)
+/* Carry outputs along the wires to count inputs, from the first given. */
+static inline double stage(const System *system, int64_t first, int64_t count)
+{
+    return gather(system->staged + first, system->values, system->sources + first, count);
+}
+
+static bool all_finite(System *system)
 {
     int64_t position = system->n_values;
     for (int64_t i = 0; i < system->n_staged; i++)
         if (system->staged[i] - system->staged[i] != 0.0 && system->sources[i] < position)
             position = system->sources[i];
-    return fail(system, NOT_FINITE, 0, position, system->values[position]);
+    return position == system->n_values || fail(system, NOT_FINITE, 0, position, system->values[position]);
 }
 
 /* ---- the phases of a run ---- */
@@ -173,14 +210,14 @@ static bool start(System *system, double stop)
         const Element *element = &system->elements[e];
         bool is_fmi2 = element->version == 2;
         if (is_fmi2) {
-            enter(system, e, SETUP_EXPERIMENT);
+            enter_call(system, e, SETUP_EXPERIMENT);
             Fmi2SetupExperiment set_up = (Fmi2SetupExperiment)element->setup_experiment;
             if (!accept(system, set_up(element->instance, 0, 0.0, 0.0, 1, stop)))
                 return false;
         }
         if (!write_groups(system, element->starts, element->n_starts, UNFIT_START))
             return false;
-        enter(system, e, ENTER_INITIALIZATION);
+        enter_call(system, e, ENTER_INITIALIZATION);
         if (!accept(system, is_fmi2 ? ((FmiPlain)element->enter_initialization)(element->instance)
                                     : ((Fmi3EnterInitialization)element->enter_initialization)(
                                           element->instance, false, 0.0, 0.0, true, stop)))
@@ -212,17 +249,16 @@ static bool settle(System *system)
 static bool leave_initialization(System *system)
 {
     for (int64_t e = 0; e < system->n_elements; e++) {
-        enter(system, e, EXIT_INITIALIZATION);
+        enter_call(system, e, EXIT_INITIALIZATION);
         if (!accept(system, ((FmiPlain)system->elements[e].exit_initialization)(system->elements[e].instance)))
             return false;
     }
     return true;
 }
 
-static inline bool do_step(System *system, int64_t e, double time, double step)
+static inline bool do_step(System *system, const Element *element, double time, double step)
 {
-    const Element *element = &system->elements[e];
-    enter(system, e, DO_STEP);
+    enter(system, element->stepping);
     if (element->version == 2)
         return accept(system, ((Fmi2DoStep)element->do_step)(element->instance, time, step, 1));
     bool event_needed = false, terminate = false, early_return = false;
@@ -251,27 +287,25 @@ static void digest(const System *system, uint64_t *digests)
 static bool simulate(System *system, const Request *request)
 {
     const int64_t n_elements = system->n_elements, n_record = request->n_record;
-    const int32_t *record = request->record;
     double *row = request->out;
     for (int64_t k = 0;; k++, row += n_record) {
-        ((volatile Progress *)system->progress)->step = k;
+        system->progress->step = k;
         if (!read_groups(system, system->outputs, system->n_outputs))
             return false;
-        const double *values = system->values;
-        for (int64_t i = 0; i < n_record; i++)
-            row[i] = values[record[i]];
+        gather(row, system->values, request->record, n_record);
         if (request->digests)
             digest(system, request->digests + k * n_elements);
-        if (stage(system, 0, system->n_staged) != 0.0)
-            return fail_not_finite(system);
+        double sum = stage(system, 0, system->n_staged);
+        if (sum - sum != 0.0 && !all_finite(system))
+            return false;
         if (k == request->steps)
             return true;
         if (!write_groups(system, system->inputs, system->n_inputs, UNFIT_INPUT))
             return false;
         /* Never accumulated: 6000 steps of 10 ms end at 60 s, not at 59.9999999999966 s. */
         const double time = (double)k * request->step;
-        for (int64_t e = 0; e < n_elements; e++)
-            if (!do_step(system, e, time, request->step))
+        for (const Element *element = system->elements, *end = element + n_elements; element < end; element++)
+            if (!do_step(system, element, time, request->step))
                 return false;
     }
 }
@@ -279,7 +313,7 @@ static bool simulate(System *system, const Request *request)
 static bool terminate_all(System *system)
 {
     for (int64_t e = 0; e < system->n_elements; e++) {
-        enter(system, e, TERMINATE);
+        enter_call(system, e, TERMINATE);
         if (!accept(system, ((FmiPlain)system->elements[e].terminate)(system->elements[e].instance)))
             return false;
     }
@@ -302,7 +336,7 @@ int dse_instantiate(System *system)
     begin(system);
     for (int64_t e = 0; e < system->n_elements; e++) {
         Element *element = &system->elements[e];
-        enter(system, e, INSTANTIATE);
+        enter_call(system, e, INSTANTIATE);
         element->callbacks = (Fmi2Callbacks){keep_fmi2_line, calloc, free, NULL, element->log};
         element->instance =
             element->version == 2
@@ -323,7 +357,7 @@ int dse_reset(System *system)
 {
     begin(system);
     for (int64_t e = 0; e < system->n_elements; e++) {
-        enter(system, e, RESET);
+        enter_call(system, e, RESET);
         if (!accept(system, ((FmiPlain)system->elements[e].reset)(system->elements[e].instance)))
             return end(system, false);
     }
@@ -339,9 +373,9 @@ void dse_free(System *system)
         Element *element = &system->elements[e];
         if (!element->instance)
             continue;
-        enter(system, e, FREE_INSTANCE);
+        enter_call(system, e, FREE_INSTANCE);
         ((FmiFree)element->free_instance)(element->instance);
         element->instance = NULL;
     }
-    enter(system, 0, IDLE);
+    enter_call(system, 0, IDLE);
 }

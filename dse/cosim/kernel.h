@@ -24,7 +24,12 @@ enum { NOTHING, BAD_STATUS, NO_INSTANCE, NOT_SETTLED, NOT_FINITE, TOO_LARGE, UNF
 
 /* Where the simulation is: written before every FMI call, so that a supervisor can read it after a crash. */
 typedef struct {
-    int64_t element, call, step, run; /* step is -1 outside the stepping phase */
+    int64_t element, call;
+} Place;
+
+typedef struct {
+    Place place;
+    int64_t step, run; /* step is -1 outside the stepping phase */
 } Progress;
 
 enum { LOG_LINES = 16, LOG_WIDTH = 512 };
@@ -43,7 +48,9 @@ typedef struct {
     void *room;     /* count values as the accessor has them; for FLOAT64 these are the values themselves */
     double *values; /* count values in a table: outputs, staged inputs or starts */
     int64_t count;
-    int32_t element, version, type, call;
+    int32_t version, type;
+    int64_t direct; /* the version where the type is FLOAT64, otherwise 0 */
+    Place place;
 } Group;
 
 typedef struct {
@@ -52,6 +59,7 @@ typedef struct {
     FmiFunction instantiate, free_instance, reset, setup_experiment, enter_initialization, exit_initialization, do_step,
         terminate;
     void *instance;
+    Place stepping; /* in do_step */
     Log *log;
     Fmi2Callbacks callbacks;
     Group *starts, *inputs, *outputs;
@@ -62,7 +70,7 @@ typedef struct {
 
 typedef struct {
     int64_t kind, status; /* UNFIT: status is the group; STEP_CUT_SHORT: whether to end the simulation */
-    Progress place;
+    Progress progress;
     int64_t position; /* of the variable in its group, or in the table of values */
     double value;
 } Failure;

@@ -44,10 +44,11 @@ class Group(ctypes.Structure):
         ("room", ctypes.c_void_p),
         ("values", ctypes.c_void_p),
         ("count", ctypes.c_int64),
-        ("element", ctypes.c_int32),
         ("version", ctypes.c_int32),
         ("type", ctypes.c_int32),
-        ("call", ctypes.c_int32),
+        ("direct", ctypes.c_int64),
+        ("element", ctypes.c_int64),
+        ("call", ctypes.c_int64),
     ]
 
 
@@ -68,6 +69,8 @@ class Element(ctypes.Structure):
         ("do_step", ctypes.c_void_p),
         ("terminate", ctypes.c_void_p),
         ("instance", ctypes.c_void_p),
+        ("stepping_element", ctypes.c_int64),
+        ("stepping_call", ctypes.c_int64),
         ("log", ctypes.c_void_p),
         ("callbacks", ctypes.c_void_p * 5),
         ("starts", ctypes.c_void_p),
@@ -89,7 +92,7 @@ class Failure(ctypes.Structure):
     _fields_: ClassVar[_Fields] = [
         ("kind", ctypes.c_int64),
         ("status", ctypes.c_int64),
-        ("place", Progress),
+        ("progress", Progress),
         ("position", ctypes.c_int64),
         ("value", ctypes.c_double),
     ]

@@ -96,6 +96,7 @@ class Tables:
             structure.count = len(group.variables)
             structure.element, structure.version = index, model.version
             structure.type, structure.call = group.type, call
+            structure.direct = model.version if group.type is Type.FLOAT64 else 0
             first += len(group.variables)
         return GroupTable(structures, kept)
 
@@ -123,6 +124,7 @@ class Tables:
         target.resources = resources(model).encode()
         for call, where in lifecycle(model, self._library(model)).items():
             setattr(target, call.name.lower(), where)
+        target.stepping_element, target.stepping_call = index, Call.DO_STEP
         target.log = ctypes.addressof(self._logs[index])
         for part, groups in (("value", self.wiring.outputs), ("staged", self.wiring.inputs)):
             setattr(target, f"first_{part}", _offsets(groups, _size)[index])

@@ -46,6 +46,13 @@ class Type:
         return str(self.kind)
 
 
+def as_number(value: Value, type_: Type) -> float:
+    """*value* as an FMU is given it: 0/1 for truth values, an item's number for items."""
+    if type_.kind is Kind.ENUMERATION:
+        return float(type_.items.index(str(value)))
+    return float(value)
+
+
 @dataclass(frozen=True, slots=True)
 class Port:
     """One signal. A dotted name belongs to a group of ports: ``target.gap``."""

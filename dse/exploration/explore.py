@@ -41,8 +41,8 @@ class Summary:
     irreproducible: int
 
 
-class ExplorationInterruptedError(Exception):
-    """The user stopped the exploration; what was finished is stored."""
+class ExplorationInterruptedError(KeyboardInterrupt):
+    """The user stopped the exploration; what was finished is stored. The message says so, and how to go on."""
 
     def __init__(self, finished: int, runs: int) -> None:
         super().__init__(

@@ -128,7 +128,8 @@ class Supervisor:
         ends = {worker.connection: worker for worker in self._workers}
         ready = wait([*ends, *(worker.sentinel for worker in self._workers)], _LOOK_EVERY)
         for worker in list(self._workers):
-            if (worker.connection in ready or worker.sentinel in ready) and not self._receive(worker):
+            # Dead is dead, even if something the worker started still holds the far end of its pipe.
+            if not self._receive(worker) or worker.sentinel in ready:
                 self._bury(worker)
 
     def _receive(self, worker: WorkerProcess) -> bool:

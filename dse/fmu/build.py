@@ -77,7 +77,7 @@ def _build_c(component: Component, source: CSource, version: int, cache: Path | 
     contents, subject, demands = _contents(component, source, staged, version)
     compiler = find_compiler()
     platform = this_platform()
-    keyed = [*sorted(contents.items()), ("build", repr((compiler.identity, options(), platform.name)).encode())]
+    keyed = [*sorted(contents.items()), ("build", repr((compiler.identity, options(compiler), platform.name)).encode())]
     target = cache_folder(cache) / "built" / f"{subject.identifier}-{content_key(keyed)}.fmu"
     if target.is_file():
         return target

@@ -39,13 +39,15 @@ class CompilationError(Exception):
         self.diagnostics = diagnostics
 
 
-def options() -> tuple[str, ...]:
+def options(compiler: Compiler) -> tuple[str, ...]:
     """All options but the names of files, for this platform. They belong in the cache key."""
-    common = (*LANGUAGE_OPTIONS, "-fvisibility=hidden", *(f"-Werror={check}" for check in _CHECKS), "-shared")
+    checks = (f"-Werror={check}" for check in _CHECKS)
+    common = (*LANGUAGE_OPTIONS, "-fvisibility=hidden", *checks, "-shared", *compiler.link_options)
     if sys.platform == "win32":
-        return (*common, "-s", "-Wl,--no-insert-timestamp")
+        return (*common, "-s")
     if sys.platform == "darwin":
         return (*common, "-fPIC")
+    # Without "defs", a function that is nowhere defined would only be missed when the FMU is loaded.
     return (*common, "-fPIC", "-s", "-Wl,-z,defs")
 
 
@@ -64,7 +66,7 @@ def compile_library(
             target.write_bytes(content)
         product = Path(scratch) / library
         libraries = () if sys.platform == "win32" else ("-lm",)
-        arguments = [*options(), f"-I{include_folder}", *units, "-o", f"../{library}", *libraries]
+        arguments = [*options(compiler), f"-I{include_folder}", *units, "-o", f"../{library}", *libraries]
         answer = subprocess.run(
             [*compiler.command, *arguments],
             cwd=folder,

@@ -26,11 +26,12 @@ class Compiler:
     """A C compiler that takes gcc's options.
 
     *command* starts it. *identity* says its name, version and target; it holds no path, so that it may stand
-    in a cache key.
+    in a cache key. *link_options* are what its linker needs to write the same bytes twice.
     """
 
     command: tuple[str, ...]
     identity: str
+    link_options: tuple[str, ...] = ()
 
 
 def find_compiler() -> Compiler:
@@ -45,7 +46,7 @@ def find_compiler() -> Compiler:
         path = shutil.which(name)
         identity = _identify((path,)) if path else None
         if path and identity:
-            return Compiler((path,), identity)
+            return Compiler((path,), identity, _without_timestamp(identity))
     if importlib.util.find_spec("ziglang") is not None:
         return _zig()
     raise fail("there is no C compiler on this machine", hint=_INSTALL)
@@ -70,7 +71,7 @@ def _named(text: str) -> Compiler:
     identity = _identify(command)
     if identity is None:
         raise _unusable(text, "it does not answer like gcc or clang")
-    return Compiler(command, identity)
+    return Compiler(command, identity, _without_timestamp(identity))
 
 
 def _unusable(text: str, reason: str) -> DseError:
@@ -107,6 +108,13 @@ def _ask(command: tuple[str, ...], changed: int) -> str | None:  # noqa: ARG001 
         return None
     options = " ".join(command[1:])
     return f"{version[0].strip()}; {target[1]}; {options}".rstrip("; ")
+
+
+def _without_timestamp(identity: str) -> tuple[str, ...]:
+    """Windows libraries carry the time they were linked at, unless the linker is told not to."""
+    if "mingw" in identity or "windows-gnu" in identity:
+        return ("-Wl,--no-insert-timestamp",)
+    return ("-Wl,/Brepro",) if "windows-msvc" in identity else ()
 
 
 def _zig() -> Compiler:

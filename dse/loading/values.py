@@ -68,13 +68,6 @@ def read_value(raw: Raw, type_: Type, where: Location) -> Value:
             raise fail(f"'{raw}' is not one of {type_}", where, closest(str(raw), type_.items))
 
 
-def as_number(value: Value, type_: Type) -> float:
-    """*value* as an FMU is given it: 0/1 for truth values, an item's number for items."""
-    if type_.kind is Kind.ENUMERATION:
-        return float(type_.items.index(str(value)))
-    return float(value)
-
-
 def read_type(text: str, where: Location) -> Type:
     """The type of a port: a unit, ``bool``, ``int`` or ``enum[a, b]``. Raises DseError."""
     text = text.strip()

@@ -121,7 +121,7 @@ def time_to_collision(gap: Waveform, closing_speed: Waveform) -> Waveform:
     """
     with np.errstate(divide="ignore", invalid="ignore"):
         time = gap / closing_speed
-    time[closing_speed <= 0] = math.inf
+    np.copyto(time, math.inf, where=closing_speed <= 0)
     return time
 
 
@@ -138,9 +138,11 @@ def relative_shortfall(lowest: float, target: float) -> float:
 def row_widths(time: Waveform) -> Waveform:
     """The seconds each row stands for in the trapezoidal rule."""
     widths = np.zeros_like(time)
-    half = 0.5 * np.diff(time)
-    widths[:-1] = half
-    widths[1:] += half
+    if time.size > 1:
+        np.subtract(time[2:], time[:-2], out=widths[1:-1])
+        widths[0] = time.item(1) - time.item(0)
+        widths[-1] = time.item(-1) - time.item(-2)
+        widths *= 0.5
     return widths
 
 

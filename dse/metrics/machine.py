@@ -32,8 +32,8 @@ class Check:
     """A requirement with the registers of its metric and of the condition under which it is exercised."""
 
     requirement: str
-    at_most: float
-    at_least: float
+    at_most: float | None
+    at_least: float | None
     metric: Register
     exercised: Register | None
 
@@ -91,7 +91,13 @@ def judge_failed(requirements: Sequence[Requirement]) -> tuple[Judgement, ...]:
 
 def _judge(check: Check, registers: Sequence[Any]) -> Judgement:
     value = float(registers[check.metric])
-    margin = min(check.at_most - value, value - check.at_least)
-    if math.isnan(margin) or (check.exercised is not None and not registers[check.exercised]):
+    # An open side is no bound at infinity: an infinite time to collision would have no margin to it.
+    margin = min(
+        math.inf if check.at_most is None else check.at_most - value,
+        math.inf if check.at_least is None else value - check.at_least,
+    )
+    if math.isnan(value):
+        return Judgement(check.requirement, Verdict.NOT_EXERCISED, math.nan)
+    if check.exercised is not None and not registers[check.exercised]:
         return Judgement(check.requirement, Verdict.NOT_EXERCISED, margin)
     return Judgement(check.requirement, Verdict.PASS if margin >= 0 else Verdict.FAIL, margin)

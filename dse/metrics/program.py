@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping, Sequence
 
 from dse.domain.bench import Metric, Requirement
@@ -104,9 +103,7 @@ def _compile_requirement(compiler: Compiler, requirement: Requirement) -> Check:
         what = f"requirement '{requirement.name}': '{name}' is {sort}, its bound is {bound}"
         raise DseError(Problem(what, where, f"give the bound in {_si(sort)}"))
     exercised = None if requirement.exercised_when is None else _compile_condition(compiler, requirement.exercised_when)
-    at_most = math.inf if requirement.at_most is None else requirement.at_most
-    at_least = -math.inf if requirement.at_least is None else requirement.at_least
-    return Check(requirement.name, at_most, at_least, register, exercised)
+    return Check(requirement.name, requirement.at_most, requirement.at_least, register, exercised)
 
 
 def _compile_condition(compiler: Compiler, expression: Expression) -> Register:

@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from dse.errors import fail
-from dse.report.figures import ConstraintPlotData, RequirementLayer, WaveformData
+from dse.report.content import Floats
+from dse.report.figures import ConstraintPlotData, WaveformData
 from dse.report.verdicts import Mark
 
 if TYPE_CHECKING:
@@ -20,13 +21,13 @@ _COLOURS = ("#b54708", "#1f55c4", "#9c2a8f", "#0b7570", "#7a5c00", "#475467")
 _HATCHES = ("////", "\\\\\\\\", "---", "|||", "//..", "++")
 _INK, _MUTED, _FEASIBLE, _PASS, _BROKEN = "#1a222d", "#5c6877", "#d8eddf", "#12703f", "#c01048"
 _TARGET, _CURRENT, _LINE = "#d01f1f", "#1f55c4", "#dfe4ea"
-_STYLE: dict[str, Any] = {
+_STYLE: Any = {  # matplotlib types the keys as literals
     "font.size": 9,
     "axes.edgecolor": _MUTED,
     "axes.labelcolor": _INK,
-    "axes.labelweight": "semibold",
+    "axes.labelweight": "bold",
     "axes.titlesize": 10,
-    "axes.titleweight": "semibold",
+    "axes.titleweight": "bold",
     "axes.linewidth": 0.8,
     "xtick.color": _INK,
     "ytick.color": _INK,
@@ -64,7 +65,7 @@ def draw_waveforms(data: WaveformData) -> Figure:
 
     with mpl.rc_context(_STYLE):
         figure = Figure(figsize=(6.8, 0.7 + 2.1 * len(data.panels)), layout="constrained")
-        figure.suptitle(data.title, x=0.01, ha="left", fontsize=10, fontweight="semibold", parse_math=False)
+        figure.suptitle(data.title, x=0.01, ha="left", fontsize=10, fontweight="bold", parse_math=False)
         first: Axes | None = None
         for index, panel in enumerate(data.panels):
             axes = figure.add_subplot(len(data.panels), 1, index + 1, sharex=first)
@@ -97,15 +98,15 @@ def save(figure: Figure, path: Path) -> None:
     if kind not in _FORMATS:
         raise fail(f"cannot write a figure as '{path.name}'", hint="end the name in .png, .svg or .pdf")
     # Each format would otherwise carry the moment it was written, or matplotlib's version.
-    metadata: dict[str, Any] = {
+    every: dict[str, dict[str, Any]] = {
         ".png": {"Software": None},
         ".svg": {"Date": None, "Creator": "dse"},
         ".pdf": {"CreationDate": None, "ModDate": None, "Creator": "dse", "Producer": None},
-    }[kind]
+    }
     scratch = path.with_name(f".{path.stem}.part{kind}")
     try:
         with mpl.rc_context(_STYLE):
-            figure.savefig(scratch, format=kind[1:], dpi=200, metadata=metadata)
+            figure.savefig(scratch, format=kind[1:], dpi=200, metadata=every[kind])
         scratch.replace(path)
     except OSError as error:
         scratch.unlink(missing_ok=True)
@@ -113,34 +114,37 @@ def save(figure: Figure, path: Path) -> None:
 
 
 def _draw_regions(axes: Axes, data: ConstraintPlotData) -> None:
-    from matplotlib.colors import ListedColormap
-
     xs, ys = data.xs, data.ys
-    # The smallest margin decides; scaled margins keep the corners where two boundaries meet in place.
-    worst = np.minimum.reduce([np.minimum(_scaled(layer), layer.exercised - 0.5) for layer in data.layers])
-    axes.contourf(xs, ys, worst, levels=[0, np.inf], colors=[_FEASIBLE])
+    # Everything counts as feasible until a layer takes its part away: so the corners where boundaries meet stay sharp.
+    axes.fill_between(xs[[0, -1]], ys[0], ys[-1], color=_FEASIBLE, linewidth=0)
+    for layer in data.layers:
+        _fill_below(axes, data, layer.margin, 0.0)
+        _fill_below(axes, data, layer.exercised, 0.5)
+    _fill_below(axes, data, data.known, 0.5)
     for index, layer in enumerate(data.layers):
         colour = _COLOURS[index % len(_COLOURS)]
-        shown = np.ma.masked_where(layer.exercised < 0.5, layer.margin)
-        if np.min(layer.margin) < 0:
-            hatched = axes.contourf(
-                xs,
-                ys,
-                shown,
-                levels=[-np.inf, 0],
-                cmap=ListedColormap(["none"]),
-                hatches=[_HATCHES[index % len(_HATCHES)]],
-            )
+        if np.max(layer.exercised) < 0.5:
+            continue
+        inside = axes.contourf(xs, ys, layer.exercised, levels=[0.5, np.max(layer.exercised) + 1], colors="none")
+        part = inside.get_paths()[0]
+        lowest = float(np.min(layer.margin))
+        if lowest < 0:
+            hatch = _HATCHES[index % len(_HATCHES)]
+            hatched = axes.contourf(xs, ys, layer.margin, levels=[lowest - 1, 0], colors="none", hatches=[hatch])
             hatched.set_edgecolor(colour)
             hatched.set_linewidth(0)
+            hatched.set_clip_path(part, axes.transData)
         for line in layer.boundary:
-            axes.plot(line[:, 0], line[:, 1], color=colour, linewidth=2.0, solid_capstyle="butt")
+            (drawn,) = axes.plot(line[:, 0], line[:, 1], color=colour, linewidth=2.0, solid_capstyle="butt")
+            drawn.set_clip_path(part, axes.transData)
         if np.min(layer.exercised) < 0.5:
             axes.contour(xs, ys, layer.exercised, levels=[0.5], colors=[_MUTED], linestyles=["dashed"], linewidths=1.0)
 
 
-def _scaled(layer: RequirementLayer) -> np.ndarray[Any, np.dtype[np.float64]]:
-    return np.asarray(layer.margin / (np.max(np.abs(layer.margin)) or 1.0), dtype=np.float64)
+def _fill_below(axes: Axes, data: ConstraintPlotData, field: Floats, level: float) -> None:
+    lowest = float(np.min(field))
+    if lowest < level:
+        axes.contourf(data.xs, data.ys, field, levels=[lowest - 1, level], colors=["white"])
 
 
 _MARKS: dict[Mark, dict[str, Any]] = {
@@ -178,7 +182,7 @@ def _draw_legend(figure: Figure, data: ConstraintPlotData) -> None:
             edgecolor=_COLOURS[index % len(_COLOURS)],
             hatch=_HATCHES[index % len(_HATCHES)],
             linewidth=1.4,
-            label=f"not {layer.caption}",
+            label=layer.caption,
         )
         for index, layer in enumerate(data.layers)
     ]

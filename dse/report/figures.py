@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from dse.errors import fail
 from dse.report.content import FigureSpec, Floats, ReportContent, RequirementRow, Variable, label
 from dse.report.planes import Plane, plane_of
-from dse.report.verdicts import Marks, overall_marks
+from dse.report.verdicts import Mark, Marks, overall_marks
 
 Line = NDArray[np.float64]
 """A polyline, (points, 2), in the units of the axes."""
@@ -22,7 +22,7 @@ Line = NDArray[np.float64]
 @dataclass(frozen=True, slots=True, eq=False)
 class RequirementLayer:
     """One requirement over the grid: *margin* (ny, nx) is negative where it fails, *exercised* at least 0.5 where it
-    came into play; *boundary* are the lines of zero margin in the exercised part; *caption* names the bounds."""
+    came into play; *boundary* are the lines of zero margin, exercised or not; *caption* says what makes it fail."""
 
     title: str
     caption: str
@@ -33,8 +33,9 @@ class RequirementLayer:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class ConstraintPlotData:
-    """Figure 6: *xs* (nx,) and *ys* (ny,) span the grid of the *layers*; without regions both are empty and *note*
-    says why. *points* (n, 2) with their *marks* (see Mark) and *strength*, 1 in the plane and less beside it.
+    """Figure 6: *xs* (nx,) and *ys* (ny,) span the grid of the *layers* and of *known*, which is below 0.5 where failed
+    runs leave a hole; without regions they are empty and *note* says why. *points* (n, 2) are the runs with their
+    *marks* (see Mark) and *strength*, 1 in the plane and less beside it.
     """
 
     title: str
@@ -45,6 +46,7 @@ class ConstraintPlotData:
     xs: Floats
     ys: Floats
     layers: tuple[RequirementLayer, ...]
+    known: Floats
     points: Floats
     marks: Marks
     strength: Floats
@@ -53,9 +55,9 @@ class ConstraintPlotData:
     @property
     def feasible(self) -> NDArray[np.bool_]:
         """Where on the grid every requirement is met and exercised, (ny, nx)."""
-        met = np.ones((len(self.ys), len(self.xs)), dtype=np.bool_)
+        met = self.known >= 0.5
         for layer in self.layers:
-            met &= (layer.margin >= 0) & (layer.exercised >= 0.5)
+            met = met & (layer.margin >= 0) & (layer.exercised >= 0.5)
         return met
 
 
@@ -98,6 +100,7 @@ def constraint_plot_data(content: ReportContent, x: str, y: str, configuration: 
         xs=plane.fields.xs if plane.fields else np.empty(0),
         ys=plane.fields.ys if plane.fields else np.empty(0),
         layers=layers,
+        known=plane.fields.known if plane.fields else np.empty((0, 0)),
         points=np.stack([horizontal.values[plane.rows], vertical.values[plane.rows]], axis=1),
         marks=overall_marks(content)[plane.rows],
         strength=plane.strength,
@@ -128,14 +131,29 @@ def default_axes(content: ReportContent) -> tuple[str, str]:
 
 
 def default_run(content: ReportContent) -> int:
-    """The number of the run to show unless told otherwise: the first kept one that passes, else the first kept one."""
+    """The number of the run to show unless told otherwise: kept, passing and as near as can be to every bound."""
     kept = sorted({int(number) for figure in content.figures for number in figure.kept})
     if not kept:
         raise fail(
             "no waveform was kept in this study", hint=f"dse replay {content.study_folder} RUN simulates one again"
         )
-    passing = set(content.runs.numbers[overall_marks(content) == 0].tolist())
-    return next((number for number in kept if number in passing), kept[0])
+    rows = np.flatnonzero(np.isin(content.runs.numbers, kept) & (overall_marks(content) == Mark.PASS))
+    if not len(rows):
+        return kept[0]
+    return int(content.runs.numbers[rows[np.argmin(_distance_to_bounds(content)[rows])]])
+
+
+def _distance_to_bounds(content: ReportContent) -> Floats:
+    """For every run its largest distance to a requirement's nearest bound, in spreads of the metric."""
+    worst = np.zeros(len(content.runs))
+    for requirement in content.requirements:
+        values = content.metric(requirement.metric).values
+        known = values[np.isfinite(values)]
+        low, high = np.quantile(known, [0.1, 0.9]) if len(known) else (0.0, 1.0)
+        bounds = [bound for bound in (requirement.at_most, requirement.at_least) if bound is not None]
+        nearest = np.min([np.abs(values - bound) for bound in bounds], axis=0)
+        worst = np.fmax(worst, nearest / max(1e-12, high - low))
+    return worst
 
 
 def _variable(content: ReportContent, name: str) -> Variable:
@@ -151,23 +169,28 @@ def _layer(content: ReportContent, requirement: RequirementRow, plane: Plane) ->
     metric = content.metric(requirement.metric)
     values = plane.fields.metric(metric)
     margin = np.full(values.shape, np.inf)
-    parts = []
     if requirement.at_least is not None:
         margin = np.minimum(margin, values - requirement.at_least)
-        parts.append(f"\u2265 {requirement.at_least:g}")
     if requirement.at_most is not None:
         margin = np.minimum(margin, requirement.at_most - values)
-        parts.append(f"\u2264 {requirement.at_most:g}")
     exercised = plane.fields.exercised(requirement)
-    boundary = _zero_lines(plane.fields.xs, plane.fields.ys, np.where(exercised >= 0.5, margin, np.nan))
-    caption = f"{metric.title} {' and '.join(parts)} {metric.unit_symbol}".rstrip()
+    boundary = _zero_lines(plane.fields.xs, plane.fields.ys, margin)
+    caption = f"{metric.title or metric.name} {_outside(requirement)} {metric.unit_symbol}".rstrip()
     return RequirementLayer(requirement.title or requirement.name, caption, margin, exercised, boundary)
+
+
+def _outside(requirement: RequirementRow) -> str:
+    if requirement.at_least is None:
+        return f"> {requirement.at_most:g}"
+    if requirement.at_most is None:
+        return f"< {requirement.at_least:g}"
+    return f"outside {requirement.at_least:g} \u2026 {requirement.at_most:g}"
 
 
 def _zero_lines(xs: Floats, ys: Floats, margin: Floats) -> tuple[Line, ...]:
     import contourpy
 
-    generator = contourpy.contour_generator(xs, ys, np.ma.masked_invalid(margin), name="serial")
+    generator = contourpy.contour_generator(xs, ys, margin, name="serial")
     return tuple(np.asarray(line, dtype=np.float64) for line in generator.lines(0.0))
 
 

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dse.report.content import Flags, Floats, MetricColumn, ReportContent, RequirementRow, SamplerKind, Variable
-from dse.report.radial import MOST_CENTRES, evaluate, radial_fields, unit_points
+from dse.report.radial import MOST_CENTRES, evaluate, has_value, radial_fields, unit_points
 
 _SIZE = 81
 _SIDE = 0.12
@@ -21,12 +21,14 @@ _SIDE = 0.12
 
 @dataclass(frozen=True, slots=True, eq=False)
 class PlaneFields:
-    """Fields (ny, nx) over *xs* and *ys*: of a metric, and of a requirement's flag (0.5 or more where exercised)."""
+    """Fields (ny, nx) over *xs* and *ys*: of a metric, of a requirement's flag (0.5 or more where exercised), and of
+    what is known (0.5 or more where no failed run or undefined metric leaves a hole)."""
 
     xs: Floats
     ys: Floats
     metric: Callable[[MetricColumn], Floats]
     exercised: Callable[[RequirementRow], Floats]
+    known: Floats
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -57,7 +59,7 @@ def plane_of(content: ReportContent, x: str, y: str, configuration: str) -> Plan
         return Plane(rows, strength, None, "Too few runs of this plane have been made: no boundaries.")
     nodes = np.full((len(ys), len(xs)), -1, dtype=np.intp)
     nodes[row, column] = rows
-    fields = _lattice(xs, ys, nodes, content.runs.done)
+    fields = _lattice(xs, ys, nodes, content.runs.done, has_value(content))
     return Plane(rows, strength, fields, "Boundaries are interpolated linearly between the runs of the grid.")
 
 
@@ -66,7 +68,7 @@ def _nearest_level(variable: Variable) -> float:
     return float(levels[np.argmin(np.abs(levels - variable.nominal))])
 
 
-def _lattice(xs: Floats, ys: Floats, nodes: NDArray[np.intp], done: Flags) -> PlaneFields:
+def _lattice(xs: Floats, ys: Floats, nodes: NDArray[np.intp], done: Flags, known: Flags) -> PlaneFields:
     ran = (nodes >= 0) & done[nodes]
 
     def metric(column: MetricColumn) -> Floats:
@@ -77,7 +79,7 @@ def _lattice(xs: Floats, ys: Floats, nodes: NDArray[np.intp], done: Flags) -> Pl
         at_nodes = _filled(np.where(ran, requirement.exercised[nodes], 0.0).astype(np.float64), ran)
         return _divided(at_nodes >= 0.5)
 
-    return PlaneFields(xs, ys, metric, exercised)
+    return PlaneFields(xs, ys, metric, exercised, _divided((nodes >= 0) & known[nodes]))
 
 
 def _scattered(
@@ -114,7 +116,7 @@ def _scattered(
         return field(len(content.metrics) + content.requirements.index(requirement))
 
     note = f"Boundaries are interpolated with radial functions through {len(fields.centres)} runs."
-    return Plane(rows, strength, PlaneFields(xs, ys, metric, exercised), note)
+    return Plane(rows, strength, PlaneFields(xs, ys, metric, exercised, field(-1)), note)
 
 
 def _filled(values: Floats, known: Flags) -> Floats:

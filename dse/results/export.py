@@ -26,7 +26,7 @@ def to_csv(folder: StudyFolder) -> bytes:
     An undefined number is an empty cell; infinities are ``inf`` and ``-inf``; floats read back exactly.
     """
     table = folder.table()
-    names, columns = zip(*_columns(table), strict=True)
+    names, columns = zip(*columns_of(table), strict=True)
     text = io.StringIO(newline="")
     writer = csv.writer(text, lineterminator="\n")
     writer.writerow(names)
@@ -52,7 +52,7 @@ def to_parquet(folder: StudyFolder) -> bytes:
     import pyarrow as pa
     import pyarrow.parquet as pq
 
-    arrays = {name: pa.array(column) for name, column in _columns(folder.table())}
+    arrays = {name: pa.array(column) for name, column in columns_of(folder.table())}
     sink = pa.BufferOutputStream()
     pq.write_table(pa.table(arrays), sink, compression="zstd")
     data: bytes = sink.getvalue().to_pybytes()
@@ -73,7 +73,8 @@ EXPORTS: Mapping[str, Callable[[StudyFolder], bytes]] = {
 """Every format by its name."""
 
 
-def _columns(table: RunTable) -> Iterator[tuple[str, list[object]]]:
+def columns_of(table: RunTable) -> Iterator[tuple[str, list[object]]]:
+    """The columns of the table by name, n values each."""
     header = table.header
     verdicts = [str(verdict) for verdict in VERDICTS]
     yield "run", table.numbers.tolist()

@@ -39,14 +39,22 @@ class Resolver:
 
     def __init__(self, space: DesignSpace) -> None:
         self._space = space
-        self._sites = sites(space)
+        self._sites = [(site, _shape(site)) for site in sites(space)]
+        self._always = [number for number, (site, _) in enumerate(self._sites) if len(site.condition) != 1]
+        self._under: dict[tuple[str, str], list[int]] = {}
+        for number, (site, _) in enumerate(self._sites):
+            if len(site.condition) == 1:
+                self._under.setdefault(site.condition[0], []).append(number)
         self._wirings: dict[tuple[tuple[str, str], ...], tuple[Connection, ...]] = {}
 
     def configuration(self, choices: Choices) -> Configuration:
         """The configuration of *choices*, which must be complete and fit the space."""
-        there = [site for site in self._sites if site.is_there(choices)]
-        parts: dict[str, Component] = {site.path: site.component for site in there if site.component}
-        shape = tuple(_shape(site) for site in there)
+        numbers = [number for number in self._always if self._sites[number][0].is_there(choices)]
+        for choice in choices.items():
+            numbers += self._under.get(choice, ())
+        there = [self._sites[number] for number in sorted(numbers)]
+        parts: dict[str, Component] = {site.path: site.component for site, _ in there if site.component}
+        shape = tuple([shape for _, shape in there])
         if shape not in self._wirings:
             self._wirings[shape] = wire(self._space, choices)
         return Configuration(identify(choices), dict(choices), parts, self._wirings[shape])

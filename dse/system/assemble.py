@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Collection, Iterable, Mapping
 
-from dse.domain.component import Causality, Component, Kind, Type, Value
+from dse.domain.component import Causality, Component, Kind, Type, Value, as_number
 from dse.domain.design import Connection
 from dse.domain.fmu import FmuModel, Variable
 from dse.domain.system import Element, SystemStructure, Wire
@@ -152,7 +152,7 @@ def _element(
         elif end in connected:
             inputs.append(variable)
         elif end in values:
-            start[variable.name] = _number(values[end], port.type)
+            start[variable.name] = as_number(values[end], port.type)
     for parameter in component.parameters:
         try:
             causes = ("parameter", "structuralParameter", "input")
@@ -160,7 +160,7 @@ def _element(
         except DseError as error:
             problems += error.problems
             continue
-        start[variable.name] = _number(values.get(f"{part}.{parameter.name}", parameter.start), parameter.type)
+        start[variable.name] = as_number(values.get(f"{part}.{parameter.name}", parameter.start), parameter.type)
     return Element(part, model, tuple(inputs), tuple(outputs), start)
 
 
@@ -206,12 +206,6 @@ def _check_unit(component: Component, variable: Variable, type_: Type, where: Lo
                 "FMU variables must be in coherent SI units in this version",
             )
         )
-
-
-def _number(value: Value, type_: Type) -> float:
-    if type_.kind is Kind.ENUMERATION:
-        return float(type_.items.index(str(value)))
-    return float(value)
 
 
 def _order(parts: Mapping[str, Component], wires: Iterable[Wire]) -> list[str]:

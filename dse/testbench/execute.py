@@ -8,8 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dse.cosim.simulator import RunFailed, Simulator
+from dse.domain.component import as_number
 from dse.domain.run import Outcome, Run, RunRequest, Waveforms
-from dse.loading.values import as_number
 from dse.metrics.program import judge_failed
 from dse.testbench.prepared import PreparedBench
 

@@ -6,13 +6,12 @@ from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 
 from dse.domain.bench import TestBench
-from dse.domain.component import Causality, Component, Type, Value
+from dse.domain.component import Causality, Component, Type, Value, as_number
 from dse.domain.design import Configuration, Connection
 from dse.domain.fmu import FmuModel
 from dse.errors import DseError, Problem
 from dse.fmu.build import build_all
 from dse.fmu.unpack import open_fmu
-from dse.loading.values import as_number
 from dse.metrics.program import compile_metrics
 from dse.space.wiring import wire
 from dse.system.assemble import assemble, check_wiring

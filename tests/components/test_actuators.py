@@ -33,7 +33,8 @@ def test_a_powertrain_without_lag_answers_at_once(new_part: NewPart) -> None:
 
 
 @pytest.mark.parametrize(
-    ("speed", "highest"), [(0.0, 2600.0), (90e3 / 2600 - 0.1, 2600.0), (60.0, 1500.0), (90.0, 1000.0)]
+    ("speed", "highest"),
+    [(0.0, 2600.0), (90e3 / 2600 - 0.1, 2600.0), (34.7, 90e3 / 34.7), (60.0, 1500.0), (90.0, 1000.0)],
 )
 def test_torque_is_limited_below_the_corner_and_power_above(new_part: NewPart, speed: float, highest: float) -> None:
     part = new_part("combustion_ideal", max_torque=2600.0, max_power=90e3, lag=0.0)

@@ -46,8 +46,11 @@ def content(path: Path) -> tuple[bytes, dict[str, bytes]]:
         return to_csv(folder), files
 
 
-@pytest.mark.parametrize("keep", Keep)
-@pytest.mark.parametrize("sampler", [FullFactorial(), LatinHypercube(60)], ids=["factorial", "hypercube"])
+@pytest.mark.parametrize(
+    ("sampler", "keep"),
+    [(FullFactorial(), Keep.ALL), (FullFactorial(), Keep.NONE), (LatinHypercube(60), Keep.NEAR_BOUNDARY)],
+    ids=["factorial, all kept", "factorial, none kept", "hypercube, kept near the boundary"],
+)
 def test_serial_and_parallel_give_the_same_bytes(tmp_path: Path, keep: Keep, sampler: Any) -> None:
     study = study_of(sampler, levels=8, keep=keep)
     run(tmp_path / "serial", study, workers=1, mischief="fails", when=(5,))

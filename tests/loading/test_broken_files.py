@@ -74,7 +74,9 @@ CASES = [
 ]  # fmt: skip
 
 
-@pytest.mark.parametrize(("file", "old", "new", "where", "what", "hint"), [case[1:] for case in CASES], ids=[case[0] for case in CASES])
+@pytest.mark.parametrize(
+    ("file", "old", "new", "where", "what", "hint"), [case[1:] for case in CASES], ids=[case[0] for case in CASES]
+)
 def test_broken_input_is_named_where_it_stands(files, file, old, new, where, what, hint):
     files.edit(file, old, new)
     at, said, advice = one_problem(files.root)

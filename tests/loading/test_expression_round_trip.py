@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 from dataclasses import replace
 from fractions import Fraction
 
@@ -21,7 +22,9 @@ COMPARISONS = ("<", "<=", ">", ">=", "==", "!=")
 
 words = st.from_regex(r"[a-z_][a-z0-9_]{0,5}", fullmatch=True).filter(lambda word: word not in KEYWORDS)
 paths = st.lists(words, min_size=1, max_size=3).map(".".join)
-units = st.sampled_from(["", "m", "km/h", "%", "EUR", "TOPS", "1/s", "m/s2", "N.m", "kg.m^2", "min", "g"]).map(parse_unit)
+units = st.sampled_from(["", "m", "km/h", "%", "EUR", "TOPS", "1/s", "m/s2", "N.m", "kg.m^2", "min", "g"]).map(
+    parse_unit
+)
 numbers = st.builds(
     lambda mantissa, digits, unit: Number(Fraction(mantissa, 10**digits) * unit.factor, unit, NOWHERE),
     st.integers(0, 10**6),
@@ -128,7 +131,5 @@ def test_a_printed_tree_is_read_back_unchanged(tree):
 @settings(max_examples=300, deadline=None)
 @given(st.text(alphabet="ab.m/s 12()[]<>=+-*^,%\n'ifthenls", max_size=40))
 def test_any_text_is_read_or_refused_but_never_breaks_the_reader(source):
-    try:
-        parse_expression(source)
-    except DseError as error:
-        assert "^" in str(error)
+    with contextlib.suppress(DseError):
+        assert parse_expression(source).text == source

@@ -107,7 +107,7 @@ def test_an_id_survives_another_order_of_the_file():
 
 
 def test_an_id_is_ten_letters_and_digits_and_never_changes():
-    assert identify({"s": "a", "p": "b"}) == identify({"p": "b", "s": "a"}) == "yd5k5cwebp"
+    assert identify({"s": "a", "p": "b"}) == identify({"p": "b", "s": "a"}) == "3ayi67tfyr"
 
 
 def test_a_configuration_is_found_by_its_id_or_its_beginning():
@@ -131,6 +131,22 @@ def test_choices_become_a_configuration_only_if_they_fit():
         "nothing is chosen for 'p'",
         "there is no decision 'p.engine' in this design",
     ]
+
+
+def test_two_architectures_may_use_the_same_place_for_different_decisions():
+    inner = Compound("deep", {"k": Alternative((part("a"), part("b")))}, (), ANY)
+    other = Compound("other", {"engine": Alternative((part("d"), inner)), "x": Optional(part("c"))}, (), ANY)
+    twice = {"p": Alternative((HYBRID, other)), "s": SENSOR}
+    assert total(space(twice)) == (2 + 3 * 2) * 3
+    assert [c["p"] for c in choices_of(space(twice, "p.engine is d", "s is a"))] == ["hybrid", "other", "other"]
+    # hybrid has a gearbox of 6.5 EUR: d = 4.5, e = 5.5, a = 1.5, b = 2.5, c = 3.5.
+    cheap = choices_of(space(twice, "sum(cost, p) < 5 EUR", "s is a"))
+    assert cheap == [
+        {"p": "other", "p.engine": "d", "s": "a"},
+        {"p": "other", "p.engine": "deep", "p.engine.k": "a", "s": "a"},
+        {"p": "other", "p.engine": "deep", "p.engine.k": "b", "s": "a"},
+    ]
+    assert count(space(twice, "p.engine is deep implies p.x is c")) == (2 + 2 + 2) * 3
 
 
 def test_the_constraints_a_design_breaks_are_named():
@@ -200,9 +216,12 @@ def rules_for(design):
     reachable = brute(Compound("", design), "")
     for path, name in sorted({item for _, names in reachable for item in names.items()})[:6]:
         found.append((f"{path} is {name}", lambda names, path=path, name=name: names.get(path) == name))
-        found.append((f"{path} is {name} implies sum(cost) < 8 EUR", lambda names, path=path, name=name: (
-            names.get(path) != name or cost(names) < 8
-        )))
+        found.append(
+            (
+                f"{path} is {name} implies sum(cost) < 8 EUR",
+                lambda names, path=path, name=name: names.get(path) != name or cost(names) < 8,
+            )
+        )
     return found
 
 
@@ -214,7 +233,9 @@ def test_listing_and_counting_agree_with_brute_force(design, data):
     has_costs = any(name in COSTS for _, names in everything for name in names.values())
     known = rules_for(design) if has_costs else []
     first = next(iter(design))
-    below = any(n in COSTS for _, names in everything for p, n in names.items() if p == first or p.startswith(f"{first}."))
+    below = any(
+        n in COSTS for _, names in everything for p, n in names.items() if p == first or p.startswith(f"{first}.")
+    )
     known = [rule for rule in known if below or not rule[0].startswith(f"sum(cost, {first})")]
     chosen = data.draw(st.lists(st.sampled_from(known), max_size=3)) if known else []
     constrained = space(design, *(text for text, _ in chosen))

@@ -37,9 +37,7 @@ def model(part: Component, **changes: dict[str, object]) -> FmuModel:
 
 SENSOR = component("radar", ("gap", OUT, METRE), ("rate", OUT, SPEED))
 KP = Parameter("kp", Type(Kind.REAL), 0.8)
-CONTROLLER = component(
-    "pd", ("distance", IN, METRE), ("speed", IN, SPEED), ("mode", OUT, MODE), parameters=(KP,)
-)
+CONTROLLER = component("pd", ("distance", IN, METRE), ("speed", IN, SPEED), ("mode", OUT, MODE), parameters=(KP,))
 DISPLAY = component("display", ("mode", IN, MODE))
 PARTS = {"sensor": SENSOR, "controller": CONTROLLER}
 MODELS = {"radar": model(SENSOR), "pd": model(CONTROLLER), "display": model(DISPLAY)}
@@ -75,7 +73,10 @@ def test_outputs_nobody_reads_are_left_out():
 
 def test_elements_stand_along_the_flow_of_signals():
     parts = {"controller": CONTROLLER, "sensor": SENSOR}
-    assert [element.name for element in assemble("s", parts, WIRES, MODELS, {}, []).elements] == ["sensor", "controller"]
+    assert [element.name for element in assemble("s", parts, WIRES, MODELS, {}, []).elements] == [
+        "sensor",
+        "controller",
+    ]
 
 
 def test_an_enumeration_is_started_by_its_items_number():

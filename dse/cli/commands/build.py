@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import shutil
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Annotated
 
@@ -10,6 +11,7 @@ import typer
 
 from dse.cli.app import app, console
 from dse.cli.arguments import FmiVersion
+from dse.errors import DseError, Location, Problem
 
 
 @app.command()
@@ -19,6 +21,7 @@ def build(
     ] = None,
     folder: Annotated[Path | None, typer.Option("--output", "-o", metavar="DIR", help="Copy the FMUs here.")] = None,
     version: FmiVersion = 2,
+    validate: Annotated[bool, typer.Option("--validate", help="Check each FMU with FMPy's validation.")] = False,
     workspace: Annotated[Path, typer.Option("--workspace", "-w", help="A folder or file in the workspace.")] = Path(),
 ) -> None:
     """Build components into FMUs.
@@ -34,6 +37,8 @@ def build(
     if not names:
         found = [component for component in found if isinstance(component.source, CSource | FmuSource)]
     archives = build_all(found, version=version)
+    if validate:
+        _validate(archives)
     screen = console()
     for name, archive in sorted(archives.items()):
         target = archive
@@ -42,3 +47,16 @@ def build(
             target = folder / f"{name}.fmu"
             shutil.copyfile(archive, target)
         screen.print(f"{name}: {target}", soft_wrap=True)
+
+
+def _validate(archives: Mapping[str, Path]) -> None:
+    """Raise DseError with what FMPy finds wrong with the FMUs."""
+    from fmpy.validation import validate_fmu
+
+    problems = [
+        Problem(f"the FMU of {name}: {finding}", Location(str(archive)))
+        for name, archive in archives.items()
+        for finding in validate_fmu(str(archive))
+    ]
+    if problems:
+        raise DseError(*problems)

@@ -1,0 +1,141 @@
+"""What a study costs beside its simulations, in one sitting: the paper's study against its kernel alone, and bare rows.
+
+First the paper's study on two workers, from planned benches to a finished folder with metrics stored and waveforms
+near the boundary kept, start-up of the workers included. Against it the kernel alone: the same runs in two processes
+that only simulate, start-up not counted. They take turns, so that a machine that slows down slows both; medians are
+shown. Then runs that take no time at all, to see what workers, pipes and the folder can carry.
+"""
+
+from __future__ import annotations
+
+import math
+import tempfile
+import time
+from collections.abc import Mapping, Sequence
+from concurrent.futures import ProcessPoolExecutor
+from dataclasses import dataclass, replace
+from multiprocessing import get_context
+from pathlib import Path
+from statistics import median
+from typing import Any
+
+from dse.domain.bench import Judgement, Verdict
+from dse.domain.run import Outcome, Run, RunRequest
+from dse.domain.study import DesignVariable, FullFactorial, Keep, Study
+from dse.exploration.explore import explore
+from dse.exploration.job import Bench, MakeExecutor
+from dse.exploration.samplers import requests
+from dse.loading.workspace import Workspace
+from dse.results.folder import StudyFolder
+from dse.results.header import StudyHeader
+from dse.testbench.execute import Executor, make_executor
+from dse.testbench.plan import Plan, plan
+from dse.testbench.prepared import PreparedBench
+
+WORKERS = 2
+TURNS = 3
+ROWS = 100_000
+
+
+def main() -> None:
+    study = Workspace.around(Path(__file__).parent).study("acc_gains")
+    planned = plan(study)
+    asked = requests(study, tuple(planned.prepared))
+    whole, kernel = [], []
+    for _ in range(TURNS):
+        kernel.append(kernel_alone(planned, asked))
+        whole.append(whole_study(study, planned.prepared, planned.definition, make_executor))
+    print(f"{study.name}: {len(asked)} runs on {WORKERS} workers, median of {TURNS}")
+    print(f"  kernel alone {len(asked) / median(kernel):8.0f} runs/s")
+    print(f"  whole study  {len(asked) / median(whole):8.0f} runs/s")
+    print(f"  ratio        {median(kernel) / median(whole):8.2f}   (wanted: at least 0.5)")
+    bare = replace(study, sampler=FullFactorial(), variables=tuple(levelled(study)), keep=Keep.NONE)
+    names = [{"name": variable.name} for variable in bare.variables]
+    definition = {**planned.definition, "variables": names, "configurations": [{"id": "nothing"}]}
+    seconds = whole_study(bare, {"nothing": Nothing(definition)}, definition, make_nothing)
+    runs = len(requests(bare, ("nothing",)))
+    print(f"runs that take no time: {runs} in {seconds:.2f} s, {runs / seconds:.0f} runs/s")
+
+
+def whole_study(
+    study: Study, prepared: Mapping[str, Bench], definition: Mapping[str, Any], make: MakeExecutor
+) -> float:
+    """Seconds from the start of the workers to the last committed row."""
+    runs = len(requests(study, tuple(prepared)))
+    with (
+        tempfile.TemporaryDirectory(prefix="dse-bench-") as scratch,
+        StudyFolder.create(Path(scratch) / "study", StudyHeader(definition, "", runs)) as folder,
+    ):
+        start = time.perf_counter()
+        summary = explore(study, prepared, folder, workers=WORKERS, make_executor=make, on_progress=lambda _: None)
+        seconds = time.perf_counter() - start
+    assert summary.failed == 0
+    assert summary.irreproducible == 0
+    return seconds
+
+
+def kernel_alone(planned: Plan, asked: Sequence[RunRequest]) -> float:
+    """Seconds *asked* takes in processes that only simulate, their start-up not counted."""
+    share = [asked[worker::WORKERS] for worker in range(WORKERS)]
+    with ProcessPoolExecutor(WORKERS, mp_context=get_context("spawn")) as pool:
+        return max(pool.map(simulate_only, [dict(planned.prepared)] * WORKERS, share))
+
+
+def simulate_only(prepared: dict[str, PreparedBench], asked: Sequence[RunRequest]) -> float:
+    """Seconds in the kernel for *asked*: no metrics, no waveforms, nothing stored."""
+    executors = {name: Executor(bench) for name, bench in prepared.items()}
+    seconds = 0.0
+    for request in asked:
+        bench = prepared[request.configuration]
+        start = {bench.settings[name].target: float(value) for name, value in request.point.items()}
+        begin = time.perf_counter()
+        executors[request.configuration]._simulator.run(  # noqa: SLF001  # the kernel is what is measured
+            stop=bench.simulation.stop, step=bench.simulation.step, start=start
+        )
+        seconds += time.perf_counter() - begin
+    for executor in executors.values():
+        executor.close()
+    return seconds
+
+
+def levelled(study: Study) -> list[DesignVariable]:
+    """Two of the study's variables with as many levels as make about ROWS runs."""
+    return [replace(variable, levels=math.isqrt(ROWS)) for variable in study.variables[:2]]
+
+
+@dataclass(frozen=True)
+class Nothing:
+    """A bench whose runs take no time."""
+
+    definition: Mapping[str, Any]
+    timeout: float = 60.0
+
+    def describe_progress(self, block: bytes) -> str:  # noqa: ARG002  # as Bench has it
+        return ""
+
+
+class NothingExecutor:
+    """Gives the same metrics at every point."""
+
+    def __init__(self, bench: Nothing) -> None:
+        self._metrics = {entry["name"]: 1.5 for entry in bench.definition["metrics"]}
+        self._judgements = tuple(
+            Judgement(entry["name"], Verdict.PASS, 0.5) for entry in bench.definition["requirements"]
+        )
+
+    def run(self, request: RunRequest, *, keep: bool) -> Run:  # noqa: ARG002  # as Executor has it
+        return Run(request, Outcome.DONE, self._metrics, self._judgements)
+
+    def close(self) -> None:
+        pass
+
+
+def make_nothing(bench: Nothing, _: memoryview) -> NothingExecutor:
+    return NothingExecutor(bench)
+
+
+if __name__ == "__main__":
+    # Workers import what they are given by its module's name, and this one is called __main__ here.
+    import bench_study
+
+    bench_study.main()

@@ -1,0 +1,63 @@
+"""A laid-out example workspace, and the command line run as a user runs it."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+Dse = Callable[..., "subprocess.CompletedProcess[str]"]
+
+STUDY = """\
+study: small
+testbench: acc_following
+configurations:
+  where: sensor is radar_77ghz_mid and controller is pd_acc and brake is hydraulic_booster and powertrain is bev_ideal and video is absent
+design_variables:
+  controller.kp_speed: {range: [0.5, 4.5], levels: 5, nominal: 1.2}
+  controller.kd_speed: {range: [0, 1], levels: 4, nominal: 0.5}
+sampler: full_factorial
+keep_waveforms: all
+"""
+
+
+def run_dse(folder: Path, cache: Path, *arguments: str) -> subprocess.CompletedProcess[str]:
+    environment = {**os.environ, "DSE_CACHE": str(cache), "PYTHONUTF8": "0", "LC_ALL": "C", "COLUMNS": "100"}
+    command = [sys.executable, "-m", "dse", *arguments]
+    return subprocess.run(
+        command, cwd=folder, env=environment, capture_output=True, text=True, encoding="utf-8", check=False, timeout=120
+    )
+
+
+@pytest.fixture(scope="session")
+def cache(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return tmp_path_factory.mktemp("cache")
+
+
+@pytest.fixture(scope="session")
+def example(tmp_path_factory: pytest.TempPathFactory, cache: Path) -> Path:
+    """The example as ``dse init`` lays it out, with a small study beside it. Tests only read it."""
+    folder = tmp_path_factory.mktemp("example") / "work"
+    done = run_dse(folder.parent, cache, "init", "work")
+    assert done.returncode == 0, done.stderr
+    (folder / "testbenches" / "small.pet.yaml").write_text(STUDY, encoding="utf-8")
+    return folder
+
+
+@pytest.fixture(scope="session")
+def dse(example: Path, cache: Path) -> Dse:
+    """Runs ``dse`` in the example workspace."""
+    return lambda *arguments: run_dse(example, cache, *arguments)
+
+
+@pytest.fixture(scope="session")
+def explored(dse: Dse, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The study folder of the small study."""
+    folder = tmp_path_factory.mktemp("explored") / "small"
+    done = dse("explore", "small", "-o", str(folder), "--workers", "2")
+    assert done.returncode == 0, done.stderr
+    return folder

@@ -1,0 +1,217 @@
+"""Every command as a user runs it."""
+
+from __future__ import annotations
+
+import csv
+import io
+import json
+import subprocess
+import sys
+from xml.etree import ElementTree
+
+import pytest
+
+COMMANDS = (
+    "init check components build enumerate simulate run explore results report figure replay".split()  # noqa: SIM905  # reads as the help does
+)
+HEAVY = ("pandas", "matplotlib", "fmpy", "scipy", "pyarrow", "pint", "pydantic", "numpy", "networkx")
+
+
+@pytest.mark.parametrize("command", COMMANDS)
+def test_every_command_explains_itself(dse, command):
+    done = dse(command, "--help")
+    assert done.returncode == 0
+    assert "Usage:" in done.stdout
+    assert command in dse("--help").stdout
+
+
+def test_help_imports_nothing_heavy():
+    code = (
+        "import sys; sys.argv = ['dse', '--help']\n"
+        "from dse.cli import main\n"
+        "try: main()\n"
+        "except SystemExit: pass\n"
+        f"print([name for name in {HEAVY} if name in sys.modules], file=sys.stderr)"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert done.stderr.strip() == "[]"
+
+
+@pytest.mark.parametrize("command", [["check"], ["enumerate", "acc_vehicle"], ["components"]])
+def test_reading_commands_import_neither_pandas_nor_matplotlib_nor_fmpy(example, command):
+    code = (
+        f"import sys; sys.argv = ['dse', *{command}]\n"
+        "from dse.cli import main\n"
+        "try: main()\n"
+        "except SystemExit: pass\n"
+        "print([n for n in ('pandas', 'matplotlib', 'fmpy', 'pyarrow') if n in sys.modules], file=sys.stderr)"
+    )
+    done = subprocess.run([sys.executable, "-c", code], cwd=example, capture_output=True, text=True, check=True)
+    assert done.stderr.strip() == "[]"
+
+
+def test_check_counts_what_it_read(dse):
+    done = dse("check")
+    assert done.returncode == 0
+    assert done.stdout.startswith("ok: ")
+    assert "2 studies" in done.stdout
+
+
+def test_enumerate_counts_for_a_program(dse):
+    counted = json.loads(dse("enumerate", "acc_vehicle", "--count", "--format", "json").stdout)
+    listed = json.loads(dse("enumerate", "acc_vehicle", "--format", "json").stdout)
+    assert counted["design"] == "acc_vehicle"
+    assert counted["valid"] == len(listed) < counted["total"]
+    assert len({entry["id"] for entry in listed}) == len(listed)
+
+
+def test_enumerate_lists_as_table_and_csv(dse):
+    rows = list(csv.DictReader(io.StringIO(dse("enumerate", "acc_vehicle", "--format", "csv").stdout)))
+    table = dse("enumerate", "acc_vehicle", "--limit", "3").stdout
+    assert all(row["id"] in table for row in rows[:3])
+    assert rows[3]["id"] not in table
+
+
+def test_simulate_prints_metrics_and_verdicts_for_a_program(dse):
+    done = dse("simulate", "acc_following", "--format", "json")
+    data = json.loads(done.stdout)
+    assert done.returncode == 0
+    assert data["outcome"] == "done"
+    assert data["metrics"]["final_gap"] == pytest.approx(40.0, abs=0.5)
+    assert {entry["verdict"] for entry in data["requirements"].values()} == {"pass"}
+
+
+def test_simulate_draws_its_figures(dse, tmp_path):
+    picture = tmp_path / "run.png"
+    assert dse("simulate", "acc_following", "--plot", str(picture)).returncode == 0
+    assert picture.read_bytes().startswith(b"\x89PNG")
+
+
+def test_a_failed_requirement_gates(dse):
+    settings = ["--set", "controller.kp_speed=4.5", "--set", "controller.kd_speed=0"]
+    assert dse("simulate", "acc_following", *settings).returncode == 0
+    assert dse("simulate", "acc_following", *settings, "--gate").returncode == 3
+
+
+def test_a_setting_must_name_a_parameter_in_its_unit(dse):
+    wrong = dse("simulate", "acc_following", "--set", "controller.kp_sped=1")
+    assert wrong.returncode == 1
+    assert "did you mean 'kp_speed'?" in wrong.stderr
+    assert "expected length" in dse("simulate", "acc_following", "--set", "controller.set_gap=4 kg").stderr
+    assert dse("simulate", "acc_following", "--set", "controller.kp_speed").returncode == 2
+
+
+def test_fmi_2_and_3_give_the_same_bits(dse):
+    two = dse("simulate", "acc_following", "--format", "json", "--fmi", "2").stdout
+    three = dse("simulate", "acc_following", "--format", "json", "--fmi", "3").stdout
+    assert two == three
+
+
+def test_build_copies_the_fmus(dse, tmp_path):
+    done = dse("build", "pd_acc", "straight_road", "-o", str(tmp_path / "fmus"))
+    assert done.returncode == 0, done.stderr
+    assert sorted(path.name for path in (tmp_path / "fmus").iterdir()) == ["pd_acc.fmu", "straight_road.fmu"]
+
+
+def test_a_second_explore_does_nothing(dse, explored):
+    before = (explored / "study.sqlite").read_bytes()
+    done = dse("explore", "small", "-o", str(explored))
+    assert done.returncode == 0
+    assert "all 20 runs were there" in done.stdout
+    assert (explored / "study.sqlite").read_bytes() == before
+
+
+def test_one_worker_and_two_give_the_same_bytes(dse, explored, tmp_path):
+    alone = tmp_path / "small"
+    assert dse("explore", "small", "-o", str(alone), "--workers", "1").returncode == 0
+    for kind in ("csv", "json", "junit"):
+        assert (
+            dse("results", str(alone), "--format", kind).stdout
+            == dse("results", str(explored), "--format", kind).stdout
+        )
+    assert {p.name: p.read_bytes() for p in (alone / "waveforms").iterdir()} == {
+        p.name: p.read_bytes() for p in (explored / "waveforms").iterdir()
+    }
+    from dse.report.page import page_of
+    from dse.report.study import read_content
+    from dse.results.folder import StudyFolder
+
+    pages = []
+    for folder in (alone, explored):
+        with StudyFolder.open(folder) as store:
+            pages.append(page_of(read_content(store, shown_as="small")))
+    assert pages[0] == pages[1]
+
+
+def test_another_study_does_not_overwrite_a_folder(dse, explored):
+    done = dse("run", "acc_following", "-o", str(explored))
+    assert done.returncode == 1
+    assert "holds the results of another study" in done.stderr
+    assert "--fresh" in done.stderr
+
+
+def test_results_come_in_every_format(dse, explored, tmp_path):
+    rows = list(csv.DictReader(io.StringIO(dse("results", str(explored)).stdout)))
+    runs = json.loads(dse("results", str(explored), "--format", "json").stdout)["runs"]
+    suites = ElementTree.fromstring(dse("results", str(explored), "--format", "junit").stdout)
+    assert dse("results", str(explored), "--format", "parquet", "-o", str(tmp_path / "r.parquet")).returncode == 0
+    assert len(rows) == len(runs) == 20
+    assert len(list(suites.iter("testcase"))) == 40
+    assert (tmp_path / "r.parquet").read_bytes()[:4] == b"PAR1"
+
+
+def test_the_report_is_one_file_made_without_simulating(dse, explored, tmp_path):
+    page = tmp_path / "page.html"
+    done = dse("report", str(explored), "-o", str(page))
+    assert done.returncode == 0, done.stderr
+    text = page.read_text(encoding="utf-8")
+    assert text.startswith("<!doctype html>") or text.startswith("<!DOCTYPE html>")
+    assert "http-equiv" in text
+
+
+def test_figures_are_drawn_in_every_format(dse, explored, tmp_path):
+    for kind, start in (("png", b"\x89PNG"), ("svg", b"<?xml"), ("pdf", b"%PDF")):
+        done = dse("figure", str(explored), "--format", kind, "-o", str(tmp_path / kind))
+        assert done.returncode == 0, done.stderr
+        files = list((tmp_path / kind).iterdir())
+        assert len(files) == 2
+        assert all(path.read_bytes().startswith(start) for path in files)
+
+
+def test_a_run_is_replayed_bit_for_bit(dse, explored):
+    done = dse("replay", str(explored), "7")
+    assert done.returncode == 0, done.stderr
+    assert "the same" in done.stderr
+
+
+def test_init_never_overwrites(dse, example):
+    done = dse("init", str(example))
+    assert done.returncode == 1
+    assert "not empty" in done.stderr
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (["enumerate", "acc_vehical"], "did you mean 'acc_vehicle'?"),
+        (["simulate", "nothing"], "unknown test bench 'nothing'"),
+        (["explore", "designs", "-o", "x"], "this is a folder, not a file"),
+        (["simulate", "acc_following", "-c", "zzzzzz"], "no valid configuration 'zzzzzz'"),
+        (["report", "designs"], "designs"),
+        (["results", "missing"], "missing"),
+        (["replay", "missing", "1"], "missing"),
+        (["build", "pd_ac"], "did you mean 'pd_acc'?"),
+    ],
+)
+def test_what_is_not_there_is_named_without_a_traceback(dse, arguments, words):
+    done = dse(*arguments)
+    assert done.returncode == 1
+    assert words in done.stderr
+    assert "hint" in done.stderr
+    assert "Traceback" not in done.stderr
+
+
+def test_wrong_usage_exits_with_2(dse):
+    assert dse("enumerate").returncode == 2
+    assert dse("explore", "small").returncode == 2
+    assert dse("simulate", "acc_following", "--fmi", "4").returncode == 2

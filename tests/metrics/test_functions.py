@@ -1,0 +1,173 @@
+"""Numbers from waveforms against closed forms."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from dse.metrics import functions as f
+
+STEP = 1e-3
+TIME = np.arange(0, 20 + STEP / 2, STEP)
+
+
+def first_order(tau):
+    return 1 - np.exp(-TIME / tau)
+
+
+def second_order(zeta, omega=2.0):
+    damped = omega * math.sqrt(1 - zeta**2)
+    return 1 - np.exp(-zeta * omega * TIME) * (
+        np.cos(damped * TIME) + zeta / math.sqrt(1 - zeta**2) * np.sin(damped * TIME)
+    )
+
+
+@pytest.mark.parametrize("zeta", [0.1, 0.3, 0.5, 0.7])
+def test_overshoot_of_a_second_order_step_response(zeta):
+    # The peak lies at most half a step from a row; there the curve falls by |x''| h²/8 ≤ ω² h²/8.
+    exact = math.exp(-math.pi * zeta / math.sqrt(1 - zeta**2))
+    assert f.overshoot(second_order(zeta), 1.0) == pytest.approx(exact, abs=2.0**2 * STEP**2 / 8)
+
+
+@pytest.mark.parametrize("tau", [0.5, 1.0, 3.0])
+def test_rise_time_of_a_first_order_step_response(tau):
+    # Linear interpolation is off by |x''| h²/8 in x, that is h²/(8 τ) in time, at either end.
+    assert f.rise_time(TIME, first_order(tau), 1.0) == pytest.approx(tau * math.log(9), abs=STEP**2 / (4 * tau))
+
+
+@pytest.mark.parametrize("band", [0.02, 0.05])
+def test_settling_and_reach_time_of_a_first_order_step_response(band):
+    exact = math.log(1 / band)
+    assert f.settling_time(TIME, first_order(1.0), 1.0, band) == pytest.approx(exact, abs=STEP**2 / 8)
+    assert f.reach_time(TIME, first_order(1.0), 1.0, band) == pytest.approx(exact, abs=STEP**2 / 8)
+
+
+def test_a_swinging_response_is_reached_long_before_it_settles():
+    x = second_order(0.1)
+    envelope = math.log(1 / 0.02) / (0.1 * 2.0)
+    reached, settled = f.reach_time(TIME, x, 1.0), f.settling_time(TIME, x, 1.0)
+    assert reached < 1.0
+    assert envelope - math.pi / 2 < settled < envelope + 0.1
+
+
+def test_times_count_from_the_first_row():
+    x = first_order(1.0)
+    for function in (f.rise_time, f.settling_time, f.reach_time):
+        assert function(TIME + 100, x, 1.0) == pytest.approx(function(TIME, x, 1.0), abs=1e-9)
+
+
+def test_a_falling_waveform_has_the_same_times_as_a_rising_one():
+    x = first_order(1.0)
+    assert f.rise_time(TIME, 5 - x, 4.0) == pytest.approx(math.log(9), abs=STEP**2)
+    assert f.settling_time(TIME, 5 - x, 4.0, 0.01) == pytest.approx(math.log(1 / 0.04), abs=STEP**2)
+    assert f.reach_time(TIME, 5 - x, 4.0, 0.01) == pytest.approx(math.log(1 / 0.04), abs=STEP**2)
+
+
+def test_overshoot_and_undershoot_are_signed_and_relative_to_the_size_of_the_target():
+    x = np.array([0.0, 8.0])
+    assert f.overshoot(x, 10.0) == pytest.approx(-0.2)
+    assert f.overshoot(x, 5.0) == pytest.approx(0.6)
+    assert f.undershoot(x, 5.0) == pytest.approx(1.0)
+    assert f.undershoot(x + 6, 5.0) == pytest.approx(-0.2)
+    assert f.overshoot(-x, -5.0) == pytest.approx(1.0)
+    assert f.undershoot(-x, -5.0) == pytest.approx(0.6)
+
+
+def test_a_jump_over_the_band_between_two_rows_counts_as_reaching_it():
+    time, x = np.array([0.0, 1.0, 2.0]), np.array([0.0, 2.0, 2.0])
+    assert f.reach_time(time, x, 1.0, 0.1) == pytest.approx(0.45)
+    assert math.isnan(f.settling_time(time, x, 1.0, 0.1))
+
+
+def test_what_is_in_the_band_from_the_start_settles_at_once():
+    time, x = np.array([0.0, 1.0]), np.array([1.0, 1.01])
+    assert f.settling_time(time, x, 1.0) == f.reach_time(time, x, 1.0) == 0.0
+
+
+NOT_DEFINED = {
+    "a target of zero has no relative overshoot": lambda t, x: f.overshoot(x, 0.0),
+    "a target of zero has no relative undershoot": lambda t, x: f.undershoot(x, 0.0),
+    "a response that stays below 90 % has no rise time": lambda t, x: f.rise_time(t, 0.5 * x, 1.0),
+    "a response that starts at its target has no rise time": lambda t, x: f.rise_time(t, x, x.item(0)),
+    "a response that never comes near is never reached": lambda t, x: f.reach_time(t, x, 3.0),
+    "a response outside the band at the end has not settled": lambda t, x: f.settling_time(t, x, 0.5),
+    "a waveform with NaN at the end has not settled": lambda t, x: f.settling_time(t, np.append(x[:-1], np.nan), 1.0),
+    "a waveform with NaN has no maximum": lambda t, x: f.overshoot(np.append(x[:-1], np.nan), 1.0),
+    "a window longer than the run has no mean": lambda t, x: f.steady_state_error(t, x, 1.0, 20.1),
+    "a negative window has no mean": lambda t, x: f.steady_state_error(t, x, 1.0, -1.0),
+    "a negative band holds nothing": lambda t, x: f.settling_time(t, x, 1.0, -0.1),
+    "a single row has no mean": lambda t, x: f.mean(t[:1], x[:1]),
+    "a single row has no rms": lambda t, x: f.rms(t[:1], x[:1]),
+    "a NaN at the start has no rise time": lambda t, x: f.rise_time(t, np.append(np.nan, x[1:]), 1.0),
+}
+
+
+@pytest.mark.parametrize("case", NOT_DEFINED.values(), ids=NOT_DEFINED)
+def test_what_is_not_defined_is_nan(case):
+    assert math.isnan(case(TIME, first_order(1.0)))
+
+
+def test_steady_state_error_is_the_mean_over_the_rows_of_the_window():
+    time = np.arange(11) * 0.1
+    x = np.arange(11.0)
+    assert f.steady_state_error(time, x, 2.0, 0.2) == pytest.approx(9.0 - 2.0)
+    assert f.steady_state_error(time, x, 2.0, 1.0) == pytest.approx(5.0 - 2.0)
+    assert f.steady_state_error(time, x, 2.0, 0.0) == pytest.approx(10.0 - 2.0)
+
+
+def test_averages_are_over_time_not_over_rows():
+    time, x = np.array([0.0, 1.0, 4.0]), np.array([0.0, 2.0, 2.0])
+    assert f.integral(time, x) == pytest.approx(7.0)
+    assert f.mean(time, x) == pytest.approx(7.0 / 4)
+    assert f.rms(time, x) == pytest.approx(math.sqrt((2 + 12) / 4))
+
+
+def test_rms_of_a_sine_over_full_periods():
+    time = np.linspace(0, 2 * math.pi, 1001)
+    assert f.rms(time, 3 * np.sin(time)) == pytest.approx(3 / math.sqrt(2), rel=1e-12)
+
+
+def test_ends_and_extremes():
+    x = np.array([2.0, -1.0, 5.0, 3.0])
+    assert (f.initial(x), f.final(x), f.minimum(x), f.maximum(x)) == (2.0, 3.0, -1.0, 5.0)
+
+
+def test_time_to_collision_is_infinite_where_the_gap_does_not_close():
+    gap, closing = np.array([10.0, 10.0, 10.0, 0.0, 0.0]), np.array([2.0, 0.0, -1.0, 1.0, 0.0])
+    assert f.time_to_collision(gap, closing).tolist() == [5.0, math.inf, math.inf, 0.0, math.inf]
+    assert math.isnan(f.time_to_collision(np.array([1.0]), np.array([math.nan]))[0])
+
+
+def test_duration_gives_each_row_half_the_way_to_its_neighbours():
+    time = np.array([0.0, 1.0, 2.0, 4.0])
+    assert f.duration(time, np.array([True, False, True, True])) == pytest.approx(0.5 + 1.5 + 1.0)
+    assert f.duration(time, np.full(4, fill_value=True)) == pytest.approx(4.0)
+
+
+waveforms = st.lists(st.floats(-10, 10), min_size=2, max_size=30).map(np.array)
+
+
+@given(waveforms, st.floats(0.1, 5), st.floats(0.001, 0.5))
+def test_settling_time_is_the_end_of_the_last_excursion(x, target, band):
+    time = np.arange(float(x.size))
+    outside = np.flatnonzero(np.abs(x - target) > band * target)
+    inside_limits = ~((x >= target - band * target) & (x <= target + band * target))
+    if (np.flatnonzero(inside_limits).tolist()) != outside.tolist():
+        return  # a row on the very edge, where the two ways to round differ
+    settled = f.settling_time(time, x, target, band)
+    if outside.size == 0:
+        assert settled == 0.0
+    elif outside[-1] == x.size - 1:
+        assert math.isnan(settled)
+    else:
+        assert outside[-1] <= settled <= outside[-1] + 1
+
+
+@given(waveforms, st.floats(0.1, 5))
+def test_overshoot_is_positive_exactly_when_the_target_is_passed(x, target):
+    assert (f.overshoot(x, target) > 0) == bool((x > target).any())
+    assert (f.undershoot(x, target) > 0) == bool((x < target).any())

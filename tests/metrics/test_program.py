@@ -1,0 +1,292 @@
+"""From a bench's metrics and requirements to numbers and verdicts."""
+
+from __future__ import annotations
+
+import math
+import pickle
+
+import numpy as np
+import pytest
+
+from dse.domain.bench import Judgement, Metric, Requirement, Verdict
+from dse.domain.component import Kind, Type
+from dse.errors import DseError, Location
+from dse.loading.expression import parse_expression
+from dse.metrics.program import compile_metrics, judge_failed
+from dse.units import DIMENSIONLESS, parse_unit
+
+HERE = Location("bench.yaml", 9, 20)
+
+
+def real(unit=""):
+    return Type(Kind.REAL, parse_unit(unit))
+
+
+TYPES = {
+    "world.speed": real("km/h"),
+    "world.lead_speed": real("m/s"),
+    "world.gap": real("m"),
+    "world.closing": real("m/s"),
+    "world.detected": Type(Kind.BOOLEAN),
+    "controller.mode": Type(Kind.ENUMERATION, items=("speed", "distance")),
+    "controller.set_speed": real("km/h"),
+    "controller.set_gap": real("m"),
+    "controller.active": Type(Kind.BOOLEAN),
+    "controller.gain": real(),
+}
+SIGNALS = frozenset(
+    {"world.speed", "world.lead_speed", "world.gap", "world.closing", "world.detected", "controller.mode"}
+)
+TIME = np.array([0.0, 1.0, 2.0, 3.0])
+COLUMNS = {
+    "world.speed": np.array([0.0, 10.0, 22.0, 20.0]),
+    "world.lead_speed": np.array([15.0, 15.0, 15.0, 15.0]),
+    "world.gap": np.array([150.0, 100.0, 38.0, 40.0]),
+    "world.closing": np.array([-1.0, 10.0, 19.0, 0.0]),
+    "world.detected": np.array([0.0, 0.0, 1.0, 1.0]),
+    "controller.mode": np.array([0.0, 1.0, 1.0, 1.0]),
+}
+CONSTANTS = {"controller.set_speed": 20.0, "controller.set_gap": 40.0, "controller.active": 1.0, "controller.gain": 2.0}
+
+
+def metric(text, name="m", unit=DIMENSIONLESS):
+    return Metric(name, parse_expression(text, HERE), unit)
+
+
+def compiled(*metrics, requirements=()):
+    return compile_metrics(metrics, requirements, TYPES, SIGNALS)
+
+
+def value(text):
+    return compiled(metric(text)).evaluate(TIME, COLUMNS, CONSTANTS)[0]["m"]
+
+
+@pytest.mark.parametrize(
+    ("text", "expected"),
+    [
+        ("overshoot(world.speed, target = controller.set_speed)", 0.1),
+        ("overshoot(world.speed, 72 km/h)", 0.1),
+        ("undershoot(world.gap, target = controller.set_gap)", 0.05),
+        ("rise_time(world.speed, target = controller.set_speed)", 2 * 1 - 0.2 - 2 / 12 * 2),
+        ("reach_time(world.speed, target = controller.set_speed, band = 10 %)", 1 + 8 / 12),
+        ("settling_time(world.gap, target = controller.set_gap, band = 1 %)", 2 + 1.6 / 2),
+        ("steady_state_error(world.speed, target = controller.set_speed)", 1.0),
+        ("steady_state_error(world.speed, target = controller.set_speed, window = 0 s)", 0.0),
+        ("minimum(time_to_collision(world.gap, world.closing))", 2.0),
+        ("minimum(world.gap)", 38.0),
+        ("maximum(world.speed - world.lead_speed)", 7.0),
+        ("final(world.speed) / 1 m * 1 s", 20.0),
+        ("initial(world.gap)", 150.0),
+        ("mean(world.lead_speed)", 15.0),
+        ("rms(world.lead_speed)", 15.0),
+        ("integral(world.lead_speed)", 45.0),
+        ("duration(world.gap < 99 m)", 1.5),
+        ("duration(world.gap between 38 m and 40 m and world.detected)", 1.5),
+        ("duration(not world.detected)", 1.5),
+        ("duration(controller.mode == distance)", 2.5),
+        ("duration(speed == controller.mode)", 0.5),
+        ("duration(controller.mode != distance)", 0.5),
+        ("duration(world.detected implies world.gap < 39 m)", 2.5),
+        ("duration(world.detected iff controller.mode == distance)", 2.0),
+        ("duration(world.detected xor controller.active)", 1.5),
+        ("duration(world.detected or world.gap > 149 m)", 2.0),
+        ("maximum(if world.detected then world.gap else 1 m)", 40.0),
+        ("if controller.active then 1 else 2", 1.0),
+        ("if true then maximum(world.gap) else 2 m", 150.0),
+        ("maximum(abs(world.closing))", 19.0),
+        ("maximum(min(world.gap, 50 m, 45 m))", 45.0),
+        ("max(controller.set_gap, 1 km)", 1000.0),
+        ("sqrt(controller.set_gap / 10 m)", 2.0),
+        ("floor(controller.gain + 0.7)", 2.0),
+        ("-controller.gain ^ 2 + 1", -3.0),
+        ("controller.set_gap * 2 - 1 m", 79.0),
+        ("minimum(sqrt(world.gap * 1 m))", math.sqrt(38)),
+        ("1 / (controller.gain - 2)", math.inf),
+        ("-1 / (controller.gain - 2)", -math.inf),
+        ("minimum(world.gap) / (initial(world.gap) - initial(world.gap))", math.inf),
+    ],
+)
+def test_a_metric_is_the_si_number_its_expression_says(text, expected):
+    assert value(text) == pytest.approx(expected, rel=1e-12)
+
+
+@pytest.mark.parametrize(
+    "text",
+    ["sqrt(-controller.gain)", "(-controller.gain) ^ 0.5", "0 / 0", "max(0 / 0, 1)", "maximum(world.gap + 0 m / 0)"],
+)
+def test_arithmetic_without_a_value_is_nan(text):
+    assert math.isnan(value(text))
+
+
+def test_a_metric_may_use_those_before_it():
+    program = compiled(metric("minimum(world.gap)", "low"), metric("low / 2 + controller.set_gap", "m"))
+    assert program.evaluate(TIME, COLUMNS, CONSTANTS)[0] == {"low": 38.0, "m": 59.0}
+
+
+def test_a_program_names_the_waveforms_and_constants_it_needs_and_its_units():
+    program = compiled(
+        metric("overshoot(world.speed, target = controller.set_speed)", "a", parse_unit("%")),
+        metric("integral(world.gap)", "b"),
+        metric("maximum(world.speed)", "c", parse_unit("km/h")),
+        metric("rise_time(world.speed, 20 m/s)", "d"),
+    )
+    assert program.signals == ("world.speed", "world.gap")
+    assert program.constants == ("controller.set_speed",)
+    assert {name: str(unit) for name, unit in program.units.items()} == {"a": "%", "b": "m*s", "c": "km/h", "d": "s"}
+    assert program.dimensions["d"] == parse_unit("s").dimension
+
+
+def test_what_several_metrics_share_is_computed_once():
+    once = compiled(metric("maximum(world.gap)", "a"))
+    shared = compiled(metric("maximum(world.gap)", "a"), metric("overshoot(world.gap, 40 m)", "b"))
+    assert len(shared.instructions) == len(once.instructions) + 1
+
+
+def test_a_program_survives_being_sent_to_a_worker():
+    requirement = Requirement("R", "m", at_least=1.0, unit=parse_unit("m"), exercised_when=parse_expression("m > 2 m"))
+    program = compiled(metric("minimum(world.gap + 1 m)"), requirements=[requirement])
+    sent = pickle.loads(pickle.dumps(program))  # noqa: S301  # our own bytes
+    assert sent.evaluate(TIME, COLUMNS, CONSTANTS) == program.evaluate(TIME, COLUMNS, CONSTANTS)
+
+
+REFUSED = [
+    ("minimum(world.gapp)", 8, "unknown name 'world.gapp'", "did you mean 'world.gap'"),
+    ("minimun(world.gap)", 0, "unknown function 'minimun'", "did you mean 'minimum'"),
+    ("world.gap", 0, "this is a waveform", "minimum"),
+    ("controller.active", 0, "expected a number", "arithmetic"),
+    ("overshoot(world.speed, target = controller.set_gap)", 32, "must be length/time, found length", "give it in m/s"),
+    ("overshoot(world.speed, target = world.lead_speed)", 32, "'world.lead_speed' varies", "final value"),
+    ("overshoot(controller.set_speed, 1 m/s)", 10, "'controller.set_speed' does not vary", "varies in time"),
+    ("overshoot(world.speed)", 0, "'overshoot' needs 'target'", "overshoot(x, target)"),
+    ("overshoot(world.speed, goal = 1 m/s)", 30, "has no argument 'goal'", "overshoot(x, target)"),
+    ("overshoot(world.speed, 1 m/s, target = 2 m/s)", 39, "'target' is given twice", "the form is"),
+    ("minimum(world.gap, 1 m)", 19, "too many arguments", "minimum(x)"),
+    ("settling_time(world.gap, 40 m, band = 1 m)", 38, "must be a plain number, found length", "bare number"),
+    ("steady_state_error(world.gap, 40 m, window = 1 m)", 45, "must be time, found length", "give it in s"),
+    ("time_to_collision(world.gap, world.gap)", 29, "must be length/time", "give it in m/s"),
+    ("minimum(time_to_collision(world.closing, world.gap))", 26, "must be length, found length/time", "give it in m"),
+    ("duration(world.gap)", 9, "expected a condition", "compare it"),
+    ("duration(controller.active)", 9, "'controller.active' does not vary", "varies in time"),
+    ("minimum(world.gap) + 1 s", 0, "cannot add length and time", "same unit"),
+    ("minimum(world.gap) < 3 m", 0, "expected a number, found a condition", "arithmetic"),
+    ("minimum(controller.mode)", 8, "expected a number, found one of speed, distance", "arithmetic"),
+    ("duration(controller.mode == brake)", 28, "unknown name 'brake'", "possible"),
+    ("sensor is radar", 0, "is a choice", "item"),
+    ("min(1)", 0, "needs two values", "minimum"),
+    ("abs(1, 2)", 0, "needs one value", "minimum"),
+    ("floor(2 m)", 0, "floor takes a plain number", "divide"),
+    ("max(1 m, 1 s)", 9, "cannot compare", "same unit"),
+    ("later", 0, "metric 'later' is defined further down", "move it up"),
+]
+
+
+@pytest.mark.parametrize(("text", "offset", "what", "hint"), REFUSED, ids=[text for text, *_ in REFUSED])
+def test_a_metric_that_makes_no_sense_is_refused_at_its_column(text, offset, what, hint):
+    with pytest.raises(DseError) as caught:
+        compiled(metric(text), metric("1", "later"))
+    (problem,) = caught.value.problems
+    assert what in problem.what
+    assert hint in problem.hint
+    assert problem.where == Location(HERE.file, HERE.line, HERE.column + offset)
+
+
+def test_every_problem_is_reported_and_none_twice():
+    bad = [metric("minimum(world.gapp)", "a"), metric("a + 1 m", "b"), metric("minimum(1 m)", "c")]
+    needs = [Requirement("R", "b", at_most=1.0), Requirement("Q", "d", at_most=1.0, where=HERE)]
+    with pytest.raises(DseError) as caught:
+        compiled(*bad, requirements=needs)
+    assert len(caught.value.problems) == 3
+
+
+@pytest.mark.parametrize(
+    ("requirement", "what"),
+    [
+        (Requirement("R", "n", at_most=1.0, where=HERE), "unknown metric 'n'"),
+        (Requirement("R", "m", where=HERE), "has no bound"),
+        (Requirement("R", "m", at_most=1.0, where=HERE), "'m' is length, its bound is a plain number"),
+        (
+            Requirement("R", "m", at_most=1.0, unit=parse_unit("m"), exercised_when=parse_expression("m < 60 s", HERE)),
+            "cannot compare length and time",
+        ),
+        (
+            Requirement("R", "m", at_most=1.0, unit=parse_unit("m"), exercised_when=parse_expression("m", HERE)),
+            "expected a condition",
+        ),
+        (
+            Requirement(
+                "R", "m", at_most=1.0, unit=parse_unit("m"), exercised_when=parse_expression("world.detected", HERE)
+            ),
+            "this varies",
+        ),
+    ],
+)
+def test_a_requirement_that_makes_no_sense_is_refused_where_it_stands(requirement, what):
+    with pytest.raises(DseError) as caught:
+        compiled(metric("minimum(world.gap)"), requirements=[requirement])
+    (problem,) = caught.value.problems
+    assert what in problem.what
+    assert (problem.where.file, problem.where.line) == (HERE.file, HERE.line)
+
+
+def test_a_metric_cannot_be_shown_in_a_unit_of_another_kind():
+    with pytest.raises(DseError, match="'m' is length and cannot be shown in km/h"):
+        compiled(metric("minimum(world.gap)", unit=parse_unit("km/h")))
+
+
+PASS, FAIL, NOT_EXERCISED = Verdict.PASS, Verdict.FAIL, Verdict.NOT_EXERCISED
+
+
+@pytest.mark.parametrize(
+    ("value_text", "at_most", "at_least", "exercised", "verdict", "margin"),
+    [
+        ("3", 5.0, None, None, PASS, 2.0),
+        ("5", 5.0, None, None, PASS, 0.0),
+        ("6", 5.0, None, None, FAIL, -1.0),
+        ("6", None, 5.0, None, PASS, 1.0),
+        ("4", None, 5.0, None, FAIL, -1.0),
+        ("4", 5.0, 1.0, None, PASS, 1.0),
+        ("0", 5.0, 1.0, None, FAIL, -1.0),
+        ("3", 5.0, None, "m > 2", PASS, 2.0),
+        ("3", 5.0, None, "m > 3", NOT_EXERCISED, 2.0),
+        ("6", 5.0, None, "m < 3", NOT_EXERCISED, -1.0),
+        ("0 / 0", 5.0, None, None, NOT_EXERCISED, math.nan),
+        ("3", 5.0, None, "undefined < 3", NOT_EXERCISED, 2.0),
+        ("3", 5.0, None, "undefined > 3", NOT_EXERCISED, 2.0),
+        ("3", 5.0, None, "undefined == undefined", NOT_EXERCISED, 2.0),
+        ("3", 5.0, None, "undefined != 3", NOT_EXERCISED, 2.0),
+        ("3", 5.0, None, "undefined between 0 and 9", NOT_EXERCISED, 2.0),
+        ("1 / 0", 5.0, None, None, FAIL, -math.inf),
+        ("1 / 0", None, 5.0, None, PASS, math.inf),
+        ("-1 / 0", 5.0, 1.0, None, FAIL, -math.inf),
+        ("3", 5.0, None, "maximum(world.gap) > 100 m", PASS, 2.0),
+    ],
+)
+def test_the_verdict_follows_from_bounds_and_exercise(value_text, at_most, at_least, exercised, verdict, margin):
+    condition = parse_expression(exercised) if exercised else None
+    program = compiled(
+        metric("0 / 0", "undefined"),
+        metric(value_text),
+        requirements=[Requirement("R", "m", at_most, at_least, exercised_when=condition)],
+    )
+    (judgement,) = program.evaluate(TIME, COLUMNS, CONSTANTS)[1]
+    assert (judgement.requirement, judgement.verdict) == ("R", verdict)
+    assert judgement.margin == pytest.approx(margin, nan_ok=True)
+
+
+def test_a_margin_is_not_rounded():
+    program = compiled(metric("0.1 + 0.2"), requirements=[Requirement("R", "m", at_most=0.3)])
+    (judgement,) = program.evaluate(TIME, COLUMNS, CONSTANTS)[1]
+    assert judgement == Judgement("R", Verdict.FAIL, 0.3 - (0.1 + 0.2))
+
+
+def test_a_run_that_failed_has_a_verdict_for_every_requirement():
+    first, second = judge_failed([Requirement("R1", "m", 1.0), Requirement("R2", "m", 1.0)])
+    assert (first.requirement, second.requirement) == ("R1", "R2")
+    assert first.verdict is Verdict.FAILED_TO_RUN
+    assert math.isnan(first.margin)
+
+
+def test_the_columns_are_left_as_they_were():
+    before = {name: column.copy() for name, column in COLUMNS.items()}
+    value("minimum(time_to_collision(world.gap, world.closing)) + 0 s * maximum(world.speed) / 1 m/s")
+    assert all(np.array_equal(before[name], COLUMNS[name]) for name in COLUMNS)

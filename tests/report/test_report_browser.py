@@ -1,0 +1,270 @@
+"""The page in a real browser: what a reader does, and what must never happen."""
+
+from __future__ import annotations
+
+import dataclasses
+import os
+import shutil
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+import numpy as np
+import pytest
+from playwright.sync_api import Browser, Page, sync_playwright
+
+from dse.report.content import ReportContent, RequirementRow
+from dse.report.page import write_report
+from dse.report.verdicts import Mark, overall_marks
+
+pytestmark = pytest.mark.browser
+
+HOSTILE = '</script><img src=x onerror="window.pwned=1"><b>'
+Open = Callable[[ReportContent], Page]
+
+
+@pytest.fixture(scope="module")
+def browser() -> Iterator[Browser]:
+    names = ("chromium", "chromium-browser", "google-chrome")
+    found = next((path for path in map(shutil.which, names) if path), None)
+    if found is None:
+        if os.environ.get("CI"):
+            pytest.fail(f"the report's browser tests need one of {', '.join(names)}")
+        pytest.skip(f"none of {', '.join(names)} is installed")
+    with sync_playwright() as playwright:
+        # Without its sandbox Chromium also starts for root in a container; the page is our own.
+        started = playwright.chromium.launch(executable_path=found, args=["--no-sandbox"])
+        yield started
+        started.close()
+
+
+@pytest.fixture
+def open_report(browser: Browser, tmp_path: Path) -> Iterator[Open]:
+    """Opens a report from disk; at the end nothing must have been logged, thrown or fetched."""
+    context = browser.new_context(viewport={"width": 1440, "height": 1000}, color_scheme="light")
+    complaints: list[str] = []
+
+    def opened(content: ReportContent) -> Page:
+        write_report(content, tmp_path / "report.html")
+        page = context.new_page()
+        page.on("console", lambda message: complaints.append(f"{message.type}: {message.text}"))
+        page.on("pageerror", lambda error: complaints.append(str(error)))
+        page.on("request", lambda request: complaints.append(request.url) if request.url[:5] != "data:" else None)
+        complaints.clear()
+        page.goto((tmp_path / "report.html").as_uri())
+        page.wait_for_selector("html[data-ready]")
+        assert complaints == [(tmp_path / "report.html").as_uri()]
+        complaints.clear()
+        return page
+
+    yield opened
+    context.close()
+    assert complaints == []
+
+
+def counts(page: Page) -> list[int]:
+    """What the legend says: pass, fail, not exercised, failed to run."""
+    settle(page)
+    texts = [page.inner_text(f"#count-{kind}") for kind in ("pass", "fail", "open", "broken")]
+    return [int(text.replace("\u202f", "")) for text in texts]
+
+
+def expected(content: ReportContent, *bounds: float) -> list[int]:
+    """The same from Python, with the requirements' upper bounds replaced."""
+    requirements = tuple(
+        dataclasses.replace(requirement, at_most=bound)
+        for requirement, bound in zip(content.requirements, bounds, strict=True)
+    )
+    marks = overall_marks(dataclasses.replace(content, requirements=requirements))
+    return np.bincount(marks, minlength=4).tolist()
+
+
+def settle(page: Page) -> None:
+    """Wait until what was changed has been drawn."""
+    page.evaluate("() => new Promise(done => requestAnimationFrame(() => requestAnimationFrame(done)))")
+
+
+def ground(page: Page) -> str:
+    """The constraint plot's pixels."""
+    settle(page)
+    return str(page.evaluate("document.querySelector('canvas.ground').toDataURL()"))
+
+
+def selected(page: Page) -> int:
+    settle(page)
+    return int(page.inner_text("#selected-run").split()[1])
+
+
+def test_the_counts_are_those_that_python_finds(sliced: ReportContent, open_report: Open) -> None:
+    page = open_report(sliced)
+    assert counts(page) == expected(sliced, 0.5, 1.0)
+    assert page.inner_text("#passing") == str(expected(sliced, 0.5, 1.0)[0])
+
+
+def test_moving_a_threshold_moves_the_counts_and_the_plot(sliced: ReportContent, open_report: Open) -> None:
+    page = open_report(sliced)
+    before = ground(page)
+    page.fill("#field-atMost-0", "0.1")
+    assert counts(page) == expected(sliced, 0.1, 1.0) != expected(sliced, 0.5, 1.0)
+    assert ground(page) != before
+    page.eval_on_selector("#slider-atMost-0", "s => { s.value = s.max; s.dispatchEvent(new Event('input')) }")
+    assert counts(page) == expected(sliced, float(page.input_value("#slider-atMost-0")), 1.0)
+    page.click("#reset-thresholds")
+    assert counts(page) == expected(sliced, 0.5, 1.0)
+    assert ground(page) == before
+    assert page.is_disabled("#reset-thresholds")
+
+
+def test_a_requirement_with_two_bounds_has_two_sliders(sliced: ReportContent, open_report: Open) -> None:
+    both = RequirementRow("R3", "braking", "peak_deceleration", 0.7, 0.4, np.ones(len(sliced.runs), dtype=bool))
+    content = dataclasses.replace(sliced, requirements=(both,))
+    page = open_report(content)
+    assert counts(page) == expected(content, 0.7)
+    page.fill("#field-atLeast-0", "0.6")
+    stricter = dataclasses.replace(content, requirements=(dataclasses.replace(both, at_least=0.6),))
+    assert counts(page) == expected(stricter, 0.7) != expected(content, 0.7)
+
+
+def test_a_click_selects_the_run_under_it(sliced: ReportContent, open_report: Open) -> None:
+    page = open_report(sliced)
+    assert page.get_attribute(".figures", "data-run") == str(selected(page))
+    box = page.locator(".plot").bounding_box()
+    assert box is not None
+    # The plot leaves 66, 16, 14 and 50 pixels for its axes; run 24 is the third of eleven in the third row.
+    x, y = 66 + 0.2 * (box["width"] - 82), 14 + 0.8 * (box["height"] - 64)
+    page.locator(".plot").click(position={"x": x + 2, "y": y - 2})
+    assert selected(page) == 24
+    page.wait_for_selector(".figures[data-run='24'] .u-wrap")
+    value = sliced.metrics[0].values[24]
+    shown = page.inner_text("#metrics tbody tr:first-child td:nth-child(2)").replace("\u2212", "-").split("\u202f")
+    assert float(shown[0]) == pytest.approx(value, abs=0.006)
+    assert shown[1] == "%"
+    assert page.inner_text(".tip .head").startswith("Run 24")
+
+
+def test_arrow_keys_walk_along_the_grid(sliced: ReportContent, open_report: Open) -> None:
+    page = open_report(sliced)
+    page.locator(".plot").click(position={"x": 300, "y": 200})
+    page.locator(".plot").focus()
+    start = selected(page)
+    for key, step in (("ArrowRight", 1), ("ArrowUp", 11), ("ArrowLeft", -1), ("ArrowDown", -11)):
+        page.keyboard.press(key)
+        start += step
+        assert selected(page) == start
+    page.wait_for_function(
+        "run => document.getElementById('announcement').textContent.startsWith(`Run ${run},`)", arg=start
+    )
+
+
+def test_a_waveform_that_was_not_kept_names_the_command(sliced: ReportContent, open_report: Open) -> None:
+    page = open_report(sliced)
+    run = next(number for number in range(20, 242) if number not in sliced.figures[0].kept and number != 37)
+    page.eval_on_selector(".table .view", f"view => view.scrollTop = {run} * 28")
+    settle(page)
+    page.click(f".table tbody tr:has(td:first-child:text-is('{run}'))")
+    page.wait_for_selector(f"code:text-is('dse replay out/acc_gains {run}')")
+
+
+def test_the_other_slice_shows_its_own_runs(sliced: ReportContent, open_report: Open) -> None:
+    page = open_report(sliced)
+    before = ground(page)
+    page.click("#slice-1")
+    assert ground(page) != before
+    assert page.get_attribute("#slice-1", "aria-pressed") == "true"
+    page.locator(".plot").click(position={"x": 300, "y": 200})
+    assert selected(page) >= 121
+
+
+def test_the_run_table_sorts_and_filters(sliced: ReportContent, open_report: Open) -> None:
+    page = open_report(sliced)
+    page.click("[data-sort='metric.1']")
+    page.click("[data-sort='metric.1']")
+    page.eval_on_selector(".table .view", "view => view.scrollTop = 0")
+    settle(page)
+    first = int(page.inner_text(".table tbody tr:not(.gap) td:first-child"))
+    assert first == int(np.nanargmax(sliced.metrics[1].values))
+    page.click("#filter-3")
+    settle(page)
+    rows = page.locator(".table tbody tr:not(.gap)")
+    assert rows.count() == np.count_nonzero(overall_marks(sliced) == Mark.FAILED_TO_RUN) == 2
+    rows.first.click()
+    assert "fmi2DoStep" in page.inner_text(".problem")
+
+
+def test_the_shown_yaml_has_the_exact_parameters(sliced: ReportContent, open_report: Open) -> None:
+    from ruamel.yaml import YAML
+
+    page = open_report(sliced)
+    run = selected(page)
+    page.click(".yaml summary")
+    read = YAML(typ="safe").load(page.inner_text("#yaml"))
+    assert read["configuration"] == "c4f1a2"
+    assert float(read["parameters"]["controller.kp_speed"].split()[0]) == sliced.variables[0].values[run]
+    assert read["parameters"]["controller.kd_speed"] == sliced.variables[1].values[run]
+
+
+def test_dark_mode_redraws_everything(sliced: ReportContent, open_report: Open) -> None:
+    page = open_report(sliced)
+    light, colour = ground(page), page.evaluate("getComputedStyle(document.body).backgroundColor")
+    page.click("#theme")
+    assert ground(page) != light
+    assert page.evaluate("getComputedStyle(document.body).backgroundColor") != colour
+    assert page.inner_text("#theme") == "Light mode"
+
+
+def test_a_metric_can_be_shown_as_colour(sliced: ReportContent, open_report: Open) -> None:
+    page = open_report(sliced)
+    before = ground(page)
+    page.select_option("#fill", "1")
+    assert ground(page) != before
+
+
+def test_configurations_without_variables_are_a_table(bench_only: ReportContent, open_report: Open) -> None:
+    page = open_report(bench_only)
+    assert page.locator(".plot").count() == 0
+    assert counts(page) == expected(bench_only, 0.5, 1.0)
+    page.click("#configurations tbody tr:nth-child(2)")
+    assert selected(page) == 1
+    page.wait_for_selector(".figures[data-run='1'] .u-wrap")
+    page.click("#configurations tbody tr:nth-child(5)")
+    page.wait_for_selector("code:text-is('dse replay out/acc_gains 4')")
+
+
+def test_scattered_runs_have_regions_that_follow_the_sliders(scattered: ReportContent, open_report: Open) -> None:
+    page = open_report(scattered)
+    assert "radial functions through 200 runs" in page.inner_text("#plane-note")
+    before = ground(page)
+    page.eval_on_selector("#fixed-3", "s => { s.value = s.min; s.dispatchEvent(new Event('input')) }")
+    assert ground(page) != before
+    page.click("#through-selected")
+    reading = page.inner_text("#reading-3")
+    shown = page.inner_text(".parameters div:nth-child(4) dd")
+    assert reading == shown
+
+
+def test_names_that_are_markup_stay_text(sliced: ReportContent, open_report: Open) -> None:
+    content = dataclasses.replace(
+        sliced,
+        title=HOSTILE,
+        facts=((HOSTILE, HOSTILE),),
+        variables=tuple(dataclasses.replace(v, title=HOSTILE, unit_symbol=HOSTILE) for v in sliced.variables),
+        metrics=tuple(dataclasses.replace(m, title=HOSTILE, unit_symbol=HOSTILE) for m in sliced.metrics),
+        requirements=tuple(dataclasses.replace(r, title=HOSTILE) for r in sliced.requirements),
+        figures=tuple(dataclasses.replace(f, title=HOSTILE, current_label=HOSTILE) for f in sliced.figures),
+        runs=dataclasses.replace(sliced.runs, problems=(HOSTILE,) * len(sliced.runs)),
+    )
+    page = open_report(content)
+    page.hover(".plot", position={"x": 300, "y": 200})
+    page.locator(".plot").click(position={"x": 300, "y": 200})
+    page.wait_for_selector(".figures .u-wrap, .figures code")
+    assert page.inner_text("h1") == HOSTILE
+    assert page.title() == HOSTILE
+    assert page.evaluate("window.pwned") is None
+    assert page.locator("img").count() == 0
+
+
+@pytest.mark.parametrize("width", [900, 1280, 1920])
+def test_nothing_sticks_out_sideways(sliced: ReportContent, open_report: Open, width: int) -> None:
+    page = open_report(sliced)
+    page.set_viewport_size({"width": width, "height": 900})
+    settle(page)
+    assert page.evaluate("document.documentElement.scrollWidth") <= width
