@@ -13,8 +13,8 @@ if TYPE_CHECKING:
     from rich.console import Console
     from rich.table import Table
 
-DONE, WRONG_FILES, USAGE, RUNS_FAILED = 0, 1, 2, 3
-"""Exit codes: done; the user's files are wrong; wrong usage; some runs failed, or a requirement under --gate."""
+DONE, WRONG_FILES, USAGE, RUNS_FAILED, INTERRUPTED = 0, 1, 2, 3, 130
+"""Exit codes: done; the user's files are wrong; wrong usage; some runs failed, or a requirement under --gate; Ctrl-C."""
 
 app = typer.Typer(
     name="dse",
@@ -47,8 +47,10 @@ def main() -> None:
         # The reader of our output (head, less) has seen enough.
         sys.stderr.close()
         sys.exit(DONE)
-    except KeyboardInterrupt:
-        sys.exit(130)
+    except KeyboardInterrupt as stop:
+        # An interrupted exploration says what is stored and how to go on.
+        console(stderr=True).print(str(stop) or "stopped", soft_wrap=True)
+        sys.exit(INTERRUPTED)
 
 
 def show_problems(error: DseError) -> None:

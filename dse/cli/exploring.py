@@ -21,6 +21,8 @@ if TYPE_CHECKING:
     from dse.results.table import RunTable
     from dse.testbench.plan import Plan
 
+_MOST_PROBLEMS = 5
+
 
 def explore_into(study: Study, folder: Path, *, workers: int, version: int, fresh: bool, gate: bool) -> None:
     """Explore *study* into *folder* with a progress bar, say what came of it, and exit as it deserves."""
@@ -111,7 +113,12 @@ def _say(folder: Path, table: RunTable, before: int) -> None:
             label = name if titles[name] == name else f"{name} {titles[name]}"
             shown.add_row(label, *(str(number) for number in count.values()))
         screen.print(shown)
-    problems = [problem for problem in table.problems if problem]
-    for problem in list(dict.fromkeys(problems))[:5]:
-        screen.print(f"  failed: {problem}", soft_wrap=True)
+    said = {}
+    for number, done, problem in zip(table.numbers.tolist(), table.done.tolist(), table.problems, strict=True):
+        if problem:
+            said.setdefault(problem, f"  run {number} {'' if done else 'failed: '}{problem}")
+    for line in list(said.values())[:_MOST_PROBLEMS]:
+        screen.print(line, soft_wrap=True)
+    if len(said) > _MOST_PROBLEMS:
+        screen.print(f"  and {len(said) - _MOST_PROBLEMS} other problems: dse results {folder}", soft_wrap=True)
     screen.print(f"next: dse report {folder}", soft_wrap=True)

@@ -21,6 +21,8 @@ from dse.results.waveforms import PART, read_waveforms
 WAVEFORMS = "waveforms"
 
 _COMMIT_EVERY = 0.25
+_OURS = (WAVEFORMS, f"{NAME}.part", "report.html", "figures")
+"""What an earlier study may have left in a folder that is used again."""
 
 
 class StudyFolder:
@@ -43,7 +45,7 @@ class StudyFolder:
             raise fail("is a file, not a folder", Location(str(path)), "give another folder with -o")
         if (path / NAME).exists():
             raise fail("holds a study already", Location(str(path)), "give another folder with -o, or say --fresh")
-        if path.is_dir() and any(entry.name not in (WAVEFORMS, f"{NAME}.part") for entry in path.iterdir()):
+        if path.is_dir() and any(entry.name not in _OURS for entry in path.iterdir()):
             raise fail("is not empty and not a study folder", Location(str(path)), "give another folder with -o")
         try:
             (path / WAVEFORMS).mkdir(parents=True, exist_ok=True)
@@ -80,7 +82,7 @@ class StudyFolder:
     def discard(path: Path) -> None:
         """Remove the study in *path* and nothing else; DseError if there is something there that is no study."""
         if not (path / NAME).exists():
-            if path.exists() and not (path.is_dir() and not any(path.iterdir())):
+            if path.exists() and not (path.is_dir() and all(entry.name in _OURS for entry in path.iterdir())):
                 raise fail("is not a study folder", Location(str(path)), "give another folder with -o")
             return
         for pattern in (f"{NAME}*", f"{WAVEFORMS}/*.parquet", f"{WAVEFORMS}/*{PART}"):

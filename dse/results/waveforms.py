@@ -40,7 +40,7 @@ def write_waveforms(file: Path, runs: Sequence[tuple[int, Waveforms]]) -> None:
             if list(waveforms.values) != names:
                 raise ValueError(f"run {number} recorded other variables than run {runs[0][0]}")
             run = np.full(len(waveforms.time), number, dtype=np.int32)
-            columns = [run, waveforms.time, *(waveforms.values[name] for name in names)]
+            columns: list[NDArray[Any]] = [run, waveforms.time, *(waveforms.values[name] for name in names)]
             arrays = [_arrow(column, field.type) for column, field in zip(columns, schema, strict=True)]
             writer.write_table(pa.Table.from_arrays(arrays, schema=schema), row_group_size=max(len(run), 1))
     aside.replace(file)

@@ -55,8 +55,12 @@ def define(study: Study, prepared: Mapping[str, PreparedBench]) -> dict[str, Any
 
 
 def fingerprint(definition: Mapping[str, Any]) -> str:
-    """SHA-256 of the definition in canonical JSON: equal for equal studies on any machine of the same platform."""
-    text = json.dumps(definition, sort_keys=True, separators=(",", ":"), ensure_ascii=False)
+    """SHA-256 of the definition in canonical JSON: studies with equal fingerprints give equal numbers.
+
+    Which waveforms are kept does not matter: they can be added to a study later.
+    """
+    decisive = {key: value for key, value in definition.items() if key != "keep_waveforms"}
+    text = json.dumps(decisive, sort_keys=True, separators=(",", ":"), ensure_ascii=False)
     return hashlib.sha256(text.encode()).hexdigest()
 
 

@@ -163,7 +163,10 @@ def test_killed_at_once_with_all_its_workers_it_later_runs_only_what_is_missing(
     script = tmp_path / "script.py"
     paths = [str(here), str(here.parents[1])]
     script.write_text(KILLED.format(paths=paths, keep=str(keep), folder=str(tmp_path / "study")), encoding="utf-8")
-    process = subprocess.Popen([sys.executable, str(script)], start_new_session=True)
+    # What a killed process leaves in the folder for temporary files stays with the test.
+    process = subprocess.Popen(
+        [sys.executable, str(script)], start_new_session=True, env={**os.environ, "TMPDIR": str(tmp_path)}
+    )
     try:
         wait_for_runs(tmp_path / "study", 40)
     finally:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import multiprocessing
+import subprocess
 import sys
 from pathlib import Path
 from typing import Any
@@ -167,3 +168,11 @@ def test_metrics_arrive_as_they_were_computed(tmp_path: Path) -> None:
 def test_no_worker_is_left_behind(tmp_path: Path) -> None:
     explored(tmp_path, study_of(), workers=2)
     assert multiprocessing.active_children() == []
+
+
+def test_a_worker_starts_without_the_heavy_libraries() -> None:
+    heavy = "pandas, matplotlib, scipy, pint, pyarrow, fmpy, typer, ruamel"
+    look = f"import sys, dse.exploration.worker; print({{*{heavy.split(', ')!r}}} & {{*sys.modules}})"
+    root = Path(__file__).parents[2]
+    shown = subprocess.run([sys.executable, "-c", look], cwd=root, check=True, capture_output=True, encoding="utf-8")
+    assert shown.stdout.strip() == "set()"

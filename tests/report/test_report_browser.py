@@ -75,7 +75,7 @@ def expected(content: ReportContent, *bounds: float) -> list[int]:
         for requirement, bound in zip(content.requirements, bounds, strict=True)
     )
     marks = overall_marks(dataclasses.replace(content, requirements=requirements))
-    return np.bincount(marks, minlength=4).tolist()
+    return [int(count) for count in np.bincount(marks, minlength=4)]
 
 
 def settle(page: Page) -> None:

@@ -4,7 +4,7 @@ import csv
 import io
 import json
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import replace
 from pathlib import Path
 from xml.etree import ElementTree as ET
@@ -20,7 +20,7 @@ from dse.results.header import StudyHeader
 
 
 @pytest.fixture
-def folder(stored: Path) -> StudyFolder:
+def folder(stored: Path) -> Iterator[StudyFolder]:
     with StudyFolder.open(stored) as folder:
         yield folder
 

@@ -1,5 +1,7 @@
 from __future__ import annotations
 
+import subprocess
+import sys
 from pathlib import Path
 
 import numpy as np
@@ -12,7 +14,9 @@ from dse.results.waveforms import file_name, read_waveforms, write_waveforms
 
 def waves(seed: int, rows: int = 50) -> Waveforms:
     generator = np.random.default_rng(seed)
-    return Waveforms(np.arange(rows) * 0.1, {"a.x": generator.normal(size=rows), "b.y": generator.normal(size=rows)})
+    return Waveforms(
+        np.linspace(0.0, 5.0, rows), {"a.x": generator.normal(size=rows), "b.y": generator.normal(size=rows)}
+    )
 
 
 def test_every_run_of_a_chunk_is_read_back_exactly(tmp_path: Path) -> None:
@@ -70,3 +74,22 @@ def test_a_torn_file_is_named(tmp_path: Path) -> None:
     file.write_bytes(file.read_bytes()[:-100])
     with pytest.raises(DseError, match="cannot be read"):
         read_waveforms(file, 0)
+
+
+WITHOUT_PANDAS = """
+import sys
+from pathlib import Path
+import numpy as np
+from dse.domain.run import Waveforms
+from dse.results.waveforms import read_waveforms, write_waveforms
+
+file = Path(sys.argv[1])
+write_waveforms(file, [(0, Waveforms(np.zeros(3), {"a": np.ones(3)}))])
+assert read_waveforms(file, 0).values["a"].tolist() == [1.0] * 3
+assert "pandas" not in sys.modules
+"""
+
+
+def test_waveforms_go_to_and_from_a_file_without_pandas(tmp_path: Path) -> None:
+    root = Path(__file__).parents[2]
+    subprocess.run([sys.executable, "-c", WITHOUT_PANDAS, tmp_path / "runs.parquet"], cwd=root, check=True)

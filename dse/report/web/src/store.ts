@@ -28,6 +28,8 @@ export interface Store {
   readonly state: State;
   set(patch: Partial<State>): void;
   subscribe(listener: Listener): void;
+  /** Tells the listeners now what they would hear with the next frame. */
+  flush(): void;
   judgement(): Judgement;
 }
 
@@ -38,7 +40,8 @@ export function createStore(study: Study, initial: State): Store {
   const listeners: Listener[] = [];
 
   const flush = (): void => {
-    const changed = pending!;
+    if (!pending) return;
+    const changed = pending;
     pending = null;
     for (const listener of listeners) listener(state, changed);
   };
@@ -61,6 +64,7 @@ export function createStore(study: Study, initial: State): Store {
     subscribe(listener) {
       listeners.push(listener);
     },
+    flush,
     judgement() {
       if (judged?.thresholds !== state.thresholds) {
         judged = { thresholds: state.thresholds, judgement: judge(study, state.thresholds) };

@@ -57,6 +57,14 @@ export function followTheme(store: Store): { toggle: () => void } {
   media.addEventListener("change", () => {
     if (!chosen) apply(media.matches ? "dark" : "light");
   });
+  // Paper is white: what is printed is the light page.
+  let shown: "light" | "dark" = store.state.theme;
+  window.addEventListener("beforeprint", () => {
+    shown = store.state.theme;
+    apply("light");
+    store.flush();
+  });
+  window.addEventListener("afterprint", () => apply(shown));
   return {
     toggle: () => {
       chosen = true;

@@ -14,7 +14,7 @@ interface Column {
   key: string;
   title: string;
   numeric: boolean;
-  sort: (run: number) => number | string;
+  sort: (run: number) => number;
   text: (run: number) => string;
   marks: ((run: number) => number) | null;
 }
@@ -58,8 +58,11 @@ export function createTable(store: Store): HTMLElement {
   new ResizeObserver(rows).observe(view);
   store.subscribe((_, changed) => {
     const scoped = changed.has("configuration");
-    if (changed.has("thresholds") || changed.has("filter") || changed.has("sort") || scoped) order();
-    else if (changed.has("selected")) rows();
+    const judged = changed.has("thresholds");
+    const ordered = store.state.filter !== "all" || store.state.sort.column === "verdict";
+    if (changed.has("filter") || changed.has("sort") || scoped || (judged && ordered)) order();
+    else if (judged || changed.has("selected")) rows();
+    if (judged) drawFilters(store, filters);
     if (changed.has("selected") || scoped) reveal();
   });
   order();
@@ -111,10 +114,11 @@ function arrange(store: Store, columns: Column[]): Int32Array<ArrayBuffer> {
     if (configuration < 0 || study.configuration[run] === configuration) found.push(run);
   }
   const column = columns.find(({ key }) => key === state.sort.column) ?? columns[0]!;
-  const keys = new Map(found.map((run) => [run, column.sort(run)]));
+  const keys = new Float64Array(study.size);
+  for (const run of found) keys[run] = column.sort(run);
   const direction = state.sort.descending ? -1 : 1;
   found.sort((a, b) => {
-    const [x, y] = [keys.get(a)!, keys.get(b)!];
+    const [x, y] = [keys[a]!, keys[b]!];
     // What is undefined goes last, whichever way the column is sorted.
     if (x !== x || y !== y) return (x !== x ? 1 : 0) - (y !== y ? 1 : 0);
     return x < y ? -direction : x > y ? direction : a - b;

@@ -2,23 +2,32 @@
 import type { Study } from "../study";
 import { remember, type Fields } from "./fields";
 
+const MOST_LEVELS = 240;
+
 /** Levels of two variables and the run at each node (row by row), -1 where there is none. */
 export interface Lattice {
   xs: Float64Array;
   ys: Float64Array;
   runs: Int32Array;
+  /** Whether every level is there; boundaries through more levels than there are pixels would only cost time. */
+  whole: boolean;
 }
 
 /** The lattice the runs lie on; null if they fill less than half of one. */
 export function latticeOf(x: Float64Array, y: Float64Array, runs: Int32Array): Lattice | null {
-  const xs = distinct(x, runs);
-  const ys = distinct(y, runs);
-  if (xs.length < 2 || ys.length < 2 || runs.length < 0.5 * xs.length * ys.length) return null;
+  const all = { xs: distinct(x, runs), ys: distinct(y, runs) };
+  if (all.xs.length < 2 || all.ys.length < 2 || runs.length < 0.5 * all.xs.length * all.ys.length) return null;
+  const xs = thinned(all.xs);
+  const ys = thinned(all.ys);
   const column = new Map(Array.from(xs, (value, i) => [value, i]));
   const row = new Map(Array.from(ys, (value, j) => [value, j]));
   const nodes = new Int32Array(xs.length * ys.length).fill(-1);
-  for (const run of runs) nodes[row.get(y[run]!)! * xs.length + column.get(x[run]!)!] = run;
-  return { xs, ys, runs: nodes };
+  for (const run of runs) {
+    const i = column.get(x[run]!);
+    const j = row.get(y[run]!);
+    if (i !== undefined && j !== undefined) nodes[j * xs.length + i] = run;
+  }
+  return { xs, ys, runs: nodes, whole: xs === all.xs && ys === all.ys };
 }
 
 export function latticeFields(study: Study, lattice: Lattice): Fields {
@@ -26,10 +35,15 @@ export function latticeFields(study: Study, lattice: Lattice): Fields {
   const wide = xs.length;
   const done = Uint8Array.from(runs, (run) => (run >= 0 && study.done[run] ? 1 : 0));
   const region = (inside: Uint8Array): Float64Array | null => (inside.every(Boolean) ? null : divided(inside, wide));
+  const hasValue = (run: number): boolean =>
+    study.requirements.every(({ metric, exercised }) => !exercised[run] || Number.isFinite(study.metrics[metric]!.values[run]!));
+  const known = remember(() => region(Uint8Array.from(runs, (run, node) => (done[node] && hasValue(run) ? 1 : 0))));
   return {
     xs,
     ys,
-    how: "Boundaries are interpolated linearly between the runs of the grid.",
+    how: lattice.whole
+      ? "Boundaries are interpolated linearly between the runs of the grid."
+      : `Boundaries are interpolated linearly on ${wide} \u00d7 ${ys.length} of the levels; every run is drawn.`,
     metric: remember((index) => {
       const values = study.metrics[index]!.values;
       const nodes = Float64Array.from(runs, (run) => (run >= 0 ? values[run]! : NaN));
@@ -41,15 +55,7 @@ export function latticeFields(study: Study, lattice: Lattice): Fields {
       const nodes = Float64Array.from(runs, (run) => (run >= 0 && exercised[run] ? 1 : 0));
       return region(Uint8Array.from(filled(nodes, done, wide), (value) => (value >= 0.5 ? 1 : 0)));
     }),
-    known: () =>
-      region(
-        Uint8Array.from(runs, (run, node) =>
-          done[node] &&
-          study.requirements.every(({ metric, exercised }) => !exercised[run] || Number.isFinite(study.metrics[metric]!.values[run]!))
-            ? 1
-            : 0,
-        ),
-      ),
+    known: () => known(0),
   };
 }
 
@@ -110,4 +116,10 @@ function neighbours(node: number, wide: number, size: number): number[] {
   if (node >= wide) around.push(node - wide);
   if (node + wide < size) around.push(node + wide);
   return around;
+}
+
+// Evenly spread levels, the first and the last among them.
+function thinned(levels: Float64Array): Float64Array {
+  if (levels.length <= MOST_LEVELS) return levels;
+  return Float64Array.from({ length: MOST_LEVELS }, (_, i) => levels[Math.round((i * (levels.length - 1)) / (MOST_LEVELS - 1))]!);
 }

@@ -7,7 +7,7 @@ import type { Study } from "../study";
 import { palette, type Palette } from "../theme";
 import type { Threshold } from "../verdicts";
 import { drawColourBar } from "./colourbar";
-import { above, below, path, type Ring } from "./contour";
+import { path, type Ring } from "./contour";
 import { drawAxes, frameOf, type Frame } from "./frame";
 import { labelBoundary, labelRegion, type Spot } from "./labels";
 import { paintPoints, placeOf } from "./points";
@@ -103,30 +103,21 @@ function writeLabels(
 ): void {
   const taken: Spot[] = [];
   const ratio = pen.getTransform().a;
-  const failing = path(regions.infeasible.flat());
-  study.requirements.forEach(({ metric }, index) => {
-    const { title, unit } = study.metrics[metric]!;
-    const { atMost, atLeast } = thresholds[index]!;
-    const blank = path([...regions.open[index]!, ...regions.unknown]);
-    const inside = (shape: Path2D, x: number, y: number): boolean => pen.isPointInPath(shape, x * ratio, y * ratio);
-    const field = fields.metric(metric);
-    const sides: [number | null, (limit: number) => Ring[]][] = [
-      [atMost, (limit) => above(field, fields, frame, limit)],
-      [atLeast, (limit) => below(field, fields, frame, limit)],
-    ];
-    for (const [limit, rings] of sides) {
-      if (limit === null) continue;
-      const visible = rings(limit).map((ring) => ring.map((p) => (inside(blank, p[0], p[1]) ? [NaN, NaN] : p)) as Ring);
-      const text = `${title} = ${withUnit(number(limit), unit)}`;
-      const before = taken.length;
-      const colour = colourOf(colours, index);
-      // Beside the hatching the name reads best; on it, it still reads.
-      labelBoundary(pen, frame, visible, text, colour, colours, taken, (x, y) => !inside(failing, x, y) && !inside(blank, x, y));
-      if (taken.length === before) {
-        labelBoundary(pen, frame, visible, text, colour, colours, taken, (x, y) => !inside(blank, x, y));
-      }
+  const failing = path(regions.sides.flatMap(({ rings }) => rings));
+  const inside = (shape: Path2D, x: number, y: number): boolean => pen.isPointInPath(shape, x * ratio, y * ratio);
+  for (const { requirement, limit, rings } of regions.sides) {
+    const { title, unit } = study.metrics[study.requirements[requirement]!.metric]!;
+    const blank = path([...regions.open[requirement]!, ...regions.unknown]);
+    const visible = rings.map((ring) => ring.map((p) => (inside(blank, p[0], p[1]) ? [NaN, NaN] : p)) as Ring);
+    const text = `${title} = ${withUnit(number(limit), unit)}`;
+    const colour = colourOf(colours, requirement);
+    const before = taken.length;
+    // Beside the hatching the name reads best; on it, it still reads.
+    labelBoundary(pen, frame, visible, text, colour, colours, taken, (x, y) => !inside(failing, x, y) && !inside(blank, x, y));
+    if (taken.length === before) {
+      labelBoundary(pen, frame, visible, text, colour, colours, taken, (x, y) => !inside(blank, x, y));
     }
-  });
+  }
   for (const group of sameOpen(regions.open)) {
     const exercised = fields.exercised(group[0]!)!;
     const names = group.length === study.requirements.length ? [] : group.map((index) => study.requirements[index]!.title);

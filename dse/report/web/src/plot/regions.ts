@@ -8,9 +8,15 @@ import { above, below, outside, path, type Ring } from "./contour";
 import { clipTo, type Frame } from "./frame";
 import { hatch } from "./hatch";
 
+/** Where a requirement's metric is beyond one of its bounds. */
+export interface Side {
+  requirement: number;
+  limit: number;
+  rings: Ring[];
+}
+
 export interface Regions {
-  /** Per requirement, where its metric is out of bounds. */
-  infeasible: Ring[][];
+  sides: Side[];
   /** Per requirement, where the runs do not exercise it. */
   open: Ring[][];
   /** Where failed runs leave a hole. */
@@ -25,13 +31,13 @@ export interface Scale {
 export function regionsOf(study: Study, fields: Fields, thresholds: Threshold[], frame: Frame): Regions {
   const known = fields.known();
   return {
-    infeasible: study.requirements.map(({ metric }, index) => {
-      const { atMost, atLeast } = thresholds[index]!;
+    sides: study.requirements.flatMap(({ metric }, requirement) => {
+      const { atMost, atLeast } = thresholds[requirement]!;
       const field = fields.metric(metric);
-      return [
-        ...(atMost === null ? [] : above(field, fields, frame, atMost)),
-        ...(atLeast === null ? [] : below(field, fields, frame, atLeast)),
-      ];
+      const sides: Side[] = [];
+      if (atMost !== null) sides.push({ requirement, limit: atMost, rings: above(field, fields, frame, atMost) });
+      if (atLeast !== null) sides.push({ requirement, limit: atLeast, rings: below(field, fields, frame, atLeast) });
+      return sides;
     }),
     open: study.requirements.map((_, index) => {
       const exercised = fields.exercised(index);
@@ -67,21 +73,21 @@ export function paintRegions(
   clipTo(pen, frame);
   if (fill) paintBands(pen, frame, fields, fill.values, fill.scale, colours);
   else paintAll(pen, frame, colours.feasible);
-  const failing = path(regions.infeasible.flat());
+  const failing = path(regions.sides.flatMap(({ rings }) => rings));
   pen.fillStyle = fill ? colours.veil : colours.plot;
   pen.fill(failing);
   const blank = path([...regions.open.flat(), ...regions.unknown]);
   pen.fillStyle = colours.plot;
   pen.fill(blank);
-  regions.infeasible.forEach((rings, index) => {
-    if (!rings.length) return;
+  for (const { requirement, rings } of regions.sides) {
+    if (!rings.length) continue;
     pen.save();
-    pen.clip(outside(regions.open[index]!), "evenodd");
+    pen.clip(outside(regions.open[requirement]!), "evenodd");
     pen.clip(outside(regions.unknown), "evenodd");
-    const colour = colourOf(colours, index);
+    const colour = colourOf(colours, requirement);
     const shape = path(rings);
     pen.globalAlpha = 0.62;
-    pen.fillStyle = hatch(pen, index, colour);
+    pen.fillStyle = hatch(pen, requirement, colour);
     pen.fill(shape);
     pen.globalAlpha = 1;
     pen.strokeStyle = colours.plot;
@@ -91,7 +97,7 @@ export function paintRegions(
     pen.lineWidth = 2.4;
     pen.stroke(shape);
     pen.restore();
-  });
+  }
   pen.setLineDash([6, 4]);
   pen.lineWidth = 1.4;
   pen.strokeStyle = colours.muted;

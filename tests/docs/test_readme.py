@@ -1,0 +1,73 @@
+"""The README's commands and code run as they stand."""
+
+from __future__ import annotations
+
+import os
+import re
+import shlex
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from dse.loading.workspace import Workspace
+
+README = Path(__file__).parents[2] / "README.md"
+BLOCK = re.compile(r"^```(\w+)\n(.*?)^```$", re.DOTALL | re.MULTILINE)
+
+
+def blocks(language: str) -> list[str]:
+    return [text for kind, text in BLOCK.findall(README.read_text(encoding="utf-8")) if kind == language]
+
+
+@pytest.fixture(scope="module")
+def workspace(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("readme")
+    subprocess.run([sys.executable, "-m", "dse", "init", "my-study"], cwd=folder, check=True, capture_output=True)
+    return folder / "my-study"
+
+
+def test_every_command_of_the_readme_succeeds(workspace, tmp_path):
+    environment = {**os.environ, "DSE_CACHE": str(tmp_path)}
+    commands = [shlex.split(line, comments=True) for block in blocks("sh") for line in block.splitlines()]
+    ours = [command for command in commands if command and command[0] == "dse" and command[1] != "init"]
+    assert len(ours) >= 6
+    for command in ours:
+        done = subprocess.run(
+            [sys.executable, "-m", *command],
+            cwd=workspace,
+            env=environment,
+            capture_output=True,
+            text=True,
+            encoding="utf-8",
+            check=False,
+        )
+        assert done.returncode == 0, f"{' '.join(command)}\n{done.stdout}\n{done.stderr}"
+
+
+def test_the_numbers_beside_the_commands_are_those_they_print(workspace):
+    text = README.read_text(encoding="utf-8")
+    claimed = re.search(r"# (\d+) of (\d+) configurations meet", text)
+    command = [sys.executable, "-m", "dse", "enumerate", "acc_vehicle", "--count"]
+    done = subprocess.run(command, cwd=workspace, capture_output=True, text=True, encoding="utf-8", check=True)
+    assert claimed
+    assert f"{claimed[1]} of {claimed[2]} configurations" in done.stdout
+
+
+def test_the_files_shown_can_be_read(workspace):
+    for number, text in enumerate(blocks("yaml")):
+        name = text.splitlines()[0].removeprefix("# ").split(":")[0]
+        path = workspace / Path(name).parent / f"shown{number}{''.join(Path(name).suffixes)}"
+        path.write_text(text, encoding="utf-8")
+        space = Workspace(workspace)
+        assert (space.study if ".pet." in name else space.design)(str(path)).name
+
+
+def test_the_python_shown_runs(workspace):
+    for text in blocks("python"):
+        done = subprocess.run(
+            [sys.executable, "-c", text], cwd=workspace, capture_output=True, text=True, encoding="utf-8", check=False
+        )
+        assert done.returncode == 0, done.stderr
+        assert "configurations below" in done.stdout
