@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from rich.table import Table
 
 DONE, WRONG_FILES, USAGE, RUNS_FAILED, INTERRUPTED = 0, 1, 2, 3, 130
-"""Exit codes: done; the user's files are wrong; wrong usage; some runs failed, or a requirement under --gate; Ctrl-C."""
+"""Exit codes: done; the files are wrong; wrong usage; some runs failed, or a requirement under --gate; Ctrl-C."""
 
 app = typer.Typer(
     name="dse",

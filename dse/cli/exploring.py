@@ -113,7 +113,7 @@ def _say(folder: Path, table: RunTable, before: int) -> None:
             label = name if titles[name] == name else f"{name} {titles[name]}"
             shown.add_row(label, *(str(number) for number in count.values()))
         screen.print(shown)
-    said = {}
+    said: dict[str, str] = {}
     for number, done, problem in zip(table.numbers.tolist(), table.done.tolist(), table.problems, strict=True):
         if problem:
             said.setdefault(problem, f"  run {number} {'' if done else 'failed: '}{problem}")

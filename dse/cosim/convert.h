@@ -65,6 +65,14 @@ static int64_t narrow(const Group *group)
             ((C_TYPE *)group->room)[i] = (C_TYPE)value;                                                               \
         }                                                                                                             \
         break;
+#define EITHER(TYPE, C_TYPE)                                                                                          \
+    case TYPE:                                                                                                        \
+        for (int64_t i = 0; i < count; i++) {                                                                         \
+            if (values[i] != 0.0 && values[i] != 1.0)                                                                 \
+                return i;                                                                                             \
+            ((C_TYPE *)group->room)[i] = values[i] == 1.0;                                                            \
+        }                                                                                                             \
+        break;
         WHOLE(INT8, int8_t, INT8_MIN, INT8_MAX)
         WHOLE(UINT8, uint8_t, 0, UINT8_MAX)
         WHOLE(INT16, int16_t, INT16_MIN, INT16_MAX)
@@ -73,8 +81,8 @@ static int64_t narrow(const Group *group)
         WHOLE(UINT32, uint32_t, 0, UINT32_MAX)
         WHOLE(INT64, int64_t, -EXACT_INTEGER, EXACT_INTEGER)
         WHOLE(UINT64, uint64_t, 0, EXACT_INTEGER)
-        WHOLE(BOOLEAN, bool, 0, 1)
-        WHOLE(FMI2_BOOLEAN, int32_t, 0, 1)
+        EITHER(BOOLEAN, bool)
+        EITHER(FMI2_BOOLEAN, int32_t)
     }
     return count;
 }

@@ -95,21 +95,9 @@ static inline int call_accessor(const Group *group)
                : ((Fmi3Access)group->access)(group->instance, group->references, count, group->room, count);
 }
 
-/* Reals need no conversion: their accessors work on the table itself. Nearly all variables are reals. */
-static inline bool access_reals(const Group *group, int *status)
-{
-    const size_t count = (size_t)group->count;
-    if (group->direct == 2)
-        *status = ((Fmi2Access)group->access)(group->instance, group->references, count, group->values);
-    else if (group->direct == 3)
-        *status = ((Fmi3Access)group->access)(group->instance, group->references, count, group->values, count);
-    else
-        return false;
-    return true;
-}
-
 static bool read_converted(System *system, const Group *group)
 {
+    enter(system, group->place);
     if (!accept(system, call_accessor(group)))
         return false;
     int64_t good = widen(group);
@@ -117,44 +105,57 @@ static bool read_converted(System *system, const Group *group)
            fail(system, TOO_LARGE, 0, group->values + good - system->values, group->values[good]);
 }
 
-static inline bool read_groups(System *system, const Group *groups, int64_t n_groups)
-{
-    for (const Group *group = groups, *end = groups + n_groups; group < end; group++) {
-        int status;
-        enter(system, group->place);
-        if (access_reals(group, &status)) {
-            if (!is_good(status))
-                return fail(system, BAD_STATUS, status, 0, 0);
-        } else if (!read_converted(system, group))
-            return false;
-    }
-    return true;
-}
-
 static bool fail_unfit(System *system, const Group *group, int64_t kind, int64_t position)
 {
-    const Element *element = &system->elements[group->place.element];
-    const Group *first = kind == UNFIT_START ? element->starts : element->inputs;
-    return fail(system, kind, group - first, position, group->values[position]);
+    /* The variable's position among all start values, or among all inputs. */
+    const double *first = kind == UNFIT_START ? system->starts : system->staged;
+    return fail(system, kind, 0, group->values + position - first, group->values[position]);
 }
 
 static bool write_converted(System *system, const Group *group, int64_t unfit)
 {
+    enter(system, group->place);
     int64_t good = narrow(group);
     return good == group->count ? accept(system, call_accessor(group)) : fail_unfit(system, group, unfit, good);
 }
 
-static inline bool write_groups(System *system, const Group *groups, int64_t n_groups, int64_t unfit)
+/* Reals need no conversion, their accessors work on the table of values itself. */
+static inline bool access_reals(System *system, const Group *fmi2, const Group *fmi3, const Group *end)
 {
-    for (const Group *group = groups, *end = groups + n_groups; group < end; group++) {
-        int status;
-        enter(system, group->place);
-        if (access_reals(group, &status)) {
-            if (!is_good(status))
-                return fail(system, BAD_STATUS, status, 0, 0);
-        } else if (!write_converted(system, group, unfit))
-            return false;
+    int status = FMI_OK;
+    for (; fmi2 < fmi3; fmi2++) {
+        enter(system, fmi2->place);
+        status = ((Fmi2Access)fmi2->access)(fmi2->instance, fmi2->references, (size_t)fmi2->count, fmi2->values);
+        if (!is_good(status))
+            return fail(system, BAD_STATUS, status, 0, 0);
     }
+    for (; fmi3 < end; fmi3++) {
+        const size_t count = (size_t)fmi3->count;
+        enter(system, fmi3->place);
+        status = ((Fmi3Access)fmi3->access)(fmi3->instance, fmi3->references, count, fmi3->values, count);
+        if (!is_good(status))
+            return fail(system, BAD_STATUS, status, 0, 0);
+    }
+    return true;
+}
+
+static inline bool read_groups(System *system, const Groups *groups)
+{
+    if (!access_reals(system, groups->first, groups->fmi3_reals, groups->others))
+        return false;
+    for (const Group *group = groups->others; group < groups->end; group++)
+        if (!read_converted(system, group))
+            return false;
+    return true;
+}
+
+static inline bool write_groups(System *system, const Groups *groups, int64_t unfit)
+{
+    if (!access_reals(system, groups->first, groups->fmi3_reals, groups->others))
+        return false;
+    for (const Group *group = groups->others; group < groups->end; group++)
+        if (!write_converted(system, group, unfit))
+            return false;
     return true;
 }
 
@@ -192,15 +193,21 @@ static bool all_finite(System *system)
 
 /* ---- the phases of a run ---- */
 
+static void bind_groups(const Groups *groups, const Element *elements)
+{
+    for (Group *group = groups->first; group < groups->end; group++)
+        group->instance = elements[group->place.element].instance;
+}
+
 static void bind(System *system)
 {
-    for (Element *element = system->elements; element < system->elements + system->n_elements; element++) {
-        for (int64_t i = 0; i < element->n_starts; i++)
-            element->starts[i].instance = element->instance;
-        for (int64_t i = 0; i < element->n_inputs; i++)
-            element->inputs[i].instance = element->instance;
-        for (int64_t i = 0; i < element->n_outputs; i++)
-            element->outputs[i].instance = element->instance;
+    const Element *elements = system->elements;
+    bind_groups(&system->outputs, elements);
+    bind_groups(&system->inputs, elements);
+    for (int64_t e = 0; e < system->n_elements; e++) {
+        bind_groups(&elements[e].starts, elements);
+        bind_groups(&elements[e].inputs, elements);
+        bind_groups(&elements[e].outputs, elements);
     }
 }
 
@@ -215,7 +222,7 @@ static bool start(System *system, double stop)
             if (!accept(system, set_up(element->instance, 0, 0.0, 0.0, 1, stop)))
                 return false;
         }
-        if (!write_groups(system, element->starts, element->n_starts, UNFIT_START))
+        if (!write_groups(system, &element->starts, UNFIT_START))
             return false;
         enter_call(system, e, ENTER_INITIALIZATION);
         if (!accept(system, is_fmi2 ? ((FmiPlain)element->enter_initialization)(element->instance)
@@ -230,14 +237,14 @@ static bool start(System *system, double stop)
 static bool settle(System *system)
 {
     size_t size = (size_t)system->n_values * sizeof(double);
-    if (!read_groups(system, system->outputs, system->n_outputs))
+    if (!read_groups(system, &system->outputs))
         return false;
     for (int64_t sweep = 0; sweep < system->sweeps; sweep++) {
         memcpy(system->previous, system->values, size);
         for (const Element *element = system->elements; element < system->elements + system->n_elements; element++) {
             stage(system, element->first_staged, element->n_staged);
-            if (!write_groups(system, element->inputs, element->n_inputs, UNFIT_INPUT) ||
-                !read_groups(system, element->outputs, element->n_outputs))
+            if (!write_groups(system, &element->inputs, UNFIT_INPUT) ||
+                !read_groups(system, &element->outputs))
                 return false;
         }
         if (memcmp(system->previous, system->values, size) == 0)
@@ -290,7 +297,7 @@ static bool simulate(System *system, const Request *request)
     double *row = request->out;
     for (int64_t k = 0;; k++, row += n_record) {
         system->progress->step = k;
-        if (!read_groups(system, system->outputs, system->n_outputs))
+        if (!read_groups(system, &system->outputs))
             return false;
         gather(row, system->values, request->record, n_record);
         if (request->digests)
@@ -300,7 +307,7 @@ static bool simulate(System *system, const Request *request)
             return false;
         if (k == request->steps)
             return true;
-        if (!write_groups(system, system->inputs, system->n_inputs, UNFIT_INPUT))
+        if (!write_groups(system, &system->inputs, UNFIT_INPUT))
             return false;
         /* Never accumulated: 6000 steps of 10 ms end at 60 s, not at 59.9999999999966 s. */
         const double time = (double)k * request->step;

@@ -48,10 +48,14 @@ typedef struct {
     void *room;     /* count values as the accessor has them; for FLOAT64 these are the values themselves */
     double *values; /* count values in a table: outputs, staged inputs or starts */
     int64_t count;
-    int32_t version, type;
-    int64_t direct; /* the version where the type is FLOAT64, otherwise 0 */
+    int64_t version, type;
     Place place;
 } Group;
+
+/* Groups in the order they are accessed: FLOAT64 of FMI 2, FLOAT64 of FMI 3, everything else. */
+typedef struct {
+    Group *first, *fmi3_reals, *others, *end;
+} Groups;
 
 typedef struct {
     int64_t version; /* 2 or 3 */
@@ -62,26 +66,26 @@ typedef struct {
     Place stepping; /* in do_step */
     Log *log;
     Fmi2Callbacks callbacks;
-    Group *starts, *inputs, *outputs;
-    int64_t n_starts, n_inputs, n_outputs;
+    Groups starts, inputs, outputs;
     int64_t first_value, n_values; /* the element's part of system->values */
     int64_t first_staged, n_staged;
 } Element;
 
 typedef struct {
-    int64_t kind, status; /* UNFIT: status is the group; STEP_CUT_SHORT: whether to end the simulation */
+    int64_t kind, status; /* STEP_CUT_SHORT: status tells whether to end the simulation */
     Progress progress;
-    int64_t position; /* of the variable in its group, or in the table of values */
+    int64_t position; /* of the variable among values, starts (UNFIT_START) or staged (UNFIT_INPUT) */
     double value;
 } Failure;
 
 typedef struct {
     Element *elements;
-    Group *outputs, *inputs; /* of all elements, in their order */
+    Groups outputs, inputs; /* of all elements */
     double *values, *previous; /* all outputs, now and one sweep before */
+    double *starts;            /* all start values */
     double *staged;            /* all inputs */
     const int32_t *sources;    /* staged[i] is values[sources[i]] */
-    int64_t n_elements, n_outputs, n_inputs, n_values, n_staged;
+    int64_t n_elements, n_values, n_staged;
     int64_t sweeps; /* most sweeps the initialization may take */
     Progress *progress;
     Progress unwatched;

@@ -44,12 +44,17 @@ class Group(ctypes.Structure):
         ("room", ctypes.c_void_p),
         ("values", ctypes.c_void_p),
         ("count", ctypes.c_int64),
-        ("version", ctypes.c_int32),
-        ("type", ctypes.c_int32),
-        ("direct", ctypes.c_int64),
+        ("version", ctypes.c_int64),
+        ("type", ctypes.c_int64),
         ("element", ctypes.c_int64),
         ("call", ctypes.c_int64),
     ]
+
+
+class Groups(ctypes.Structure):
+    """Groups in the order they are accessed."""
+
+    _fields_: ClassVar[_Fields] = [(name, ctypes.c_void_p) for name in ("first", "fmi3_reals", "others", "end")]
 
 
 class Element(ctypes.Structure):
@@ -73,12 +78,9 @@ class Element(ctypes.Structure):
         ("stepping_call", ctypes.c_int64),
         ("log", ctypes.c_void_p),
         ("callbacks", ctypes.c_void_p * 5),
-        ("starts", ctypes.c_void_p),
-        ("inputs", ctypes.c_void_p),
-        ("outputs", ctypes.c_void_p),
-        ("n_starts", ctypes.c_int64),
-        ("n_inputs", ctypes.c_int64),
-        ("n_outputs", ctypes.c_int64),
+        ("starts", Groups),
+        ("inputs", Groups),
+        ("outputs", Groups),
         ("first_value", ctypes.c_int64),
         ("n_values", ctypes.c_int64),
         ("first_staged", ctypes.c_int64),
@@ -103,15 +105,14 @@ class System(ctypes.Structure):
 
     _fields_: ClassVar[_Fields] = [
         ("elements", ctypes.c_void_p),
-        ("outputs", ctypes.c_void_p),
-        ("inputs", ctypes.c_void_p),
+        ("outputs", Groups),
+        ("inputs", Groups),
         ("values", ctypes.c_void_p),
         ("previous", ctypes.c_void_p),
+        ("starts", ctypes.c_void_p),
         ("staged", ctypes.c_void_p),
         ("sources", ctypes.c_void_p),
         ("n_elements", ctypes.c_int64),
-        ("n_outputs", ctypes.c_int64),
-        ("n_inputs", ctypes.c_int64),
         ("n_values", ctypes.c_int64),
         ("n_staged", ctypes.c_int64),
         ("sweeps", ctypes.c_int64),

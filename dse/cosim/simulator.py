@@ -24,11 +24,12 @@ __all__ = ["RunFailed", "Simulator"]
 _NO_START: Mapping[str, float] = MappingProxyType({})
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)
 class _Run:
     stop: float
     step: float
     steps: int
+    out: NDArray[np.float64]
 
 
 class Simulator:
@@ -60,12 +61,20 @@ class Simulator:
         self._lost: RunFailed | None = None
         self._closed = False
 
-    def run(self, *, stop: float, step: float, start: Mapping[str, float] = _NO_START) -> NDArray[np.float64]:
+    def run(
+        self,
+        *,
+        stop: float,
+        step: float,
+        start: Mapping[str, float] = _NO_START,
+        out: NDArray[np.float64] | None = None,
+    ) -> NDArray[np.float64]:
         """Simulate from 0 to *stop* in steps of *step* (seconds).
 
         *start* gives values to parameters and unconnected inputs by ``element.fmi_variable``, for this run only and
-        before those of ``Element.start``. Returns a fresh array of shape ``(round(stop/step) + 1, len(record))``, row
-        k holding the outputs at time ``k * step``. Raises RunFailed if an FMU fails, DseError for an impossible
+        before those of ``Element.start``. Returns an array of shape ``(round(stop/step) + 1, len(record))``, row k
+        holding the outputs at time ``k * step``: a fresh one, or *out* if it is given (float64, C order, that shape;
+        after a failed run its contents mean nothing). Raises RunFailed if an FMU fails, DseError for an impossible
         request.
         """
         if self._closed:
@@ -73,13 +82,14 @@ class Simulator:
         if self._lost:
             raise self._lost
         steps = steps_in(stop, step)
+        out = self._rows(steps, out)
         starts = self._tables.starts
         if not starts.covers(start):
             own = {f"{element.name}.{name}" for element in self.system.elements for name in element.start}
             self._tables.add_starts(sorted(start.keys() - own))
             starts = self._tables.starts
         starts.take(start)
-        run = _Run(end_of(stop, step, steps), step, steps)
+        run = _Run(end_of(stop, step, steps), step, steps, out)
         if self._can_reset and self.reset_is_trusted is None:
             return self._prove_reset(run)
         if self._can_reset and self.reset_is_trusted and self._reset():
@@ -105,22 +115,29 @@ class Simulator:
     ) -> None:
         self.close()
 
+    def _rows(self, steps: int, out: NDArray[np.float64] | None) -> NDArray[np.float64]:
+        shape = (steps + 1, self._record.size)
+        if out is None:
+            return np.empty(shape, np.float64)
+        if out.shape != shape or out.dtype != np.float64 or not out.flags.c_contiguous or not out.flags.writeable:
+            raise ValueError(f"out must be a writeable float64 array of shape {shape} in C order")
+        return out
+
     def _simulate(self, run: _Run, digests: NDArray[np.uint64] | None = None) -> NDArray[np.float64]:
-        out = np.empty((run.steps + 1, self._record.size), np.float64)
         request = layout.Request(
             run.stop,
             run.step,
             run.steps,
             self._record.ctypes.data,
             self._record.size,
-            out.ctypes.data,
+            run.out.ctypes.data,
             None if digests is None else digests.ctypes.data,
         )
         self._can_reset = False
         if self._kernel.dse_run(ctypes.byref(self._tables.system), ctypes.byref(request)):
             raise self._failure(run.step)
         self._can_reset = True
-        return out
+        return run.out
 
     def _reset(self) -> bool:
         if not self._kernel.dse_reset(ctypes.byref(self._tables.system)):

@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 import ctypes
-from collections.abc import Callable, Mapping, Sequence
-from itertools import accumulate
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -35,23 +34,19 @@ class Tables:
         self._logs = [layout.Log() for _ in wiring.system.elements]
         self._block = _block(progress)
         self.elements = (layout.Element * len(wiring.system.elements))()
-        self._outputs = self.groups(wiring.outputs, Call.GET, self.values)
-        self._inputs = self.groups(wiring.inputs, Call.SET, self._staged)
+        self._outputs = GroupTable(self, wiring.outputs, Call.GET, self.values)
+        self._inputs = GroupTable(self, wiring.inputs, Call.SET, self._staged)
         for index in range(len(self.elements)):
             self._fill(index)
-        self._connect("outputs", self._outputs, wiring.outputs)
-        self._connect("inputs", self._inputs, wiring.inputs)
         self.system = layout.System(
             elements=ctypes.addressof(self.elements),
-            outputs=ctypes.addressof(self._outputs.structures),
-            inputs=ctypes.addressof(self._inputs.structures),
+            outputs=self._outputs.all,
+            inputs=self._inputs.all,
             values=self.values.ctypes.data,
             previous=self._previous.ctypes.data,
             staged=self._staged.ctypes.data,
             sources=self._sources.ctypes.data,
             n_elements=len(self.elements),
-            n_outputs=len(self._outputs.structures),
-            n_inputs=len(self._inputs.structures),
             n_values=self.values.size,
             n_staged=self._staged.size,
             sweeps=wiring.sweeps,
@@ -77,39 +72,8 @@ class Tables:
         self.system.progress = None
         self._block = None
 
-    def groups(self, groups: Sequence[Sequence[Group]], verb: Call, values: NDArray[np.float64]) -> GroupTable:
-        """The kernel's structures for each element's *groups*, whose values lie in *values* one after another."""
-        flat = [(index, group) for index, part in enumerate(groups) for group in part]
-        structures = (layout.Group * len(flat))()
-        kept: list[Any] = [values]
-        first = 0
-        for structure, (index, group) in zip(structures, flat, strict=True):
-            model = self.wiring.system.elements[index].model
-            references = np.array([variable.reference for variable in group.variables], np.uint32)
-            room = (C_TYPES[group.type] * len(group.variables))()
-            kept += [references, room]
-            call = verb + group.type
-            structure.access = address(model, self._library(model), function_name(call, model.version))
-            structure.references = references.ctypes.data
-            structure.values = values.ctypes.data + first * values.itemsize
-            structure.room = structure.values if group.type is Type.FLOAT64 else ctypes.addressof(room)
-            structure.count = len(group.variables)
-            structure.element, structure.version = index, model.version
-            structure.type, structure.call = group.type, call
-            structure.direct = model.version if group.type is Type.FLOAT64 else 0
-            first += len(group.variables)
-        return GroupTable(structures, kept)
-
-    def use_starts(self, table: GroupTable, groups: Sequence[Sequence[Group]]) -> None:
-        """Let the elements take their start values from *table*."""
-        self._connect("starts", table, groups)
-
-    def _connect(self, side: str, table: GroupTable, groups: Sequence[Sequence[Group]]) -> None:
-        for element, part, first in zip(self.elements, groups, _offsets(groups, len), strict=True):
-            setattr(element, side, ctypes.addressof(table.structures) + first * ctypes.sizeof(layout.Group))
-            setattr(element, f"n_{side}", len(part))
-
-    def _library(self, model: FmuModel) -> ctypes.CDLL:
+    def library(self, model: FmuModel) -> ctypes.CDLL:
+        """The loaded library of *model*."""
         key = str(model.library)
         if key not in self._libraries:
             self._libraries[key] = load(model)
@@ -122,22 +86,67 @@ class Tables:
         target.name = element.name.encode()
         target.token = model.token.encode()
         target.resources = resources(model).encode()
-        for call, where in lifecycle(model, self._library(model)).items():
+        for call, where in lifecycle(model, self.library(model)).items():
             setattr(target, call.name.lower(), where)
         target.stepping_element, target.stepping_call = index, Call.DO_STEP
         target.log = ctypes.addressof(self._logs[index])
-        for part, groups in (("value", self.wiring.outputs), ("staged", self.wiring.inputs)):
-            setattr(target, f"first_{part}", _offsets(groups, _size)[index])
-        target.n_values = _size(self.wiring.outputs[index])
-        target.n_staged = _size(self.wiring.inputs[index])
+        target.outputs, target.inputs = self._outputs.of_element[index], self._inputs.of_element[index]
+        target.first_value, target.n_values = self._outputs.spans[index]
+        target.first_staged, target.n_staged = self._inputs.spans[index]
 
 
 class GroupTable:
-    """The kernel's structures for groups of variables, and the memory they point into."""
+    """The kernel's structures for each element's *groups*, whose values lie in *values* one after another.
 
-    def __init__(self, structures: ctypes.Array[layout.Group], kept: list[Any]) -> None:
-        self.structures = structures
-        self._kept = kept
+    *of_element* holds them element by element, *all* those of the whole system; *spans* says at which position each
+    element's values begin and how many they are.
+    """
+
+    def __init__(
+        self, tables: Tables, groups: Sequence[Sequence[Group]], verb: Call, values: NDArray[np.float64]
+    ) -> None:
+        self._kept: list[Any] = [values]
+        self.of_element: list[layout.Groups] = []
+        self.spans: list[tuple[int, int]] = []
+        everything: list[layout.Group] = []
+        position = 0
+        for index, part in enumerate(groups):
+            structures = []
+            began = position
+            for group in part:
+                where = values.ctypes.data + position * values.itemsize
+                structures.append(self._structure(tables, index, group, verb, where))
+                position += len(group.variables)
+            self.spans.append((began, position - began))
+            self.of_element.append(self._in_order(structures))
+            everything += structures
+        self.all = self._in_order(everything)
+
+    def _structure(self, tables: Tables, index: int, group: Group, verb: Call, values: int) -> layout.Group:
+        model = tables.wiring.system.elements[index].model
+        references = np.array([variable.reference for variable in group.variables], np.uint32)
+        room = (C_TYPES[group.type] * len(group.variables))()
+        self._kept += [references, room]
+        call = verb + group.type
+        return layout.Group(
+            access=address(model, tables.library(model), function_name(call, model.version)),
+            references=references.ctypes.data,
+            room=values if group.type is Type.FLOAT64 else ctypes.addressof(room),
+            values=values,
+            count=len(group.variables),
+            version=model.version,
+            type=group.type,
+            element=index,
+            call=call,
+        )
+
+    def _in_order(self, structures: Sequence[layout.Group]) -> layout.Groups:
+        ordered = sorted(structures, key=_rank)
+        array = (layout.Group * len(ordered))(*ordered)
+        self._kept.append(array)
+        ranks = [_rank(structure) for structure in ordered]
+        first, size = ctypes.addressof(array), ctypes.sizeof(layout.Group)
+        return layout.Groups(*(first + size * sum(rank < bound for rank in ranks) for bound in range(4)))
 
 
 class StartTable:
@@ -149,8 +158,10 @@ class StartTable:
         self._own = np.array(own, np.float64)
         self._values = self._own.copy()
         # Built before it is put to use: a missing accessor must leave the tables as they were.
-        self._table = tables.groups(self.groups, Call.SET, self._values)
-        tables.use_starts(self._table, self.groups)
+        self._table = GroupTable(tables, self.groups, Call.SET, self._values)
+        tables.system.starts = self._values.ctypes.data
+        for element, groups in zip(tables.elements, self._table.of_element, strict=True):
+            element.starts = groups
 
     def covers(self, start: Mapping[str, float]) -> bool:
         """Whether *start* gives values to exactly the extra names and otherwise to names the system sets itself."""
@@ -163,12 +174,9 @@ class StartTable:
             self._values[self.positions[name]] = value
 
 
-def _size(groups: Sequence[Group]) -> int:
-    return sum(len(group.variables) for group in groups)
-
-
-def _offsets(parts: Sequence[Sequence[Group]], size: Callable[[Sequence[Group]], int]) -> list[int]:
-    return [0, *accumulate(size(part) for part in parts)][: len(parts)]
+def _rank(structure: layout.Group) -> int:
+    """0 for the reals of FMI 2, 1 for the reals of FMI 3, 2 for what needs conversion."""
+    return int(structure.version) - 2 if structure.type == Type.FLOAT64 else 2
 
 
 def _block(progress: memoryview | None) -> layout.Progress | None:

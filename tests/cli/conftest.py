@@ -16,7 +16,9 @@ STUDY = """\
 study: small
 testbench: acc_following
 configurations:
-  where: sensor is radar_77ghz_mid and controller is pd_acc and brake is hydraulic_booster and powertrain is bev_ideal and video is absent
+  where: >-
+    sensor is radar_77ghz_mid and controller is pd_acc and brake is hydraulic_booster
+    and powertrain is bev_ideal and video is absent
 design_variables:
   controller.kp_speed: {range: [0.5, 4.5], levels: 5, nominal: 1.2}
   controller.kd_speed: {range: [0, 1], levels: 4, nominal: 0.5}

@@ -6,6 +6,7 @@ import { count } from "./format";
 import { createConfigurations } from "./panels/configurations";
 import { createControls } from "./panels/controls";
 import { createFacts } from "./panels/facts";
+import { createParallel } from "./panels/parallel";
 import { createSelected } from "./panels/selected";
 import { createSummary } from "./panels/summary";
 import { createTable } from "./panels/table";
@@ -92,7 +93,7 @@ function sections(store: Store, planes: ReturnType<typeof createPlanes> | null):
       {},
       column("left", plotCard(store, planes), ...thresholds),
       column("right", run, ...waves),
-      column("wide", ...configurations, card("all", "All runs", createTable(store)), createFacts(study)),
+      column("wide", ...configurations, card("all", "All runs", createParallel(store), createTable(store)), createFacts(study)),
     ),
   ];
 }

@@ -78,10 +78,14 @@ export function labelRegion(
   let best = -1;
   for (let node = 0; node < depth.length; node++) {
     if (depth[node]! * step < 16 || (best >= 0 && depth[node]! <= depth[best]!)) continue;
+    const half = Math.round(width / 2 / stepX);
+    const row = node - (node % wide);
+    const [first, last] = [node - half, node + half];
+    if (first < row || last >= row + wide || !inside(first) || !inside(last)) continue;
     const [x, y] = place(node);
     if (fits(frame, x, y, width + 12, 0) && !collides(taken, x, y, width, 0)) best = node;
   }
-  if (best < 0 || depth[best]! * step * 2.4 < width * 0.6) return;
+  if (best < 0) return;
   const [x, y] = place(best);
   lines.forEach((line, index) => {
     pen.save();

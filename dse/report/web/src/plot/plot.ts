@@ -123,6 +123,8 @@ function writeLabels(
     const names = group.length === study.requirements.length ? [] : group.map((index) => study.requirements[index]!.title);
     labelRegion(pen, frame, fields, (node) => exercised[node]! < 0.5, ["not exercised", ...names.slice(0, 3)], colours.plot, colours, taken);
   }
+  const known = fields.known();
+  if (known) labelRegion(pen, frame, fields, (node) => known[node]! < 0.5, ["no result"], colours.plot, colours, taken);
   if (nameFeasible && study.requirements.length) {
     labelRegion(pen, frame, fields, meetsAll(study, fields, thresholds), ["all requirements met"], colours.feasible, colours, taken);
   }
