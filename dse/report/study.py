@@ -88,28 +88,6 @@ def planes(content: ReportContent) -> list[tuple[str, str]]:
     return [(content.variables[0].name, content.variables[1].name)]
 
 
-def picked_run(folder: StudyFolder) -> int | None:
-    """The run nearest the boundary from inside: passes every requirement, keeps waveforms, has the least margin.
-
-    Margins are compared in the units their requirements speak. Without a passing run the first kept one; None
-    if no waveforms were kept.
-    """
-    table = folder.table()
-    kept = {number for number, file in folder.kept().items() if file}
-    passes = VERDICTS.index(Verdict.PASS)
-    names = table.header.requirements
-    good = np.asarray([number in kept for number in table.numbers.tolist()], dtype=np.bool_)
-    if not good.any():
-        return None
-    margins = np.full(len(table), np.inf)
-    for name in names:
-        good &= table.verdicts(name) == passes
-        margins = np.minimum(margins, table.margins(name))
-    if not good.any():
-        return min(kept)
-    return int(table.numbers[np.flatnonzero(good)[np.argmin(margins[good])]])
-
-
 @dataclass(frozen=True, slots=True, eq=False)
 class _Rows:
     """What targets of figures are looked up in: points by run, constants by configuration."""
@@ -140,7 +118,8 @@ def _shown(values: NDArray[np.float64], unit: Unit) -> Floats:
 
 
 def _bound(value: float | None, unit: Unit) -> float | None:
-    return None if value is None else unit.from_si(value)
+    # Converted like the values it is compared with, so that a value on its bound stays there.
+    return None if value is None else float(_shown(np.asarray(value), unit))
 
 
 def _configuration(entry: Mapping[str, Any]) -> ConfigurationEntry:

@@ -33,17 +33,17 @@ def figure(
     """Draw the constraint plot and one run's waveforms for print (the paper's figures 6 and 7).
 
     Without --x and --y one constraint plot is drawn for each slice of the study. Without --run the waveforms are those
-    of the run nearest the boundary from inside: it passes everything, with the least margin.
+    of the run nearest the bounds of all requirements among those that pass.
     """
     from dse.report.draw import draw_constraint_plot, draw_waveforms, save
-    from dse.report.figures import constraint_plot_data, waveform_data
-    from dse.report.study import picked_run, planes, read_content
+    from dse.report.figures import constraint_plot_data, default_run, waveform_data
+    from dse.report.study import planes, read_content
     from dse.results.folder import StudyFolder
 
     with StudyFolder.open(folder) as store:
         content = read_content(store, shown_as=folder.as_posix())
         chosen = configuration or content.configurations[0].id
-        run = picked_run(store) if number is None else number
+    run = number if number is not None else default_run(content) if content.figures else None
     place = target or folder / "figures"
     place.mkdir(parents=True, exist_ok=True)
     written = []
