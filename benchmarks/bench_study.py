@@ -38,7 +38,7 @@ ROWS = 100_000
 
 
 def main() -> None:
-    study = Workspace.around(Path(__file__).parent).study("acc_gains")
+    study = replace(Workspace.around(Path(__file__).parent).study("acc_gains"), keep=Keep.NEAR_BOUNDARY)
     planned = plan(study)
     asked = requests(study, tuple(planned.prepared))
     whole, kernel = [], []

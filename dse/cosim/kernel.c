@@ -13,6 +13,13 @@
 const int64_t dse_layout[8] = {sizeof(Progress), sizeof(Log),    sizeof(Group),  sizeof(Element),
                                sizeof(Failure),  sizeof(System), sizeof(Request), LOG_LINES *LOG_WIDTH};
 
+/* Kept apart from the loop, which is measurably faster without them in between. */
+#if defined(__GNUC__)
+#define RARE __attribute__((cold, noinline))
+#else
+#define RARE
+#endif
+
 /* ---- the FMU's log ---- */
 
 static char *next_line(Log *log)
@@ -53,7 +60,7 @@ static inline void enter_call(System *system, int64_t element, int64_t call)
     enter(system, (Place){element, call});
 }
 
-static bool fail(System *system, int64_t kind, int64_t status, int64_t position, double value)
+RARE static bool fail(System *system, int64_t kind, int64_t status, int64_t position, double value)
 {
     system->failure = (Failure){kind, status, *system->progress, position, value};
     return false;
@@ -105,7 +112,7 @@ static bool read_converted(System *system, const Group *group)
            fail(system, TOO_LARGE, 0, group->values + good - system->values, group->values[good]);
 }
 
-static bool fail_unfit(System *system, const Group *group, int64_t kind, int64_t position)
+RARE static bool fail_unfit(System *system, const Group *group, int64_t kind, int64_t position)
 {
     /* The variable's position among all start values, or among all inputs. */
     const double *first = kind == UNFIT_START ? system->starts : system->staged;
@@ -182,7 +189,7 @@ static inline double stage(const System *system, int64_t first, int64_t count)
     return gather(system->staged + first, system->values, system->sources + first, count);
 }
 
-static bool all_finite(System *system)
+RARE static bool all_finite(System *system)
 {
     int64_t position = system->n_values;
     for (int64_t i = 0; i < system->n_staged; i++)
@@ -276,7 +283,7 @@ static inline bool do_step(System *system, const Element *element, double time, 
     return terminate || early_return ? fail(system, STEP_CUT_SHORT, terminate, 0, reached) : true;
 }
 
-static void digest(const System *system, uint64_t *digests)
+RARE static void digest(const System *system, uint64_t *digests)
 {
     for (int64_t e = 0; e < system->n_elements; e++) {
         const Element *element = &system->elements[e];

@@ -111,6 +111,17 @@ def test_values_given_to_a_run_come_before_those_of_the_system(shelf, version):
     assert rows == [[1, 1, 1], [5, 5, 5], [1, 2, 4], [3, 6, 12], [1, 3, 9], [1, 1, 1]]
 
 
+def test_a_run_fills_the_array_it_is_given(shelf):
+    system = shelf.system({"a": shelf.fmu("linear")}, (), {"a.y0": 1.0, "a.a": 2.0}, ["a.y"])
+    rows = np.full((3, 1), np.nan)
+    with Simulator(system, ["a.y"]) as simulator:
+        assert simulator.run(stop=0.2, step=0.1, out=rows) is rows
+        assert rows.tolist() == [[1], [2], [4]]
+        for unfit in (np.empty((4, 1)), np.empty((3, 1), np.float32), np.empty((3, 2))[:, :1]):
+            with pytest.raises(ValueError, match="out must be"):
+                simulator.run(stop=0.2, step=0.1, out=unfit)
+
+
 @BOTH
 def test_the_time_of_a_step_is_never_accumulated(shelf, version):
     system = shelf.system({"clock": shelf.fmu("faulty", version)}, (), {}, ["clock.y"])

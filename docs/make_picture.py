@@ -1,0 +1,55 @@
+"""Makes the README's picture and its table of the picked run from out/acc_gains: run it after `make demo`."""
+
+from __future__ import annotations
+
+import re
+import shutil
+import sys
+from pathlib import Path
+
+from playwright.sync_api import sync_playwright
+
+from dse.report.figures import default_run
+from dse.report.study import read_content
+from dse.results.folder import StudyFolder
+
+ROOT = Path(__file__).resolve().parents[1]
+STUDY = ROOT / "out" / "acc_gains"
+MARKS = ("<!-- picked run: begin -->", "<!-- picked run: end -->")
+
+
+def main() -> None:
+    """Write docs/images/acc_gains.png and the lines between the README's marks."""
+    browser_path = shutil.which("chromium") or shutil.which("google-chrome")
+    if browser_path is None or not (STUDY / "report.html").exists():
+        sys.exit("needs chromium and out/acc_gains/report.html (make demo)")
+    with sync_playwright() as playwright:
+        browser = playwright.chromium.launch(executable_path=browser_path)
+        page = browser.new_page(viewport={"width": 1440, "height": 1060})
+        page.goto((STUDY / "report.html").as_uri())
+        page.wait_for_timeout(1500)
+        page.screenshot(path=ROOT / "docs" / "images" / "acc_gains.png")
+        browser.close()
+    readme = ROOT / "README.md"
+    text = readme.read_text(encoding="utf-8")
+    pattern = re.compile(f"{re.escape(MARKS[0])}.*?{re.escape(MARKS[1])}", re.DOTALL)
+    readme.write_text(pattern.sub(lambda _: f"{MARKS[0]}\n{_table()}\n{MARKS[1]}", text), encoding="utf-8")
+
+
+def _table() -> str:
+    with StudyFolder.open(STUDY) as folder:
+        content = read_content(folder, shown_as="out/acc_gains")
+    number = default_run(content)
+    row = content.runs.numbers.tolist().index(number)
+    columns = [*content.variables, *(m for m in content.metrics if m.name in _SHOWN)]
+    heads = [f"{c.title} [{c.unit_symbol}]" if c.unit_symbol else c.title for c in columns]
+    cells = [f"{c.values[row]:.4g}" for c in columns]
+    lines = [["run", *heads], ["--:"] * (len(heads) + 1), [str(number), *cells]]
+    return "\n".join("| " + " | ".join(line) + " |" for line in lines)
+
+
+_SHOWN = ("speed_overshoot", "gap_undershoot", "settling_time", "final_gap", "final_speed")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,160 @@
+"""docs/formats.md: its blocks are a workspace that works, and it leaves out nothing the code reads."""
+
+from __future__ import annotations
+
+import json
+import os
+import re
+import sqlite3
+import subprocess
+import sys
+from collections.abc import Callable, Iterator
+from contextlib import closing
+from pathlib import Path
+
+import pytest
+
+from dse.domain.bench import Verdict
+from dse.domain.study import Keep
+from dse.loading import documents
+from dse.loading.expression_tokens import KEYWORDS
+from dse.loading.fields import Section
+from dse.metrics.catalogue import FUNCTIONS, ROWWISE
+from dse.results.export import EXPORTS
+from dse.space.rollups import ROLLUPS
+
+TEXT = (Path(__file__).parents[2] / "docs" / "formats.md").read_text(encoding="utf-8")
+BLOCK = re.compile(r"^```(\w*)\n(.*?)^```$", re.DOTALL | re.MULTILINE)
+FILE = re.compile(r"(?:# |/\* )((?:components|designs|testbenches)/\S+)(?: \*/)?\n")
+CODE = "\n".join([*(text for _, text in BLOCK.findall(TEXT)), *re.findall(r"`([^`\n]+)`", BLOCK.sub("", TEXT))])
+
+Dse = Callable[..., "subprocess.CompletedProcess[str]"]
+
+
+def files() -> dict[str, str]:
+    """The blocks that name a file, by that name."""
+    named = [(match[1], text) for _, text in BLOCK.findall(TEXT) if (match := FILE.match(text))]
+    assert len(dict(named)) == len(named)
+    return dict(named)
+
+
+def is_mentioned(word: str) -> bool:
+    return re.search(rf"(?<![\w.]){re.escape(word)}(?!\w)", CODE) is not None
+
+
+def sections() -> Iterator[type[Section]]:
+    for found in vars(documents).values():
+        if isinstance(found, type) and issubclass(found, Section) and found is not Section:
+            yield found
+
+
+@pytest.fixture(scope="module")
+def dse(tmp_path_factory: pytest.TempPathFactory) -> Dse:
+    root = tmp_path_factory.mktemp("formats")
+    for name, text in files().items():
+        path = root / "workspace" / name
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text(text, encoding="utf-8")
+
+    def call(*arguments: str) -> subprocess.CompletedProcess[str]:
+        return subprocess.run(
+            [sys.executable, "-m", "dse", *arguments],
+            cwd=root / "workspace",
+            env={**os.environ, "DSE_CACHE": str(root / "cache")},
+            capture_output=True,
+            text=True,
+            encoding="utf-8",
+            check=False,
+            timeout=120,
+        )
+
+    return call
+
+
+def test_the_blocks_are_a_workspace_without_a_mistake(dse):
+    done = dse("check")
+    assert done.returncode == 0, done.stderr
+    assert done.stdout.startswith("ok: 3 interfaces, 4 components, 1 design space, 1 test bench, 1 study")
+
+
+def test_the_bench_of_the_document_runs_and_gives_every_metric_and_verdict(dse):
+    done = dse("simulate", "speed_step", "--format", "json")
+    assert done.returncode == 0, done.stderr
+    run = json.loads(done.stdout)
+    assert run["outcome"] == "done"
+    assert run["metrics"].keys() == {"rise", "speed_overshoot", "reached", "pushing", "work"}
+    assert None not in run["metrics"].values()
+    assert {judgement["verdict"] for judgement in run["requirements"].values()} == {"pass"}
+
+
+def test_every_configuration_of_the_document_runs(dse, tmp_path):
+    done = dse("run", "speed_step", "-o", str(tmp_path / "all"), "-j", "1")
+    assert done.returncode == 0, done.stderr
+
+
+def test_the_count_beside_the_design_is_what_enumerate_finds(dse):
+    claimed = re.search(r"`dse enumerate parcel_cart --count` finds (\d+) of (\d+)", TEXT)
+    found = json.loads(dse("enumerate", "parcel_cart", "--count", "--format", "json").stdout)
+    assert claimed
+    assert found == {"design": "parcel_cart", "total": int(claimed[2]), "valid": int(claimed[1])}
+
+
+def test_the_study_folder_has_the_tables_and_columns_described(dse, tmp_path):
+    done = dse("explore", "gains", "-o", str(tmp_path), "-j", "1")
+    assert done.returncode == 0, done.stderr
+    with closing(sqlite3.connect(tmp_path / "study.sqlite")) as connection:
+        tables = [name for (name,) in connection.execute("SELECT name FROM sqlite_schema WHERE type = 'table'")]
+        for table in tables:
+            (described,) = re.findall(rf"^\| `{table}` \| (.*) \|$", TEXT, re.MULTILINE)
+            columns = [row[1] for row in connection.execute(f"PRAGMA table_info({table})")]
+            stems = {re.sub(r"^(p|m|verdict|margin):.*", r"\1:", column) for column in columns}
+            assert stems == set(re.findall(r"`(\w+:?)(?:[A-Z]+)?`", described)) - _values_in(table)
+        assert {"application_id": 0x44534553, "user_version": 1} == {
+            name: connection.execute(f"PRAGMA {name}").fetchone()[0] for name in ("application_id", "user_version")
+        }
+
+
+def _values_in(table: str) -> set[str]:
+    """Words in the description of *table* that are values, not columns."""
+    return {"facts": {"definition", "fingerprint", "runs"}, "runs": {"done", "failed"}}.get(table, set())
+
+
+def test_every_key_of_every_file_is_described():
+    keys = {(shape.__name__, key) for shape in sections() for key in shape.model_fields}
+    assert len(keys) > 60
+    assert not [key for key in sorted(keys) if not is_mentioned(key[1])]
+
+
+def test_every_function_rollup_and_keyword_of_the_expressions_is_described():
+    words = {*FUNCTIONS, *ROWWISE, *ROLLUPS, *KEYWORDS}
+    assert not [word for word in sorted(words) if not is_mentioned(word)]
+
+
+@pytest.mark.parametrize("name", FUNCTIONS)
+def test_the_arguments_of_a_metric_function_are_described_as_they_are(name):
+    (described,) = re.findall(rf"`{name}\(([^)`]*)\)`", BLOCK.sub("", TEXT))
+    found = [(part[0], part[2] or None) for part in (text.strip().partition(" = ") for text in described.split(","))]
+    assert [argument.name for argument in FUNCTIONS[name].arguments] == [argument for argument, _ in found]
+    for argument, (_, default) in zip(FUNCTIONS[name].arguments, found, strict=True):
+        assert argument.default == (float(default.removesuffix(" s")) if default else None)
+
+
+def test_every_verdict_result_format_and_choice_of_waveforms_is_described():
+    words = {*map(str, Verdict), *EXPORTS, *map(str, Keep)}
+    assert not [word for word in sorted(words) if not is_mentioned(word)]
+
+
+def test_every_exit_code_is_described():
+    from dse.cli import app
+
+    codes = {app.DONE, app.WRONG_FILES, app.USAGE, app.RUNS_FAILED, app.INTERRUPTED}
+    table = TEXT.partition("## Exit codes")[2].partition("\n## ")[0]
+    assert {int(code) for code in re.findall(r"^\| (\d+) \|", table, re.MULTILINE)} == codes
+
+
+def test_every_link_within_the_document_leads_to_a_heading():
+    headings = re.findall(r"^#+ (.*)$", BLOCK.sub("", TEXT), re.MULTILINE)
+    anchors = {re.sub(r"[^\w\- ]", "", heading.lower()).replace(" ", "-") for heading in headings}
+    linked = set(re.findall(r"\]\(#([^)]+)\)", TEXT))
+    assert len(linked) > 10
+    assert linked <= anchors

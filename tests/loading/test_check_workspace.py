@@ -1,0 +1,66 @@
+"""What shows only when files are put together: wiring, metrics, constraints. All of it located."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+
+import pytest
+
+from dse.loading.workspace import Workspace
+from dse.testbench.check import check_workspace
+
+
+def test_the_unbroken_workspace_has_no_problem(files):
+    problems, counts = check_workspace(Workspace(files.root))
+    assert problems == []
+    assert counts == {"interface": 3, "component": 3, "design space": 1, "test bench": 1, "study": 1}
+
+
+CASES = [
+    # file, old text, new text, place, message
+    ("testbenches/following.yaml", "world.scene -> sensor.scene", "world.scene -> sensor.picture", "testbenches/following.yaml:6:5", "no port"),
+    ("testbenches/following.yaml", "world.scene -> sensor.scene", "world.speed -> sensor.scene.range", "testbenches/following.yaml:6:5", "world.speed -> sensor.scene.range: units differ: m/s and m"),
+    ("testbenches/following.yaml", "  - controller.torque -> world.torque\n", "", "components/road/component.yaml:1:12", "input world.torque (road) is neither connected nor given a value"),
+    ("testbenches/following.yaml", "undershoot(world.gap,", "undershoot(world.gapp,", "testbenches/following.yaml:11:30", "world.gapp"),
+    ("testbenches/following.yaml", "undershoot(world.gap,", "undershot(world.gap,", "testbenches/following.yaml:11:19", "undershot"),
+    ("testbenches/following.yaml", "at_most: 1 %", "at_most: 1 m", "testbenches/following.yaml:13:3", "'gap_undershoot' is"),
+    ("testbenches/following.yaml", "record: [world.gap]", "record: [world.gapp]", "testbenches/following.yaml:9:1", "cannot record 'world.gapp'"),
+    ("testbenches/following.yaml", "target = controller.set_gap)", "target = controller.kp)", "testbenches/following.yaml:11:50", "'target' of undershoot must be length, found 1/time"),
+    ("designs/car.yaml", "sum(cost) <= 100 EUR", "sum(cost) <= 100 kg", "designs/car.yaml:9:21", "cannot compare currency and mass"),
+    ("designs/car.yaml", "sum(cost) <= 100 EUR", "sum(csot) <= 100 EUR", "designs/car.yaml:9:", "csot"),
+    ("designs/car.yaml", "sum(cost) <= 100 EUR", "sum(cost) <= 1 EUR", "designs/car.yaml", "no valid configuration"),
+    ("designs/car.yaml", "[radar]", "[radar, pd]", "designs/car.yaml:4", "different interfaces"),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("file", "old", "new", "where", "what"), CASES, ids=[case[2].strip() or "removed" for case in CASES]
+)
+def test_what_does_not_fit_together_is_named_where_it_stands(files, file, old, new, where, what):
+    files.edit(file, old, new)
+    problems, _ = check_workspace(Workspace(files.root))
+    assert problems
+    assert any(str(p.where).startswith(where) and what in p.what for p in problems), problems
+
+
+def test_the_command_line_shows_problems_and_no_traceback(files):
+    files.edit("components/radar/component.yaml", "min: 10 m", "min: 10 kg")
+    files.edit("designs/car.yaml", "because", "becuase")
+    done = subprocess.run(
+        [sys.executable, "-m", "dse", "check"],
+        cwd=files.root,
+        capture_output=True,
+        text=True,
+        encoding="utf-8",
+        check=False,
+    )
+    assert done.returncode == 1
+    assert done.stdout == ""
+    assert done.stderr == (
+        "components/radar/component.yaml:6:31: wrong unit in '10 kg': expected length, found mass\n"
+        "    hint: write it in m\n"
+        "designs/car.yaml:9:43: unknown key 'becuase'\n"
+        "    hint: did you mean 'because'?\n"
+        "2 problems\n"
+    )
