@@ -22,11 +22,13 @@ from dse.loading.fields import Section
 from dse.metrics.catalogue import FUNCTIONS, ROWWISE
 from dse.results.export import EXPORTS
 from dse.space.rollups import ROLLUPS
+from dse.units import parse_unit
 
 TEXT = (Path(__file__).parents[2] / "docs" / "formats.md").read_text(encoding="utf-8")
 BLOCK = re.compile(r"^```(\w*)\n(.*?)^```$", re.DOTALL | re.MULTILINE)
 FILE = re.compile(r"(?:# |/\* )((?:components|designs|testbenches)/\S+)(?: \*/)?\n")
-CODE = "\n".join([*(text for _, text in BLOCK.findall(TEXT)), *re.findall(r"`([^`\n]+)`", BLOCK.sub("", TEXT))])
+CODE = "\n".join(re.findall(r"`([^`\n]+)`", BLOCK.sub("", TEXT)))
+"""What stands between backticks in the text; the example's own files do not count as a description."""
 
 Dse = Callable[..., "subprocess.CompletedProcess[str]"]
 
@@ -36,6 +38,11 @@ def files() -> dict[str, str]:
     named = [(match[1], text) for _, text in BLOCK.findall(TEXT) if (match := FILE.match(text))]
     assert len(dict(named)) == len(named)
     return dict(named)
+
+
+def section(heading: str) -> str:
+    """The text under *heading*, without its blocks."""
+    return BLOCK.sub("", TEXT.partition(f"\n## {heading}\n")[2].partition("\n## ")[0])
 
 
 def is_mentioned(word: str) -> bool:
@@ -105,13 +112,14 @@ def test_the_study_folder_has_the_tables_and_columns_described(dse, tmp_path):
     with closing(sqlite3.connect(tmp_path / "study.sqlite")) as connection:
         tables = [name for (name,) in connection.execute("SELECT name FROM sqlite_schema WHERE type = 'table'")]
         for table in tables:
-            (described,) = re.findall(rf"^\| `{table}` \| (.*) \|$", TEXT, re.MULTILINE)
+            (described,) = re.findall(rf"^\| `{table}` \| (.*) \|$", section("The study folder"), re.MULTILINE)
             columns = [row[1] for row in connection.execute(f"PRAGMA table_info({table})")]
             stems = {re.sub(r"^(p|m|verdict|margin):.*", r"\1:", column) for column in columns}
             assert stems == set(re.findall(r"`(\w+:?)(?:[A-Z]+)?`", described)) - _values_in(table)
-        assert {"application_id": 0x44534553, "user_version": 1} == {
-            name: connection.execute(f"PRAGMA {name}").fetchone()[0] for name in ("application_id", "user_version")
-        }
+        (application,), (version,) = (
+            connection.execute(f"PRAGMA {n}").fetchone() for n in ("application_id", "user_version")
+        )
+        assert f"`application_id` 0x{application:X}, `user_version` {version}" in TEXT
 
 
 def _values_in(table: str) -> set[str]:
@@ -130,9 +138,16 @@ def test_every_function_rollup_and_keyword_of_the_expressions_is_described():
     assert not [word for word in sorted(words) if not is_mentioned(word)]
 
 
+def test_every_unit_listed_can_be_read():
+    (listed,) = re.findall(r"SI units and prefixes, and (.*?)\n\(", section("Quantities and units"), re.DOTALL)
+    units = " ".join(re.findall(r"`([^`]+)`", listed)).split()
+    assert len(units) > 10
+    assert [parse_unit(unit).symbol for unit in units] == units
+
+
 @pytest.mark.parametrize("name", FUNCTIONS)
 def test_the_arguments_of_a_metric_function_are_described_as_they_are(name):
-    (described,) = re.findall(rf"`{name}\(([^)`]*)\)`", BLOCK.sub("", TEXT))
+    (described,) = re.findall(rf"`{name}\(([^)`]*)\)`", section("Metrics"))
     found = [(part[0], part[2] or None) for part in (text.strip().partition(" = ") for text in described.split(","))]
     assert [argument.name for argument in FUNCTIONS[name].arguments] == [argument for argument, _ in found]
     for argument, (_, default) in zip(FUNCTIONS[name].arguments, found, strict=True):
@@ -148,8 +163,7 @@ def test_every_exit_code_is_described():
     from dse.cli import app
 
     codes = {app.DONE, app.WRONG_FILES, app.USAGE, app.RUNS_FAILED, app.INTERRUPTED}
-    table = TEXT.partition("## Exit codes")[2].partition("\n## ")[0]
-    assert {int(code) for code in re.findall(r"^\| (\d+) \|", table, re.MULTILINE)} == codes
+    assert {int(code) for code in re.findall(r"`(\d+)`", section("Exit codes"))} == codes
 
 
 def test_every_link_within_the_document_leads_to_a_heading():

@@ -58,7 +58,7 @@ def test_the_command_line_shows_problems_and_no_traceback(files):
     assert done.returncode == 1
     assert done.stdout == ""
     assert done.stderr == (
-        "components/radar/component.yaml:6:31: wrong unit in '10 kg': expected length, found mass\n"
+        "components/radar/component.yaml:6:30: wrong unit in '10 kg': expected length, found mass\n"
         "    hint: write it in m\n"
         "designs/car.yaml:9:43: unknown key 'becuase'\n"
         "    hint: did you mean 'because'?\n"
