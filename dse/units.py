@@ -24,6 +24,9 @@ TOPS = 1e12 * operation / second
 GOPS = 1e9 * operation / second
 """
 
+_MISREAD = {"Nm": "N.m", "kNm": "kN.m", "Ws": "W.s", "Wh/km": "W.h/km", "kg*m/s2": "kg.m/s2"}
+"""Spellings that would be read as something else (Nm as nanometres), and what is meant."""
+
 
 class UnitError(ValueError):
     """A unit or quantity that cannot be read; the message says what was expected."""
@@ -111,6 +114,8 @@ def parse_unit(text: str) -> Unit:
     text = text.strip()
     if text in ("", "1"):
         return DIMENSIONLESS
+    if text in _MISREAD:
+        raise UnitError(f"unknown unit '{text}': write {_MISREAD[text]}")
     import pint
 
     registry: Any = _registry()

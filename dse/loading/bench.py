@@ -235,10 +235,12 @@ def _requirement(document: Document, name: str, section: RequirementSection, met
     if section.at_most is None and section.at_least is None:
         problems.append(Problem(f"requirement '{name}' has no bound", document.key(at), "give at_most or at_least"))
     bounds: dict[str, float] = {}
-    unit: Unit = DIMENSIONLESS
+    unit: Unit | None = None
     for key, raw in (("at_most", section.at_most), ("at_least", section.at_least)):
         if raw is not None:
             quantity = read_quantity(raw, document.place((*at, key)))
+            if unit is not None and unit.dimension != quantity.unit.dimension:
+                problems.append(Problem(f"the bounds of '{name}' have different units", document.place((*at, key))))
             bounds[key], unit = float(quantity.si), quantity.unit
     if len(bounds) == 2 and bounds["at_least"] > bounds["at_most"]:
         problems.append(
@@ -256,7 +258,7 @@ def _requirement(document: Document, name: str, section: RequirementSection, met
         section.metric,
         bounds.get("at_most"),
         bounds.get("at_least"),
-        unit,
+        unit or DIMENSIONLESS,
         condition,
         section.title,
         document.key(at),

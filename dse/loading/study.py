@@ -29,7 +29,7 @@ FindBench = Callable[[str, Location], TestBench]
 """Returns the test bench of that name, or raises DseError at the location."""
 
 _SAMPLERS = ("full_factorial", "latin_hypercube")
-_MAX_RUNS = 10_000_000
+_MAX_RUNS = 5_000_000
 
 
 def read_study(path: Path, find_bench: FindBench) -> Study:

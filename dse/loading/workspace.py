@@ -100,19 +100,26 @@ class Workspace:
         """The design space called *name*, or in the file *name*. Raises DseError."""
         path = self._file(name, "designs", ".yaml", where)
         if path not in self._designs:
-            self._designs[path] = read_design(path, self.component, self.interfaces)
+            design = read_design(path, self.component, self.interfaces)
+            _require_name(design.name, path, ".yaml", design.where)
+            self._designs[path] = design
         return self._designs[path]
 
     def bench(self, name: str, where: Location | None = None) -> TestBench:
         """The test bench called *name*, or in the file *name*. Raises DseError."""
         path = self._file(name, "testbenches", ".yaml", where)
         if path not in self._benches:
-            self._benches[path] = read_bench(path, self.component, self.design)
+            bench = read_bench(path, self.component, self.design)
+            _require_name(bench.name, path, ".yaml", bench.where)
+            self._benches[path] = bench
         return self._benches[path]
 
     def study(self, name: str, where: Location | None = None) -> Study:
         """The study called *name*, or in the file *name*. Raises DseError."""
-        return read_study(self._file(name, "testbenches", _STUDY, where), self.bench)
+        path = self._file(name, "testbenches", _STUDY, where)
+        study = read_study(path, self.bench)
+        _require_name(study.name, path, _STUDY, study.where)
+        return study
 
     def files(self, folder: str) -> Iterator[Path]:
         """The YAML files of ``designs`` or ``testbenches``; a name that starts with ``_`` is only for including."""
@@ -124,12 +131,22 @@ class Workspace:
         typed = Path(name)
         if typed.suffix in (".yaml", ".yml") or typed.is_dir() or len(typed.parts) > 1:
             return typed.resolve()
-        found = {
-            path.name.removesuffix(suffix): path
-            for path in self.files(folder)
-            if path.name.endswith(suffix) and path.name.endswith(_STUDY) == (suffix == _STUDY)
-        }
+        found: dict[str, Path] = {}
+        for path in self.files(folder):
+            if not path.name.endswith(suffix) or path.name.endswith(_STUDY) != (suffix == _STUDY):
+                continue
+            stem = path.name.removesuffix(suffix)
+            if stem in found:
+                what = f"two files are called '{path.name}'"
+                raise fail(what, Location(shown(path)), f"the other is {shown(found[stem])}; rename one")
+            found[stem] = path
         if name not in found:
             kind = {"designs": "design", "testbenches": "study" if suffix == _STUDY else "test bench"}[folder]
             raise fail(f"unknown {kind} '{name}'", where, closest(name, found) or f"there is none in {folder}/")
         return found[name]
+
+
+def _require_name(name: str, path: Path, suffix: str, where: Location | None) -> None:
+    """Raise DseError unless the file is called after what it defines: others find it by that name."""
+    if path.name.removesuffix(suffix) != name:
+        raise fail(f"'{name}' is defined in a file called '{path.name}'", where, f"call the file {name}{suffix}")

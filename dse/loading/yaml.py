@@ -54,7 +54,7 @@ def read_yaml(path: Path) -> Document:
     text = _read_text(path)
     root = _compose(text, path)
     if root is None:
-        raise fail("the file is empty", Location(shown(path)), "see FORMATS in the documentation for what it can say")
+        raise fail("the file is empty", Location(shown(path)), "docs/formats.md says what each file holds")
     reader = _Reader(shown(path))
     data = reader.value(root, (), 0)
     if reader.problems:

@@ -40,7 +40,7 @@ def count(space: DesignSpace, limit: int = MOST_VISITS) -> int:
         raise fail(
             f"'{space.name}' has {visits:,} combinations to check, more than the limit of {limit:,}",
             space.where,
-            "raise it with --limit, or list the first configurations",
+            "list the first configurations instead: dse enumerate … --limit 100",
         )
     return sum(product_of(_pending(agenda)) for _, agenda in _search(tree, rules, last + 1))
 

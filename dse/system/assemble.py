@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Collection, Iterable, Mapping
 
-from dse.domain.component import Causality, Component, Kind, Type, Value, as_number
+from dse.domain.component import Causality, Component, FmuSource, Kind, Type, Value, as_number
 from dse.domain.design import Connection
 from dse.domain.fmu import FmuModel, Variable
 from dse.domain.system import Element, SystemStructure, Wire
@@ -167,6 +167,11 @@ def _element(
 def _variable(component: Component, name: str, type_: Type, model: FmuModel, causalities: tuple[str, ...]) -> Variable:
     variable = model.variables.get(component.variable(name))
     where = component.where
+    if type_.kind is Kind.ENUMERATION and isinstance(component.source, FmuSource):
+        what = (
+            f"'{name}' of {component.name} is an enumeration: those of finished FMUs are not supported in this version"
+        )
+        raise DseError(Problem(what, where, "their items may have any number; use a port of type int"))
     if variable is None:
         near = [v.name for v in model.variables.values() if v.causality in causalities]
         hint = f"map it: 'map: {{{name}: …}}'; the FMU has {', '.join(near[:8])}" if near else ""

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 
+from dse.cosim.layout import kernel as load_kernel
 from dse.domain.bench import TestBench
 from dse.domain.component import Causality, Component, Type, Value, as_number
 from dse.domain.design import Configuration, Connection
@@ -22,6 +23,7 @@ def prepare(
     bench: TestBench, configurations: Sequence[Configuration], *, version: int = 2, cache: Path | None = None
 ) -> dict[str, PreparedBench]:
     """Make every configuration ready to run on *bench*, by configuration id. Raises DseError with all problems."""
+    load_kernel()
     wired = {configuration.id: parts_and_wiring(bench, configuration) for configuration in configurations}
     components = {c.name: c for parts, _ in wired.values() for c in parts.values()}
     archives = build_all(components.values(), version=version, cache=cache)
@@ -75,6 +77,9 @@ def _prepare(
     connected = {connection.target for connection in connections}
     types, signals = _names(parts, connected)
     problems = _record_problems(bench, parts, signals)
+    if problems:
+        raise DseError(*problems)
+    problems = _step_problems(bench, parts, models)
     if problems:
         raise DseError(*problems)
     program = compile_metrics(bench.metrics, bench.requirements, types, signals)
@@ -136,6 +141,17 @@ def _record_problems(bench: TestBench, parts: Mapping[str, Component], signals: 
             problems.append(Problem(f"cannot record '{name}': no such output", bench.simulation.where, hint))
         elif not split and name.split(".")[0] not in bench.design.root.parts:
             problems.append(Problem(f"cannot record '{name}': no such part", bench.simulation.where))
+    return problems
+
+
+def _step_problems(bench: TestBench, parts: Mapping[str, Component], models: Mapping[str, FmuModel]) -> list[Problem]:
+    """FMUs that can only step by another step than the bench's."""
+    step, problems = bench.simulation.step, []
+    for path, component in parts.items():
+        fixed = models[component.name].fixed_step
+        if fixed is not None and abs(fixed - step) > 1e-9 * step:
+            what = f"{path} ({component.name}) can only step by {fixed:g} s, the bench steps by {step:g} s"
+            problems.append(Problem(what, bench.simulation.where, f"step: {fixed:g} s"))
     return problems
 
 

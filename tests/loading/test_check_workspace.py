@@ -64,3 +64,22 @@ def test_the_command_line_shows_problems_and_no_traceback(files):
         "    hint: did you mean 'because'?\n"
         "2 problems\n"
     )
+
+
+def test_a_file_must_be_called_after_what_it_defines(files):
+    files.write("designs/other.yaml", (files.root / "designs/car.yaml").read_text(encoding="utf-8"))
+    (problem,) = check_workspace(Workspace(files.root))[0]
+    assert str(problem.where) == "designs/other.yaml:1:9"
+    assert problem.what == "'car' is defined in a file called 'other.yaml'"
+
+
+def test_two_files_of_one_name_are_refused(files):
+    files.write("designs/old/car.yaml", (files.root / "designs/car.yaml").read_text(encoding="utf-8"))
+    problems = check_workspace(Workspace(files.root))[0]
+    assert [problem.what for problem in problems] == ["two files are called 'car.yaml'"]
+
+
+def test_newton_metres_are_not_read_as_nanometres(files):
+    files.edit("components/interfaces.yaml", "torque: N.m", "torque: Nm")
+    problems = check_workspace(Workspace(files.root))[0]
+    assert problems[0].what == "unknown unit 'Nm': write N.m"
