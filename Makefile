@@ -12,7 +12,7 @@ JOBS ?= 2
 # A machine without a C compiler gets one as a wheel.
 EXTRA := $(shell command -v $${CC:-cc} >/dev/null 2>&1 || command -v gcc >/dev/null 2>&1 || command -v clang >/dev/null 2>&1 || echo "[toolchain]")
 
-.PHONY: demo test check bench setup clean lint format-check types layers web docs-test
+.PHONY: demo test check bench setup clean lint format-check types layers web
 
 setup: $(VENV)/.ready
 
@@ -36,7 +36,7 @@ demo: setup
 test: setup
 	$(BIN)/python -m pytest -q -n $(JOBS)
 
-check: setup lint types layers web test docs-test
+check: setup lint types layers web test
 
 lint: setup
 	$(BIN)/ruff check .
@@ -50,9 +50,6 @@ layers: setup
 
 web: setup
 	$(BIN)/python hatch_build.py
-
-docs-test: setup
-	$(BIN)/python -m pytest -q tests/docs
 
 bench: setup
 	$(BIN)/python benchmarks/bench_kernel.py

@@ -19,16 +19,20 @@ MARKS = ("<!-- picked run: begin -->", "<!-- picked run: end -->")
 
 
 def main() -> None:
-    """Write docs/images/acc_gains.png and the lines between the README's marks."""
+    """Write docs/images/acc_gains*.png and the lines between the README's marks."""
     browser_path = shutil.which("chromium") or shutil.which("google-chrome")
     if browser_path is None or not (STUDY / "report.html").exists():
         sys.exit("needs chromium and out/acc_gains/report.html (make demo)")
     with sync_playwright() as playwright:
         browser = playwright.chromium.launch(executable_path=browser_path)
-        page = browser.new_page(viewport={"width": 1440, "height": 1060})
+        page = browser.new_page(viewport={"width": 1440, "height": 1245})
         page.goto((STUDY / "report.html").as_uri())
         page.wait_for_timeout(1500)
         page.screenshot(path=ROOT / "docs" / "images" / "acc_gains.png")
+        page.get_by_text("distance P gain × distance D gain").first.click()
+        page.wait_for_timeout(500)
+        box = page.locator("canvas").first.bounding_box()
+        page.screenshot(path=ROOT / "docs" / "images" / "acc_gains_distance.png", clip=box)
         browser.close()
     readme = ROOT / "README.md"
     text = readme.read_text(encoding="utf-8")

@@ -17,6 +17,8 @@ NAME = "study.sqlite"
 
 _BUSY_SECONDS = 30.0
 
+_WHICH = "name the folder given to explore or run with -o"
+
 
 @contextmanager
 def located(path: Path) -> Iterator[None]:
@@ -49,9 +51,9 @@ def connect(path: Path, *, write: bool) -> sqlite3.Connection:
     file = path / NAME
     if not path.is_dir():
         what = "is not a study folder" if path.exists() else "there is no such folder"
-        raise fail(what, Location(str(path)), "name the folder given to explore or run with -o")
+        raise fail(what, Location(str(path)), _WHICH)
     if not file.is_file():
-        raise fail(f"is not a study folder: there is no {NAME} in it", Location(str(path)))
+        raise fail(f"is not a study folder: there is no {NAME} in it", Location(str(path)), _WHICH)
     with located(path):
         connection = sqlite3.connect(_address(file), uri=True, isolation_level=None, timeout=_BUSY_SECONDS)
     try:
@@ -95,7 +97,7 @@ def _check_version(path: Path, connection: sqlite3.Connection) -> None:
     (application,) = connection.execute("PRAGMA application_id").fetchone()
     (version,) = connection.execute("PRAGMA user_version").fetchone()
     if application != APPLICATION_ID:
-        raise fail(f"is not a study folder: {NAME} was written by another program", Location(str(path)))
+        raise fail(f"is not a study folder: {NAME} was written by another program", Location(str(path)), _WHICH)
     if version > VERSION:
         raise fail(
             f"the study was written by a newer dse (tables of version {version}, this one knows {VERSION})",
