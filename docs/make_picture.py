@@ -31,7 +31,7 @@ def main() -> None:
         page.screenshot(path=ROOT / "docs" / "images" / "acc_gains.png")
         page.get_by_text("distance P gain × distance D gain").first.click()
         page.wait_for_timeout(500)
-        box = page.locator("canvas").first.bounding_box()
+        box = page.locator('[aria-roledescription="constraint plot"]').bounding_box()
         page.screenshot(path=ROOT / "docs" / "images" / "acc_gains_distance.png", clip=box)
         browser.close()
     readme = ROOT / "README.md"

@@ -50,7 +50,7 @@ def read_content(folder: StudyFolder, *, shown_as: str, most: int = MAX_WAVEFORM
         _sampler(definition),
         shown_as,
         Runs(table.numbers, table.configurations, table.done, table.problems),
-        tuple(_configuration(entry) for entry in definition["configurations"]),
+        tuple(_configuration(entry, definition) for entry in definition["configurations"]),
         tuple(_variable(entry, table) for entry in definition["variables"]),
         tuple(
             MetricColumn(m["name"], m["title"], m["unit"], _shown(table.metric(m["name"]), units[m["name"]]))
@@ -75,7 +75,7 @@ def content_of_run(run: Run, definition: Mapping[str, Any]) -> ReportContent:
         SamplerKind.FULL_FACTORIAL,
         "",
         Runs(numbers, (run.request.configuration,), done, (run.problem,)),
-        (_configuration(entry),),
+        (_configuration(entry, definition),),
         figures=_figures(definition, rows, waveforms),
     )
 
@@ -122,9 +122,10 @@ def _bound(value: float | None, unit: Unit) -> float | None:
     return None if value is None else float(_shown(np.asarray(value), unit))
 
 
-def _configuration(entry: Mapping[str, Any]) -> ConfigurationEntry:
+def _configuration(entry: Mapping[str, Any], definition: Mapping[str, Any]) -> ConfigurationEntry:
+    choices = {place: entry["choices"][place] for place in definition["design"]["places"] if place in entry["choices"]}
     properties = {name: f"{total['value']:g} {total['unit']}".rstrip() for name, total in entry["totals"].items()}
-    return ConfigurationEntry(entry["id"], entry["choices"], properties)
+    return ConfigurationEntry(entry["id"], choices, properties)
 
 
 def _variable(entry: Mapping[str, Any], table: RunTable) -> Variable:

@@ -5,12 +5,16 @@ from __future__ import annotations
 import hashlib
 import json
 from collections.abc import Mapping
+from fractions import Fraction
 from typing import Any
 
 from dse import __version__
 from dse.domain.bench import Figure, Metric, Requirement
-from dse.domain.design import Configuration
+from dse.domain.design import Configuration, DesignSpace
+from dse.domain.expression import Call, Name
 from dse.domain.study import FullFactorial, LatinHypercube, Sampler, Study
+from dse.loading.expression import descend
+from dse.space.decisions import decisions, flat
 from dse.testbench.prepared import PreparedBench
 from dse.units import Unit
 
@@ -24,7 +28,7 @@ def define(study: Study, prepared: Mapping[str, PreparedBench]) -> dict[str, Any
         "study": study.name,
         "title": study.title or bench.title or study.name,
         "bench": {"name": bench.name, "title": bench.title},
-        "design": {"name": bench.design.name, "title": bench.design.title},
+        "design": {"name": bench.design.name, "title": bench.design.title, "places": list(places(bench.design))},
         "variables": [
             {
                 "name": v.name,
@@ -49,9 +53,14 @@ def define(study: Study, prepared: Mapping[str, PreparedBench]) -> dict[str, Any
             "record_every": simulation.record_every,
             "steps": simulation.steps,
         },
-        "configurations": [_configuration(p) for p in prepared.values()],
+        "configurations": [_configuration(p, bench.design) for p in prepared.values()],
         "fmus": _fmus(prepared),
     }
+
+
+def places(space: DesignSpace) -> tuple[str, ...]:
+    """The path of every decision, in the order of the file."""
+    return tuple(dict.fromkeys(decision.path for decision in flat(decisions(space))))
 
 
 def fingerprint(definition: Mapping[str, Any]) -> str:
@@ -64,36 +73,42 @@ def fingerprint(definition: Mapping[str, Any]) -> str:
     return hashlib.sha256(text.encode()).hexdigest()
 
 
-def describe_configuration(configuration: Configuration) -> dict[str, Any]:
-    """A configuration's choices, components and summed properties (in the unit the component gives)."""
-    totals: dict[str, float] = {}
-    units: dict[str, str] = {}
-    for component in configuration.parts.values():
-        for name, quantity in component.properties.items():
-            unit = units.setdefault(name, quantity.unit.symbol)
-            if unit == quantity.unit.symbol:
-                totals[name] = totals.get(name, 0.0) + float(quantity.magnitude)
-            else:
-                totals[name] = totals.get(name, 0.0) + _in_unit(float(quantity), unit)
+def describe_configuration(configuration: Configuration, space: DesignSpace) -> dict[str, Any]:
+    """A configuration's choices, its components, and the sums its design space speaks of.
+
+    These are the properties that a constraint adds up (``sum(cost) <= …``): adding up others, a range or a field of
+    view, would make no sense. Each is in the unit the first component gives it in.
+    """
+    totals: dict[str, dict[str, Any]] = {}
+    for name in summed_properties(space):
+        given = [c.properties[name] for c in configuration.parts.values() if name in c.properties]
+        if given:
+            unit = given[0].unit
+            value = (sum((quantity.si for quantity in given), Fraction(0)) - unit.offset) / unit.factor
+            totals[name] = {"value": float(value), "unit": unit.symbol}
     return {
         "id": configuration.id,
         "choices": dict(configuration.choices),
         "components": {path: component.name for path, component in configuration.parts.items()},
-        "totals": {name: {"value": value, "unit": units[name]} for name, value in sorted(totals.items())},
+        "totals": totals,
     }
 
 
-def _in_unit(value: float, symbol: str) -> float:
-    from dse.units import parse_unit
+def summed_properties(space: DesignSpace) -> tuple[str, ...]:
+    """Names of the properties that the constraints of *space* add up over the whole design, in their order."""
+    names: dict[str, None] = {}
+    for constraint in space.constraints:
+        for node in descend(constraint.rule.root):
+            if isinstance(node, Call) and node.function == "sum" and isinstance(node.arguments[0], Name):
+                names.setdefault(node.arguments[0].path)
+    return tuple(names)
 
-    return parse_unit(symbol).from_si(value)
 
-
-def _configuration(prepared: PreparedBench) -> dict[str, Any]:
+def _configuration(prepared: PreparedBench, space: DesignSpace) -> dict[str, Any]:
     elements = {element.name: sorted(element.start.items()) for element in prepared.system.elements}
     wires = [f"{w.source}.{w.source_variable} -> {w.target}.{w.target_variable}" for w in prepared.system.wires]
     return {
-        **describe_configuration(prepared.configuration),
+        **describe_configuration(prepared.configuration, space),
         "start": elements,
         "wires": wires,
         "columns": list(prepared.columns),

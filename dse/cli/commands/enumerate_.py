@@ -51,7 +51,7 @@ def enumerate_(
     if output is Listing.JSON:
         from dse.testbench.definition import describe_configuration
 
-        print_json([describe_configuration(c) for c in found])
+        print_json([describe_configuration(c, space) for c in found])
     elif output is Listing.CSV:
         _csv(space, found)
     else:
@@ -71,24 +71,26 @@ def _count(space: DesignSpace, output: Listing) -> None:
 
 
 def _csv(space: DesignSpace, found: Iterator[Configuration]) -> None:
-    places = _places(space)
+    from dse.testbench.definition import places
+
+    columns = places(space)
     writer = csv.writer(sys.stdout, lineterminator="\n")
-    writer.writerow(["id", *places])
+    writer.writerow(["id", *columns])
     for configuration in found:
-        writer.writerow([configuration.id, *(configuration.choices.get(place, "") for place in places)])
+        writer.writerow([configuration.id, *(configuration.choices.get(place, "") for place in columns)])
 
 
 def _table(space: DesignSpace, found: list[Configuration], limit: int | None) -> None:
     from rich.table import Table
 
     from dse.space.enumerate import total
-    from dse.testbench.definition import describe_configuration
+    from dse.testbench.definition import describe_configuration, places, summed_properties
 
-    described = [describe_configuration(configuration) for configuration in found]
-    shared = [name for name in ("cost", "mass", "power") if any(name in d["totals"] for d in described)]
-    places = _places(space)
+    described = [describe_configuration(configuration, space) for configuration in found]
+    shared = summed_properties(space)
+    columns = places(space)
     table = Table(box=None, pad_edge=False, header_style="bold")
-    for heading in ("id", *places):
+    for heading in ("id", *columns):
         table.add_column(heading, no_wrap=True)
     for heading in shared:
         table.add_column(heading, justify="right", no_wrap=True)
@@ -96,7 +98,7 @@ def _table(space: DesignSpace, found: list[Configuration], limit: int | None) ->
         totals = [data["totals"].get(name) for name in shared]
         table.add_row(
             data["id"],
-            *(data["choices"].get(place, "–") for place in places),
+            *(data["choices"].get(place, "–") for place in columns),
             *(f"{t['value']:g} {t['unit']}" if t else "–" for t in totals),
         )
     print_table(table)
@@ -105,10 +107,3 @@ def _table(space: DesignSpace, found: list[Configuration], limit: int | None) ->
         screen.print(f"the first {limit}; {total(space)} in total before the static constraints")
     else:
         screen.print(f"{len(found)} of {total(space)} configurations are valid")
-
-
-def _places(space: DesignSpace) -> list[str]:
-    """The path of every decision, in the order of the file."""
-    from dse.space.decisions import decisions, flat
-
-    return list(dict.fromkeys(decision.path for decision in flat(decisions(space))))

@@ -42,6 +42,9 @@ function tableOf(store: Store): HTMLElement {
       "tr",
       { class: state.configuration === index ? "chosen" : "", "aria-selected": String(state.configuration === index), click: () => selectConfiguration(store, index) },
       el("td", {}, el("code", {}, configuration.id)),
+      many
+        ? el("td", { class: "numeric" }, `${group(counts[PASS]!)} of ${group(total)}`)
+        : el("td", { class: `verdict ${CLASSES[mark] ?? ""}` }, mark < 0 ? "no run" : `${SIGNS[mark]} ${WORDS[mark]}`),
       ...places.map((name) => el("td", {}, lookUp(configuration.choices, name))),
       ...properties.map((name) => el("td", { class: "numeric" }, lookUp(configuration.properties, name))),
       ...study.metrics.map((metric, place) => {
@@ -49,9 +52,6 @@ function tableOf(store: Store): HTMLElement {
         const kind = run < 0 || judged < 0 ? "" : CLASSES[each[judged]![run]!]!;
         return el("td", { class: `numeric ${kind}` }, run < 0 || !study.done[run] ? "\u2013" : metric.text(metric.values[run]!));
       }),
-      many
-        ? el("td", { class: "numeric" }, `${group(counts[PASS]!)} of ${group(total)}`)
-        : el("td", { class: `verdict ${CLASSES[mark] ?? ""}` }, mark < 0 ? "no run" : `${SIGNS[mark]} ${WORDS[mark]}`),
     );
   });
   return el(
@@ -64,10 +64,10 @@ function tableOf(store: Store): HTMLElement {
         "tr",
         {},
         head("Configuration"),
+        many ? head("Runs that pass", true) : head("Verdict"),
         ...places.map((name) => head(name)),
         ...properties.map((name) => head(name, true)),
         ...study.metrics.map((metric) => head(axisLabel(metric), true)),
-        many ? head("Runs that pass", true) : head("Verdict"),
       ),
     ),
     el("tbody", {}, ...rows),
