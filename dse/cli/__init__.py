@@ -1,5 +1,5 @@
 """One file per command; nothing else prints or exits."""
 
-from dse.cli.app import main
+from dse.cli.entry import main
 
 __all__ = ["main"]

@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 import sys
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Annotated
 
 import typer
-
-from dse.errors import DseError
 
 if TYPE_CHECKING:
     from rich.console import Console
     from rich.table import Table
+
+    from dse.errors import DseError
 
 DONE, WRONG_FILES, USAGE, RUNS_FAILED, INTERRUPTED = 0, 1, 2, 3, 130
 """Exit codes: done; the files are wrong; wrong usage; some runs failed, or a requirement under --gate; Ctrl-C."""
@@ -29,28 +29,21 @@ app = typer.Typer(
 )
 
 
-def main() -> None:
-    """Run the command line; the console script ``dse``."""
-    for stream in (sys.stdout, sys.stderr):
-        # Windows and the C locale would refuse × and …; files and pipes are UTF-8 everywhere.
-        if hasattr(stream, "reconfigure") and (stream.encoding or "").lower() != "utf-8":
-            stream.reconfigure(encoding="utf-8")
-    from dse.cli import commands
+def _show_version(asked: bool) -> None:
+    if asked:
+        from dse import __version__
 
-    commands.register()
-    try:
-        app()
-    except DseError as error:
-        show_problems(error)
-        sys.exit(WRONG_FILES)
-    except BrokenPipeError:
-        # The reader of our output (head, less) has seen enough.
-        sys.stderr.close()
-        sys.exit(DONE)
-    except KeyboardInterrupt as stop:
-        # An interrupted exploration says what is stored and how to go on.
-        console(stderr=True).print(str(stop) or "stopped", soft_wrap=True)
-        sys.exit(INTERRUPTED)
+        print(f"dse {__version__}")
+        raise typer.Exit(DONE)
+
+
+@app.callback()
+def _frame(
+    version: Annotated[  # noqa: ARG001  # its callback has done the work
+        bool, typer.Option("--version", is_eager=True, callback=_show_version, help="Show the version and exit.")
+    ] = False,
+) -> None:
+    pass
 
 
 def show_problems(error: DseError) -> None:

@@ -25,6 +25,12 @@ def test_every_command_explains_itself(dse, command):
     assert command in dse("--help").stdout
 
 
+def test_the_version_is_the_packages(dse):
+    from dse import __version__
+
+    assert dse("--version").stdout == f"dse {__version__}\n"
+
+
 def test_help_imports_nothing_heavy():
     code = (
         "import sys; sys.argv = ['dse', '--help']\n"

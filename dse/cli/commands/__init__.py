@@ -2,20 +2,25 @@
 
 from __future__ import annotations
 
+from importlib import import_module
+
+COMMANDS = (
+    "init",
+    "check",
+    "components",
+    "build",
+    "enumerate_",
+    "simulate",
+    "run",
+    "explore",
+    "results",
+    "report",
+    "figure",
+    "replay",
+)
+
 
 def register() -> None:
     """Import every command, which adds it to the application."""
-    from dse.cli.commands import (  # noqa: F401  # each import registers one command
-        build,
-        check,
-        components,
-        enumerate_,
-        explore,
-        figure,
-        init,
-        replay,
-        report,
-        results,
-        run,
-        simulate,
-    )
+    for name in COMMANDS:
+        import_module(f"{__name__}.{name}")

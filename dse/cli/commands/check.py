@@ -15,7 +15,7 @@ from dse.errors import DseError
 def check(
     workspace: Annotated[Path, typer.Argument(help="A folder or file in the workspace.")] = Path(),
 ) -> None:
-    """Read a whole workspace and show everything that is wrong with it.
+    """Read a workspace and show all that is wrong with it.
 
     Checks every component, design space, test bench and study: keys, units, types, wiring, metrics,
     and that each design space has a valid configuration.

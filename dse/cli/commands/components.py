@@ -19,7 +19,10 @@ def components(
     workspace: Annotated[Path, typer.Argument(help="A folder or file in the workspace.")] = Path(),
     output: Format = Output.TABLE,
 ) -> None:
-    """List the component library: interface, source, properties and parameters."""
+    """List the component library.
+
+    Shows each component with its interface, source, properties and parameters.
+    """
     from dse.loading.workspace import Workspace
 
     space = Workspace.around(workspace)

@@ -35,7 +35,10 @@ def enumerate_(
     ] = Listing.TABLE,
     limit: Annotated[int | None, typer.Option("--limit", "-n", min=1, help="List only the first N.")] = None,
 ) -> None:
-    """List or count the configurations that meet every static constraint."""
+    """List or count the valid configurations.
+
+    Valid are those that meet every static constraint of the design space.
+    """
     from dse.errors import DseError
     from dse.space.check import check
     from dse.space.enumerate import configurations

@@ -15,7 +15,7 @@ def explore(
     fresh: Fresh = False,
     gate: Gate = False,
 ) -> None:
-    """Explore a study's design variables (the paper's PET).
+    """Explore a study's design variables (PET).
 
     Interrupted and started again it runs only what is missing; on a finished folder it does nothing.
     """

@@ -30,7 +30,9 @@ def figure(
     configuration: Configuration = None,
     number: Annotated[int | None, typer.Option("--run", help="The run whose waveforms are drawn.", min=0)] = None,
 ) -> None:
-    """Draw the constraint plot and one run's waveforms for print (the paper's figures 6 and 7).
+    """Draw the constraint plot and waveforms for print.
+
+    The paper's figures 6 and 7, as PNG, SVG or PDF.
 
     Without --x and --y one constraint plot is drawn for each slice of the study. Without --run the waveforms are those
     of the run nearest the bounds of all requirements among those that pass.

@@ -18,7 +18,10 @@ _FOLDERS = ("components", "designs", "testbenches")
 def init(
     folder: Annotated[Path, typer.Argument(metavar="DIR", help="A new or empty folder.")],
 ) -> None:
-    """Lay out a working example: components, a design space, a test bench and studies."""
+    """Lay out a working example to start from.
+
+    Components in C, a design space, a test bench and a study go into DIR, a new or empty folder.
+    """
     if folder.exists() and (not folder.is_dir() or any(folder.iterdir())):
         raise fail("the folder is not empty", Location(str(folder)), "name a new folder; nothing is overwritten")
     source = _content()

@@ -27,7 +27,9 @@ def replay(
         Path | None, typer.Option("--source", help="The study's or bench's YAML file, if it is not in this workspace.")
     ] = None,
 ) -> None:
-    """Simulate one run of a study again, from the workspace, and check that it gives the same numbers.
+    """Simulate a run of a study again and compare.
+
+    Reads the workspace, simulates the run again and checks that it gives the same numbers.
 
     Shows its metrics; with --plot draws its waveforms even if the study did not keep them.
     """

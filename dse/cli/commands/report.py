@@ -20,7 +20,9 @@ def report(
     target: ReportFile = None,
     waveforms: MostWaveforms = 4000,
 ) -> None:
-    """Write one offline HTML page: constraint plot, thresholds, waveforms, run table.
+    """Write the HTML report of a study.
+
+    One page that works offline: constraint plot, thresholds, waveforms, run table.
 
     Reads only the study folder; nothing is simulated.
     """

@@ -33,7 +33,10 @@ def results(
     output: Annotated[Table, typer.Option("--format", help="Table format; junit is for CI servers.")] = Table.CSV,
     target: TableFile = None,
 ) -> None:
-    """Print a study's runs: point, metrics, verdicts and margins, in SI units."""
+    """Print a study's runs as a table.
+
+    Point, metrics, verdicts and margins of each run, in SI units.
+    """
     from dse.results.export import EXPORTS
     from dse.results.folder import StudyFolder
 

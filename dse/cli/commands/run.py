@@ -15,7 +15,7 @@ def run(
     fresh: Fresh = False,
     gate: Gate = False,
 ) -> None:
-    """Run a test bench once on every valid configuration.
+    """Run a test bench on every valid configuration.
 
     Interrupted and started again it goes on where it was.
     """

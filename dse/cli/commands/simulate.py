@@ -18,7 +18,9 @@ def simulate(
     version: FmiVersion = 2,
     gate: Gate = False,
 ) -> None:
-    """Simulate one configuration once and show its metrics and verdicts.
+    """Simulate one configuration once.
+
+    Shows its metrics, and the verdicts with their margins.
 
     Takes the first valid configuration unless --configuration names another.
     """
