@@ -39,7 +39,7 @@ def _show_version(asked: bool) -> None:
 
 @app.callback()
 def _frame(
-    version: Annotated[  # noqa: ARG001  # its callback has done the work
+    version: Annotated[  # its callback has done the work
         bool, typer.Option("--version", is_eager=True, callback=_show_version, help="Show the version and exit.")
     ] = False,
 ) -> None:
