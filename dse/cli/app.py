@@ -54,13 +54,24 @@ def show_problems(error: DseError) -> None:
     for problem in error.problems:
         line = Text()
         if problem.where:
-            line.append(f"{problem.where}: ", style="bold")
-        line.append(problem.what, style="red")
+            line.append(plain(f"{problem.where}: "), style="bold")
+        line.append(plain(problem.what), style="red")
         screen.print(line, soft_wrap=True)
         if problem.hint:
-            screen.print(Text(f"    hint: {problem.hint}"), soft_wrap=True)
+            screen.print(Text(plain(f"    hint: {problem.hint}")), soft_wrap=True)
     if len(error.problems) > 1:
         screen.print(Text(f"{len(error.problems)} problems"), soft_wrap=True)
+
+
+def plain(text: str) -> str:
+    """*text* without control characters: what an FMU logs or calls itself must not steer the terminal."""
+    return "".join("\N{REPLACEMENT CHARACTER}" if _steers(character) else character for character in text)
+
+
+def _steers(character: str) -> bool:
+    import unicodedata
+
+    return character != "\n" and unicodedata.category(character) in ("Cc", "Cf", "Cs")
 
 
 def console(*, stderr: bool = False) -> Console:

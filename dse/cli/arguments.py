@@ -36,8 +36,20 @@ Settings = Annotated[
 Configuration = Annotated[
     str | None, typer.Option("--configuration", "-c", metavar="ID", help="A configuration's id, or a start of it.")
 ]
+
+
+def _picture(path: Path | None) -> Path | None:
+    """Refuse a file that could not be written before anything is simulated for it."""
+    if path is not None and path.suffix.lower() not in (".png", ".svg", ".pdf"):
+        raise typer.BadParameter(f"'{path.name}' must end in .png, .svg or .pdf")
+    if path is not None and not path.parent.is_dir():
+        raise typer.BadParameter(f"there is no folder '{path.parent}'")
+    return path
+
+
 Plot = Annotated[
-    Path | None, typer.Option("--plot", metavar="FILE", help="Draw the bench's figures (.png, .svg or .pdf).")
+    Path | None,
+    typer.Option("--plot", metavar="FILE", callback=_picture, help="Draw the bench's figures (.png, .svg or .pdf)."),
 ]
 FmiVersion = Annotated[int, typer.Option("--fmi", min=2, max=3, help="FMI version of the FMUs that are built.")]
 Gate = Annotated[bool, typer.Option("--gate", help="Exit with 3 also if a requirement failed, not only a run.")]

@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import sys
 
-from dse.cli.app import DONE, INTERRUPTED, WRONG_FILES, app, console, show_problems
+from dse.cli.app import DONE, WRONG_FILES, app, show_problems
 from dse.cli.commands import register
-from dse.errors import DseError
+from dse.errors import DseError, Location, fail
+
+_OUTPUT = "check that the folder exists, is a folder, has space and may be written"
 
 
 def main() -> None:
@@ -25,7 +27,6 @@ def main() -> None:
         # The reader of our output (head, less) has seen enough.
         sys.stderr.close()
         sys.exit(DONE)
-    except KeyboardInterrupt as stop:
-        # An interrupted exploration says what is stored and how to go on.
-        console(stderr=True).print(str(stop) or "stopped", soft_wrap=True)
-        sys.exit(INTERRUPTED)
+    except OSError as error:
+        show_problems(fail(error.strerror or str(error), Location(str(error.filename or "dse")), _OUTPUT))
+        sys.exit(WRONG_FILES)

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import typer
 
-from dse.cli.app import DONE, RUNS_FAILED, console
+from dse.cli.app import DONE, INTERRUPTED, RUNS_FAILED, console, plain
 from dse.cli.arguments import processes
 
 if TYPE_CHECKING:
@@ -27,7 +27,7 @@ _MOST_PROBLEMS = 5
 def explore_into(study: Study, folder: Path, *, workers: int, version: int, fresh: bool, gate: bool) -> None:
     """Explore *study* into *folder* with a progress bar, say what came of it, and exit as it deserves."""
     from dse.cli.progress import progress_bar
-    from dse.exploration.explore import explore
+    from dse.exploration.explore import ExplorationInterruptedError, explore
     from dse.results.folder import StudyFolder
     from dse.testbench.execute import make_executor
     from dse.testbench.plan import plan
@@ -38,15 +38,19 @@ def explore_into(study: Study, folder: Path, *, workers: int, version: int, fres
         StudyFolder.discard(folder)
     with StudyFolder.resume(folder, header_of(planned)) as store:
         before = len(store.finished())
-        with progress_bar() as show:
-            explore(
-                study,
-                planned.prepared,
-                store,
-                workers=processes(workers),
-                make_executor=make_executor,
-                on_progress=show,
-            )
+        try:
+            with progress_bar() as show:
+                explore(
+                    study,
+                    planned.prepared,
+                    store,
+                    workers=processes(workers),
+                    make_executor=make_executor,
+                    on_progress=show,
+                )
+        except ExplorationInterruptedError as stop:
+            console(stderr=True).print(f"{folder}: {stop}", soft_wrap=True)
+            raise typer.Exit(INTERRUPTED) from None
         table = store.table()
     _say(folder, table, before)
     raise typer.Exit(exit_code(table, gate=gate))
@@ -116,7 +120,7 @@ def _say(folder: Path, table: RunTable, before: int) -> None:
     said: dict[str, str] = {}
     for number, done, problem in zip(table.numbers.tolist(), table.done.tolist(), table.problems, strict=True):
         if problem:
-            said.setdefault(problem, f"  run {number} {'' if done else 'failed: '}{problem}")
+            said.setdefault(problem, f"  run {number} {'' if done else 'failed: '}{plain(problem)}")
     for line in list(said.values())[:_MOST_PROBLEMS]:
         screen.print(line, soft_wrap=True)
     if len(said) > _MOST_PROBLEMS:

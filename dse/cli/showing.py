@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from dse.cli.app import console, print_table
+from dse.cli.app import console, plain, print_table
 from dse.cli.tables import metric_table
 
 if TYPE_CHECKING:
@@ -19,10 +19,10 @@ def show_run(run: Run, definition: Mapping[str, Any]) -> None:
     screen = console()
     (configuration,) = [c for c in definition["configurations"] if c["id"] == run.request.configuration]
     chosen = ", ".join(f"{place} {choice}" for place, choice in configuration["choices"].items())
-    screen.print(f"{definition['title']}", style="bold")
+    screen.print(plain(definition["title"]), style="bold")
     screen.print(f"configuration {run.request.configuration}: {chosen}", soft_wrap=True)
     if run.problem:
-        screen.print(f"failed to run: {run.problem}", style="bold red", soft_wrap=True)
+        screen.print(plain(f"failed to run: {run.problem}"), style="bold red", soft_wrap=True)
     print_table(metric_table(run, definition))
 
 

@@ -54,6 +54,15 @@ def quantity(value: float, unit: str) -> str:
     return f"{parse_unit(unit).from_si(value) if abs(value) != float('inf') else value:.4g} {unit}".rstrip()
 
 
+def difference(value: float, unit: str) -> str:
+    """A difference of SI numbers in *unit*: as `quantity`, but 20 degC are 20 K apart from 0 degC, not 293 K."""
+    from dse.units import parse_unit
+
+    if math.isnan(value):
+        return "–"
+    return f"{value / float(parse_unit(unit).factor):.4g} {unit}".rstrip()
+
+
 def _judgement(run: Run, requirement: Mapping[str, Any] | None) -> tuple[Any, ...]:
     from rich.text import Text
 
@@ -70,6 +79,6 @@ def _judgement(run: Run, requirement: Mapping[str, Any] | None) -> tuple[Any, ..
     return (
         requirement["name"],
         ", ".join(bounds),
-        quantity(judgement.margin, unit),
+        difference(judgement.margin, unit),
         Text(verdict, style=_STYLES[verdict]),
     )

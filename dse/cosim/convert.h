@@ -29,7 +29,7 @@ static int64_t widen(const Group *group)
 #define TRUTH(TYPE, C_TYPE)                                                                                           \
     case TYPE:                                                                                                        \
         for (int64_t i = 0; i < count; i++)                                                                           \
-            values[i] = ((const C_TYPE *)group->room)[i] ? 1.0 : 0.0;                                                 \
+            values[i] = ((C_TYPE *)group->room)[i] = ((const C_TYPE *)group->room)[i] != 0;                           \
         break;
         PLAIN(FLOAT32, float)
         PLAIN(INT8, int8_t)

@@ -49,7 +49,7 @@ def diagnose(tables: Tables, step: float) -> RunFailed:
     elif kind is Kind.NO_INSTANCE:
         what = no_instance(where)
     elif kind in (Kind.UNFIT_START, Kind.UNFIT_INPUT):
-        groups = wiring.inputs if kind is Kind.UNFIT_INPUT else tables.starts.groups
+        groups = tables.staged_groups if kind is Kind.UNFIT_INPUT else tables.starts.groups
         variables = [variable for part in groups for group in part for variable in group.variables]
         variable = variables[failure.position]
         what = unfit(f"{element.name}.{variable.name}", variable.fmi_type, failure.value, time)

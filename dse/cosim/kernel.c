@@ -2,7 +2,7 @@
  *
  * At t = k*step, for k = 0 … steps: read all outputs, record them, write all inputs, let every element step.
  * dse/cosim/reference.py is the same algorithm in plain Python and must agree with this one bit for bit. */
-#include "convert.h"
+#include "access.h"
 #include "kernel.h"
 
 #include <stdarg.h>
@@ -10,15 +10,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-const int64_t dse_layout[8] = {sizeof(Progress), sizeof(Log),    sizeof(Group),  sizeof(Element),
+const int64_t dse_layout[9] = {sizeof(Progress), sizeof(Log),    sizeof(Group),   sizeof(Truth),         sizeof(Element),
                                sizeof(Failure),  sizeof(System), sizeof(Request), LOG_LINES *LOG_WIDTH};
-
-/* Kept apart from the loop, which is measurably faster without them in between. */
-#if defined(__GNUC__)
-#define RARE __attribute__((cold, noinline))
-#else
-#define RARE
-#endif
 
 /* ---- the FMU's log ---- */
 
@@ -47,34 +40,7 @@ static void keep_fmi3_line(void *environment, int status, const char *category, 
         snprintf(next_line(environment), LOG_WIDTH, "%s", message);
 }
 
-/* ---- failures and the place they happen at ---- */
-
-/* The block is in memory before the FMU runs: no compiler may hold a store to it back past an unknown function. */
-static inline void enter(System *system, Place place)
-{
-    system->progress->place = place;
-}
-
-static inline void enter_call(System *system, int64_t element, int64_t call)
-{
-    enter(system, (Place){element, call});
-}
-
-RARE static bool fail(System *system, int64_t kind, int64_t status, int64_t position, double value)
-{
-    system->failure = (Failure){kind, status, *system->progress, position, value};
-    return false;
-}
-
-static inline bool is_good(int status)
-{
-    return (unsigned)status <= FMI_WARNING;
-}
-
-static inline bool accept(System *system, int status)
-{
-    return is_good(status) ? true : fail(system, BAD_STATUS, status, 0, 0);
-}
+/* ---- the beginning and the end of a call ---- */
 
 static void begin(System *system)
 {
@@ -92,117 +58,11 @@ static int end(System *system, bool succeeded)
     return succeeded ? 0 : 1;
 }
 
-/* ---- reading and writing variables ---- */
-
-static inline int call_accessor(const Group *group)
-{
-    const size_t count = (size_t)group->count;
-    return group->version == 2
-               ? ((Fmi2Access)group->access)(group->instance, group->references, count, group->room)
-               : ((Fmi3Access)group->access)(group->instance, group->references, count, group->room, count);
-}
-
-static bool read_converted(System *system, const Group *group)
-{
-    enter(system, group->place);
-    if (!accept(system, call_accessor(group)))
-        return false;
-    int64_t good = widen(group);
-    return good == group->count ||
-           fail(system, TOO_LARGE, 0, group->values + good - system->values, group->values[good]);
-}
-
-RARE static bool fail_unfit(System *system, const Group *group, int64_t kind, int64_t position)
-{
-    /* The variable's position among all start values, or among all inputs. */
-    const double *first = kind == UNFIT_START ? system->starts : system->staged;
-    return fail(system, kind, 0, group->values + position - first, group->values[position]);
-}
-
-static bool write_converted(System *system, const Group *group, int64_t unfit)
-{
-    enter(system, group->place);
-    int64_t good = narrow(group);
-    return good == group->count ? accept(system, call_accessor(group)) : fail_unfit(system, group, unfit, good);
-}
-
-/* Reals need no conversion, their accessors work on the table of values itself. */
-static inline bool access_reals(System *system, const Group *fmi2, const Group *fmi3, const Group *end)
-{
-    int status = FMI_OK;
-    for (; fmi2 < fmi3; fmi2++) {
-        enter(system, fmi2->place);
-        status = ((Fmi2Access)fmi2->access)(fmi2->instance, fmi2->references, (size_t)fmi2->count, fmi2->values);
-        if (!is_good(status))
-            return fail(system, BAD_STATUS, status, 0, 0);
-    }
-    for (; fmi3 < end; fmi3++) {
-        const size_t count = (size_t)fmi3->count;
-        enter(system, fmi3->place);
-        status = ((Fmi3Access)fmi3->access)(fmi3->instance, fmi3->references, count, fmi3->values, count);
-        if (!is_good(status))
-            return fail(system, BAD_STATUS, status, 0, 0);
-    }
-    return true;
-}
-
-static inline bool read_groups(System *system, const Groups *groups)
-{
-    if (!access_reals(system, groups->first, groups->fmi3_reals, groups->others))
-        return false;
-    for (const Group *group = groups->others; group < groups->end; group++)
-        if (!read_converted(system, group))
-            return false;
-    return true;
-}
-
-static inline bool write_groups(System *system, const Groups *groups, int64_t unfit)
-{
-    if (!access_reals(system, groups->first, groups->fmi3_reals, groups->others))
-        return false;
-    for (const Group *group = groups->others; group < groups->end; group++)
-        if (!write_converted(system, group, unfit))
-            return false;
-    return true;
-}
-
-/* to[i] = table[positions[i]]; returns the sum, which tells in one test whether all were finite. */
-static inline double gather(double *to, const double *table, const int32_t *positions, int64_t count)
-{
-    /* By twos: in runs of a few values the loop costs more than the copying. */
-    typedef double Pair __attribute__((vector_size(2 * sizeof(double)), aligned(sizeof(double)), may_alias));
-    Pair sum = {0.0, 0.0};
-    int64_t i = 0;
-    for (; i + 1 < count; i += 2) {
-        Pair pair = {table[positions[i]], table[positions[i + 1]]};
-        *(Pair *)(to + i) = pair;
-        sum += pair;
-    }
-    if (i < count)
-        sum[0] += to[i] = table[positions[i]];
-    return sum[0] + sum[1];
-}
-
-/* Carry outputs along the wires to count inputs, from the first given. */
-static inline double stage(const System *system, int64_t first, int64_t count)
-{
-    return gather(system->staged + first, system->values, system->sources + first, count);
-}
-
-RARE static bool all_finite(System *system)
-{
-    int64_t position = system->n_values;
-    for (int64_t i = 0; i < system->n_staged; i++)
-        if (system->staged[i] - system->staged[i] != 0.0 && system->sources[i] < position)
-            position = system->sources[i];
-    return position == system->n_values || fail(system, NOT_FINITE, 0, position, system->values[position]);
-}
-
 /* ---- the phases of a run ---- */
 
 static void bind_groups(const Groups *groups, const Element *elements)
 {
-    for (Group *group = groups->first; group < groups->end; group++)
+    for (Group *group = groups->fmi2; group < groups->end; group++)
         group->instance = elements[group->place.element].instance;
 }
 
@@ -229,7 +89,7 @@ static bool start(System *system, double stop)
             if (!accept(system, set_up(element->instance, 0, 0.0, 0.0, 1, stop)))
                 return false;
         }
-        if (!write_groups(system, &element->starts, UNFIT_START))
+        if (!write_some(system, &element->starts, UNFIT_START))
             return false;
         enter_call(system, e, ENTER_INITIALIZATION);
         if (!accept(system, is_fmi2 ? ((FmiPlain)element->enter_initialization)(element->instance)
@@ -244,14 +104,13 @@ static bool start(System *system, double stop)
 static bool settle(System *system)
 {
     size_t size = (size_t)system->n_values * sizeof(double);
-    if (!read_groups(system, &system->outputs))
+    if (!read_some(system, &system->outputs))
         return false;
     for (int64_t sweep = 0; sweep < system->sweeps; sweep++) {
         memcpy(system->previous, system->values, size);
         for (const Element *element = system->elements; element < system->elements + system->n_elements; element++) {
             stage(system, element->first_staged, element->n_staged);
-            if (!write_groups(system, &element->inputs, UNFIT_INPUT) ||
-                !read_groups(system, &element->outputs))
+            if (!write_some(system, &element->inputs, UNFIT_INPUT) || !read_some(system, &element->outputs))
                 return false;
         }
         if (memcmp(system->previous, system->values, size) == 0)
@@ -270,17 +129,48 @@ static bool leave_initialization(System *system)
     return true;
 }
 
-static inline bool do_step(System *system, const Element *element, double time, double step)
+static bool step_fmi3(System *system, const Element *element, double time, double step)
 {
-    enter(system, element->stepping);
-    if (element->version == 2)
-        return accept(system, ((Fmi2DoStep)element->do_step)(element->instance, time, step, 1));
+    system->progress->place = element->stepping;
     bool event_needed = false, terminate = false, early_return = false;
     double reached = time + step;
-    if (!accept(system, ((Fmi3DoStep)element->do_step)(element->instance, time, step, true, &event_needed, &terminate,
-                                                       &early_return, &reached)))
-        return false;
+    const int status = ((Fmi3DoStep)element->do_step)(element->instance, time, step, true, &event_needed, &terminate,
+                                                      &early_return, &reached);
+    if (!is_good(status))
+        return fail_status(system, status);
     return terminate || early_return ? fail(system, STEP_CUT_SHORT, terminate, 0, reached) : true;
+}
+
+HOT bool step_fmi2(System *system, Progress *progress, const Element *element, double time, double step)
+{
+    progress->place = element->stepping;
+    const int status = ((Fmi2DoStep)element->do_step)(element->instance, time, step, 1);
+    return is_good(status) ? true : fail_status(system, status);
+}
+
+/* Elements step in their order, whatever their version; before *mixed* all are of FMI 2. */
+HOT bool step_all(System *system, Progress *progress, const Element *mixed, double time, double step)
+{
+    const Element *element = system->elements, *const end = element + system->n_elements;
+    for (; mixed - element >= 4; element += 4)
+        if (!step_fmi2(system, progress, element, time, step) ||
+            !step_fmi2(system, progress, element + 1, time, step) ||
+            !step_fmi2(system, progress, element + 2, time, step) ||
+            !step_fmi2(system, progress, element + 3, time, step))
+            return false;
+    for (; element < end; element++)
+        if (!(element->version == 2 ? step_fmi2(system, progress, element, time, step)
+                                    : step_fmi3(system, element, time, step)))
+            return false;
+    return true;
+}
+
+static const Element *first_not_fmi2(const System *system)
+{
+    const Element *element = system->elements, *const end = element + system->n_elements;
+    while (element < end && element->version == 2)
+        element++;
+    return element;
 }
 
 RARE static void digest(const System *system, uint64_t *digests)
@@ -298,29 +188,36 @@ RARE static void digest(const System *system, uint64_t *digests)
     }
 }
 
-static bool simulate(System *system, const Request *request)
+APART static bool simulate(System *system, const Request *request)
 {
-    const int64_t n_elements = system->n_elements, n_record = request->n_record;
+    /* Copies: the compiler would read them again after every call, as it cannot know what an FMU changes. */
+    Progress *const progress = system->progress;
+    const Groups outputs = system->outputs, inputs = system->inputs;
+    const Element *const mixed = first_not_fmi2(system);
+    const double *const values = system->values;
+    double *const staged = system->staged;
+    const int32_t *const sources = system->sources;
+    const int64_t n_staged = system->n_staged, n_record = request->n_record, steps = request->steps;
+    const double step = request->step;
     double *row = request->out;
     for (int64_t k = 0;; k++, row += n_record) {
-        system->progress->step = k;
-        if (!read_groups(system, &system->outputs))
+        progress->step = k;
+        if (!read_groups(system, progress, &outputs))
             return false;
-        gather(row, system->values, request->record, n_record);
+        gather(row, values, request->record, n_record);
         if (request->digests)
-            digest(system, request->digests + k * n_elements);
-        double sum = stage(system, 0, system->n_staged);
+            digest(system, request->digests + k * system->n_elements);
+        const double sum = gather(staged, values, sources, n_staged);
         if (sum - sum != 0.0 && !all_finite(system))
             return false;
-        if (k == request->steps)
+        if (k == steps)
             return true;
-        if (!write_groups(system, &system->inputs, UNFIT_INPUT))
+        if (!write_groups(system, progress, &inputs, UNFIT_INPUT))
             return false;
         /* Never accumulated: 6000 steps of 10 ms end at 60 s, not at 59.9999999999966 s. */
-        const double time = (double)k * request->step;
-        for (const Element *element = system->elements, *end = element + n_elements; element < end; element++)
-            if (!do_step(system, element, time, request->step))
-                return false;
+        const double time = (double)k * step;
+        if (!step_all(system, progress, mixed, time, step))
+            return false;
     }
 }
 

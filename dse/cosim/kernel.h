@@ -45,16 +45,25 @@ typedef struct {
     FmiFunction access;
     void *instance; /* the element's, filled in when a run begins */
     const uint32_t *references;
-    void *room;     /* count values as the accessor has them; for FLOAT64 these are the values themselves */
-    double *values; /* count values in a table: outputs, staged inputs or starts */
+    void *room;     /* count values as the accessor has them; the values themselves if these need no conversion */
+    double *values; /* count values in a table: outputs, staged inputs or starts; for inputs also an output's room */
     int64_t count;
     int64_t version, type;
     Place place;
 } Group;
 
-/* Groups in the order they are accessed: FLOAT64 of FMI 2, FLOAT64 of FMI 3, everything else. */
+/* One Boolean output of FMI 2. */
 typedef struct {
-    Group *first, *fmi3_reals, *others, *end;
+    int32_t *room;
+    double *value;
+} Truth;
+
+/* Groups in the order they are accessed, those of FMI 2 first. What needs conversion is told besides: Boolean outputs
+ * of FMI 2 one by one in truths, all else in converted, up to a NULL. */
+typedef struct {
+    Group *fmi2, *fmi3, *end;
+    Group **converted;
+    Truth *truths, *no_truths;
 } Groups;
 
 typedef struct {
@@ -83,7 +92,7 @@ typedef struct {
     Groups outputs, inputs; /* of all elements */
     double *values, *previous; /* all outputs, now and one sweep before */
     double *starts;            /* all start values */
-    double *staged;            /* all inputs */
+    double *staged;            /* all inputs but those that are passed on as they were read */
     const int32_t *sources;    /* staged[i] is values[sources[i]] */
     int64_t n_elements, n_values, n_staged;
     int64_t sweeps; /* most sweeps the initialization may take */
@@ -110,6 +119,6 @@ DSE_API int dse_run(System *system, const Request *request);
 DSE_API void dse_free(System *system);
 
 /* sizeof of the structures above in their order: a binding that disagrees must not go on. */
-DSE_API extern const int64_t dse_layout[8];
+DSE_API extern const int64_t dse_layout[9];
 
 #endif

@@ -54,7 +54,15 @@ class Group(ctypes.Structure):
 class Groups(ctypes.Structure):
     """Groups in the order they are accessed."""
 
-    _fields_: ClassVar[_Fields] = [(name, ctypes.c_void_p) for name in ("first", "fmi3_reals", "others", "end")]
+    _fields_: ClassVar[_Fields] = [
+        (name, ctypes.c_void_p) for name in ("fmi2", "fmi3", "end", "converted", "truths", "no_truths")
+    ]
+
+
+class Truth(ctypes.Structure):
+    """One Boolean output of FMI 2."""
+
+    _fields_: ClassVar[_Fields] = [("room", ctypes.c_void_p), ("value", ctypes.c_void_p)]
 
 
 class Element(ctypes.Structure):
@@ -147,8 +155,8 @@ def kernel() -> ctypes.CDLL:
         raise fail(
             f"the simulation kernel cannot be loaded: {error}", hint="install dse again, it is built on installation"
         ) from error
-    sizes = [ctypes.sizeof(structure) for structure in (Progress, Log, Group, Element, Failure, System, Request)]
-    found = (ctypes.c_int64 * 8).in_dll(library, "dse_layout")
+    sizes = [ctypes.sizeof(structure) for structure in (Progress, Log, Group, Truth, Element, Failure, System, Request)]
+    found = (ctypes.c_int64 * 9).in_dll(library, "dse_layout")
     if list(found) != [*sizes, LOG_LINES * LOG_WIDTH]:
         raise fail("the simulation kernel does not fit this version of dse", hint="install dse again")
     for name in ("dse_instantiate", "dse_reset", "dse_run", "dse_free"):

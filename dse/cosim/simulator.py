@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import ctypes
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from types import MappingProxyType, TracebackType
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,8 +24,7 @@ __all__ = ["RunFailed", "Simulator"]
 _NO_START: Mapping[str, float] = MappingProxyType({})
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class _Run:
+class _Run(NamedTuple):
     stop: float
     step: float
     steps: int
@@ -56,6 +55,8 @@ class Simulator:
         self._record = np.array(wiring.record(record), np.int32)
         self._kernel = layout.kernel()
         self._tables = Tables(wiring, progress)
+        self._system = ctypes.byref(self._tables.system)
+        self._request = layout.Request(record=self._record.ctypes.data, n_record=self._record.size)
         self._occupied = occupy(system)
         self._can_reset = False
         self._lost: RunFailed | None = None
@@ -102,7 +103,7 @@ class Simulator:
         if self._closed:
             return
         self._closed = True
-        self._kernel.dse_free(ctypes.byref(self._tables.system))
+        self._kernel.dse_free(self._system)
         self._tables.release()
         if not self._lost:
             vacate(self._occupied)
@@ -124,23 +125,18 @@ class Simulator:
         return out
 
     def _simulate(self, run: _Run, digests: NDArray[np.uint64] | None = None) -> NDArray[np.float64]:
-        request = layout.Request(
-            run.stop,
-            run.step,
-            run.steps,
-            self._record.ctypes.data,
-            self._record.size,
-            run.out.ctypes.data,
-            None if digests is None else digests.ctypes.data,
-        )
+        request = self._request
+        request.stop, request.step, request.steps = run.stop, run.step, run.steps
+        request.out = run.out.__array_interface__["data"][0]
+        request.digests = None if digests is None else digests.ctypes.data
         self._can_reset = False
-        if self._kernel.dse_run(ctypes.byref(self._tables.system), ctypes.byref(request)):
+        if self._kernel.dse_run(self._system, ctypes.byref(request)):
             raise self._failure(run.step)
         self._can_reset = True
         return run.out
 
     def _reset(self) -> bool:
-        if not self._kernel.dse_reset(ctypes.byref(self._tables.system)):
+        if not self._kernel.dse_reset(self._system):
             return True
         failure = self._failure(0.0)
         self.reset_is_trusted, self.reset_differs = False, (failure.element,)
@@ -149,8 +145,8 @@ class Simulator:
         return False
 
     def _renew(self) -> None:
-        self._kernel.dse_free(ctypes.byref(self._tables.system))
-        if self._kernel.dse_instantiate(ctypes.byref(self._tables.system)):
+        self._kernel.dse_free(self._system)
+        if self._kernel.dse_instantiate(self._system):
             raise self._failure(0.0)
 
     def _prove_reset(self, run: _Run) -> NDArray[np.float64]:

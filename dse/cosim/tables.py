@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import ctypes
 from collections.abc import Mapping, Sequence
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from dse.cosim import layout
-from dse.cosim.calls import C_TYPES, Call, Type, function_name
+from dse.cosim.calls import C_TYPES, FLOATING, Call, Type, function_name
 from dse.cosim.library import address, lifecycle, load, resources
 from dse.cosim.wiring import Group, Wiring, start_groups
 from dse.domain.fmu import FmuModel
@@ -19,6 +19,7 @@ from dse.domain.fmu import FmuModel
 class Tables:
     """The kernel's view of a system; owns all memory that *system* points into.
 
+    *staged_groups* are those input groups, element by element, whose values are staged on their way from the outputs.
     Libraries are loaded here, each once. There are no instances yet.
     """
 
@@ -26,16 +27,18 @@ class Tables:
         self.wiring = wiring
         self.values = np.zeros(len(wiring.values), np.float64)
         self._previous = np.zeros(len(wiring.values), np.float64)
-        self._sources = np.array(
-            [position for groups in wiring.inputs for group in groups for position in group.positions], np.int32
-        )
-        self._staged = np.zeros(self._sources.size, np.float64)
         self._libraries: dict[str, ctypes.CDLL] = {}
         self._logs = [layout.Log() for _ in wiring.system.elements]
         self._block = _block(progress)
         self.elements = (layout.Element * len(wiring.system.elements))()
         self._outputs = GroupTable(self, wiring.outputs, Call.GET, self.values)
-        self._inputs = GroupTable(self, wiring.inputs, Call.SET, self._staged)
+        slots = self._outputs.slots
+        self.staged_groups = tuple(tuple(g for g in part if in_place(g, slots) is None) for part in wiring.inputs)
+        self._sources = np.array(
+            [at for part in self.staged_groups for group in part for at in group.positions], np.int32
+        )
+        self._staged = np.zeros(self._sources.size, np.float64)
+        self._inputs = GroupTable(self, wiring.inputs, Call.SET, self._staged, slots)
         for index in range(len(self.elements)):
             self._fill(index)
         self.system = layout.System(
@@ -95,43 +98,78 @@ class Tables:
         target.first_staged, target.n_staged = self._inputs.spans[index]
 
 
+class Slot(NamedTuple):
+    """Where an output lies as its accessor left it."""
+
+    type: Type
+    address: int
+
+
+def in_place(group: Group, slots: Sequence[Slot]) -> int | None:
+    """Where the input *group* finds its values ready to be passed on, one after another; None if nowhere.
+
+    Floating-point values are never passed on in place: the kernel looks at them on the way.
+    """
+    if group.type in FLOATING:
+        return None
+    first, size = slots[group.positions[0]].address, ctypes.sizeof(C_TYPES[group.type])
+    wanted = [Slot(group.type, first + size * number) for number in range(len(group.positions))]
+    return first if [slots[position] for position in group.positions] == wanted else None
+
+
 class GroupTable:
     """The kernel's structures for each element's *groups*, whose values lie in *values* one after another.
 
-    *of_element* holds them element by element, *all* those of the whole system; *spans* says at which position each
-    element's values begin and how many they are.
+    Groups that find their values in one of the *slots* take them from there and have no place in *values*.
+    *of_element* holds the structures element by element, *all* those of the whole system; *spans* says at which
+    position each element's values begin and how many they are; *slots* where the accessors leave each value.
     """
 
     def __init__(
-        self, tables: Tables, groups: Sequence[Sequence[Group]], verb: Call, values: NDArray[np.float64]
+        self,
+        tables: Tables,
+        groups: Sequence[Sequence[Group]],
+        verb: Call,
+        values: NDArray[np.float64],
+        sources: Sequence[Slot] = (),
     ) -> None:
         self._kept: list[Any] = [values]
         self.of_element: list[layout.Groups] = []
         self.spans: list[tuple[int, int]] = []
+        self.slots: list[Slot] = []
         everything: list[layout.Group] = []
         position = 0
         for index, part in enumerate(groups):
             structures = []
             began = position
             for group in part:
-                where = values.ctypes.data + position * values.itemsize
-                structures.append(self._structure(tables, index, group, verb, where))
-                position += len(group.variables)
+                ready = in_place(group, sources) if sources else None
+                where = values.ctypes.data + position * values.itemsize if ready is None else ready
+                structures.append(self._structure(tables, index, group, verb, where, is_ready=ready is not None))
+                position += len(group.variables) if ready is None else 0
             self.spans.append((began, position - began))
             self.of_element.append(self._in_order(structures))
             everything += structures
         self.all = self._in_order(everything)
 
-    def _structure(self, tables: Tables, index: int, group: Group, verb: Call, values: int) -> layout.Group:
+    def _structure(
+        self, tables: Tables, index: int, group: Group, verb: Call, values: int, *, is_ready: bool
+    ) -> layout.Group:
         model = tables.wiring.system.elements[index].model
         references = np.array([variable.reference for variable in group.variables], np.uint32)
-        room = (C_TYPES[group.type] * len(group.variables))()
-        self._kept += [references, room]
+        self._kept.append(references)
+        room = values
+        if not is_ready and group.type is not Type.FLOAT64:
+            own = (C_TYPES[group.type] * len(group.variables))()
+            self._kept.append(own)
+            room = ctypes.addressof(own)
+        size = ctypes.sizeof(C_TYPES[group.type])
+        self.slots += [Slot(group.type, room + size * number) for number in range(len(group.variables))]
         call = verb + group.type
         return layout.Group(
             access=address(model, tables.library(model), function_name(call, model.version)),
             references=references.ctypes.data,
-            room=values if group.type is Type.FLOAT64 else ctypes.addressof(room),
+            room=room,
             values=values,
             count=len(group.variables),
             version=model.version,
@@ -141,12 +179,28 @@ class GroupTable:
         )
 
     def _in_order(self, structures: Sequence[layout.Group]) -> layout.Groups:
-        ordered = sorted(structures, key=_rank)
+        ordered = sorted(structures, key=lambda structure: structure.version)
         array = (layout.Group * len(ordered))(*ordered)
-        self._kept.append(array)
-        ranks = [_rank(structure) for structure in ordered]
         first, size = ctypes.addressof(array), ctypes.sizeof(layout.Group)
-        return layout.Groups(*(first + size * sum(rank < bound for rank in ranks) for bound in range(4)))
+        where = [first + size * number for number in range(len(ordered) + 1)]
+        truths = [truth for structure in ordered if _is_truth(structure) for truth in _truths(structure)]
+        single = (layout.Truth * len(truths))(*truths)
+        converted = [
+            where[number]
+            for number, structure in enumerate(ordered)
+            if structure.room != structure.values and not _is_truth(structure)
+        ]
+        pointers = (ctypes.c_void_p * (len(converted) + 1))(*converted)
+        self._kept += [array, single, pointers]
+        begin = ctypes.addressof(single)
+        return layout.Groups(
+            fmi2=first,
+            fmi3=where[sum(structure.version == 2 for structure in ordered)],
+            end=where[-1],
+            converted=ctypes.addressof(pointers),
+            truths=begin,
+            no_truths=begin + ctypes.sizeof(single),
+        )
 
 
 class StartTable:
@@ -174,9 +228,14 @@ class StartTable:
             self._values[self.positions[name]] = value
 
 
-def _rank(structure: layout.Group) -> int:
-    """0 for the reals of FMI 2, 1 for the reals of FMI 3, 2 for what needs conversion."""
-    return int(structure.version) - 2 if structure.type == Type.FLOAT64 else 2
+def _is_truth(structure: layout.Group) -> bool:
+    return bool(structure.call == Call.GET + Type.FMI2_BOOLEAN)
+
+
+def _truths(structure: layout.Group) -> list[layout.Truth]:
+    room, value = (ctypes.sizeof(C_TYPES[kind]) for kind in (Type.FMI2_BOOLEAN, Type.FLOAT64))
+    numbers = range(structure.count)
+    return [layout.Truth(structure.room + room * n, structure.values + value * n) for n in numbers]
 
 
 def _block(progress: memoryview | None) -> layout.Progress | None:

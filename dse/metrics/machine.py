@@ -29,13 +29,17 @@ class Instruction:
 
 @dataclass(frozen=True, slots=True)
 class Check:
-    """A requirement with the registers of its metric and of the condition under which it is exercised."""
+    """A requirement with the registers of its metric and of the condition under which it is exercised.
+
+    *condition_metrics* are the registers of the metrics the condition speaks of.
+    """
 
     requirement: str
     at_most: float | None
     at_least: float | None
     metric: Register
     exercised: Register | None
+    condition_metrics: tuple[Register, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -92,12 +96,22 @@ def judge_failed(requirements: Sequence[Requirement]) -> tuple[Judgement, ...]:
 def _judge(check: Check, registers: Sequence[Any]) -> Judgement:
     value = float(registers[check.metric])
     # An open side is no bound at infinity: an infinite time to collision would have no margin to it.
-    margin = min(
-        math.inf if check.at_most is None else check.at_most - value,
-        math.inf if check.at_least is None else value - check.at_least,
-    )
-    if math.isnan(value):
-        return Judgement(check.requirement, Verdict.NOT_EXERCISED, math.nan)
-    if check.exercised is not None and not registers[check.exercised]:
+    margin = math.nan
+    if not math.isnan(value):
+        margin = min(
+            math.inf if check.at_most is None else check.at_most - value,
+            math.inf if check.at_least is None else value - check.at_least,
+        )
+    if not _is_exercised(check, registers, value):
         return Judgement(check.requirement, Verdict.NOT_EXERCISED, margin)
+    # A metric that is undefined although the run exercised the requirement has not met it.
     return Judgement(check.requirement, Verdict.PASS if margin >= 0 else Verdict.FAIL, margin)
+
+
+def _is_exercised(check: Check, registers: Sequence[Any], value: float) -> bool:
+    """Whether the run came to exercise the requirement; nothing follows from an undefined metric, not even by 'not'."""
+    if check.exercised is None:
+        return not math.isnan(value)
+    if any(math.isnan(registers[register]) for register in check.condition_metrics):
+        return False
+    return bool(registers[check.exercised])

@@ -8,8 +8,10 @@ from dse.domain.bench import Metric, Requirement
 from dse.domain.component import Type
 from dse.domain.expression import (
     Expression,
+    Name,
 )
 from dse.errors import DseError, Problem, raise_if_any
+from dse.loading.expression import descend
 from dse.loading.expression_sorts import (
     Sort,
     error_in,
@@ -102,8 +104,13 @@ def _compile_requirement(compiler: Compiler, requirement: Requirement) -> Check:
         bound = describe(requirement.unit.dimension)
         what = f"requirement '{requirement.name}': '{name}' is {sort}, its bound is {bound}"
         raise DseError(Problem(what, where, f"give the bound in {_si(sort)}"))
-    exercised = None if requirement.exercised_when is None else _compile_condition(compiler, requirement.exercised_when)
-    return Check(requirement.name, requirement.at_most, requirement.at_least, register, exercised)
+    condition = requirement.exercised_when
+    if condition is None:
+        return Check(requirement.name, requirement.at_most, requirement.at_least, register, None)
+    exercised = _compile_condition(compiler, condition)
+    spoken_of = [node.path for node in descend(condition.root) if isinstance(node, Name)]
+    metrics = tuple(compiler.metrics[path][1] for path in spoken_of if path in compiler.metrics)
+    return Check(requirement.name, requirement.at_most, requirement.at_least, register, exercised, metrics)
 
 
 def _compile_condition(compiler: Compiler, expression: Expression) -> Register:

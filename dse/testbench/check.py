@@ -5,11 +5,14 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import ParamSpec
 
+from dse.domain.component import FmuSource
 from dse.errors import DseError, Problem
+from dse.fmu.unpack import open_fmu
 from dse.loading.workspace import Workspace
 from dse.space.check import check as check_space
-from dse.testbench.prepare import check_bench
-from dse.testbench.select import one
+from dse.testbench.plan import require_variables
+from dse.testbench.prepare import check_bench, settable
+from dse.testbench.select import one, selected
 
 P = ParamSpec("P")
 
@@ -20,7 +23,7 @@ def check_workspace(workspace: Workspace) -> tuple[list[Problem], dict[str, int]
     found = _of(_survey, workspace, counts)
     if not found:
         for name in workspace.component_files:
-            found += _of(workspace.component, name)
+            found += _of(_component, workspace, name)
         for path in workspace.files("designs"):
             found += _of(_design, workspace, str(path))
         for path in workspace.files("testbenches"):
@@ -56,6 +59,12 @@ def _design(workspace: Workspace, path: str) -> None:
     one(workspace.design(path), None)
 
 
+def _component(workspace: Workspace, name: str) -> None:
+    source = workspace.component(name).source
+    if isinstance(source, FmuSource):
+        open_fmu(source.file)
+
+
 def _bench(workspace: Workspace, path: str) -> None:
     bench = workspace.bench(path)
     problems = check_space(bench.design)
@@ -65,4 +74,9 @@ def _bench(workspace: Workspace, path: str) -> None:
 
 
 def _study(workspace: Workspace, path: str) -> None:
-    workspace.study(path)
+    study = workspace.study(path)
+    space = study.bench.design
+    if check_space(space):
+        return  # the design's own file says what is wrong
+    first = selected(space, study.selection, study.where)[0]
+    require_variables(study, {first.id: settable(study.bench, first)})

@@ -9,13 +9,13 @@ from pathlib import Path
 from dse.domain.bench import TestBench
 from dse.domain.component import Value
 from dse.domain.design import Configuration
-from dse.domain.study import DesignVariable, FullFactorial, Keep, Selection, Study
+from dse.domain.study import FullFactorial, Keep, Selection, Study
 from dse.errors import DseError, Location, Problem
 from dse.loading.bench import setting
 from dse.loading.values import Raw
 from dse.testbench.definition import define, fingerprint
 from dse.testbench.prepare import prepare
-from dse.testbench.prepared import PreparedBench
+from dse.testbench.prepared import PreparedBench, Setting
 from dse.testbench.select import selected
 
 
@@ -33,7 +33,7 @@ def plan(study: Study, *, version: int = 2, cache: Path | None = None) -> Plan:
     """Choose the configurations, build FMUs, assemble systems. Raises DseError with everything that is wrong."""
     configurations = selected(study.bench.design, study.selection, study.where)
     prepared = prepare(study.bench, configurations, version=version, cache=cache)
-    _require_variables(study, prepared)
+    require_variables(study, {name: bench.settings for name, bench in prepared.items()})
     definition = define(study, prepared)
     return Plan(study, prepared, definition, fingerprint(definition))
 
@@ -67,23 +67,14 @@ def with_values(bench: TestBench, values: Mapping[str, Value]) -> TestBench:
     return replace(bench, parameters={**bench.parameters, **values})
 
 
-def _require_variables(study: Study, prepared: Mapping[str, PreparedBench]) -> None:
-    """Every design variable must exist, and be free, in every configuration that is explored."""
+def require_variables(study: Study, settings: Mapping[str, Mapping[str, Setting]]) -> None:
+    """Raise DseError unless every design variable can be set in every configuration (*settings* by its id)."""
     problems = []
     for variable in study.variables:
-        lacking = [p for p in prepared.values() if variable.name not in p.settings]
+        lacking = [name for name, known in settings.items() if variable.name not in known]
         if lacking:
-            problems.append(_missing(variable, lacking, len(prepared)))
+            what = f"{len(lacking)} of {len(settings)} configurations cannot vary '{variable.name}', as {lacking[0]}"
+            hint = "vary a parameter, or an input nothing is connected to, that all chosen configurations have"
+            problems.append(Problem(what, variable.where, hint))
     if problems:
         raise DseError(*problems)
-
-
-def _missing(variable: DesignVariable, lacking: list[PreparedBench], total: int) -> Problem:
-    first = lacking[0].configuration
-    place = variable.name.split(".")[0]
-    chosen = first.choices.get(place) or "what stands there"
-    return Problem(
-        f"{len(lacking)} of {total} configurations cannot vary '{variable.name}', as {first.id}: {place} is {chosen}",
-        variable.where,
-        f"choose configurations that have it: 'configurations: {{where: {place} is …}}'",
-    )

@@ -17,6 +17,7 @@ from dse.metrics.program import compile_metrics
 from dse.space.wiring import wire
 from dse.system.assemble import assemble, check_wiring
 from dse.testbench.prepared import PreparedBench, Setting
+from dse.testbench.timing import sampling_problems, stepping_problems
 
 
 def prepare(
@@ -51,9 +52,15 @@ def check_bench(bench: TestBench, configuration: Configuration) -> None:
         compile_metrics(bench.metrics, bench.requirements, types, signals)
     except DseError as error:
         problems += error.problems
-    problems += _record_problems(bench, parts, signals)
+    problems += [*_record_problems(bench, parts, signals), *sampling_problems(bench, parts)]
     if problems:
         raise DseError(*problems)
+
+
+def settable(bench: TestBench, configuration: Configuration) -> Mapping[str, Setting]:
+    """What a run of *configuration* may be given, by ``part.parameter``; needs no FMU. Raises DseError."""
+    parts, connections = parts_and_wiring(bench, configuration)
+    return _settings(parts, {connection.target for connection in connections}, _values(bench, parts))[0]
 
 
 def parts_and_wiring(
@@ -76,10 +83,11 @@ def _prepare(
     values = _values(bench, parts)
     connected = {connection.target for connection in connections}
     types, signals = _names(parts, connected)
-    problems = _record_problems(bench, parts, signals)
-    if problems:
-        raise DseError(*problems)
-    problems = _step_problems(bench, parts, models)
+    problems = [
+        *_record_problems(bench, parts, signals),
+        *sampling_problems(bench, parts),
+        *stepping_problems(bench, parts, models),
+    ]
     if problems:
         raise DseError(*problems)
     program = compile_metrics(bench.metrics, bench.requirements, types, signals)
@@ -141,17 +149,6 @@ def _record_problems(bench: TestBench, parts: Mapping[str, Component], signals: 
             problems.append(Problem(f"cannot record '{name}': no such output", bench.simulation.where, hint))
         elif not split and name.split(".")[0] not in bench.design.root.parts:
             problems.append(Problem(f"cannot record '{name}': no such part", bench.simulation.where))
-    return problems
-
-
-def _step_problems(bench: TestBench, parts: Mapping[str, Component], models: Mapping[str, FmuModel]) -> list[Problem]:
-    """FMUs that can only step by another step than the bench's."""
-    step, problems = bench.simulation.step, []
-    for path, component in parts.items():
-        fixed = models[component.name].fixed_step
-        if fixed is not None and abs(fixed - step) > 1e-9 * step:
-            what = f"{path} ({component.name}) can only step by {fixed:g} s, the bench steps by {step:g} s"
-            problems.append(Problem(what, bench.simulation.where, f"step: {fixed:g} s"))
     return problems
 
 

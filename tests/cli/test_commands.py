@@ -5,8 +5,11 @@ from __future__ import annotations
 import csv
 import io
 import json
+import os
+import signal
 import subprocess
 import sys
+import time
 
 import pytest
 from defusedxml import ElementTree
@@ -221,3 +224,64 @@ def test_wrong_usage_exits_with_2(dse):
     assert dse("enumerate").returncode == 2
     assert dse("explore", "small").returncode == 2
     assert dse("simulate", "acc_following", "--fmi", "4").returncode == 2
+
+
+def test_a_picture_that_cannot_be_written_is_refused_before_simulating(dse, tmp_path):
+    assert dse("simulate", "acc_following", "--plot", "run.gif").returncode == 2
+    assert dse("simulate", "acc_following", "--plot", str(tmp_path / "nowhere" / "run.png")).returncode == 2
+
+
+def test_one_axis_alone_is_wrong_usage(dse, explored):
+    assert dse("figure", str(explored), "--x", "controller.kp_speed").returncode == 2
+
+
+@pytest.mark.parametrize(
+    "command", [["build", "pd_acc"], ["init"], ["results", "STUDY"], ["report", "STUDY"], ["figure", "STUDY"]]
+)
+def test_a_place_that_cannot_be_written_is_named_without_a_traceback(dse, explored, tmp_path, command):
+    taken = tmp_path / "taken"
+    taken.write_text("a file", encoding="utf-8")
+    inside = str(taken / "below")
+    arguments = [str(explored) if word == "STUDY" else word for word in command]
+    done = dse(*arguments, *([inside] if command == ["init"] else ["-o", inside]))
+    assert done.returncode == 1
+    assert "taken" in done.stderr
+    assert "hint" in done.stderr
+    assert "Traceback" not in done.stderr
+
+
+def test_a_bench_coarser_than_a_sample_time_is_refused(dse, example, tmp_path):
+    bench = (example / "testbenches" / "acc_following.yaml").read_text(encoding="utf-8")
+    coarse = example / "testbenches" / "coarse.yaml"
+    coarse.write_text(
+        bench.replace("testbench: acc_following", "testbench: coarse").replace("step: 10 ms", "step: 20 ms"),
+        encoding="utf-8",
+    )
+    try:
+        done = dse("simulate", "coarse")
+    finally:
+        coarse.unlink()
+    assert done.returncode == 1
+    assert "controller (pd_acc) samples every 0.01 s, no multiple of the step 0.02 s" in done.stderr
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="interrupts are sent otherwise there")
+def test_an_interrupted_study_says_how_to_go_on(example, cache, tmp_path):
+    study = (example / "testbenches" / "small.pet.yaml").read_text(encoding="utf-8")
+    (example / "testbenches" / "long.pet.yaml").write_text(
+        study.replace("study: small", "study: long").replace("levels: 5", "levels: 200"), encoding="utf-8"
+    )
+    command = [sys.executable, "-m", "dse", "explore", "long", "-o", str(tmp_path / "long"), "-j", "1"]
+    environment = {**os.environ, "DSE_CACHE": str(cache)}
+    with subprocess.Popen(
+        command, cwd=example, env=environment, stdout=subprocess.PIPE, stderr=subprocess.PIPE
+    ) as process:
+        deadline = time.monotonic() + 60
+        while not list((tmp_path / "long" / "waveforms").glob("*.parquet")) and time.monotonic() < deadline:
+            time.sleep(0.1)
+        process.send_signal(signal.SIGINT)
+        _, errors = process.communicate(timeout=30)
+    (example / "testbenches" / "long.pet.yaml").unlink()
+    assert process.returncode == 130
+    assert b"the same command goes on from there" in errors
+    assert b"Traceback" not in errors

@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
@@ -9,6 +10,7 @@ from hypothesis import strategies as st
 
 from dse.cosim.reference import run_reference
 from dse.cosim.simulator import RunFailed, Simulator
+from dse.domain.fmu import Variable
 
 BOTH = pytest.mark.parametrize("version", [2, 3])
 
@@ -80,6 +82,54 @@ def test_every_type_of_number_is_relayed(shelf, version):
     found = same_bits(shelf.system({"a": model, "b": model}, wires, start, record), record)
     expected = [float(np.float32(values[t])) if t == "Float32" else float(values[t]) for t in types]
     assert np.array([expected] * 11).tobytes() == found.tobytes()
+
+
+def crossing(shelf, version, **variables):
+    """A relay under other names: name = (reference, type); references from 16 on are outputs."""
+    named = {
+        name: Variable(name, reference, fmi_type, "output" if reference >= 16 else "input", None)
+        for name, (reference, fmi_type) in variables.items()
+    }
+    return replace(shelf.fmu("relay", version), variables=named)
+
+
+@BOTH
+@pytest.mark.parametrize("kind", ["whole", "truth"])
+def test_what_travels_unconverted_arrives_in_any_order(shelf, version, kind):
+    fmi_type = "Boolean" if kind == "truth" else ("Integer" if version == 2 else "Int32")
+    p, q = (1, 0) if kind == "truth" else (-7, 2**31 - 1)
+    model = crossing(shelf, version, p=(0, fmi_type), q=(1, fmi_type), x=(16, fmi_type), y=(17, fmi_type))
+    ends = {"straight": ("x", "y"), "crossed": ("y", "x"), "forked": ("y", "y")}
+    wires = [f"a.{source} -> {name}.{target}" for name in ends for source, target in zip(ends[name], "pq", strict=True)]
+    record = [f"{name}.{output}" for name in ends for output in "xy"]
+    system = shelf.system(dict.fromkeys(["a", *ends], model), wires, {"a.p": p, "a.q": q}, record)
+    assert same_bits(system, record)[-1].tolist() == [p, q, q, p, q, q]
+
+
+def test_whole_numbers_travel_between_the_versions(shelf):
+    two = crossing(shelf, 2, p=(0, "Integer"), q=(1, "Boolean"), x=(16, "Integer"), y=(17, "Boolean"))
+    three = crossing(shelf, 3, p=(0, "Int32"), q=(1, "Boolean"), x=(16, "Int32"), y=(17, "Boolean"))
+    wires = ["a.x -> b.p", "a.y -> b.q", "b.x -> c.p", "b.y -> c.q"]
+    system = shelf.system({"a": two, "b": three, "c": two}, wires, {"a.p": -3, "a.q": 1}, ["c.x", "c.y"])
+    assert same_bits(system, ["c.x", "c.y"])[-1].tolist() == [-3, 1]
+
+
+def test_a_true_other_than_one_is_passed_on_as_one(shelf):
+    source = crossing(shelf, 2, n=(0, "Integer"), truth=(16, "Boolean"))
+    target = crossing(shelf, 2, truth=(0, "Boolean"), n=(16, "Integer"))
+    record = ["a.truth", "b.n"]
+    system = shelf.system({"a": source, "b": target}, ["a.truth -> b.truth"], {"a.n": 5}, record)
+    assert same_bits(system, record).tolist() == [[1, 1]] * 11
+
+
+def test_more_elements_than_the_loop_takes_at_once_all_step(shelf):
+    names = [f"e{i}" for i in range(11)]
+    for versions in ([2] * 11, [2] * 6 + [3] + [2] * 4, [3] + [2] * 10):
+        models = {name: shelf.fmu("linear", version) for name, version in zip(names, versions, strict=True)}
+        start = {f"{name}.{key}": value for i, name in enumerate(names) for key, value in (("a", 2.0), ("y0", i + 1.0))}
+        record = [f"{name}.y" for name in names]
+        found = same_bits(shelf.system(models, (), start, record), record, stop=0.3)
+        assert found[-1].tolist() == [8.0 * (i + 1) for i in range(11)]
 
 
 @BOTH

@@ -62,6 +62,10 @@ def test_the_files_shown_can_be_read(workspace, tmp_path):
         path = copy / text.splitlines()[0].removeprefix("# ").split(":")[0]
         assert path.exists()
         path.write_text(text, encoding="utf-8")
+    shown, shipped = (
+        (root / "testbenches/acc_gains.pet.yaml").read_text(encoding="utf-8") for root in (copy, workspace)
+    )
+    assert shown.partition("\n")[2] == shipped
     study = Workspace(copy).study("acc_gains")
     assert study.bench.design.constraints[0].name == "budget"
 

@@ -290,3 +290,26 @@ def test_the_columns_are_left_as_they_were():
     before = {name: column.copy() for name, column in COLUMNS.items()}
     value("minimum(time_to_collision(world.gap, world.closing)) + 0 s * maximum(world.speed) / 1 m/s")
     assert all(np.array_equal(before[name], COLUMNS[name]) for name in COLUMNS)
+
+
+@pytest.mark.parametrize("bound", [{"at_most": 30.0}, {"at_least": 30.0}])
+@pytest.mark.parametrize(
+    ("exercised", "verdict"),
+    [
+        (None, Verdict.NOT_EXERCISED),
+        ("closest < 50 m", Verdict.FAIL),
+        ("closest > 50 m", Verdict.NOT_EXERCISED),
+        ("undefined < 60", Verdict.NOT_EXERCISED),
+        ("not undefined > 60", Verdict.NOT_EXERCISED),
+    ],
+)
+def test_an_undefined_metric_never_passes_and_fails_only_where_it_was_exercised(bound, exercised, verdict):
+    condition = None if exercised is None else parse_expression(exercised, HERE)
+    requirement = Requirement("R", "undefined", **bound, exercised_when=condition)
+    program = compiled(
+        metric("minimum(world.gap)", "closest"), metric("sqrt(0 - 1)", "undefined"), requirements=[requirement]
+    )
+    values, (judgement,) = program.evaluate(TIME, COLUMNS, CONSTANTS)
+    assert math.isnan(values["undefined"])
+    assert judgement.verdict is verdict
+    assert math.isnan(judgement.margin)

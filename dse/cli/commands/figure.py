@@ -4,12 +4,16 @@ from __future__ import annotations
 
 from enum import StrEnum
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from dse.cli.app import app, console
 from dse.cli.arguments import Configuration, Folder
+from dse.errors import Location, fail
+
+if TYPE_CHECKING:
+    from dse.report.content import ReportContent
 
 
 class Kind(StrEnum):
@@ -42,9 +46,11 @@ def figure(
     from dse.report.study import planes, read_content
     from dse.results.folder import StudyFolder
 
+    if (x is None) != (y is None):
+        raise typer.BadParameter("give both --x and --y, or neither", param_hint="--x/--y")
     with StudyFolder.open(folder) as store:
         content = read_content(store, shown_as=folder.as_posix())
-        chosen = configuration or content.configurations[0].id
+    chosen = _configuration(content, configuration)
     run = number if number is not None else default_run(content) if content.figures else None
     place = target or folder / "figures"
     place.mkdir(parents=True, exist_ok=True)
@@ -56,5 +62,17 @@ def figure(
     if run is not None and content.figures:
         written.append(place / f"waveforms_{run}.{kind}")
         save(draw_waveforms(waveform_data(content, run)), written[-1])
+    else:
+        console(stderr=True).print("no waveforms are drawn: the study kept none", soft_wrap=True)
     for path in written:
         console().print(str(path), soft_wrap=True)
+
+
+def _configuration(content: ReportContent, wanted: str | None) -> str:
+    """The id that starts with *wanted*; the first configuration's if it is None. Raises DseError."""
+    ids = [entry.id for entry in content.configurations if entry.id.startswith(wanted or "")]
+    if not ids or (wanted and wanted not in ids and len(ids) > 1):
+        what = f"{len(ids) or 'no'} configurations of this study start with '{wanted}'"
+        known = ", ".join(ids or [entry.id for entry in content.configurations][:6])
+        raise fail(what, Location(content.study_folder), f"as {known}")
+    return wanted if wanted in ids else ids[0]

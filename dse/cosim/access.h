@@ -1,0 +1,171 @@
+/* Reading and writing variables, and what happens when an FMU call fails. */
+#ifndef DSE_COSIM_ACCESS_H
+#define DSE_COSIM_ACCESS_H
+
+#include "convert.h"
+
+/* The loop is as fast as it is short: what it needs is put into it, everything else is kept out of it. */
+#if defined(__GNUC__)
+#define RARE __attribute__((cold, noinline))
+#define APART __attribute__((noinline))
+#define HOT static inline __attribute__((always_inline))
+#else
+#define RARE
+#define APART
+#define HOT static inline
+#endif
+
+/* ---- failures and the place they happen at ---- */
+
+/* The block is in memory before the FMU runs: no compiler may hold a store to it back past an unknown function. */
+static inline void enter_call(System *system, int64_t element, int64_t call)
+{
+    system->progress->place = (Place){element, call};
+}
+
+RARE static bool fail(System *system, int64_t kind, int64_t status, int64_t position, double value)
+{
+    system->failure = (Failure){kind, status, *system->progress, position, value};
+    return false;
+}
+
+RARE static bool fail_status(System *system, int status)
+{
+    return fail(system, BAD_STATUS, status, 0, 0);
+}
+
+static inline bool is_good(int status)
+{
+    return (unsigned)status <= FMI_WARNING;
+}
+
+static inline bool accept(System *system, int status)
+{
+    return is_good(status) ? true : fail_status(system, status);
+}
+
+/* ---- groups of variables ---- */
+
+HOT bool call_fmi2(System *system, Progress *progress, const Group *group)
+{
+    progress->place = group->place;
+    const int status =
+        ((Fmi2Access)group->access)(group->instance, group->references, (size_t)group->count, group->room);
+    return is_good(status) ? true : fail_status(system, status);
+}
+
+HOT bool call_fmi3(System *system, Progress *progress, const Group *group)
+{
+    const size_t count = (size_t)group->count;
+    progress->place = group->place;
+    const int status = ((Fmi3Access)group->access)(group->instance, group->references, count, group->room, count);
+    return is_good(status) ? true : fail_status(system, status);
+}
+
+/* By fours: a processor guesses where a call goes by the place in the code that it comes from. */
+HOT bool call_all(System *system, Progress *progress, const Groups *groups)
+{
+    const Group *group = groups->fmi2;
+    for (; groups->fmi3 - group >= 4; group += 4)
+        if (!call_fmi2(system, progress, group) || !call_fmi2(system, progress, group + 1) ||
+            !call_fmi2(system, progress, group + 2) || !call_fmi2(system, progress, group + 3))
+            return false;
+    for (; group < groups->fmi3; group++)
+        if (!call_fmi2(system, progress, group))
+            return false;
+    for (; group < groups->end; group++)
+        if (!call_fmi3(system, progress, group))
+            return false;
+    return true;
+}
+
+static bool widen_checked(System *system, const Group *group)
+{
+    int64_t good = widen(group);
+    if (good == group->count)
+        return true;
+    system->progress->place = group->place;
+    return fail(system, TOO_LARGE, 0, group->values + good - system->values, group->values[good]);
+}
+
+static bool narrow_checked(System *system, const Group *group, int64_t unfit)
+{
+    int64_t good = narrow(group);
+    if (good == group->count)
+        return true;
+    /* The variable's position among all start values, or among the staged inputs. */
+    const double *first = unfit == UNFIT_START ? system->starts : system->staged;
+    system->progress->place = group->place;
+    return fail(system, unfit, 0, group->values + good - first, group->values[good]);
+}
+
+HOT bool read_groups(System *system, Progress *progress, const Groups *groups)
+{
+    if (!call_all(system, progress, groups))
+        return false;
+    for (const Truth *truth = groups->truths; truth < groups->no_truths; truth++) {
+        const int32_t is_true = *truth->room != 0;
+        *truth->room = is_true;
+        *truth->value = is_true;
+    }
+    for (Group *const *group = groups->converted; *group; group++)
+        if (!widen_checked(system, *group))
+            return false;
+    return true;
+}
+
+HOT bool write_groups(System *system, Progress *progress, const Groups *groups, int64_t unfit)
+{
+    for (Group *const *group = groups->converted; *group; group++)
+        if (!narrow_checked(system, *group, unfit))
+            return false;
+    return call_all(system, progress, groups);
+}
+
+/* The same once more for the initialization, outside the loop. */
+APART static bool read_some(System *system, const Groups *groups)
+{
+    return read_groups(system, system->progress, groups);
+}
+
+APART static bool write_some(System *system, const Groups *groups, int64_t unfit)
+{
+    return write_groups(system, system->progress, groups, unfit);
+}
+
+/* ---- moving values ---- */
+
+/* to[i] = table[positions[i]]; returns the sum, which tells in one test whether all were finite. */
+HOT double gather(double *to, const double *table, const int32_t *positions, int64_t count)
+{
+    /* By twos: in runs of a few values the loop costs more than the copying. Two loads, even if the values are
+     * neighbours: what an FMU has just stored in two parts reaches one wide load only by way of the cache. */
+    typedef double Pair __attribute__((vector_size(2 * sizeof(double)), aligned(sizeof(double)), may_alias));
+    Pair sum = {0.0, 0.0};
+    int64_t i = 0;
+    for (; i + 1 < count; i += 2) {
+        Pair pair = {table[positions[i]], table[positions[i + 1]]};
+        *(Pair *)(to + i) = pair;
+        sum += pair;
+    }
+    if (i < count)
+        sum[0] += to[i] = table[positions[i]];
+    return sum[0] + sum[1];
+}
+
+/* Carry outputs along the wires to count staged inputs, from the first given. */
+static inline double stage(const System *system, int64_t first, int64_t count)
+{
+    return gather(system->staged + first, system->values, system->sources + first, count);
+}
+
+RARE static bool all_finite(System *system)
+{
+    int64_t position = system->n_values;
+    for (int64_t i = 0; i < system->n_staged; i++)
+        if (system->staged[i] - system->staged[i] != 0.0 && system->sources[i] < position)
+            position = system->sources[i];
+    return position == system->n_values || fail(system, NOT_FINITE, 0, position, system->values[position]);
+}
+
+#endif
