@@ -10,12 +10,16 @@ from contextlib import closing, contextmanager
 from pathlib import Path
 
 from dse.errors import DseError, Location, fail
+from dse.results.definition import least_flaws
 from dse.results.header import StudyHeader
 from dse.results.schema import APPLICATION_ID, VERSION, statements
 
 NAME = "study.sqlite"
 
 _BUSY_SECONDS = 30.0
+
+_BROKEN = (sqlite3.SQLITE_ERROR, sqlite3.SQLITE_CORRUPT, sqlite3.SQLITE_NOTADB, sqlite3.SQLITE_MISMATCH)
+"""SQLite's codes for a table or column that is gone, and for bytes that are no database."""
 
 _WHICH = "name the folder given to explore or run with -o"
 
@@ -26,15 +30,26 @@ def located(path: Path) -> Iterator[None]:
     try:
         yield
     except sqlite3.OperationalError as error:
+        # Text that is no UTF-8 has no code: Python itself refuses it.
+        if getattr(error, "sqlite_errorcode", sqlite3.SQLITE_ERROR) & 0xFF in _BROKEN:
+            raise damaged(path, str(error)) from error
         raise fail(
             f"{NAME} cannot be used: {error}", Location(str(path)), "look at the disk's space, the rights and the locks"
         ) from error
     except sqlite3.DatabaseError as error:
-        raise _damaged(path, str(error)) from error
+        raise damaged(path, str(error)) from error
+
+
+def damaged(path: Path, why: str) -> DseError:
+    """The problem of a study folder *path* whose database holds what this program never wrote."""
+    return fail(f"{NAME} is damaged: {why}", Location(str(path)), "explore again into another folder, or with --fresh")
 
 
 def lay_out(path: Path, header: StudyHeader) -> None:
-    """Write an empty `study.sqlite` into *path*, all of it or nothing."""
+    """Write an empty `study.sqlite` into *path*, all of it or nothing. DseError if *header* cannot be stored."""
+    flaws = least_flaws(header.definition)
+    if flaws:
+        raise fail(f"the study cannot be stored: {flaws[0]}", Location(str(path)))
     aside = path / f"{NAME}.part"
     aside.unlink(missing_ok=True)
     with located(path), closing(sqlite3.connect(aside, isolation_level=None)) as connection:
@@ -85,12 +100,20 @@ def write_header(connection: sqlite3.Connection, header: StudyHeader) -> None:
 
 
 def read_header(connection: sqlite3.Connection, path: Path) -> StudyHeader:
-    """The header stored by `write_header`."""
+    """The header stored by `write_header`; DseError if it is not shaped like one."""
     try:
         facts = {key: json.loads(value) for key, value in connection.execute("SELECT key, value FROM facts")}
-        return StudyHeader(facts["definition"], facts["fingerprint"], facts["runs"])
-    except (ValueError, KeyError) as error:
-        raise _damaged(path, f"its facts cannot be read ({error})") from error
+        definition, fingerprint, runs = facts["definition"], facts["fingerprint"], facts["runs"]
+    except (ValueError, KeyError, RecursionError) as error:
+        raise damaged(path, f"its facts cannot be read ({error})") from error
+    flaws = least_flaws(definition)
+    if type(fingerprint) is not str:
+        flaws.append("the fingerprint is no text")
+    if type(runs) is not int or runs < 0:
+        flaws.append("the number of runs is none")
+    if flaws:
+        raise damaged(path, flaws[0])
+    return StudyHeader(definition, fingerprint, runs)
 
 
 def _check_version(path: Path, connection: sqlite3.Connection) -> None:
@@ -110,10 +133,6 @@ def _address(file: Path) -> str:
     # Without the right to write, SQLite cannot make the index that WAL readers share; such a file does not change.
     mode = "mode=rw" if os.access(file, os.W_OK) and os.access(file.parent, os.W_OK) else "mode=ro&immutable=1"
     return f"{file.resolve().as_uri()}?{mode}"
-
-
-def _damaged(path: Path, why: str) -> DseError:
-    return fail(f"{NAME} is damaged: {why}", Location(str(path)), "explore again into another folder, or with --fresh")
 
 
 def _json(value: object) -> str:

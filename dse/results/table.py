@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import math
 import sqlite3
 from collections.abc import Iterator, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from typing import Any
 
@@ -84,13 +86,17 @@ class RunTable:
 
 
 def read_table(connection: sqlite3.Connection, header: StudyHeader, numbers: Sequence[int] = ()) -> RunTable:
-    """The runs of *numbers* that are stored, or all of them if *numbers* is empty."""
+    """The runs of *numbers* that are stored, or all of them if *numbers* is empty.
+
+    ValueError if a row holds what no study of *header* can have.
+    """
     names = columns(header)
     choice = ", ".join(quoted(name) for name in names)
     where = f" WHERE number IN ({', '.join(str(int(number)) for number in numbers)})" if numbers else ""
     rows = connection.execute(f"SELECT {choice} FROM runs{where} ORDER BY number").fetchall()  # noqa: S608  # quoted
     cells = dict(zip(names, zip(*rows, strict=True) if rows else ((),) * len(names), strict=True))
     n = len(rows)
+    _refuse_strangers(cells, header)
     block = RowBlock(
         np.array(cells["number"], dtype=np.int64),
         np.array([entry == Outcome.DONE for entry in cells["outcome"]], dtype=np.bool_),
@@ -105,8 +111,24 @@ def read_table(connection: sqlite3.Connection, header: StudyHeader, numbers: Seq
         {number: text for number, text in zip(cells["number"], cells["problem"], strict=True) if text},
     )
     return RunTable(
-        header, block, cells["configuration"], {name: _point(cells[f"p:{name}"]) for name in header.variables}
+        header, block, cells["configuration"], {name: _point(name, cells[f"p:{name}"]) for name in header.variables}
     )
+
+
+def _refuse_strangers(cells: Mapping[str, Any], header: StudyHeader) -> None:
+    """ValueError for a number, configuration, outcome or verdict that the study does not have."""
+    known: list[tuple[str, set[Any], Any]] = [
+        ("configuration", set(header.configurations), cells["configuration"]),
+        ("outcome", {str(outcome) for outcome in Outcome}, cells["outcome"]),
+        *((f"verdict on {name}", set(_CODES), cells[f"verdict:{name}"]) for name in header.requirements),
+    ]
+    for what, those, column in known:
+        strange = set(column) - those
+        if strange:
+            raise ValueError(f"a run has the unknown {what} '{min(strange)}'")
+    # They are sorted.
+    if cells["number"] and not 0 <= cells["number"][0] <= cells["number"][-1] < header.runs:
+        raise ValueError(f"there are runs {cells['number'][0]} to {cells['number'][-1]} in a study of {header.runs}")
 
 
 def _matrix(cells: Mapping[str, Any], n: int, kind: str, names: Sequence[str]) -> NDArray[np.float64]:
@@ -114,10 +136,23 @@ def _matrix(cells: Mapping[str, Any], n: int, kind: str, names: Sequence[str]) -
     return np.array([cells[f"{kind}:{name}"] for name in names], dtype=np.float64).reshape(len(names), n).T
 
 
-def _point(cells: tuple[float | str, ...]) -> NDArray[Any]:
+def _point(name: str, cells: tuple[float | str, ...]) -> NDArray[Any]:
     if all(type(cell) is float for cell in cells):
-        return np.array(cells, dtype=np.float64)
-    values: list[Value] = [value_of(cell) for cell in cells]
+        numbers = np.array(cells, dtype=np.float64)
+        if not np.isfinite(numbers).all():
+            raise ValueError(f"a run has an infinite {name}")
+        return numbers
+    values: list[Value] = [_value(name, cell) for cell in cells]
     column = np.empty(len(values), dtype=object)
     column[:] = values
     return column
+
+
+def _value(name: str, cell: object) -> Value:
+    value = None
+    if isinstance(cell, float | str):
+        with suppress(ValueError, RecursionError):
+            value = value_of(cell)
+    if not isinstance(value, bool | int | float | str) or (isinstance(value, float) and not math.isfinite(value)):
+        raise ValueError(f"a run has an unreadable {name}: {str(cell)[:40]}")
+    return value
