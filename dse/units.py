@@ -5,6 +5,7 @@ pint knows the units; nothing above this module sees it, and it is imported on f
 
 from __future__ import annotations
 
+import math
 import re
 from dataclasses import dataclass
 from fractions import Fraction
@@ -43,11 +44,11 @@ class Unit:
 
     def to_si(self, value: float) -> float:
         """*value* in this unit as a value in the coherent SI unit."""
-        return float(Fraction(value) * self.factor + self.offset)
+        return _as_float(Fraction(value) * self.factor + self.offset) if math.isfinite(value) else value
 
     def from_si(self, value: float) -> float:
         """*value* in the coherent SI unit as a value in this unit."""
-        return float((Fraction(value) - self.offset) / self.factor)
+        return _as_float((Fraction(value) - self.offset) / self.factor) if math.isfinite(value) else value
 
     @property
     def is_coherent(self) -> bool:
@@ -57,6 +58,9 @@ class Unit:
     def __str__(self) -> str:
         return self.symbol
 
+
+LARGEST = 10**308
+"""The largest number, in SI, that is taken; floating point ends a little above."""
 
 DIMENSIONLESS = Unit("", Fraction(1), Fraction(0), ())
 
@@ -114,6 +118,8 @@ def parse_unit(text: str) -> Unit:
     text = text.strip()
     if text in ("", "1"):
         return DIMENSIONLESS
+    if _TOO_LARGE.search(text) or len(_GROUP_POWER.findall(text)) > 1:
+        raise UnitError(f"unknown unit '{text}'")
     if text in _MISREAD:
         raise UnitError(f"unknown unit '{text}': write {_MISREAD[text]}")
     import pint
@@ -131,7 +137,10 @@ def parse_unit(text: str) -> Unit:
     dimension = tuple(
         sorted((str(name).strip("[]"), Fraction(exponent)) for name, exponent in one.dimensionality.items())
     )
-    return Unit(text, Fraction(str(one.magnitude)) - offset, offset, dimension)
+    factor = Fraction(str(one.magnitude)) - offset
+    if not Fraction(1, LARGEST) <= abs(factor) <= LARGEST:
+        raise UnitError(f"the unit '{text}' is beyond the range of numbers")
+    return Unit(text, factor, offset, dimension)
 
 
 @lru_cache(maxsize=4096)
@@ -139,12 +148,20 @@ def parse_quantity(text: str) -> Quantity:
     """Read ``number unit``, as ``70 km/h``, ``45 EUR``, ``2 %`` or ``0.3``. Raises UnitError."""
     match = _QUANTITY.fullmatch(text.strip())
     if not match:
-        raise UnitError(f"'{text}' is not a quantity: write a number and a unit, as '70 km/h'")
+        raise UnitError(f"'{text}' is not a quantity")
+    if len(match["number"]) > _LONGEST_NUMBER:
+        raise UnitError(f"a number of more than {_LONGEST_NUMBER} characters")
     unit = parse_unit(match["unit"])
-    number = Fraction(match["number"])
-    return Quantity(number * unit.factor + unit.offset, unit, text.strip())
+    si = Fraction(match["number"]) * unit.factor + unit.offset
+    if abs(si) > LARGEST:
+        raise UnitError(f"'{text}' is beyond the range of numbers")
+    return Quantity(si, unit, text.strip())
 
 
+_LONGEST_NUMBER = 100
+# Powers that would take the exact factors of a unit to millions of digits.
+_TOO_LARGE = re.compile(r"\d{3}|(?:\^|\*\*)[\s\d.()+-]*(?:\^|\*\*)")
+_GROUP_POWER = re.compile(r"\)\s*(?:\^|\*\*|\d)")
 _QUANTITY = re.compile(
     r"(?P<number>[+-]?(?:\d+(?:\.\d*)?|\.\d+)(?:[eE][+-]?\d{1,3})?)\s*(?P<unit>(?:[^\s\d+.-].*)?|1(?:/.*)?)", re.DOTALL
 )
@@ -166,6 +183,14 @@ def _registry() -> pint.UnitRegistry[Any]:
     for line in _OWN_UNITS.strip().splitlines():
         registry.define(line)
     return registry
+
+
+def _as_float(value: Fraction) -> float:
+    """The nearest floating-point number; infinite beyond their range, as in their own arithmetic."""
+    try:
+        return float(value)
+    except OverflowError:
+        return math.inf if value > 0 else -math.inf
 
 
 def _combine(a: Dimension, b: Dimension, sign: int) -> Dimension:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import sys
 from typing import TYPE_CHECKING, Annotated
 
@@ -89,17 +90,17 @@ def print_table(table: Table) -> None:
 
 
 def print_json(data: object) -> None:
-    """One JSON document on standard output; NaN and infinities become null, as JSON has neither."""
+    """One JSON document on standard output; NaN becomes null, infinities the strings "inf" and "-inf"."""
     import json
 
-    sys.stdout.write(json.dumps(_finite(data), ensure_ascii=False, indent=2, allow_nan=False) + "\n")
+    sys.stdout.write(json.dumps(_plain(data), ensure_ascii=False, indent=2, allow_nan=False) + "\n")
 
 
-def _finite(data: object) -> object:
-    if isinstance(data, float):
-        return data if data - data == 0.0 else None
+def _plain(data: object) -> object:
+    if isinstance(data, float) and not math.isfinite(data):
+        return None if math.isnan(data) else str(data)
     if isinstance(data, dict):
-        return {str(key): _finite(value) for key, value in data.items()}
+        return {str(key): _plain(value) for key, value in data.items()}
     if isinstance(data, list | tuple):
-        return [_finite(value) for value in data]
+        return [_plain(value) for value in data]
     return data

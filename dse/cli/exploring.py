@@ -40,7 +40,7 @@ def explore_into(study: Study, folder: Path, *, workers: int, version: int, fres
         before = len(store.finished())
         try:
             with progress_bar() as show:
-                explore(
+                summary = explore(
                     study,
                     planned.prepared,
                     store,
@@ -52,7 +52,7 @@ def explore_into(study: Study, folder: Path, *, workers: int, version: int, fres
             console(stderr=True).print(f"{folder}: {stop}", soft_wrap=True)
             raise typer.Exit(INTERRUPTED) from None
         table = store.table()
-    _say(folder, table, before)
+    _say(folder, table, before, summary.simulated)
     raise typer.Exit(exit_code(table, gate=gate))
 
 
@@ -99,12 +99,15 @@ def verdict_counts(table: RunTable) -> dict[str, dict[str, int]]:
     }
 
 
-def _say(folder: Path, table: RunTable, before: int) -> None:
+def _say(folder: Path, table: RunTable, before: int, simulated: int) -> None:
     from rich.table import Table
 
     screen = console()
     made = len(table) - before
+    again = max(0, simulated - made)
     what = f"{len(table)} runs, {made} of them new" if made else f"all {len(table)} runs were there"
+    if again:
+        what += f", {again} made again for their waveforms"
     screen.print(f"{folder}: {what}", soft_wrap=True)
     titles = {entry["name"]: entry["title"] for entry in table.header.definition["requirements"]}
     counts = verdict_counts(table)

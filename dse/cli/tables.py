@@ -16,7 +16,7 @@ _STYLES = {"pass": "green", "fail": "red", "not exercised": "yellow", "failed to
 
 
 def run_data(run: Run) -> dict[str, Any]:
-    """A run as JSON data: metrics in SI (NaN becomes null), verdicts with their margins."""
+    """A run as data for `print_json`: metrics in SI, verdicts with their margins; numbers may be NaN or infinite."""
     return {
         "configuration": run.request.configuration,
         "point": dict(run.request.point),

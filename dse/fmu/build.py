@@ -19,8 +19,9 @@ from dse.fmu.describe import Subject, describe, describe_build
 from dse.fmu.glue import Demand, glue
 from dse.fmu.platforms import this_platform
 from dse.fmu.slots import slots
-from dse.fmu.staging import StagedSources, stage
+from dse.fmu.staging import LIST_IT, StagedSources, stage
 from dse.fmu.toolchain import Compiler, find_compiler
+from dse.loading.yaml import shown
 
 
 def build(component: Component, *, version: int = 2, cache: Path | None = None) -> Path:
@@ -34,7 +35,7 @@ def build(component: Component, *, version: int = 2, cache: Path | None = None) 
             return _build_c(component, source, version, cache)
         case FmuSource(file):
             if not file.is_file():
-                raise fail(f"component '{component.name}': there is no FMU {file}", component.where)
+                raise fail(f"component '{component.name}': there is no FMU {shown(file)}", component.where)
             return file
         case UnsupportedSource(kind):
             what = f"component '{component.name}': sources of the kind '{kind}' cannot be built in this version"
@@ -161,8 +162,8 @@ def _in_own_file(diagnostic: Diagnostic, staged: StagedSources) -> Problem | Non
     if origin is None or not diagnostic.file.startswith("component/"):
         return None
     is_missing_header = "No such file" in diagnostic.message or "file not found" in diagnostic.message
-    hint = "list the header under the component's 'files'" if is_missing_header else ""
-    return Problem(diagnostic.message, Location(str(origin), diagnostic.line, diagnostic.column), hint)
+    hint = LIST_IT if is_missing_header else ""
+    return Problem(diagnostic.message, Location(shown(origin), diagnostic.line, diagnostic.column), hint)
 
 
 def _said(diagnostic: Diagnostic) -> str:

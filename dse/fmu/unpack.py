@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import hashlib
 import re
 import stat
@@ -15,6 +16,7 @@ from dse.errors import DseError, Location, Problem, fail
 from dse.fmu.cache import cache_folder, keep_folder
 from dse.fmu.description import Description, read_description
 from dse.fmu.platforms import this_platform
+from dse.loading.yaml import shown
 
 _MAXIMUM_ENTRIES = 20_000
 _MAXIMUM_BYTES = 4 * 2**30
@@ -22,6 +24,11 @@ _MAXIMUM_BYTES = 4 * 2**30
 _MAXIMUM_RATIO = 200
 _SMALL_ENTRY = 16 * 2**20
 _CHUNK = 2**20
+_LONGEST_NAME = 200
+_LONGEST_PATH = 1000
+_RESERVED = re.compile(r"(?:con|prn|aux|nul|com[1-9]|lpt[1-9])(?:\..*)?|.*[. ]", re.IGNORECASE | re.DOTALL)
+# What a file system says of a name it cannot hold; all else is the fault of the cache's folder.
+_NAME_ERRORS = {errno.ENAMETOOLONG, errno.EINVAL, errno.EILSEQ, errno.ENOTDIR, errno.EISDIR, errno.EEXIST}
 
 
 def open_fmu(archive: Path, *, cache: Path | None = None) -> FmuModel:
@@ -30,7 +37,7 @@ def open_fmu(archive: Path, *, cache: Path | None = None) -> FmuModel:
     Raises DseError located at *archive*: not a zip file, unsafe paths or sizes, no library for this platform, or
     a description that ``read_description`` refuses.
     """
-    where = Location(str(archive))
+    where = Location(shown(archive))
     digest = _digest(archive, where)
     target = cache_folder(cache) / "unpacked" / digest[:32]
     folder = keep_folder(target, lambda aside: _unpack(archive, aside, where))
@@ -69,7 +76,13 @@ def _unpack(archive: Path, folder: Path, where: Location) -> None:
             if problems:
                 raise DseError(*problems[:10])
             for entry in entries:
-                _extract(opened, entry, folder, where)
+                try:
+                    _extract(opened, entry, folder, where)
+                except OSError as error:
+                    if error.errno not in _NAME_ERRORS:
+                        raise
+                    reason = (error.strerror or str(error)).lower()
+                    raise fail(f"'{entry.filename}' cannot be unpacked: {reason}", where) from error
     except (zipfile.BadZipFile, zipfile.LargeZipFile, zlib.error, EOFError, NotImplementedError, ValueError) as error:
         raise fail(f"is not a complete zip file: {error}", where, "export or copy the FMU again") from error
 
@@ -80,26 +93,37 @@ def _dangers(entries: list[zipfile.ZipInfo]) -> Iterator[str]:
         yield f"it holds {len(entries)} files, more than {_MAXIMUM_ENTRIES}"
     if sum(entry.file_size for entry in entries) > _MAXIMUM_BYTES:
         yield f"unpacked it is larger than {_MAXIMUM_BYTES // 2**30} GiB"
-    seen: set[str] = set()
+    # Paths as a file system sees them that ignores case.
+    files: set[str] = set()
+    folders: set[str] = set()
     for entry in entries:
         name = entry.orig_filename
+        path = PurePosixPath(name)
+        key, parents = str(path).casefold(), {str(parent).casefold() for parent in path.parents} - {"."}
         if "\\" in name or "\0" in name:
             yield f"the path {name!r} holds a character that is not portable"
         elif name.startswith("/") or re.match(r"[A-Za-z]:", name):
             yield f"the path '{name}' is absolute"
-        elif ".." in PurePosixPath(name).parts:
+        elif ".." in path.parts:
             yield f"the path '{name}' leads out of the FMU"
-        elif name in seen or any(str(parent) in seen for parent in PurePosixPath(name).parents):
-            yield f"the path '{name}' is there twice"
-        elif not PurePosixPath(name).parts:
+        elif not path.parts:
             yield "a file has no name"
+        elif any(len(part.encode("utf-8", "replace")) > _LONGEST_NAME for part in path.parts):
+            yield f"the path '{name[:40]}…' holds a name of more than {_LONGEST_NAME} bytes"
+        elif len(name) > _LONGEST_PATH:
+            yield f"the path '{name[:40]}…' is longer than {_LONGEST_PATH} characters"
+        elif any(_RESERVED.fullmatch(part) for part in path.parts):
+            yield f"the path '{name}' holds a name that is reserved on Windows"
+        elif key in files or parents & files or (key in folders and not entry.is_dir()):
+            yield f"the path '{name}' is there twice"
         if stat.S_ISLNK(entry.external_attr >> 16):
             yield f"'{name}' is a link"
         if entry.flag_bits & 1:
             yield f"'{name}' is encrypted"
         if entry.file_size > max(_SMALL_ENTRY, _MAXIMUM_RATIO * entry.compress_size):
             yield f"'{name}' unpacks to more than {_MAXIMUM_RATIO} times its size"
-        seen.add(name)
+        (folders if entry.is_dir() else files).add(key)
+        folders |= parents
 
 
 def _extract(opened: zipfile.ZipFile, entry: zipfile.ZipInfo, folder: Path, where: Location) -> None:

@@ -5,17 +5,19 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
 
-from dse.domain.bench import Figure, Metric, Requirement, Simulation, TestBench, TestComponent
-from dse.domain.component import Component, Type, Value
-from dse.domain.design import DesignSpace, Part, walk
+from dse.domain.bench import Figure, Metric, Requirement, TestBench, TestComponent
+from dse.domain.component import Causality, Component, Value
+from dse.domain.design import DesignSpace
 from dse.errors import DseError, Location, Problem, raise_if_any
-from dse.loading.components import check_name
 from dse.loading.design import FindComponent, read_connections
-from dse.loading.documents import BenchFile, FigureSection, RequirementSection, SimulationSection
+from dse.loading.documents import BenchFile, FigureSection, RequirementSection
 from dse.loading.expression import parse_expression
 from dse.loading.fields import closest, read_section
 from dse.loading.include import read_document
-from dse.loading.values import Raw, read_number, read_quantity, read_unit, read_value
+from dse.loading.names import check_name
+from dse.loading.places import candidates, is_output, settable, split_name, types_of
+from dse.loading.simulation import read_simulation
+from dse.loading.values import Raw, read_quantity, read_unit, read_value
 from dse.loading.yaml import Document, Path_
 from dse.units import DIMENSIONLESS, Unit
 
@@ -23,30 +25,39 @@ FindDesign = Callable[[str, Location], DesignSpace]
 """Returns the design space of that name, or raises DseError at the location."""
 
 
-def read_bench(path: Path, find_component: FindComponent, find_design: FindDesign) -> TestBench:
-    """One file of ``testbenches/``. Raises DseError with every problem in it."""
-    document = read_document(path)
+def read_bench(
+    path: Path, find_component: FindComponent, find_design: FindDesign, inside: Path | None = None
+) -> TestBench:
+    """One file of ``testbenches/`` of the workspace *inside*. Raises DseError with every problem in it."""
+    document = read_document(path, inside)
     file = read_section(document, BenchFile)
     design = find_design(file.design, document.place(("design",)))
     problems: list[Problem] = []
     parts = _test_components(document, file, find_component, design, problems)
     components = candidates(design, parts)
+    # What the bench would say of a part that could not be read follows from that, and is not said.
+    unread = set(file.test_components) - {part.name for part in parts}
     parameters: dict[str, Value] = {}
     for name, raw in file.parameters.items():
         at: Path_ = ("parameters", name)
+        if name.split(".")[0] in unread:
+            continue
         try:
             parameters[name] = setting(name, raw, components, document.key(at), document.place(at))
         except DseError as error:
             problems += error.problems
-    simulation = _simulation(document, file.simulation, problems)
+    simulation = read_simulation(document, file.simulation, problems)
+    for number, name in enumerate(file.simulation.record):
+        if name.split(".")[0] not in unread:
+            problems += _recording(name, components, document.place(("simulation", "record", number)))
     metrics = _metrics(document, file, problems)
     requirements = []
     for name, section in file.requirements.items():
         try:
-            requirements.append(_requirement(document, name, section, {m.name for m in metrics}))
+            requirements.append(_requirement(document, name, section, set(file.metrics)))
         except DseError as error:
             problems += error.problems
-    figures = [_figure(document, name, section, components, problems) for name, section in file.figures.items()]
+    figures = [_figure(document, name, section, components, unread, problems) for name, section in file.figures.items()]
     connections = read_connections(document, ("connections",), file.connections, problems)
     raise_if_any(problems)
     return TestBench(
@@ -64,51 +75,11 @@ def read_bench(path: Path, find_component: FindComponent, find_design: FindDesig
     )
 
 
-def candidates(design: DesignSpace, parts: tuple[TestComponent, ...]) -> Mapping[str, tuple[Component, ...]]:
-    """For every place of the design and the bench, the components that can stand there."""
-    found: dict[str, list[Component]] = {}
-    for path, node in walk(design.root):
-        if isinstance(node, Part):
-            found.setdefault(path, []).append(node.component)
-    for part in parts:
-        found.setdefault(part.name, []).append(part.component)
-    return {path: tuple(components) for path, components in found.items()}
-
-
-def split_name(name: str, components: Mapping[str, tuple[Component, ...]], where: Location) -> tuple[str, str]:
-    """``part.port`` as (place, port): the longest place that fits. Raises DseError naming what is near."""
-    steps = name.split(".")
-    for length in range(len(steps) - 1, 0, -1):
-        place = ".".join(steps[:length])
-        if place in components:
-            return place, ".".join(steps[length:])
-    raise DseError(Problem(f"'{name}' names no part", where, closest(steps[0], components)))
-
-
-def types_of(
-    name: str, components: Mapping[str, tuple[Component, ...]], where: Location
-) -> list[tuple[Component, Type]]:
-    """The type of port or parameter *name* in each component that has it. Raises DseError if none has."""
-    place, port = split_name(name, components, where)
-    found = []
-    for component in components[place]:
-        parameter, signal = component.parameter(port), component.interface.port(port)
-        if parameter:
-            found.append((component, parameter.type))
-        elif signal:
-            found.append((component, signal.type))
-    if not found:
-        known = {parameter.name for c in components[place] for parameter in c.parameters}
-        known |= {signal.name for c in components[place] for signal in c.interface.ports}
-        raise DseError(Problem(f"'{place}' has no port or parameter '{port}'", where, closest(port, known)))
-    return found
-
-
 def setting(
     name: str, raw: Raw, components: Mapping[str, tuple[Component, ...]], key: Location, where: Location
 ) -> Value:
     """The value *raw* for ``part.parameter`` (or an input): SI, checked against type and range. Raises DseError."""
-    found = types_of(name, components, key)
+    found = settable(name, components, key)
     values = {read_value(raw, type_, where) for _, type_ in found}
     if len(values) > 1:
         raise DseError(Problem(f"'{raw}' means different values in the alternatives of '{name}'", where, "add a unit"))
@@ -136,6 +107,18 @@ def check_range(component: Component, port: str, value: Value, where: Location |
         )
 
 
+def _recording(name: str, components: Mapping[str, tuple[Component, ...]], where: Location) -> list[Problem]:
+    """What is wrong with *name* as an entry of ``record``."""
+    try:
+        place, port = split_name(name, components, where)
+    except DseError as error:
+        return list(error.problems)
+    if any(is_output(component, port) for component in components[place]):
+        return []
+    outputs = {p.name for c in components[place] for p in c.interface.ports if p.causality is Causality.OUTPUT}
+    return [Problem(f"cannot record '{name}': no such output", where, closest(port, outputs))]
+
+
 def _test_components(
     document: Document, file: BenchFile, find: FindComponent, design: DesignSpace, problems: list[Problem]
 ) -> tuple[TestComponent, ...]:
@@ -161,48 +144,6 @@ def _test_components(
                 problems += error.problems
         parts.append(TestComponent(name, component, values, document.key(at)))
     return tuple(parts)
-
-
-def _simulation(document: Document, section: SimulationSection, problems: list[Problem]) -> Simulation:
-    times: dict[str, float] = {}
-    seconds = read_unit("s", document.place(("simulation",)))
-    raw_times = {
-        "stop": section.stop,
-        "step": section.step,
-        "record_every": section.step if section.record_every is None else section.record_every,
-        "timeout": section.timeout,
-    }
-    for key, raw in raw_times.items():
-        where = document.place(("simulation", key))
-        try:
-            times[key] = read_number(raw, seconds, where)
-            if times[key] <= 0:
-                problems.append(Problem(f"'{key}' must be positive, not {raw}", where))
-        except DseError as error:
-            problems += error.problems
-            times[key] = 1.0
-    for whole, part in (("stop", "step"), ("record_every", "step"), ("stop", "record_every")):
-        if times[part] > 0 and not _divides(times[part], times[whole]):
-            problems.append(
-                Problem(
-                    f"'{whole}' ({raw_times[whole]}) is not a multiple of '{part}' ({raw_times[part]})",
-                    document.place(("simulation", whole)),
-                    "runs have a fixed number of equal steps",
-                )
-            )
-    return Simulation(
-        times["stop"],
-        times["step"],
-        tuple(section.record),
-        times["record_every"],
-        times["timeout"],
-        document.key(("simulation",)),
-    )
-
-
-def _divides(part: float, whole: float) -> bool:
-    ratio = whole / part
-    return round(ratio) >= 1 and abs(ratio - round(ratio)) <= 1e-9 * ratio
 
 
 def _metrics(document: Document, file: BenchFile, problems: list[Problem]) -> tuple[Metric, ...]:
@@ -270,11 +211,14 @@ def _figure(
     name: str,
     section: FigureSection,
     components: Mapping[str, tuple[Component, ...]],
+    unread: set[str],
     problems: list[Problem],
 ) -> Figure:
     at: Path_ = ("figures", name)
-    unit = DIMENSIONLESS
+    unit: Unit | None = None
     for key, signal in _signals(section):
+        if signal.split(".")[0] in unread:
+            continue
         where = document.place((*at, key))
         try:
             (_, type_), *_ = types_of(signal, components, where)
@@ -286,12 +230,13 @@ def _figure(
         where = document.place((*at, "unit"))
         try:
             wanted = read_unit(section.unit, where)
-            if wanted.dimension != unit.dimension:
-                problems.append(Problem(f"'{section.current}' is in {unit or 'no unit'}, not in {wanted}", where))
+            if unit is not None and wanted.dimension != unit.dimension:
+                found = str(unit) or "no unit"
+                problems.append(Problem(f"'{section.current}' is in {found}, not in {wanted}", where))
             unit = wanted
         except DseError as error:
             problems += error.problems
-    return Figure(name, section.current, section.target, unit, section.title, document.key(at))
+    return Figure(name, section.current, section.target, unit or DIMENSIONLESS, section.title, document.key(at))
 
 
 def _signals(section: FigureSection) -> Iterator[tuple[str, str]]:

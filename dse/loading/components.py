@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
@@ -24,18 +23,19 @@ from dse.errors import DseError, Location, Problem, fail, raise_if_any
 from dse.loading.documents import ComponentFile, InterfacesFile, ParameterSection, SourceSection
 from dse.loading.fields import closest, read_section
 from dse.loading.include import read_document
+from dse.loading.names import check_member, check_name, is_identifier
+from dse.loading.root import followed, is_file, named_file, root_of
 from dse.loading.values import read_number, read_quantity, read_type, read_unit, read_value
 from dse.loading.yaml import Document, Path_, shown
 from dse.units import DIMENSIONLESS
 
 _KINDS = ("c", "fmu")
 _PLANNED = ("modelica", "python", "udp")
-_NAME = re.compile(r"[A-Za-z_][A-Za-z0-9_]*")
 
 
-def read_interfaces(path: Path) -> dict[str, Interface]:
-    """All interfaces of one file. Raises DseError."""
-    document = read_document(path)
+def read_interfaces(path: Path, inside: Path | None = None) -> dict[str, Interface]:
+    """All interfaces of one file of the workspace *inside*. Raises DseError."""
+    document = read_document(path, inside)
     sections = read_section(document, InterfacesFile)
     problems: list[Problem] = []
     result: dict[str, Interface] = {}
@@ -52,9 +52,13 @@ def read_interfaces(path: Path) -> dict[str, Interface]:
     return result
 
 
-def read_component(path: Path, interfaces: Mapping[str, Interface]) -> Component:
-    """One ``component.yaml``. Raises DseError with every problem in it."""
-    document = read_document(path)
+def read_component(path: Path, interfaces: Mapping[str, Interface], inside: Path | None = None) -> Component:
+    """One ``component.yaml``, whose C files lie in the workspace *inside*, by default the one around it.
+
+    Raises DseError with every problem in it.
+    """
+    inside = inside or root_of(path)
+    document = read_document(path, inside)
     file = read_section(document, ComponentFile)
     problems: list[Problem] = []
     check_name(file.component, document.place(("component",)), problems)
@@ -94,7 +98,7 @@ def read_component(path: Path, interfaces: Mapping[str, Interface]) -> Component
     source: Source | None = None
     if file.source is not None:
         try:
-            source = _source(document, file, file.source)
+            source = _source(document, file, file.source, inside)
         except DseError as error:
             problems += error.problems
     raise_if_any(problems)
@@ -110,12 +114,6 @@ def read_component(path: Path, interfaces: Mapping[str, Interface]) -> Component
     )
 
 
-def check_name(name: str, where: Location, problems: list[Problem]) -> None:
-    """Add a problem unless *name* can stand in dotted paths and expressions."""
-    if not _NAME.fullmatch(name):
-        problems.append(Problem(f"'{name}' cannot be a name", where, "use letters, digits and _, not a digit first"))
-
-
 def _ports(
     document: Document,
     at: Path_,
@@ -126,7 +124,7 @@ def _ports(
 ) -> Iterator[Port]:
     for name, entry in entries.items():
         here = (*at, name)
-        check_name(name, document.key(here), problems)
+        check_member(name, document.key(here), problems)
         full = f"{prefix}{name}"
         if isinstance(entry, dict) and entry:
             yield from _ports(document, here, entry, causality, f"{full}.", problems)
@@ -161,7 +159,7 @@ def _parameter(document: Document, name: str, section: ParameterSection, interfa
     at: Path_ = ("parameters", name)
     problems: list[Problem] = []
     for part in name.split("."):
-        check_name(part, document.key(at), problems)
+        check_member(part, document.key(at), problems)
     if interface.port(name):
         problems.append(Problem(f"'{name}' is a port of {interface.name} already", document.key(at), "rename it"))
     raise_if_any(problems)
@@ -204,12 +202,14 @@ def _parameter_type(document: Document, at: Path_, section: ParameterSection) ->
     return Type(Kind.REAL, DIMENSIONLESS)
 
 
-def _source(document: Document, file: ComponentFile, section: SourceSection) -> Source:
+def _source(document: Document, file: ComponentFile, section: SourceSection, inside: Path) -> Source:
     folder = document.path.parent
     if section.kind == "fmu":
         if section.file is None:
             raise fail("'file' is missing in 'source'", document.key(("source",)), "file: my_part.fmu")
-        return FmuSource(_existing(folder, section.file, document.place(("source", "file"))))
+        where = document.place(("source", "file"))
+        # Used as it is and known by its content, so that it may lie anywhere.
+        return FmuSource(_existing(followed(folder, section.file, where), where))
     if section.kind != "c":
         where = document.place(("source", "kind"))
         if section.kind in _PLANNED:
@@ -218,7 +218,8 @@ def _source(document: Document, file: ComponentFile, section: SourceSection) -> 
     if not section.files:
         raise fail("'files' is missing in 'source'", document.key(("source",)), f"files: [{file.component}.c]")
     files = tuple(
-        _existing(folder, name, document.place(("source", "files", i))) for i, name in enumerate(section.files)
+        _c_file(folder, name, inside, (".c", ".h"), document.place(("source", "files", i)))
+        for i, name in enumerate(section.files)
     )
     header = section.header or Path(section.files[0]).with_suffix(".h").as_posix()
     struct = section.struct or file.component
@@ -230,7 +231,7 @@ def _source(document: Document, file: ComponentFile, section: SourceSection) -> 
             raise fail(f"the step must be positive, not {section.step}", where)
     return CSource(
         files,
-        _existing(folder, header, document.place(("source", "header"))),
+        _c_file(folder, header, inside, (".h",), document.place(("source", "header"))),
         _identifier(struct, document.place(("source", "struct"))),
         _identifier(section.init or f"{struct}_init", document.place(("source", "init"))),
         _identifier(section.step_function or f"{struct}_step", document.place(("source", "step_function"))),
@@ -238,14 +239,17 @@ def _source(document: Document, file: ComponentFile, section: SourceSection) -> 
     )
 
 
-def _existing(folder: Path, name: str, where: Location) -> Path:
-    path = (folder / name).resolve()
-    if not path.is_file():
+def _c_file(folder: Path, name: str, inside: Path, suffixes: tuple[str, ...], where: Location) -> Path:
+    return _existing(named_file(folder, name, inside, suffixes, where), where)
+
+
+def _existing(path: Path, where: Location) -> Path:
+    if not is_file(path):
         raise fail(f"no such file: {shown(path)}", where, "paths are relative to this component.yaml")
     return path
 
 
 def _identifier(name: str, where: Location) -> str:
-    if not _NAME.fullmatch(name):
+    if not is_identifier(name):
         raise fail(f"'{name}' is not a C identifier", where)
     return name

@@ -20,20 +20,22 @@ from dse.domain.design import (
 from dse.domain.expression import Binary, Call, Expression, Name, Unary
 from dse.domain.expression import Node as Tree
 from dse.errors import DseError, Location, Problem, raise_if_any
-from dse.loading.components import check_name
 from dse.loading.documents import ConstraintSection, DesignFile
 from dse.loading.expression import parse_expression
 from dse.loading.fields import closest, read_section
 from dse.loading.include import read_document
+from dse.loading.names import check_name
 from dse.loading.yaml import Document, Path_
 
 FindComponent = Callable[[str, Location], Component]
 """Returns the component of that name, or raises DseError at the location."""
 
 
-def read_design(path: Path, find: FindComponent, interfaces: Mapping[str, Interface]) -> DesignSpace:
-    """One file of ``designs/``. Raises DseError with every problem in it."""
-    document = read_document(path)
+def read_design(
+    path: Path, find: FindComponent, interfaces: Mapping[str, Interface], inside: Path | None = None
+) -> DesignSpace:
+    """One file of ``designs/`` of the workspace *inside*. Raises DseError with every problem in it."""
+    document = read_document(path, inside)
     file = read_section(document, DesignFile)
     reader = _TreeReader(document, find, interfaces)
     root = reader.compound(file.design, ("root",), file.root)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, ClassVar
 
 from pydantic import Field
 
@@ -63,7 +63,9 @@ class ComponentFile(Section):
 
 
 class ConstraintSection(Section):
-    """One static constraint: exactly one of require, forbid, same_choice, require_with."""
+    """One static constraint: exactly one of require, forbid, same_choice."""
+
+    later: ClassVar[frozenset[str]] = frozenset({"require_with"})
 
     require: str | None = None
     forbid: list[str] | None = None
@@ -170,11 +172,15 @@ class SamplerSection(Section):
 class SelectionSection(Section):
     """Configurations by condition."""
 
+    later: ClassVar[frozenset[str]] = frozenset({"sample"})
+
     where: str
 
 
 class StudyFile(Section):
     """``*.pet.yaml``."""
+
+    later: ClassVar[frozenset[str]] = frozenset({"objectives", "uncertain"})
 
     study: str
     title: str = ""

@@ -16,7 +16,7 @@ from fractions import Fraction
 
 from dse.domain.expression import Span
 from dse.errors import DseError, Location, fail
-from dse.units import DIMENSIONLESS, Unit, UnitError, parse_unit
+from dse.units import DIMENSIONLESS, LARGEST, Unit, UnitError, parse_unit
 
 KEYWORDS = frozenset(
     {"and", "or", "xor", "not", "implies", "iff", "if", "then", "else", "between", "is", "in", "true", "false"}
@@ -77,6 +77,7 @@ def error_at(text: str, span: Span, what: str, where: Location | None, advice: s
 
 _SHOWN = 100
 _LONGEST_NUMBER = 100
+_BEYOND = "beyond the range of numbers"
 _NUMBER = re.compile(r"(?:\d+(?:\.\d+)?|\.\d+)(?:[eE][+-]?\d{1,3}(?!\d))?", re.ASCII)
 _WORD = r"(?:%|°?[^\W\d_]+)(?:\^-?[0-9]+(?:\.[0-9]+)?|[0-9]+)?"
 _UNIT = re.compile(rf"(?:1/)?{_WORD}(?:[.*/]{_WORD})*")
@@ -134,6 +135,8 @@ def _number(text: str, number: re.Match[str], where: Location | None) -> Token:
     value = Fraction(number[0])
     start = _skip_blanks(text, number.end())
     word, found = _NAME.match(text, start), _UNIT.match(text, start)
+    if value > LARGEST:
+        raise error_at(text, number.span(), _BEYOND, where, "write a smaller number")
     if (word and word[0] in KEYWORDS) or not (word or found):
         return Token(TokenKind.NUMBER, number[0], number.span(), value, DIMENSIONLESS)
     end = found.end() if found else start
@@ -144,4 +147,6 @@ def _number(text: str, number: re.Match[str], where: Location | None) -> Token:
         unit = parse_unit(found[0])
     except UnitError as error:
         raise error_at(text, (start, end), str(error), where, _UNIT_ADVICE) from error
+    if abs(value * unit.factor + unit.offset) > LARGEST:
+        raise error_at(text, (number.start(), end), _BEYOND, where, "write a smaller number")
     return Token(TokenKind.NUMBER, text[number.start() : end], (number.start(), end), value, unit)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import difflib
 from collections.abc import Iterable
-from typing import Annotated, Any, TypeVar
+from typing import Annotated, Any, ClassVar, TypeVar
 
 from pydantic import BaseModel, BeforeValidator, ConfigDict, ValidationError
 
@@ -13,7 +13,12 @@ from dse.loading.yaml import Document, Path_
 
 
 class Section(BaseModel):
-    """A mapping in a file: unknown keys are refused, nothing is converted silently."""
+    """A mapping in a file: unknown keys are refused, nothing is converted silently.
+
+    Keys in *later* are refused, too, but as what this version does not support.
+    """
+
+    later: ClassVar[frozenset[str]] = frozenset()
 
     model_config = ConfigDict(extra="forbid", strict=True, frozen=True)
 
@@ -52,14 +57,21 @@ def closest(word: str, words: Iterable[str]) -> str:
 
 
 def _problems(document: Document, shape: type[Section], error: ValidationError) -> Iterable[Problem]:
-    seen: set[tuple[object, str]] = set()
-    for entry in error.errors(include_url=False, include_context=True):
-        path = _path(document, entry["loc"])
-        problem = _problem(document, shape, entry, path)
-        # A union reports one finding per member; the first says enough.
-        if (problem.where, problem.what) not in seen:
-            seen.add((problem.where, problem.what))
-            yield problem
+    entries = [(_path(document, e["loc"]), e) for e in error.errors(include_url=False, include_context=True)]
+    later = {path[:-1] for path, entry in entries if _is_later(shape, entry)}
+    merged: dict[Path_, list[str]] = {}
+    for path, entry in entries:
+        kind = entry["type"]
+        if kind in _EXPECTED:
+            # A union reports one finding per member. Those whose shape is another say nothing if one fits.
+            if not any(other["type"] not in _EXPECTED and at[: len(path)] == path for at, other in entries):
+                merged.setdefault(path, []).append(kind)
+        elif kind != "missing" or path not in later:
+            yield _problem(document, shape, entry, path)
+    inputs = {path: entry["input"] for path, entry in entries if entry["type"] in _EXPECTED}
+    for path, kinds in merged.items():
+        what = f"'{_name(path)}': expected {_either(kinds)}, found {_shown(inputs[path])}"
+        yield Problem(what, document.place(path), _HINTS.get(kinds[0], "") if len(kinds) == 1 else "")
 
 
 def _path(document: Document, loc: tuple[str | int, ...]) -> Path_:
@@ -79,60 +91,82 @@ def _problem(document: Document, shape: type[Section], entry: Any, path: Path_) 
             f"'{loc[-1]}' is missing" + (f" in '{inside}'" if inside else ""), document.key(path), f"add '{loc[-1]}: …'"
         )
     if kind == "extra_forbidden":
-        known = _fields(shape, tuple(step for step in loc[:-1] if isinstance(step, str)))
+        if _is_later(shape, entry):
+            hint = "'Not supported in this version' in docs/formats.md has the list"
+            return Problem(f"'{loc[-1]}' is not supported in this version", document.key(path), hint)
+        known = _fields(_sections_at(shape, loc[:-1]))
         return Problem(f"unknown key '{loc[-1]}'", document.key(path), closest(str(loc[-1]), known))
-    name = ".".join(map(str, path)) or "the file"
-    return Problem(f"'{name}': {_words(entry)}", document.place(path), _hint(kind))
+    return Problem(f"'{_name(path)}': {_words(entry)}, found {_shown(entry['input'])}", document.place(path))
 
 
-_WORDS = {
-    "string_type": "expected text",
-    "int_type": "expected a whole number",
-    "float_type": "expected a number",
-    "bool_type": "expected true or false",
-    "list_type": "expected a list",
-    "tuple_type": "expected a list",
-    "dict_type": "expected a mapping",
-    "model_type": "expected a mapping",
-    "model_attributes_type": "expected a mapping",
+def _is_later(shape: type[Section], entry: Any) -> bool:
+    """Whether the finding is a key that a later version will know."""
+    if entry["type"] != "extra_forbidden":
+        return False
+    return any(entry["loc"][-1] in section.later for section in _sections_at(shape, entry["loc"][:-1]))
+
+
+def _name(path: Path_) -> str:
+    return ".".join(map(str, path)) or "the file"
+
+
+_EXPECTED = {
+    "string_type": "text",
+    "int_type": "a whole number",
+    "float_type": "a number",
+    "bool_type": "true or false",
+    "list_type": "a list",
+    "tuple_type": "a list",
+    "dict_type": "a mapping",
+    "model_type": "a mapping",
+    "model_attributes_type": "a mapping",
+}
+_HINTS = {
+    "string_type": "quote it if it is meant as text",
+    "list_type": "write it as [a, b]",
+    "tuple_type": "write it as [a, b]",
+    "dict_type": "write it as {key: value}",
+    "model_type": "write it as {key: value}",
+    "bool_type": "YAML 1.2 knows only true and false",
 }
 
 
+def _either(kinds: list[str]) -> str:
+    words = list(dict.fromkeys(_EXPECTED[kind] for kind in kinds))
+    if "a number" in words and "a whole number" in words:
+        words.remove("a whole number")
+    return " or ".join([", ".join(words[:-1]), words[-1]] if len(words) > 1 else words)
+
+
 def _words(entry: Any) -> str:
-    words = _WORDS.get(entry["type"])
-    if words is None:
-        words = str(entry["msg"]).removeprefix("Value error, ")
-        words = words[:1].lower() + words[1:]
-    shown = repr(entry["input"])
-    return f"{words}, found {shown if len(shown) <= 60 else shown[:57] + '…'}"
+    if entry["type"] in ("too_short", "too_long"):
+        bound = entry["ctx"]["min_length" if entry["type"] == "too_short" else "max_length"]
+        return f"expected {bound} entries"
+    words = str(entry["msg"]).removeprefix("Value error, ")
+    return words[:1].lower() + words[1:]
 
 
-def _hint(kind: str) -> str:
-    hints = {
-        "string_type": "quote it if it is meant as text",
-        "list_type": "write it as [a, b]",
-        "tuple_type": "write it as [a, b]",
-        "dict_type": "write it as {key: value}",
-        "model_type": "write it as {key: value}",
-        "bool_type": "YAML 1.2 knows only true and false",
-    }
-    return hints.get(kind, "")
+def _shown(value: object) -> str:
+    shown = repr(value)
+    return shown if len(shown) <= 60 else shown[:57] + "…"
 
 
-def _fields(shape: type[Section], loc: tuple[str, ...]) -> set[str]:
-    """Keys allowed in the section that *loc* leads to, found by following the field annotations."""
+def _sections_at(shape: type[Section], loc: tuple[str | int, ...]) -> list[type[Section]]:
+    """The sections that *loc* leads to, found by following the field annotations."""
     shapes: list[type[Section]] = [shape]
     for step in loc:
         found: list[type[Section]] = []
         for current in shapes:
             # A step that is no field's name is a key of a mapping: the section below it was found already.
-            field = current.model_fields.get(step)
+            field = current.model_fields.get(str(step))
             found += _sections(field.annotation) if field else [current]
         shapes = found or shapes
-    names: set[str] = set()
-    for current in shapes:
-        names |= {info.alias or name for name, info in current.model_fields.items()}
-    return names
+    return shapes
+
+
+def _fields(shapes: Iterable[type[Section]]) -> set[str]:
+    """Keys allowed in sections of these *shapes*."""
+    return {info.alias or name for current in shapes for name, info in current.model_fields.items()}
 
 
 def _sections(annotation: Any) -> list[type[Section]]:

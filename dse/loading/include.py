@@ -6,20 +6,26 @@ from pathlib import Path
 from typing import Any
 
 from dse.errors import DseError, Location, Problem, fail
+from dse.loading.root import named_file, root_of
 from dse.loading.yaml import Document, Path_, read_yaml, shown
 
+_DEEPEST = 20
+_MOST = 200
 
-def read_document(path: Path) -> Document:
+
+def read_document(path: Path, inside: Path | None = None) -> Document:
     """Read *path* and what it includes, relative to the including file.
 
     Mappings at the top level are joined key by key, lists are appended; a key that stands in both files is
-    a problem. Raises DseError, also when files include each other in a circle.
+    a problem. Included files must lie in the folder *inside*, by default the workspace around *path*. Raises
+    DseError, also when files include each other in a circle, too deeply or too often.
     """
-    return _read(path.resolve(), ())
+    return _read(path.resolve(), (), inside or root_of(path), [])
 
 
-def _read(path: Path, chain: tuple[Path, ...]) -> Document:
+def _read(path: Path, chain: tuple[Path, ...], inside: Path, seen: list[Path]) -> Document:
     document = read_yaml(path)
+    seen.append(path)
     included = document.data.get("include")
     if included is None:
         return document
@@ -30,12 +36,16 @@ def _read(path: Path, chain: tuple[Path, ...]) -> Document:
     problems: list[Problem] = []
     for number, entry in enumerate(included):
         where = document.place(("include", number))
-        target = (path.parent / entry).resolve()
+        target = named_file(path.parent, entry, inside, (".yaml", ".yml"), where)
         if target == path or target in chain:
             circle = " -> ".join(shown(p) for p in (*chain, path, target))
             raise fail(f"files include each other in a circle: {circle}", where, "remove one of the includes")
+        if len(chain) >= _DEEPEST:
+            raise fail(f"files include each other more than {_DEEPEST} deep", where, "include fewer files from here")
+        if len(seen) > _MOST:
+            raise fail(f"more than {_MOST} files are included", where, "join some of them")
         try:
-            other = _read(target, (*chain, path))
+            other = _read(target, (*chain, path), inside, seen)
         except DseError as error:
             raise DseError(*(_at(problem, where) for problem in error.problems)) from None
         problems += _join(data, places, keys, other)

@@ -17,11 +17,11 @@ from dse.domain.study import (
     Study,
 )
 from dse.errors import DseError, Location, Problem, raise_if_any
-from dse.loading.bench import candidates, split_name, types_of
 from dse.loading.documents import SelectionSection, StudyFile, VariableSection
 from dse.loading.expression import parse_expression
 from dse.loading.fields import closest, read_section
 from dse.loading.include import read_document
+from dse.loading.places import candidates, settable, split_name
 from dse.loading.values import read_number
 from dse.loading.yaml import Document, Path_
 
@@ -30,11 +30,12 @@ FindBench = Callable[[str, Location], TestBench]
 
 _SAMPLERS = ("full_factorial", "latin_hypercube")
 _MAX_RUNS = 5_000_000
+_SEEDS = 2**63
 
 
-def read_study(path: Path, find_bench: FindBench) -> Study:
-    """One ``*.pet.yaml``. Raises DseError with every problem in it."""
-    document = read_document(path)
+def read_study(path: Path, find_bench: FindBench, inside: Path | None = None) -> Study:
+    """One ``*.pet.yaml`` of the workspace *inside*. Raises DseError with every problem in it."""
+    document = read_document(path, inside)
     file = read_section(document, StudyFile)
     bench = find_bench(file.testbench, document.place(("testbench",)))
     components = candidates(bench.design, bench.test_components)
@@ -55,6 +56,9 @@ def read_study(path: Path, find_bench: FindBench) -> Study:
     if file.keep_waveforms not in set(Keep):
         where = document.place(("keep_waveforms",))
         problems.append(Problem(f"unknown '{file.keep_waveforms}'", where, closest(file.keep_waveforms, set(Keep))))
+    if not 0 <= file.seed < _SEEDS:
+        where = document.place(("seed",))
+        problems.append(Problem(f"the seed must be 0 … 2^63 - 1, not {file.seed}", where, "seed: 1"))
     raise_if_any(problems)
     return Study(
         file.study,
@@ -78,7 +82,7 @@ def _variable(
     needs_levels: bool,
 ) -> DesignVariable:
     at: Path_ = ("design_variables", name)
-    found = types_of(name, components, document.key(at))
+    found = settable(name, components, document.key(at))
     component, type_ = found[0]
     if type_.kind is not Kind.REAL:
         raise DseError(Problem(f"'{name}' is {type_}: only real parameters can be varied", document.key(at)))
@@ -109,7 +113,11 @@ def _variable(
     if needs_levels and levels < 2:
         raise DseError(Problem(f"'{name}' needs at least 2 levels", document.key(at), "levels: 25"))
     if section.nominal is not None:
-        nominal = read_number(section.nominal, type_.unit, document.place((*at, "nominal")))
+        where = document.place((*at, "nominal"))
+        nominal = read_number(section.nominal, type_.unit, where)
+        if not low <= nominal <= high:
+            what = f"the nominal value of '{name}' is outside its range {section.range[0]} … {section.range[1]}"
+            raise DseError(Problem(what, where, "widen the range or change nominal"))
     else:
         given = bench.parameters.get(name, parameter.start if parameter else (low + high) / 2)
         given = next(
@@ -152,9 +160,14 @@ def _factorial(
 ) -> FullFactorial:
     names = set(file.design_variables)
     for i, entry in enumerate(slices):
+        if not entry:
+            where = document.place(("sampler", "full_factorial", "slices", i))
+            problems.append(Problem("a slice names no design variable", where, "remove it or name one"))
         for j, name in enumerate(entry):
+            where = document.place(("sampler", "full_factorial", "slices", i, j))
+            if name in entry[:j]:
+                problems.append(Problem(f"'{name}' stands twice in a slice", where, "remove one"))
             if name not in names:
-                where = document.place(("sampler", "full_factorial", "slices", i, j))
                 problems.append(Problem(f"'{name}' is not a design variable", where, closest(name, names)))
     runs = 0
     for entry in slices or (tuple(names),):

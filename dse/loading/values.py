@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-import math
+import re
 from fractions import Fraction
 
 from dse.domain.component import Kind, Type, Value
 from dse.errors import DseError, Location, fail
+from dse.loading.expression_tokens import KEYWORDS
 from dse.loading.fields import closest
-from dse.units import DIMENSIONLESS, Quantity, Unit, UnitError, describe, parse_quantity, parse_unit
+from dse.units import DIMENSIONLESS, LARGEST, Quantity, Unit, UnitError, describe, parse_quantity, parse_unit
 
 Raw = str | int | float | bool
 
@@ -26,8 +27,8 @@ def read_quantity(raw: Raw, where: Location) -> Quantity:
     if isinstance(raw, bool):
         raise fail("expected a quantity, found a truth value", where, "write a number and a unit, as '70 km/h'")
     if isinstance(raw, int | float):
-        if not math.isfinite(raw):
-            raise fail(f"{raw} is not a finite number", where)
+        if not abs(raw) <= LARGEST:
+            raise fail(f"{raw} is not a finite number" if isinstance(raw, float) else "the number is too large", where)
         return Quantity(Fraction(repr(raw)), DIMENSIONLESS, repr(raw))
     try:
         return parse_quantity(raw)
@@ -39,7 +40,10 @@ def read_number(raw: Raw, unit: Unit, where: Location) -> float:
     """An SI number of the dimension of *unit*; a bare number is taken to be in *unit*. Raises DseError."""
     quantity = read_quantity(raw, where)
     if (quantity.unit is DIMENSIONLESS and not isinstance(raw, str)) or (isinstance(raw, str) and _is_bare(quantity)):
-        return float(quantity.si * unit.factor + unit.offset)
+        si = quantity.si * unit.factor + unit.offset
+        if abs(si) > LARGEST:
+            raise fail(f"'{raw}' in {unit} is beyond the range of numbers", where)
+        return float(si)
     if quantity.unit.dimension != unit.dimension:
         raise fail(
             f"wrong unit in '{raw}': expected {describe(unit.dimension)}, found {describe(quantity.unit.dimension)}",
@@ -79,6 +83,9 @@ def read_type(text: str, where: Location) -> Type:
         items = tuple(item.strip() for item in text[5:-1].split(","))
         if not all(item.isidentifier() for item in items) or len(set(items)) != len(items):
             raise fail(f"the items of '{text}' must be different names", where, "as enum[speed, distance]")
+        reserved = [item for item in items if item in KEYWORDS]
+        if reserved:
+            raise fail(f"the item '{reserved[0]}' is a word of the expression language", where, "choose another word")
         return Type(Kind.ENUMERATION, items=items)
     return Type(Kind.REAL, read_unit(text, where))
 
@@ -88,13 +95,17 @@ def _is_bare(quantity: Quantity) -> bool:
 
 
 def _whole(raw: Raw, where: Location) -> int:
-    try:
-        number = Fraction(str(raw)) if not isinstance(raw, bool) else None
-    except ValueError:
-        number = None
+    match = _NUMBER.fullmatch(str(raw).strip()) if not isinstance(raw, bool) else None
+    number = Fraction(match[0]) if match else None
     if number is None or number.denominator != 1:
         raise fail(f"expected a whole number, found '{raw}'", where)
+    if abs(number) > _LARGEST_WHOLE:
+        raise fail(f"the whole number {raw} is too large", where, f"at most {_LARGEST_WHOLE}")
     return int(number)
+
+
+_NUMBER = re.compile(r"[+-]?\d{1,40}(?:\.\d{0,40})?(?:[eE][+-]?\d{1,2})?", re.ASCII)
+_LARGEST_WHOLE = 2**53
 
 
 def located(error: DseError, where: Location) -> DseError:

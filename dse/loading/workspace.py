@@ -15,6 +15,7 @@ from dse.loading.bench import read_bench
 from dse.loading.components import read_component, read_interfaces
 from dse.loading.design import read_design
 from dse.loading.fields import closest
+from dse.loading.root import find_root
 from dse.loading.study import read_study
 from dse.loading.yaml import shown
 
@@ -36,11 +37,15 @@ class Workspace:
 
     @staticmethod
     def around(path: Path) -> Workspace:
-        """The workspace *path* lies in: the nearest folder upwards that holds ``components/``. Raises DseError."""
-        start = path.resolve()
-        for folder in (start, *start.parents):
-            if (folder / "components").is_dir():
-                return Workspace(folder)
+        """The workspace *path* lies in: the nearest folder upwards that holds ``components/``.
+
+        Raises DseError, also if there is nothing at *path*.
+        """
+        if not path.exists():
+            raise fail("no such file or folder", Location(shown(path)), "check the spelling and the folder you are in")
+        root = find_root(path)
+        if root is not None:
+            return Workspace(root)
         raise fail(
             "not in a workspace: no folder 'components' here or above",
             Location(shown(path)),
@@ -54,7 +59,7 @@ class Workspace:
         problems: list[Problem] = []
         for path in sorted((self.root / "components").rglob("interfaces.yaml")):
             try:
-                for name, interface in read_interfaces(path).items():
+                for name, interface in read_interfaces(path, self.root).items():
                     if name in found:
                         problems.append(
                             Problem(f"interface '{name}' is defined twice", interface.where, f"see {found[name].where}")
@@ -86,7 +91,7 @@ class Workspace:
             path = self.component_files.get(name)
             if path is None:
                 raise fail(f"unknown component '{name}'", where, closest(name, self.component_files))
-            component = read_component(path, self.interfaces)
+            component = read_component(path, self.interfaces, self.root)
             if component.name != name:
                 raise fail(
                     f"component '{component.name}' lies in a folder called '{name}'",
@@ -100,7 +105,7 @@ class Workspace:
         """The design space called *name*, or in the file *name*. Raises DseError."""
         path = self._file(name, "designs", ".yaml", where)
         if path not in self._designs:
-            design = read_design(path, self.component, self.interfaces)
+            design = read_design(path, self.component, self.interfaces, self.root)
             _require_name(design.name, path, ".yaml", design.where)
             self._designs[path] = design
         return self._designs[path]
@@ -109,7 +114,7 @@ class Workspace:
         """The test bench called *name*, or in the file *name*. Raises DseError."""
         path = self._file(name, "testbenches", ".yaml", where)
         if path not in self._benches:
-            bench = read_bench(path, self.component, self.design)
+            bench = read_bench(path, self.component, self.design, self.root)
             _require_name(bench.name, path, ".yaml", bench.where)
             self._benches[path] = bench
         return self._benches[path]
@@ -117,7 +122,7 @@ class Workspace:
     def study(self, name: str, where: Location | None = None) -> Study:
         """The study called *name*, or in the file *name*. Raises DseError."""
         path = self._file(name, "testbenches", _STUDY, where)
-        study = read_study(path, self.bench)
+        study = read_study(path, self.bench, self.root)
         _require_name(study.name, path, _STUDY, study.where)
         return study
 
@@ -129,7 +134,8 @@ class Workspace:
 
     def _file(self, name: str, folder: str, suffix: str, where: Location | None) -> Path:
         typed = Path(name)
-        if typed.suffix in (".yaml", ".yml") or typed.is_dir() or len(typed.parts) > 1:
+        # Only who types a command may give a path: a file names others by what they define.
+        if where is None and (typed.suffix in (".yaml", ".yml") or typed.is_dir() or len(typed.parts) > 1):
             return typed.resolve()
         found: dict[str, Path] = {}
         for path in self.files(folder):

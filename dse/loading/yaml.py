@@ -7,6 +7,8 @@ runs: what is not a string, number, truth value, null, list or mapping is refuse
 from __future__ import annotations
 
 import os
+import re
+import stat
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -20,6 +22,12 @@ Path_ = tuple[str | int, ...]
 _MAX_BYTES = 10_000_000
 _MAX_NODES = 500_000
 _MAX_DEPTH = 100
+_MAX_DIGITS = 100
+_YAML_TAG = "tag:yaml.org,2002"
+_PLAIN_TAGS = (f"{_YAML_TAG}:map", f"{_YAML_TAG}:seq")
+
+# Invisible, or turning round what stands beside them: no terminal and no page should be given these.
+_UNSAFE = re.compile(r"[\x00-\x08\x0b-\x1f\x7f-\x9f\ud800-\udfff\u202a-\u202e\u2066-\u2069]")
 
 
 @dataclass(frozen=True, slots=True)
@@ -70,12 +78,18 @@ def read_yaml(path: Path) -> Document:
 
 def _read_text(path: Path) -> str:
     where = Location(shown(path))
-    if path.is_dir():
-        raise fail("this is a folder, not a file", where, "name one of the YAML files in it")
     try:
-        if path.stat().st_size > _MAX_BYTES:
+        mode = path.stat().st_mode
+        if stat.S_ISDIR(mode):
+            raise fail("this is a folder, not a file", where, "name one of the YAML files in it")
+        # A device or a pipe may never end.
+        if not stat.S_ISREG(mode):
+            raise fail("not a regular file", where, "name a file that holds YAML")
+        with path.open("rb") as file:
+            content = file.read(_MAX_BYTES + 1)
+        if len(content) > _MAX_BYTES:
             raise fail(f"the file is larger than {_MAX_BYTES // 1_000_000} MB", where, "split it with 'include'")
-        return path.read_bytes().decode("utf-8-sig")
+        return content.decode("utf-8-sig")
     except FileNotFoundError:
         raise fail("no such file", where, _similar_file(path)) from None
     except UnicodeDecodeError as error:
@@ -95,21 +109,36 @@ def _similar_file(path: Path) -> str:
 def _compose(text: str, path: Path) -> Any:
     from ruamel.yaml import YAML
     from ruamel.yaml.error import MarkedYAMLError, YAMLError
+    from ruamel.yaml.reader import ReaderError
 
     try:
         return YAML(typ="safe", pure=True).compose(text)
     except MarkedYAMLError as error:
         mark = error.problem_mark or error.context_mark
         where = Location(shown(path), mark.line + 1, mark.column + 1) if mark else Location(shown(path))
-        what = " ".join(str(error.problem or error.context or "unreadable").split())
+        what = _visible(" ".join(str(error.problem or error.context or "unreadable").split()))
         raise fail(
             f"not valid YAML: {what}", where, "check indentation, quotes and brackets here and just above"
         ) from None
+    except ReaderError as error:
+        before = text[: error.position]
+        where = Location(shown(path), before.count("\n") + 1, len(before) - before.rfind("\n"))
+        raise _unsafe(chr(error.character), where) from None
     except (YAMLError, ValueError) as error:
         first = str(error).strip().splitlines()[0]
-        raise fail(f"not valid YAML: {first}", Location(shown(path))) from None
+        raise fail(f"not valid YAML: {_visible(first)}", Location(shown(path))) from None
     except RecursionError:
         raise fail("nested too deeply", Location(shown(path)), f"use at most {_MAX_DEPTH} levels") from None
+
+
+def _unsafe(text: str, where: Location) -> DseError:
+    found = _UNSAFE.search(text)
+    sign = found[0] if found else text
+    return fail(f"the character U+{ord(sign):04X} cannot stand in a text", where, "remove it; it does not show")
+
+
+def _visible(text: str) -> str:
+    return _UNSAFE.sub(lambda found: f"U+{ord(found[0]):04X}", text)
 
 
 class _Reader:
@@ -129,6 +158,9 @@ class _Reader:
         # Aliases repeat a node: a short file can stand for billions of values.
         if self.count > _MAX_NODES or depth > _MAX_DEPTH:
             raise fail("the file is too large or nested too deeply once its aliases are expanded", where)
+        if node.id != "scalar" and str(node.tag) not in _PLAIN_TAGS:
+            self._tagged(node, where)
+            return None
         if node.id == "mapping":
             return self._mapping(node, path, depth)
         if node.id == "sequence":
@@ -143,6 +175,12 @@ class _Reader:
                 self.problems.append(Problem("a key must be plain text", where, "write the keys out one by one"))
                 continue
             key = str(key_node.value)
+            if str(key_node.tag).rpartition(":")[0] != _YAML_TAG:
+                self._tagged(key_node, where)
+                continue
+            if _UNSAFE.search(key):
+                self.problems += _unsafe(key, where).problems
+                continue
             if key in result:
                 first = self.keys[(*path, key)]
                 self.problems.append(
@@ -155,6 +193,15 @@ class _Reader:
 
     def _scalar(self, node: Any, where: Location) -> str | int | float | bool | None:
         tag, text = str(node.tag).rsplit(":", 1)[-1], str(node.value)
+        if str(node.tag).rpartition(":")[0] != _YAML_TAG:
+            self._tagged(node, where)
+            return None
+        if _UNSAFE.search(text):
+            self.problems += _unsafe(text, where).problems
+            return None
+        if tag in ("int", "float") and len(text) > _MAX_DIGITS:
+            self.problems.append(Problem(f"a number of more than {_MAX_DIGITS} characters", where))
+            return None
         try:
             if tag == "str":
                 return text
@@ -171,8 +218,12 @@ class _Reader:
             return None
         if tag in ("timestamp", "date"):
             return text
-        self.problems.append(Problem(f"the tag '{node.tag}' is not supported", where, "write plain values only"))
+        self._tagged(node, where)
         return None
+
+    def _tagged(self, node: Any, where: Location) -> None:
+        tag = _visible(str(node.tag))
+        self.problems.append(Problem(f"the tag '{tag}' is not supported", where, "write plain values only"))
 
     def _where(self, node: Any) -> Location:
         mark = node.start_mark

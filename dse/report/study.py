@@ -22,6 +22,7 @@ from dse.report.content import (
     SamplerKind,
     Variable,
 )
+from dse.results.database import damaged
 from dse.results.folder import StudyFolder
 from dse.results.rows import VERDICTS
 from dse.results.table import RunTable
@@ -35,32 +36,21 @@ MAX_WAVEFORMS = 4000
 def read_content(folder: StudyFolder, *, shown_as: str, most: int = MAX_WAVEFORMS) -> ReportContent:
     """Everything the page needs, from *folder* alone. *shown_as* is what the reader types for the folder.
 
-    With more than *most* kept waveforms an evenly spread choice is taken, and the facts say so.
+    With more than *most* kept waveforms an evenly spread choice is taken; waveforms whose file is gone are left
+    out. The facts say so. DseError if the folder is damaged.
     """
-    definition = folder.header.definition
+    folder.require_definition()
     table = folder.table()
-    units = {metric["name"]: parse_unit(metric["unit"]) for metric in definition["metrics"]}
-    kept = sorted(number for number, file in folder.kept().items() if file)
+    lost = folder.lost()
+    kept = sorted(number for number, file in folder.kept().items() if file and number not in lost)
     chosen = kept if len(kept) <= most else [kept[i] for i in np.linspace(0, len(kept) - 1, most).astype(int)]
-    constants = {entry["id"]: entry["constants"] for entry in definition["configurations"]}
-    rows = _Rows(table.numbers, table.configurations, table.points, constants)
-    figures = _figures(definition, rows, _waveforms(folder, chosen) if definition["figures"] else {})
-    return ReportContent(
-        definition["title"],
-        _sampler(definition),
-        shown_as,
-        Runs(table.numbers, table.configurations, table.done, table.problems),
-        tuple(_configuration(entry, definition) for entry in definition["configurations"]),
-        tuple(_variable(entry, table) for entry in definition["variables"]),
-        tuple(
-            MetricColumn(m["name"], m["title"], m["unit"], _shown(table.metric(m["name"]), units[m["name"]]))
-            for m in definition["metrics"]
-        ),
-        tuple(_requirement(entry, table, units[entry["metric"]]) for entry in definition["requirements"]),
-        figures,
-        tuple(tuple(names) for names in definition["sampler"].get("slices", ())),
-        _facts(folder, table, len(kept), len(chosen)),
-    )
+    strangers = set(kept) - set(table.numbers.tolist())
+    if strangers:
+        raise damaged(folder.path, f"waveforms were kept of run {min(strangers)}, which is not there")
+    try:
+        return _content(folder, table, shown_as, chosen, _waveform_facts(len(kept), len(chosen), len(lost)))
+    except ValueError as error:
+        raise damaged(folder.path, str(error)) from error
 
 
 def content_of_run(run: Run, definition: Mapping[str, Any]) -> ReportContent:
@@ -86,6 +76,31 @@ def planes(content: ReportContent) -> list[tuple[str, str]]:
     if pairs or len(content.variables) < 2:
         return pairs
     return [(content.variables[0].name, content.variables[1].name)]
+
+
+def _content(folder: StudyFolder, table: RunTable, shown_as: str, chosen: list[int], waveforms: str) -> ReportContent:
+    """ValueError if the parts of the study do not fit each other."""
+    definition = folder.header.definition
+    units = {metric["name"]: parse_unit(metric["unit"]) for metric in definition["metrics"]}
+    constants = {entry["id"]: entry["constants"] for entry in definition["configurations"]}
+    rows = _Rows(table.numbers, table.configurations, table.points, constants)
+    figures = _figures(definition, rows, _waveforms(folder, chosen) if definition["figures"] else {})
+    return ReportContent(
+        definition["title"],
+        _sampler(definition),
+        shown_as,
+        Runs(table.numbers, table.configurations, table.done, table.problems),
+        tuple(_configuration(entry, definition) for entry in definition["configurations"]),
+        tuple(_variable(entry, table) for entry in definition["variables"]),
+        tuple(
+            MetricColumn(m["name"], m["title"], m["unit"], _shown(table.metric(m["name"]), units[m["name"]]))
+            for m in definition["metrics"]
+        ),
+        tuple(_requirement(entry, table, units[entry["metric"]]) for entry in definition["requirements"]),
+        figures,
+        tuple(tuple(names) for names in definition["sampler"].get("slices", ())),
+        _facts(folder, table, waveforms),
+    )
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -186,7 +201,12 @@ def _waveforms(folder: StudyFolder, chosen: list[int]) -> dict[int, Waveforms]:
     return dict(sorted((number, waveforms) for number, waveforms in read if number in wanted))
 
 
-def _facts(folder: StudyFolder, table: RunTable, kept: int, chosen: int) -> tuple[tuple[str, str], ...]:
+def _waveform_facts(kept: int, chosen: int, lost: int) -> str:
+    text = f"kept of {kept} runs" + (f", {chosen} of them here" if chosen < kept else "")
+    return text + (f"; files of {lost} runs are gone: the same explore command makes them again" if lost else "")
+
+
+def _facts(folder: StudyFolder, table: RunTable, waveforms: str) -> tuple[tuple[str, str], ...]:
     header, definition = folder.header, folder.header.definition
     simulation, sampler = definition["simulation"], definition["sampler"]
     facts = [
@@ -199,7 +219,7 @@ def _facts(folder: StudyFolder, table: RunTable, kept: int, chosen: int) -> tupl
         ("sampler", sampler["kind"].replace("_", " ")),
         ("seed", str(definition["seed"])),
         ("simulation", f"{simulation['stop']:g} s in steps of {simulation['step']:g} s"),
-        ("waveforms", f"kept of {kept} runs" + (f", {chosen} of them here" if chosen < kept else "")),
+        ("waveforms", waveforms),
         ("fingerprint", header.fingerprint),
         ("dse", definition["dse"]),
     ]

@@ -7,16 +7,18 @@ import time
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from types import TracebackType
+from typing import Any
 
 from dse.domain.component import Value
 from dse.domain.run import Outcome, Run, Waveforms
-from dse.errors import Location, fail
-from dse.results.database import NAME, connect, lay_out, located, read_header
+from dse.errors import DseError, Location, fail
+from dse.results.database import NAME, connect, damaged, lay_out, located, read_header
+from dse.results.definition import whole_flaws
 from dse.results.header import StudyHeader
 from dse.results.rows import VERDICTS, RowBlock
 from dse.results.schema import cell_of, columns
 from dse.results.table import RunTable, read_table
-from dse.results.waveforms import PART, read_waveforms
+from dse.results.waveforms import PART, is_file_name, read_waveforms
 
 WAVEFORMS = "waveforms"
 
@@ -56,7 +58,10 @@ class StudyFolder:
 
     @classmethod
     def resume(cls, path: Path, header: StudyHeader) -> StudyFolder:
-        """The folder at *path* to go on with, or a new one; DseError if it holds the results of another study."""
+        """The folder at *path* to go on with, or a new one; DseError if it holds the results of another study.
+
+        Waveforms whose file is gone count as never kept, so that they are made again.
+        """
         if not (path / NAME).exists():
             return cls.create(path, header)
         folder = cls._connected(path, write=True)
@@ -68,9 +73,16 @@ class StudyFolder:
                 Location(str(path)),
                 "give another folder with -o, or say --fresh to throw these results away",
             )
+        # Equal fingerprints: equal but for what does not matter, and this one is as the user's files have it now.
+        folder.header = header
         for torn in (path / WAVEFORMS).glob(f"*{PART}"):
             torn.unlink(missing_ok=True)
         (path / WAVEFORMS).mkdir(exist_ok=True)
+        try:
+            folder.forget_lost()
+        except DseError:
+            folder.close()
+            raise
         return folder
 
     @classmethod
@@ -106,12 +118,37 @@ class StudyFolder:
         """Waveform file by number for the runs whose waveforms were asked for; "" where there are none to store."""
         with located(self.path):
             rows = self._connection.execute("SELECT number, file FROM kept ORDER BY number").fetchall()
-        return {number: file or "" for number, file in rows}
+        return {number: self._checked(file) for number, file in rows}
+
+    def lost(self) -> set[int]:
+        """Numbers of the runs whose waveforms were kept in a file that is there no more."""
+        kept = self.kept()
+        gone = {file for file in set(kept.values()) if file and not (self.waveform_folder / file).is_file()}
+        return {number for number, file in kept.items() if file in gone}
+
+    def forget_lost(self) -> None:
+        """Take waveforms whose file is gone as never kept."""
+        lost = self.lost()
+        if lost:
+            with located(self.path):
+                self._begin()
+                self._connection.executemany("DELETE FROM kept WHERE number = ?", [(number,) for number in lost])
+            self.commit()
+
+    def require_definition(self) -> Mapping[str, Any]:
+        """The study's definition, complete as every study is written; DseError if something in it is missing."""
+        flaws = whole_flaws(self.header.definition)
+        if flaws:
+            raise damaged(self.path, flaws[0])
+        return self.header.definition
 
     def table(self, numbers: Sequence[int] = ()) -> RunTable:
-        """The runs of *numbers* that are stored, or all that are, as columns."""
-        with located(self.path):
-            return read_table(self._connection, self.header, numbers)
+        """The runs of *numbers* that are stored, or all that are, as columns; DseError if the database is damaged."""
+        try:
+            with located(self.path):
+                return read_table(self._connection, self.header, numbers)
+        except (KeyError, ValueError, TypeError) as error:
+            raise damaged(self.path, str(error)) from error
 
     def run(self, number: int) -> Run:
         """Run *number* with its waveforms if they were kept; DseError if it has not been made."""
@@ -127,7 +164,7 @@ class StudyFolder:
         """The waveforms of run *number*, None if they were not kept; DseError if their file is gone or damaged."""
         with located(self.path):
             row = self._connection.execute("SELECT file FROM kept WHERE number = ?", (number,)).fetchone()
-        return read_waveforms(self.waveform_folder / row[0], number) if row and row[0] else None
+        return read_waveforms(self.waveform_folder / self._checked(row[0]), number) if row and row[0] else None
 
     def timing(self) -> Mapping[int, float]:
         """Wall time in seconds by run, of this machine and never exported; NaN where a worker died."""
@@ -224,6 +261,12 @@ class StudyFolder:
             connection.close()
             raise
         return cls(path, header, connection)
+
+    def _checked(self, file: str | None) -> str:
+        # The database may come from anywhere: what it names must lie in the folder of waveforms.
+        if file and not is_file_name(file):
+            raise damaged(self.path, f"'{file}' is no file of waveforms")
+        return file or ""
 
     def _numbers(self, query: str) -> set[int]:
         with located(self.path):

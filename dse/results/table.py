@@ -110,9 +110,7 @@ def read_table(connection: sqlite3.Connection, header: StudyHeader, numbers: Seq
         np.full(n, np.nan),
         {number: text for number, text in zip(cells["number"], cells["problem"], strict=True) if text},
     )
-    return RunTable(
-        header, block, cells["configuration"], {name: _point(name, cells[f"p:{name}"]) for name in header.variables}
-    )
+    return RunTable(header, block, cells["configuration"], _points(cells, header))
 
 
 def _refuse_strangers(cells: Mapping[str, Any], header: StudyHeader) -> None:
@@ -134,6 +132,16 @@ def _refuse_strangers(cells: Mapping[str, Any], header: StudyHeader) -> None:
 def _matrix(cells: Mapping[str, Any], n: int, kind: str, names: Sequence[str]) -> NDArray[np.float64]:
     # NULL comes as None, which numpy reads as NaN.
     return np.array([cells[f"{kind}:{name}"] for name in names], dtype=np.float64).reshape(len(names), n).T
+
+
+def _points(cells: Mapping[str, Any], header: StudyHeader) -> dict[str, NDArray[Any]]:
+    points = {name: _point(name, cells[f"p:{name}"]) for name in header.variables}
+    for variable in header.definition["variables"]:
+        # What is varied in a range is a number; what a study only lists may be of any type.
+        column = points[variable["name"]]
+        if "low" in variable and not all(type(value) in (int, float) for value in column.tolist()):
+            raise ValueError(f"a run has no number for {variable['name']}")
+    return points
 
 
 def _point(name: str, cells: tuple[float | str, ...]) -> NDArray[Any]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any
@@ -16,10 +17,17 @@ from dse.errors import Location, fail
 PART = ".part"
 """Suffix of a file that is still being written."""
 
+_AGAIN = "delete the file if it is there: the same explore command makes its waveforms again"
+
 
 def file_name(first: int, last: int) -> str:
     """Name of the file for the chunk of runs *first* to *last*, both included."""
     return f"runs-{first:08d}-{last:08d}.parquet"
+
+
+def is_file_name(text: str) -> bool:
+    """Whether *text* is a name that `file_name` gives, and so no path to somewhere else."""
+    return re.fullmatch(r"runs-[0-9]{8,}-[0-9]{8,}\.parquet", text) is not None
 
 
 def write_waveforms(file: Path, runs: Sequence[tuple[int, Waveforms]]) -> None:
@@ -56,10 +64,28 @@ def read_waveforms(file: Path, number: int) -> Waveforms:
             group = _group_of(parquet, number)
             table = None if group is None else parquet.read_row_group(group)
     except (OSError, pa.ArrowException) as error:
-        raise fail(f"waveforms of run {number} cannot be read: {error}", Location(str(file))) from error
+        raise fail(f"waveforms of run {number} cannot be read: {error}", Location(str(file)), _AGAIN) from error
     if table is None:
-        raise fail(f"there are no waveforms of run {number} in it", Location(str(file)))
-    arrays = {name: _numpy(table.column(name)) for name in table.column_names if name != "run"}
+        raise fail(f"there are no waveforms of run {number} in it", Location(str(file)), _AGAIN)
+    return _waveforms(table, file)
+
+
+def _waveforms(table: Any, file: Path) -> Waveforms:
+    """*table* as waveforms; DseError unless its columns are those that `write_waveforms` writes."""
+    import pyarrow as pa
+
+    kinds = {field.name: field.type for field in table.schema}
+    doubles = [name for name in kinds if name != "run"]
+    strange = (
+        len(kinds) != table.num_columns
+        or kinds.get("run") != pa.int32()
+        or "time" not in kinds
+        or any(kinds[name] != pa.float64() for name in doubles)
+        or any(column.null_count for column in table.columns)
+    )
+    if strange:
+        raise fail("these are no waveforms of a study", Location(str(file)), _AGAIN)
+    arrays = {name: _numpy(table.column(name)) for name in doubles}
     return Waveforms(arrays.pop("time"), arrays)
 
 
@@ -98,8 +124,8 @@ def read_all_waveforms(file: Path) -> Iterator[tuple[int, Waveforms]]:
         with pq.ParquetFile(file) as parquet:
             for group in range(parquet.metadata.num_row_groups):
                 table = parquet.read_row_group(group)
-                arrays = {name: _numpy(table.column(name)) for name in table.column_names if name != "run"}
-                number = table.column("run")[0].as_py()
-                yield number, Waveforms(arrays.pop("time"), arrays)
+                waveforms = _waveforms(table, file)
+                if table.num_rows:
+                    yield table.column("run")[0].as_py(), waveforms
     except (OSError, pa.ArrowException) as error:
-        raise fail(f"waveforms cannot be read: {error}", Location(str(file))) from error
+        raise fail(f"waveforms cannot be read: {error}", Location(str(file)), _AGAIN) from error

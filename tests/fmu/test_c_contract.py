@@ -150,6 +150,63 @@ def test_a_header_from_elsewhere_has_to_be_listed(workshop, refused, cache):
     assert build(replace(component, source=source), cache=cache).is_file()
 
 
+@pytest.mark.parametrize(
+    ("include", "what"),
+    [
+        ('"/etc/passwd"', "the include of '/etc/passwd' is an absolute path"),
+        ("</etc/passwd>", "the include of '/etc/passwd' is an absolute path"),
+        ('"C:\\\\secret.h"', "the include of 'C://secret.h' is an absolute path"),
+        ('"../../secret.h"', "the include of '../../secret.h' leads out of the component's files"),
+        ('"sub/../../secret.h"', "the include of 'sub/../../secret.h' leads out of the component's files"),
+    ],
+)
+def test_an_include_cannot_reach_what_is_not_in_the_build(workshop, refused, include, what):
+    component = edit(workshop.counter(), '#include "counter.h"', f'#include "counter.h"\n #  include {include}', ".c")
+    ((where, said, hint),) = refused(component)
+    assert (where, said) == (f"{workshop.folder / 'counter.c'}:2:13", what)
+    assert hint == "list the header under the component's 'files'"
+
+
+def test_an_include_upwards_within_the_components_files_works(workshop, cache):
+    component = edit(workshop.counter(), '#include "counter.h"', '#include "sub/deep.h"', ".c")
+    sub = workshop.folder / "sub"
+    sub.mkdir()
+    (sub / "deep.h").write_text('#include "../counter.h"\n', encoding="utf-8")
+    source = replace(component.source, files=(*component.source.files, sub / "deep.h"))
+    assert build(replace(component, source=source), cache=cache).is_file()
+
+
+def test_a_link_beside_the_header_brings_nothing_in(workshop, cache, tmp_path):
+    outside = tmp_path.parent / "secret.txt"
+    outside.write_text("/* secret words */", encoding="utf-8")
+    component = workshop.counter()
+    (workshop.folder / "words.h").symlink_to(outside)
+    assert b"secret words" not in build(component, cache=cache).read_bytes()
+
+
+def test_a_source_is_shown_as_a_person_here_would_type_it(workshop, refused, monkeypatch):
+    component = edit(workshop.counter(), "c->out.hits++;", "c->out.hits++", suffix=".c")
+    monkeypatch.chdir(workshop.folder)
+    ((where, _, _),) = refused(component)
+    assert where.startswith("counter.c:")
+
+
+def test_only_regular_files_of_c_of_bounded_size_are_taken(workshop, refused):
+    component = workshop.counter()
+    folder = workshop.folder / "folder.c"
+    folder.mkdir()
+    large = workshop.folder / "large.c"
+    large.write_bytes(b" " * 10_000_001)
+    source = replace(component.source, files=(*component.source.files, folder, large))
+    assert sorted(what for _, what, _ in refused(replace(component, source=source))) == [
+        f"component 'counter': {folder} cannot be read: it is not a regular file",
+        f"component 'counter': {large} cannot be read: it is larger than 10 million bytes",
+    ]
+    source = replace(component.source, files=(*component.source.files, workshop.folder / "notes.txt"))
+    ((_, what, _),) = refused(replace(component, source=source))
+    assert what.endswith("notes.txt is no .c or .h file")
+
+
 def test_files_that_are_not_there_are_all_told_where_the_component_is(workshop, refused):
     component = replace(workshop.counter(), where=WHERE)
     gone = [workshop.folder / "gone.c", workshop.folder / "gone.h"]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import os
 import stat
 import zipfile
@@ -203,6 +204,64 @@ def test_a_path_that_is_there_twice_is_refused(maker, refused, name):
     with zipfile.ZipFile(archive, "a") as opened:
         opened.writestr(name, "again")
     assert refused(archive) == [f"refused as unsafe: the path '{name}' is there twice"]
+
+
+@pytest.mark.filterwarnings("ignore:Duplicate name")
+@pytest.mark.parametrize(
+    "name", ["./modelDescription.xml", "MODELDESCRIPTION.xml", "modelDescription.xml/", "Binaries"]
+)
+def test_a_path_that_a_file_system_takes_for_another_is_refused(maker, refused, name):
+    archive = maker.make(FMI_2)
+    with zipfile.ZipFile(archive, "a") as opened:
+        opened.writestr(name, "")
+    assert refused(archive) == [f"refused as unsafe: the path '{name}' is there twice"]
+
+
+def test_folders_may_have_entries_of_their_own(maker, tmp_path):
+    maker.extra |= {"resources/": b"", "resources/a/": b"", "resources/a/b.txt": b"b", "./resources/c.txt": b"c"}
+    folder = open_fmu(maker.make(FMI_2), cache=tmp_path / "cache").folder
+    assert (folder / "resources/a/b.txt").read_bytes() + (folder / "resources/c.txt").read_bytes() == b"bc"
+
+
+@pytest.mark.parametrize(
+    ("name", "reason"),
+    [
+        ("resources/" + "a" * 300, "holds a name of more than 200 bytes"),
+        ("resources/" + "ä" * 150, "holds a name of more than 200 bytes"),
+        ("/".join(["resources"] * 200), "is longer than 1000 characters"),
+        ("resources/CON", "reserved on Windows"),
+        ("aux.txt/a", "reserved on Windows"),
+        ("resources/a.", "reserved on Windows"),
+    ],
+)
+def test_a_name_that_some_file_system_cannot_hold_is_refused(maker, refused, name, reason):
+    maker.extra[name] = b""
+    (what,) = refused(maker.make(FMI_2))
+    assert what.startswith("refused as unsafe: ")
+    assert reason in what
+
+
+@pytest.mark.parametrize(("code", "blamed"), [(errno.ENAMETOOLONG, "m.fmu"), (errno.ENOSPC, "cache")])
+def test_what_cannot_be_unpacked_is_blamed_on_the_archive_or_the_cache(maker, tmp_path, monkeypatch, code, blamed):
+    real = Path.open
+
+    def refuse(self, mode="r", *arguments, **options):
+        if mode == "xb":
+            raise OSError(code, os.strerror(code))
+        return real(self, mode, *arguments, **options)
+
+    archive = maker.make(FMI_2)
+    monkeypatch.setattr(Path, "open", refuse)
+    with pytest.raises(DseError) as caught:
+        open_fmu(archive, cache=tmp_path / "cache")
+    (problem,) = caught.value.problems
+    assert blamed in (str(problem.where) if problem.where else problem.what)
+
+
+def test_an_archive_is_named_as_a_person_here_would(maker, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    with pytest.raises(DseError, match=r"^m\.fmu: "):
+        open_fmu(maker.make("<a/>"), cache=tmp_path / "cache")
 
 
 def test_a_zip_bomb_is_refused_unpacked(maker, refused):

@@ -2,13 +2,18 @@
 
 from __future__ import annotations
 
+import math
 import os
 from pathlib import Path
 
 import pytest
 
-from dse.errors import DseError, Problem
+from dse.domain.component import Kind, Type
+from dse.errors import DseError, Location, Problem
+from dse.loading.include import read_document
+from dse.loading.values import read_number, read_value
 from dse.loading.workspace import Workspace
+from dse.units import UnitError, parse_unit
 
 
 def problems(load: object, *arguments: str) -> tuple[Problem, ...]:
@@ -42,7 +47,7 @@ CASES = [
     ("unknown key at the top", "testbenches/following.yaml", "design: car", "design: car\nscenario: x", "testbenches/following.yaml:3:1", "unknown key 'scenario'", "possible"),
     ("wrong unit", "testbenches/following.yaml", "set_gap: 40 m}", "set_gap: 40 kg}", "testbenches/following.yaml:8:34", "wrong unit in '40 kg': expected length, found mass", "write it in m"),
     ("unknown unit", "components/radar/component.yaml", "mass: 300 g", "mass: 300 gs", "components/radar/component.yaml:8:34", "unknown unit 'gs'", "number and a unit"),
-    ("no quantity", "components/radar/component.yaml", "cost: 45 EUR", "cost: cheap", "components/radar/component.yaml:8:20", "'cheap' is not a quantity: write a number and a unit, as '70 km/h'", ""),
+    ("no quantity", "components/radar/component.yaml", "cost: 45 EUR", "cost: cheap", "components/radar/component.yaml:8:20", "'cheap' is not a quantity", "write a number and a unit, as '70 km/h'"),
     ("unknown component", "designs/car.yaml", "[radar]", "[rader]", "designs/car.yaml:4:29", "unknown component 'rader'", "did you mean 'radar'?"),
     ("unknown interface", "components/pd/component.yaml", "implements: controller", "implements: controler", "components/pd/component.yaml:2:13", "unknown interface 'controler'", "controller"),
     ("unknown design", "testbenches/following.yaml", "design: car", "design: cart", "testbenches/following.yaml:2:9", "unknown design 'cart'", "car"),
@@ -53,7 +58,7 @@ CASES = [
     ("start outside the range", "components/pd/component.yaml", "start: 0.8", "start: 8", "components/pd/component.yaml:5:15", "start of 'kp' is outside its range 0 … 5", "widen"),
     ("impossible range", "testbenches/gains.pet.yaml", "[0.1, 3.0]", "[3.0, 0.1]", "testbenches/gains.pet.yaml:4:26", "the range of 'controller.kp' is empty: 3.0 … 0.1", "low, then high"),
     ("range beyond the component's", "testbenches/gains.pet.yaml", "[0.1, 3.0]", "[0.1, 6.0]", "testbenches/gains.pet.yaml:4:26", "the range of 'controller.kp' leaves what component pd allows", "max 5"),
-    ("range with one end", "testbenches/gains.pet.yaml", "[0.1, 3.0]", "[0.1]", "testbenches/gains.pet.yaml:4:26", "'design_variables.controller.kp.range': list should have at least 2 items after validation, not 1, found [0.1]", ""),
+    ("range with one end", "testbenches/gains.pet.yaml", "[0.1, 3.0]", "[0.1]", "testbenches/gains.pet.yaml:4:26", "'design_variables.controller.kp.range': expected 2 entries, found [0.1]", ""),
     ("value outside the range", "testbenches/following.yaml", "set_gap: 40 m}", "set_gap: 40 m, controller.kp: 9}", "testbenches/following.yaml:8:55", "kp = 9 is outside its range 0 … 5 1/s", "set by component pd"),
     ("missing key", "testbenches/following.yaml", "{stop: 10 s, ", "{", "testbenches/following.yaml:9:1", "'stop' is missing in 'simulation'", "add 'stop: …'"),
     ("stop no multiple of step", "testbenches/following.yaml", "stop: 10 s", "stop: 10.05 s", "testbenches/following.yaml:9:20", "'stop' (10.05 s) is not a multiple of 'record_every' (100 ms)", "equal steps"),
@@ -70,6 +75,65 @@ CASES = [
     ("yes is text in YAML 1.2", "components/pd/component.yaml", "unit: 1/s", "unit: 1/s, tunable: yes", "components/pd/component.yaml:5:56", "'parameters.kp.tunable': expected true or false, found 'yes'", "YAML 1.2"),
     ("port without a unit", "components/road/interfaces.yaml", "gap: m, speed", "gap: [m], speed", "components/road/interfaces.yaml:4:20", "port 'gap' needs a unit or a type", "m/s"),
     ("port in a unit that is not SI", "components/road/interfaces.yaml", "speed: m/s", "speed: km/h", "components/road/interfaces.yaml:4:30", "port 'speed' must be in a coherent SI unit, not 'km/h'", "SI inside"),
+    # values where none can be given
+    ("value for an output", "testbenches/following.yaml", "set_gap: 40 m}", "set_gap: 40 m, world.speed: 3 m/s}", "testbenches/following.yaml:8:40", "'world.speed' is an output", "inputs that nothing is connected to"),
+    ("value for an output of the design", "testbenches/following.yaml", "set_gap: 40 m}", "set_gap: 40 m, controller.mode: distance}", "testbenches/following.yaml:8:40", "'controller.mode' is an output", "only parameters"),
+    ("value for a test component's output", "testbenches/following.yaml", "{component: road}", "{component: road, parameters: {gap: 3 m}}", "testbenches/following.yaml:4:41", "'world.gap' is an output", "only parameters"),
+    ("output as a design variable", "testbenches/gains.pet.yaml", "levels: 5}", "levels: 5}\n  world.speed: {range: [1, 2], levels: 2}", "testbenches/gains.pet.yaml:5:3", "'world.speed' is an output", "only parameters"),
+    # numbers
+    ("time beyond all numbers", "testbenches/following.yaml", "stop: 10 s", "stop: 1e999 s", "testbenches/following.yaml:9:20", "'1e999 s' is beyond the range of numbers", ""),
+    ("value beyond all numbers in SI", "testbenches/following.yaml", "set_gap: 40 m}", "set_gap: 1e307 km}", "testbenches/following.yaml:8:34", "'1e307 km' is beyond the range of numbers", ""),
+    ("bare number beyond all numbers", "components/pd/component.yaml", "start: 0.8", "start: 1e999", "components/pd/component.yaml:5:15", "inf is not a finite number", ""),
+    ("number of many digits", "components/pd/component.yaml", "start: 0.8", f"start: {'9' * 5000}", "components/pd/component.yaml:5:15", "a number of more than 100 characters", ""),
+    ("quantity of many digits", "components/radar/component.yaml", "cost: 45 EUR", f"cost: {'9' * 5000} EUR", "components/radar/component.yaml:8:20", "a number of more than 100 characters", ""),
+    ("unit of a million digits", "components/radar/component.yaml", "cost: 45 EUR", "cost: 45 km^999999999", "components/radar/component.yaml:8:20", "unknown unit", ""),
+    ("literal beyond all numbers", "testbenches/following.yaml", "undershoot(world.gap, target = controller.set_gap)", "final(world.gap) / 1e400 m", "testbenches/following.yaml:11:38", "beyond the range of numbers", "smaller"),
+    ("negative seed", "testbenches/gains.pet.yaml", "sampler: full_factorial", "sampler: {latin_hypercube: {samples: 3}}\nseed: -1", "testbenches/gains.pet.yaml:6:7", "the seed must be 0 … 2^63 - 1, not -1", ""),
+    ("more steps than can be kept", "testbenches/following.yaml", "stop: 10 s", "stop: 1e9 s", "testbenches/following.yaml:9:20", "'stop' (1e9 s) takes more than 10,000,000 steps of 10 ms", "longer step"),
+    ("step of almost nothing", "testbenches/following.yaml", "step: 10 ms", "step: 1e-300 s", "testbenches/following.yaml:9:20", "takes more than 10,000,000 steps", ""),
+    ("no duration", "testbenches/following.yaml", "stop: 10 s", "stop: 0 s", "testbenches/following.yaml:9:20", "'stop' must be positive, not 0 s", ""),
+    # text
+    ("lone surrogate", "testbenches/following.yaml", "design: car", 'title: "x\\ud800y"\ndesign: car', "testbenches/following.yaml:2:9", "the character U+D800 cannot stand in a text", "remove it"),
+    ("terminal sequence", "testbenches/following.yaml", "design: car", 'title: "\\e[31mred"\ndesign: car', "testbenches/following.yaml:2:9", "the character U+001B cannot stand in a text", ""),
+    ("terminal sequence as it is", "testbenches/following.yaml", "design: car", "title: x\x1b[31m\ndesign: car", "testbenches/following.yaml:2:9", "the character U+001B cannot stand in a text", ""),
+    ("control character of C1", "testbenches/following.yaml", "design: car", 'title: "\\x9b31m"\ndesign: car', "testbenches/following.yaml:2:9", "the character U+009B cannot stand in a text", ""),
+    ("text turned round", "testbenches/following.yaml", "design: car", "title: a\u202eb\ndesign: car", "testbenches/following.yaml:2:8", "the character U+202E cannot stand in a text", ""),
+    ("isolate in a key", "testbenches/following.yaml", "design: car", '"de\\u2066x": car\ndesign: car', "testbenches/following.yaml:2:2", "the character U+2066 cannot stand in a text", ""),
+    ("tag on a mapping", "testbenches/following.yaml", "simulation: {", "simulation: !sim {", "testbenches/following.yaml:9:13", "the tag '!sim' is not supported", "plain values"),
+    ("tag on a list", "testbenches/following.yaml", "record: [", "record: !!set [", "testbenches/following.yaml:9:47", "the tag 'tag:yaml.org,2002:set' is not supported", "plain values"),
+    ("tag on a key", "testbenches/following.yaml", "design: car", "!k design: car", "testbenches/following.yaml:2:1", "the tag '!k' is not supported", "plain values"),
+    # what this version does not do, and shapes
+    ("objectives", "testbenches/gains.pet.yaml", "sampler:", "objectives: [gap]\nsampler:", "testbenches/gains.pet.yaml:5:1", "'objectives' is not supported in this version", "docs/formats.md"),
+    ("uncertain", "testbenches/gains.pet.yaml", "sampler:", "uncertain: {}\nsampler:", "testbenches/gains.pet.yaml:5:1", "'uncertain' is not supported in this version", "docs/formats.md"),
+    ("sample of configurations", "testbenches/gains.pet.yaml", "sampler:", "configurations: {sample: 3}\nsampler:", "testbenches/gains.pet.yaml:5:18", "'sample' is not supported in this version", "docs/formats.md"),
+    ("require_with", "designs/car.yaml", "require: sum(cost) <= 100 EUR", "require_with: [a, b]", "designs/car.yaml:9:12", "'require_with' is not supported in this version", "docs/formats.md"),
+    ("number for a sampler", "testbenches/gains.pet.yaml", "sampler: full_factorial", "sampler: 3", "testbenches/gains.pet.yaml:5:10", "'sampler': expected text or a mapping, found 3", ""),
+    ("list for a value", "testbenches/following.yaml", "set_gap: 40 m}", "set_gap: [40]}", "testbenches/following.yaml:8:34", "'parameters.controller.set_gap': expected text, a number or true or false, found [40]", ""),
+    ("unknown key where text could stand", "testbenches/gains.pet.yaml", "sampler: full_factorial", "sampler: {latin: 3}", "testbenches/gains.pet.yaml:5:11", "unknown key 'latin'", "latin_hypercube"),
+    # names
+    ("part called and", "designs/car.yaml", "    controller: pd\n", "    controller: pd\n    and: {optional: pd}\n", "designs/car.yaml:6:5", "'and' is a word of the expression language", "another name"),
+    ("metric called if", "testbenches/following.yaml", "metrics:\n", "metrics:\n  if: final(world.gap)\n", "testbenches/following.yaml:11:3", "'if' is a word of the expression language", "another name"),
+    ("parameter called double", "components/pd/component.yaml", "parameters:\n", "parameters:\n  double: {start: 1}\n", "components/pd/component.yaml:5:3", "'double' is a word of C", "another name"),
+    ("port called while", "components/road/interfaces.yaml", "{gap: m, speed", "{while: m, gap: m, speed", "components/road/interfaces.yaml:4:15", "'while' is a word of C", "another name"),
+    ("item called or", "components/radar/component.yaml", "enum: [near, far]", "enum: [near, or]", "components/radar/component.yaml:7:32", "the item 'or' is a word of the expression language", "another word"),
+    # sampling
+    ("slice that repeats", "testbenches/gains.pet.yaml", "sampler: full_factorial", "sampler: {full_factorial: {slices: [[controller.kp, controller.kp]]}}", "testbenches/gains.pet.yaml:5:53", "'controller.kp' stands twice in a slice", "remove"),
+    ("empty slice", "testbenches/gains.pet.yaml", "sampler: full_factorial", "sampler: {full_factorial: {slices: [[controller.kp], []]}}", "testbenches/gains.pet.yaml:5:54", "a slice names no design variable", "remove"),
+    ("nominal outside the range", "testbenches/gains.pet.yaml", "levels: 5}", "levels: 5, nominal: 4}", "testbenches/gains.pet.yaml:4:58", "the nominal value of 'controller.kp' is outside its range 0.1 … 3.0", "widen"),
+    # recording
+    ("record of a part that is not there", "testbenches/following.yaml", "[world.gap]", "[world.gap, wold.gap]", "testbenches/following.yaml:9:59", "'wold.gap' names no part", "world"),
+    ("record of an input", "testbenches/following.yaml", "[world.gap]", "[world.torque]", "testbenches/following.yaml:9:48", "cannot record 'world.torque': no such output", "gap"),
+    ("record twice", "testbenches/following.yaml", "[world.gap]", "[world.gap, world.gap]", "testbenches/following.yaml:9:59", "'world.gap' is recorded twice", "remove"),
+    ("unknown test component alone", "testbenches/following.yaml", "{component: road}", "{component: rod}", "testbenches/following.yaml:4:22", "unknown component 'rod'", "road"),
+    # what lies elsewhere
+    ("path for a name", "testbenches/following.yaml", "design: car", "design: /etc/hosts", "testbenches/following.yaml:2:9", "unknown design '/etc/hosts'", ""),
+    ("C file outside the workspace", "components/pd/component.yaml", "[pd.c]", "[pd.c, ../../../secret.c]", "components/pd/component.yaml:3:33", "'../../../secret.c' lies outside the workspace", "copy"),
+    ("absolute C file", "components/pd/component.yaml", "[pd.c]", "[pd.c, /etc/passwd]", "components/pd/component.yaml:3:33", "'/etc/passwd' lies outside the workspace", "copy"),
+    ("text for C", "components/pd/component.yaml", "[pd.c]", "[pd.c, component.yaml]", "components/pd/component.yaml:3:33", "'component.yaml' must be a .c or .h file", "another"),
+    ("C file for a header", "components/pd/component.yaml", "[pd.c]", "[pd.c], header: pd.c", "components/pd/component.yaml:3:42", "'pd.c' must be a .h file", "another"),
+    ("file with a name no disk holds", "components/pd/component.yaml", "[pd.c]", f"[pd.c, {'a' * 300}.c]", "components/pd/component.yaml:3:33", "no such file", "relative"),
+    ("include from outside the workspace", "designs/car.yaml", "design: car", "include: [/etc/shadow]\ndesign: car", "designs/car.yaml:1:11", "'/etc/shadow' lies outside the workspace", "copy"),
+    ("include of another kind of file", "designs/car.yaml", "design: car", "include: [../components/pd/pd.c]\ndesign: car", "designs/car.yaml:1:11", "must be a .yaml or .yml file", "another"),
     ("syntax of a constraint", "designs/car.yaml", "sum(cost) <= 100 EUR", "sum(cost <= 100 EUR", "designs/car.yaml", "", ""),
 ]  # fmt: skip
 
@@ -83,6 +147,107 @@ def test_broken_input_is_named_where_it_stands(files, file, old, new, where, wha
     assert at.startswith(where)
     assert what in said
     assert hint in advice
+
+
+def test_a_part_that_is_unknown_brings_no_further_problems(files):
+    files.edit("testbenches/following.yaml", "{component: road}", "{component: rod}")
+    files.edit("testbenches/following.yaml", "figures:\n", "figures:\n  other: {current: world.speed, unit: m/s}\n")
+    _, what, _ = one_problem(files.root)
+    assert what == "unknown component 'rod'"
+
+
+def test_a_link_does_not_lead_out_of_the_workspace(files, tmp_path_factory):
+    outside = tmp_path_factory.mktemp("outside") / "secret.yaml"
+    outside.write_text("password: x\n", encoding="utf-8")
+    (files.root / "designs/_link.yaml").symlink_to(outside)
+    files.edit("designs/car.yaml", "design: car", "include: [_link.yaml]\ndesign: car")
+    where, what, _ = one_problem(files.root)
+    assert (where, what) == ("designs/car.yaml:1:11", "'_link.yaml' lies outside the workspace")
+
+
+def test_a_circle_of_links_is_told(files):
+    (files.root / "designs/_link.yaml").symlink_to("_link.yaml")
+    files.edit("designs/car.yaml", "design: car", "include: [_link.yaml]\ndesign: car")
+    where, what, _ = one_problem(files.root)
+    assert where == "designs/car.yaml:1:11"
+    assert "_link.yaml" in what
+
+
+@pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="this system has no named pipes")
+def test_what_is_no_regular_file_is_not_read(files):
+    os.mkfifo(files.root / "designs/_pipe.yaml")
+    files.edit("designs/car.yaml", "design: car", "include: [_pipe.yaml]\ndesign: car")
+    where, what, _ = one_problem(files.root)
+    assert (where, what) == ("designs/_pipe.yaml", "not a regular file")
+
+
+def test_a_file_of_more_than_10_mb_is_refused(files):
+    files.write("designs/car.yaml", "#" * 10_000_001)
+    where, what, _ = one_problem(files.root)
+    assert (where, what) == ("designs/car.yaml", "the file is larger than 10 MB")
+
+
+@pytest.mark.parametrize(("length", "fits"), [(19, True), (21, False)])
+def test_a_chain_of_includes_has_an_end(files, length, fits):
+    files.edit("designs/car.yaml", "design: car", "include: [_0.yaml]\ndesign: car")
+    for number in range(length):
+        files.write(f"designs/_{number}.yaml", f"include: [_{number + 1}.yaml]\n")
+    files.write(f"designs/_{length}.yaml", "title: The end\n")
+    if fits:
+        assert Workspace(files.root).design("car").title == "The end"
+        return
+    where, what, _ = one_problem(files.root)
+    assert (where, what) == ("designs/_19.yaml:1:11", "files include each other more than 20 deep")
+
+
+def test_includes_that_double_at_every_level_are_refused(files):
+    files.edit("designs/car.yaml", "design: car", "include: [_0.yaml]\ndesign: car")
+    for number in range(15):
+        files.write(f"designs/_{number}.yaml", f"include: [_{number + 1}.yaml, _{number + 1}.yaml]\n")
+    files.write("designs/_15.yaml", "include: []\n")
+    _, what, _ = one_problem(files.root)
+    assert what == "more than 200 files are included"
+
+
+def test_a_lone_file_may_include_from_its_own_folder(tmp_path):
+    (tmp_path / "a.yaml").write_text("include: [b.yaml]\na: 1\n", encoding="utf-8")
+    (tmp_path / "b.yaml").write_text("b: 2\n", encoding="utf-8")
+    assert read_document(tmp_path / "a.yaml").data == {"a": 1, "b": 2}
+
+
+def test_a_path_that_is_not_there_is_in_no_workspace(files):
+    (problem,) = problems(Workspace.around, files.root / "nope")
+    assert str(problem.where) == "nope"
+    assert problem.what == "no such file or folder"
+
+
+def test_line_breaks_and_tabs_stand_in_texts(files):
+    files.edit("designs/car.yaml", "design: car", 'title: "a\\n\\tb ü ∞ 🚗"\ndesign: car')
+    assert Workspace(files.root).design("car").title == "a\n\tb ü ∞ 🚗"
+
+
+@pytest.mark.parametrize("raw", [float("inf"), float("nan"), 10**400, "1e400", "9" * 200, "1e307 km"])
+def test_no_number_beyond_floating_point_becomes_a_value(raw):
+    with pytest.raises(DseError):
+        read_number(raw, parse_unit("m"), Location("here"))
+
+
+@pytest.mark.parametrize("raw", ["1e99999999", "1/0", "1_000", "0.5", True, "", 2**53 + 1, float("inf")])
+def test_what_is_no_whole_number_is_refused_at_once(raw):
+    with pytest.raises(DseError):
+        read_value(raw, Type(Kind.INTEGER), Location("here"))
+
+
+def test_conversion_to_a_unit_of_display_overflows_to_infinity():
+    assert parse_unit("nm").from_si(-1e300) == -math.inf
+    assert parse_unit("km").to_si(1e308) == math.inf
+    assert math.isnan(parse_unit("km").from_si(math.nan))
+
+
+@pytest.mark.parametrize("text", ["km^999999999", "km^9^9^9^9", "(((km^99)^99)^99)^99", "Ym^40"])
+def test_a_unit_whose_factor_is_beyond_all_numbers_is_refused_at_once(text):
+    with pytest.raises(UnitError):
+        parse_unit(text)
 
 
 def test_a_duplicate_key_names_both_lines(files):
@@ -133,14 +298,14 @@ def test_an_unreadable_file_says_why(files, monkeypatch):
     path = files.root / "designs/car.yaml"
     if os.name == "nt" or os.geteuid() == 0:
         # Permissions do not bind an administrator: the system's answer is given in its place.
-        real = Path.read_bytes
+        real = Path.open
 
-        def refuse(self: Path) -> bytes:
+        def refuse(self: Path, *arguments: str) -> object:
             if self.name == "car.yaml":
                 raise PermissionError(13, "Permission denied")
-            return real(self)
+            return real(self, *arguments)
 
-        monkeypatch.setattr(Path, "read_bytes", refuse)
+        monkeypatch.setattr(Path, "open", refuse)
     else:
         path.chmod(0)
     where, what, hint = one_problem(files.root)

@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import subprocess
 import sys
+import zipfile
 
 import pytest
 
+from dse.fmu.build import build
 from dse.loading.workspace import Workspace
 from dse.testbench.check import check_workspace
 
@@ -25,7 +27,7 @@ CASES = [
     ("testbenches/following.yaml", "undershoot(world.gap,", "undershoot(world.gapp,", "testbenches/following.yaml:11:30", "world.gapp"),
     ("testbenches/following.yaml", "undershoot(world.gap,", "undershot(world.gap,", "testbenches/following.yaml:11:19", "undershot"),
     ("testbenches/following.yaml", "at_most: 1 %", "at_most: 1 m", "testbenches/following.yaml:13:3", "'gap_undershoot' is"),
-    ("testbenches/following.yaml", "record: [world.gap]", "record: [world.gapp]", "testbenches/following.yaml:9:1", "cannot record 'world.gapp'"),
+    ("testbenches/following.yaml", "record: [world.gap]", "record: [world.gapp]", "testbenches/following.yaml:9:48", "cannot record 'world.gapp'"),
     ("testbenches/following.yaml", "target = controller.set_gap)", "target = controller.kp)", "testbenches/following.yaml:11:50", "'target' of undershoot must be length, found 1/time"),
     ("designs/car.yaml", "sum(cost) <= 100 EUR", "sum(cost) <= 100 kg", "designs/car.yaml:9:21", "cannot compare currency and mass"),
     ("designs/car.yaml", "sum(cost) <= 100 EUR", "sum(csot) <= 100 EUR", "designs/car.yaml:9:", "csot"),
@@ -77,6 +79,42 @@ def test_two_files_of_one_name_are_refused(files):
     files.write("designs/old/car.yaml", (files.root / "designs/car.yaml").read_text(encoding="utf-8"))
     problems = check_workspace(Workspace(files.root))[0]
     assert [problem.what for problem in problems] == ["two files are called 'car.yaml'"]
+
+
+@pytest.mark.parametrize("version", [2, 3])
+def test_an_fmu_does_not_depend_on_where_its_workspace_lies(tmp_path, version):
+    """A component that shares its C, by a path upwards, with another."""
+    archives = []
+    for place in ("here", "some/where/else"):
+        root = tmp_path / place
+        (root / "components/shared").mkdir(parents=True)
+        (root / "components/own/part").mkdir(parents=True)
+        (root / "components/shared/gain.h").write_text(
+            "typedef struct { struct { double u; } in; struct { double y; } out; struct { double k; } par; } gain;\n"
+            "void gain_init(gain *g);\nvoid gain_step(gain *g, double h);\n",
+            encoding="utf-8",
+        )
+        (root / "components/shared/gain.c").write_text(
+            '#include "gain.h"\nvoid gain_init(gain *g) { g->out.y = g->par.k * g->in.u; }\n'
+            "void gain_step(gain *g, double h) { (void)h; gain_init(g); }\n",
+            encoding="utf-8",
+        )
+        (root / "components/interfaces.yaml").write_text(
+            "interfaces: {amplifier: {inputs: {u: m}, outputs: {y: m}}}\n", encoding="utf-8"
+        )
+        (root / "components/own/part/component.yaml").write_text(
+            "component: part\nimplements: amplifier\nparameters: {k: {start: 2}}\n"
+            "source: {kind: c, files: [../../shared/gain.c], header: ../../shared/gain.h, struct: gain}\n",
+            encoding="utf-8",
+        )
+        component = Workspace(root).component("part")
+        archives.append(build(component, version=version, cache=tmp_path / place / "cache"))
+    first, second = archives
+    assert first.read_bytes() == second.read_bytes()
+    with zipfile.ZipFile(first) as opened:
+        own = [name for name in opened.namelist() if name.startswith("sources/component/")]
+    assert own == ["sources/component/gain.c", "sources/component/gain.h"]
+    assert str(tmp_path).encode() not in first.read_bytes()
 
 
 def test_newton_metres_are_not_read_as_nanometres(files):

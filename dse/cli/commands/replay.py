@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -12,6 +13,8 @@ from dse.cli.arguments import FmiVersion, Folder, Format, Output, Plot
 from dse.errors import Location, fail
 
 if TYPE_CHECKING:
+    from collections.abc import Mapping
+
     from dse.domain.run import Run
     from dse.domain.study import Study
 
@@ -29,43 +32,53 @@ def replay(
 ) -> None:
     """Simulate a run of a study again and compare.
 
-    Reads the workspace, simulates the run again and checks that it gives the same numbers.
+    Reads the workspace, simulates the run again and checks that it gives the same metrics, verdicts and waveforms.
 
     Shows its metrics; with --plot draws its waveforms even if the study did not keep them.
     """
     from dse.cli.exploring import run_alone
     from dse.cli.showing import draw_run, show_run
     from dse.cli.tables import run_data
+    from dse.results.difference import changes, differences
     from dse.results.folder import StudyFolder
 
     with StudyFolder.open(folder) as store:
+        studied = store.require_definition()
         stored = store.run(number)
-        header = store.header
-    study = _study(header.definition, source)
-    run, definition = run_alone(_single(study, stored), version=version)
+    alone, definition = run_alone(_single(_study(studied, source), stored), version=version)
+    # Alone it has number 0 and its point is the bench's own.
+    run = replace(alone, request=stored.request)
     if output is Output.JSON:
         print_json(run_data(run))
     else:
         show_run(run, definition)
     if plot is not None:
         draw_run(run, definition, plot)
-    changed = _differences(stored, run)
+    here = Location(str(folder))
+    changed, different = changes(studied, definition, stored), differences(stored, run)
+    if different:
+        causes = f"changed since: {', '.join(changed)}" if changed else "dse or this machine have changed since"
+        raise fail(
+            f"run {number} did not give the same again: {', '.join(different)}", here, f"{causes}; explore again"
+        )
     if changed:
-        message = f"run {number} did not give the same again: {', '.join(changed)}"
-        raise fail(message, Location(str(folder)), "the components, the bench or dse have changed since; explore again")
-    console(stderr=True).print(f"run {number}: the same as in {folder}, bit for bit", soft_wrap=True)
+        raise fail(
+            f"run {number} gave the same, but not from the same: {', '.join(changed)} changed since",
+            here,
+            "explore again, or replay with the --fmi the study was explored with",
+        )
+    what = "metrics, verdicts and waveforms" if stored.waveforms else "metrics and verdicts; no waveforms were kept"
+    console(stderr=True).print(f"run {number}: the same as in {folder}, bit for bit ({what})", soft_wrap=True)
     raise typer.Exit(RUNS_FAILED if run.problem else DONE)
 
 
-def _study(definition: Any, source: Path | None) -> Study:
+def _study(definition: Mapping[str, Any], source: Path | None) -> Study:
     """The study the folder came from, found by its name in the workspace around the current folder, or in *source*."""
     from dse.cli.arguments import workspace_of
     from dse.testbench.plan import bench_study
 
     is_bench = not definition["variables"]
-    name = str(source) if source else definition["bench" if is_bench else "study"]
-    if is_bench:
-        name = str(source) if source else definition["bench"]["name"]
+    name = str(source) if source else definition["bench"]["name"] if is_bench else definition["study"]
     workspace = workspace_of(name)
     return bench_study(workspace.bench(name)) if is_bench else workspace.study(name)
 
@@ -76,14 +89,3 @@ def _single(study: Study, stored: Run) -> Study:
 
     selection = Selection((stored.request.configuration,))
     return bench_study(with_values(study.bench, stored.request.point), selection)
-
-
-def _differences(stored: Run, again: Run) -> list[str]:
-    if stored.outcome != again.outcome:
-        return [f"{stored.outcome} became {again.outcome}"]
-    names = sorted(stored.metrics.keys() | again.metrics.keys())
-    return [name for name in names if not _same(stored.metrics.get(name), again.metrics.get(name))]
-
-
-def _same(a: float | None, b: float | None) -> bool:
-    return a == b or (a is not None and b is not None and a != a and b != b)  # noqa: PLR0124  # NaN is undefined in both

@@ -1,0 +1,96 @@
+"""A run that was simulated again against the one that is stored: whether it is the same, and whether from the same."""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Iterator, Mapping
+from typing import Any
+
+from dse.domain.run import Outcome, Run, Waveforms
+
+_SECTIONS = {
+    "metrics": ("metric", ("expression",)),
+    "requirements": ("requirement", ("metric", "at_most", "at_least", "exercised_when")),
+}
+"""What decides results in the entries of a definition; the rest is titles and units of display."""
+
+
+def differences(stored: Run, again: Run) -> list[str]:
+    """In which results *again* is not *stored*; [] if they are the same bit for bit.
+
+    Compared are outcome, problem, metrics, verdicts and margins, and waveforms if *stored* has them. NaN equals NaN;
+    the sign of a metric's or margin's zero is not compared, as SQLite does not keep it.
+    """
+    if stored.outcome is not again.outcome:
+        return [f"{stored.outcome} became {again.outcome}"]
+    found = [
+        name for name in _names(stored.metrics, again.metrics) if not _same_at(name, stored.metrics, again.metrics)
+    ]
+    # Only a failed run's problem is a result; a run that came to its end may carry a note of the exploration.
+    if stored.outcome is Outcome.FAILED and stored.problem != again.problem:
+        found.append(f"its problem, now '{again.problem}'")
+    found += _judgement_differences(stored, again)
+    return found + (_waveform_differences(stored.waveforms, again.waveforms) if stored.waveforms else [])
+
+
+def changes(stored: Mapping[str, Any], again: Mapping[str, Any], run: Run) -> list[str]:
+    """What decides the results of *run* and is not the same in the two definitions, its own point aside.
+
+    *again* may hold just the configuration of *run*.
+    """
+    again = json.loads(json.dumps(again))
+    found = [f"FMU {name}" for name, digest in again["fmus"].items() if stored["fmus"].get(name) != digest]
+    for section, (what, keys) in _SECTIONS.items():
+        before, after = (_deciding(definition[section], keys) for definition in (stored, again))
+        found += [f"{what} {name}" for name in _names(before, after) if before.get(name) != after.get(name)]
+    before, after = stored["simulation"], again["simulation"]
+    found += [f"simulation {key}" for key in ("stop", "step", "record_every") if before[key] != after[key]]
+    before, after = (_configuration(definition, run.request.configuration) for definition in (stored, again))
+    found += [f"{key} of the configuration" for key in ("components", "wires") if before[key] != after[key]]
+    before, after = before["constants"], after["constants"]
+    free = [name for name in _names(before, after) if name not in run.request.point]
+    return found + [name for name in free if not _same_at(name, before, after)]
+
+
+def _judgement_differences(stored: Run, again: Run) -> Iterator[str]:
+    before, after = ({judgement.requirement: judgement for judgement in run.judgements} for run in (stored, again))
+    for name in _names(before, after):
+        was, now = before.get(name), after.get(name)
+        if was is None or now is None:
+            yield f"{name} ({'is new' if was is None else 'is gone'})"
+        elif was.verdict is not now.verdict:
+            yield f"{name} ({was.verdict} became {now.verdict})"
+        elif not _same(was.margin, now.margin):
+            yield f"margin of {name}"
+
+
+def _waveform_differences(stored: Waveforms, again: Waveforms | None) -> list[str]:
+    if again is None:
+        return ["its waveforms, now there are none"]
+    found = [] if stored.time.tobytes() == again.time.tobytes() else ["the times of its waveforms"]
+    for name in _names(stored.values, again.values):
+        was, now = stored.values.get(name), again.values.get(name)
+        if was is None or now is None or was.tobytes() != now.tobytes():
+            found.append(f"waveform of {name}")
+    return found
+
+
+def _names(before: Mapping[str, Any], after: Mapping[str, Any]) -> list[str]:
+    return sorted(before.keys() | after.keys())
+
+
+def _same(a: float, b: float) -> bool:
+    return a == b or (math.isnan(a) and math.isnan(b))
+
+
+def _same_at(name: str, a: Mapping[str, float], b: Mapping[str, float]) -> bool:
+    return name in a and name in b and _same(a[name], b[name])
+
+
+def _deciding(entries: list[Mapping[str, Any]], keys: tuple[str, ...]) -> dict[str, Any]:
+    return {entry["name"]: [entry[key] for key in keys] for entry in entries}
+
+
+def _configuration(definition: Mapping[str, Any], name: str) -> dict[str, Any]:
+    return next(dict(entry) for entry in definition["configurations"] if entry["id"] == name)
