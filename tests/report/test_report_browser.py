@@ -236,6 +236,7 @@ def test_scattered_runs_have_regions_that_follow_the_sliders(scattered: ReportCo
     page.eval_on_selector("#fixed-3", "s => { s.value = s.min; s.dispatchEvent(new Event('input')) }")
     assert ground(page) != before
     page.click("#through-selected")
+    settle(page)
     reading = page.inner_text("#reading-3")
     shown = page.inner_text(".parameters div:nth-child(4) dd")
     assert reading == shown
