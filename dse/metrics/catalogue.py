@@ -119,3 +119,6 @@ ROWWISE: Mapping[str, Callable[..., Any]] = {
     "min": np.minimum,
     "max": np.maximum,
 }
+
+RELATIVE = frozenset({"overshoot", "undershoot", "reach_time", "settling_time"})
+"""Functions whose result or band is a share of the target: undefined for a target of zero."""

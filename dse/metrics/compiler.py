@@ -39,7 +39,7 @@ from dse.loading.expression_sorts import (
     require_truth,
     unary_sort,
 )
-from dse.metrics.catalogue import FUNCTIONS, ROWWISE, Argument, Wants
+from dse.metrics.catalogue import FUNCTIONS, RELATIVE, ROWWISE, Argument, Wants
 from dse.metrics.machine import TIME, Instruction, Register
 from dse.metrics.operators import OPERATORS, is_true, select
 from dse.metrics.show import show_unit
@@ -155,6 +155,9 @@ class Compiler:
                 continue
             sort, register = self.compile(expression, given)
             self._check_argument(expression, node, argument, given, sort, first)
+            if argument.name == "target" and node.function in RELATIVE and isinstance(given, Number) and not given.si:
+                what = f"'{node.function}' is relative to its target, which must not be zero"
+                raise error_in(expression, given.span, what, "use maximum, minimum, final or steady_state_error")
             first = first if registers else sort.dimension
             registers.append(register)
         return Sort(Form.NUMBER, function.result(first), function.varies), function.emit(self._emit, *registers)

@@ -32,6 +32,9 @@ CASES = [
     ("designs/car.yaml", "sum(cost) <= 100 EUR", "sum(cost) <= 100 kg", "designs/car.yaml:9:21", "cannot compare currency and mass"),
     ("designs/car.yaml", "sum(cost) <= 100 EUR", "sum(csot) <= 100 EUR", "designs/car.yaml:9:", "csot"),
     ("designs/car.yaml", "sum(cost) <= 100 EUR", "sum(cost) <= 1 EUR", "designs/car.yaml", "no valid configuration"),
+    ("testbenches/gains.pet.yaml", "testbench: following", "testbench: following\nconfigurations: {where: sensr is radar}", "testbenches/gains.pet.yaml:3:25", "sensr"),
+    ("testbenches/gains.pet.yaml", "testbench: following", "testbench: following\nconfigurations: {where: sum(cost) > 1000 EUR}", "testbenches/gains.pet.yaml:3:25", "no configuration meets the condition"),
+    ("testbenches/following.yaml", "step: 10 ms,", "step: 20 ms,", "testbenches/following.yaml:9:1", "controller (pd) samples every 0.01 s, no multiple of the step 0.02 s"),
     ("designs/car.yaml", "[radar]", "[radar, pd]", "designs/car.yaml:4", "different interfaces"),
 ]  # fmt: skip
 

@@ -160,6 +160,7 @@ REFUSED = [
     ("overshoot(world.speed)", 0, "'overshoot' needs 'target'", "overshoot(x, target)"),
     ("overshoot(world.speed, goal = 1 m/s)", 30, "has no argument 'goal'", "overshoot(x, target)"),
     ("overshoot(world.speed, 1 m/s, target = 2 m/s)", 39, "'target' is given twice", "the form is"),
+    ("settling_time(world.closing, target = 0 m/s)", 38, "must not be zero", "steady_state_error"),
     ("minimum(world.gap, 1 m)", 19, "too many arguments", "minimum(x)"),
     ("settling_time(world.gap, 40 m, band = 1 m)", 38, "must be a plain number, found length", "bare number"),
     ("steady_state_error(world.gap, 40 m, window = 1 m)", 45, "must be time, found length", "give it in s"),
