@@ -128,6 +128,8 @@ def _add_radial(content: ReportContent, index: int, block: Block) -> bool:
         return False
     block.add(f"radial.{index}.centres", "i4", fields.centres)
     block.add(f"radial.{index}.weights", "f4", fields.weights)
+    block.add(f"radial.{index}.middle", "f8", fields.middle)
+    block.add(f"radial.{index}.spread", "f8", fields.spread)
     return True
 
 

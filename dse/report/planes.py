@@ -110,7 +110,8 @@ def _scattered(
         return evaluate(centres, fields.weights[index], points).reshape(_SIZE, _SIZE)
 
     def metric(column: MetricColumn) -> Floats:
-        return field(content.metrics.index(column))
+        index = content.metrics.index(column)
+        return fields.metric(index, field(index))
 
     def exercised(requirement: RequirementRow) -> Floats:
         return field(len(content.metrics) + content.requirements.index(requirement))

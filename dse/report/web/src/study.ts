@@ -32,10 +32,13 @@ export interface Configuration {
   radial: Radial | null;
 }
 
-/** Interpolation weights made by dse/report/radial.py; `weights` holds one row of `centres.length + 1` per field. */
+/** Interpolation weights made by dse/report/radial.py; `weights` holds one row of `centres.length + 1` per field.
+ * Metrics come first, each as asinh((value - middle) / spread). */
 export interface Radial {
   centres: Int32Array;
   weights: Float32Array;
+  middle: Float64Array;
+  spread: Float64Array;
 }
 
 export interface Figure {
@@ -121,7 +124,12 @@ export async function readStudy(): Promise<Study> {
     configurations: source.configurations.map((configuration, i) => ({
       ...configuration,
       radial: source.radial?.[i]
-        ? { centres: integers(`radial.${i}.centres`), weights: arrays.get(`radial.${i}.weights`) as Float32Array }
+        ? {
+            centres: integers(`radial.${i}.centres`),
+            weights: arrays.get(`radial.${i}.weights`) as Float32Array,
+            middle: floats(`radial.${i}.middle`),
+            spread: floats(`radial.${i}.spread`),
+          }
         : null,
     })),
     slices: source.slices,

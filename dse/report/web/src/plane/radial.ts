@@ -36,7 +36,7 @@ function isConstant(radial: Radial, field: number): boolean {
 
 function evaluate(
   study: Study,
-  { centres, weights }: Radial,
+  { centres, weights, middle, spread }: Radial,
   x: number,
   y: number,
   fixed: number[],
@@ -61,7 +61,9 @@ function evaluate(
         const row = rows[f]!;
         let sum = row[n]!;
         for (let c = 0; c < n; c++) sum += row[c]! * distance[c]!;
-        results[f]![j * SIZE + i] = sum;
+        const field = fields[f]!;
+        // Metrics were interpolated as asinh((value - middle) / spread).
+        results[f]![j * SIZE + i] = field < middle.length ? middle[field]! + spread[field]! * Math.sinh(sum) : sum;
       }
     }
   }
