@@ -63,7 +63,7 @@ def test_check_counts_what_it_read(dse):
     done = dse("check")
     assert done.returncode == 0
     assert done.stdout.startswith("ok: ")
-    assert "2 studies" in done.stdout
+    assert "3 studies" in done.stdout
 
 
 def test_enumerate_counts_for_a_program(dse):
