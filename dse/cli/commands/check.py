@@ -28,5 +28,6 @@ def check(
         raise DseError(*problems)
     plural = {"study": "studies", "test bench": "test benches"}
     console().print(
-        "ok: " + ", ".join(f"{n} {what if n == 1 else plural.get(what, what + 's')}" for what, n in counts.items())
+        "ok: " + ", ".join(f"{n} {what if n == 1 else plural.get(what, what + 's')}" for what, n in counts.items()),
+        soft_wrap=True,
     )

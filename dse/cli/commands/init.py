@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shlex
 import shutil
 from pathlib import Path
 from typing import Annotated
@@ -29,7 +30,9 @@ def init(
         shutil.copytree(source / name, folder / name)
     screen = console()
     screen.print(f"{folder}: {sum(path.is_file() for path in folder.rglob('*'))} files")
-    screen.print(f"next: cd {folder}; dse check; dse explore acc_gains -o out; dse report out", soft_wrap=True)
+    screen.print(
+        f"next: cd {shlex.quote(str(folder))}; dse check; dse explore acc_gains -o out; dse report out", soft_wrap=True
+    )
 
 
 def _content() -> Path:
