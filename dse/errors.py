@@ -56,5 +56,17 @@ def raise_if_any(problems: Iterable[Problem]) -> None:
         raise DseError(*found)
 
 
+def closest(word: str, words: Iterable[str]) -> str:
+    """A hint that names the word meant, or all that are possible."""
+    import difflib
+
+    known = sorted(words)
+    close = difflib.get_close_matches(word, known, n=1)
+    if close:
+        return f"did you mean '{close[0]}'?"
+    listed = ", ".join(known[:12])
+    return f"possible: {listed}{', …' if len(known) > 12 else ''}" if known else ""
+
+
 def _order(where: Location | None) -> tuple[str, int, int]:
     return (where.file, where.line, where.column) if where else ("", 0, 0)

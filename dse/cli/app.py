@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import sys
+import unicodedata
 from typing import TYPE_CHECKING, Annotated
 
 import typer
@@ -70,8 +71,6 @@ def plain(text: str) -> str:
 
 
 def _steers(character: str) -> bool:
-    import unicodedata
-
     return character != "\n" and unicodedata.category(character) in ("Cc", "Cf", "Cs")
 
 

@@ -17,9 +17,7 @@ if TYPE_CHECKING:
 
     from dse.domain.run import Run
     from dse.domain.study import Study
-    from dse.results.header import StudyHeader
     from dse.results.table import RunTable
-    from dse.testbench.plan import Plan
 
 _MOST_PROBLEMS = 5
 
@@ -28,6 +26,7 @@ def explore_into(study: Study, folder: Path, *, workers: int, version: int, fres
     """Explore *study* into *folder* with a progress bar, say what came of it, and exit as it deserves."""
     from dse.cli.progress import progress_bar
     from dse.exploration.explore import ExplorationInterruptedError, explore
+    from dse.exploration.header import header_of
     from dse.results.folder import StudyFolder
     from dse.testbench.execute import make_executor
     from dse.testbench.plan import plan
@@ -59,6 +58,7 @@ def explore_into(study: Study, folder: Path, *, workers: int, version: int, fres
 def run_alone(study: Study, *, version: int) -> tuple[Run, Mapping[str, Any]]:
     """The single run of *study*, made in a process of its own, with waveforms; and the study's definition."""
     from dse.exploration.explore import explore
+    from dse.exploration.header import header_of
     from dse.results.folder import StudyFolder
     from dse.testbench.execute import make_executor
     from dse.testbench.plan import plan
@@ -71,15 +71,6 @@ def run_alone(study: Study, *, version: int) -> tuple[Run, Mapping[str, Any]]:
         explore(study, planned.prepared, store, workers=1, make_executor=make_executor, on_progress=lambda _: None)
         run = store.run(0)
     return run, planned.definition
-
-
-def header_of(planned: Plan) -> StudyHeader:
-    """The header of the study folder for *planned*."""
-    from dse.exploration.samplers import requests
-    from dse.results.header import StudyHeader
-
-    runs = len(requests(planned.study, tuple(planned.prepared)))
-    return StudyHeader(planned.definition, planned.fingerprint, runs)
 
 
 def exit_code(table: RunTable, *, gate: bool) -> int:

@@ -5,13 +5,24 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from dse.cli.app import console, plain, print_table
-from dse.cli.tables import metric_table
+from dse.cli.app import console, plain, print_json, print_table
+from dse.cli.arguments import Output
+from dse.cli.tables import metric_table, run_data
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from dse.domain.run import Run
+
+
+def present_run(run: Run, definition: Mapping[str, Any], output: Output, plot: Path | None) -> None:
+    """Print the run for a person or for a program, and draw its figures if a file for them is given."""
+    if output is Output.JSON:
+        print_json(run_data(run))
+    else:
+        show_run(run, definition)
+    if plot is not None:
+        draw_run(run, definition, plot)
 
 
 def show_run(run: Run, definition: Mapping[str, Any]) -> None:

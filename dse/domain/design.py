@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Container, Iterator, Mapping
 from dataclasses import dataclass, field
 
 from dse.domain.component import Component, Interface
@@ -121,6 +121,16 @@ class Configuration:
     def total(self, name: str) -> float:
         """Sum of the property *name* over all parts that have it, in SI."""
         return float(sum(c.properties[name].si for c in self.parts.values() if name in c.properties))
+
+
+def split_path(name: str, places: Container[str]) -> tuple[str, str] | None:
+    """``place.port`` as (place, port): the longest of *places* that *name* starts with; None if there is none."""
+    steps = name.split(".")
+    for length in range(len(steps) - 1, 0, -1):
+        place = ".".join(steps[:length])
+        if place in places:
+            return place, ".".join(steps[length:])
+    return None
 
 
 def walk(node: Node, path: str = "") -> Iterator[tuple[str, Node]]:

@@ -8,11 +8,11 @@ from pathlib import Path
 from dse.domain.bench import Figure, Metric, Requirement, TestBench, TestComponent
 from dse.domain.component import Causality, Component, Value
 from dse.domain.design import DesignSpace
-from dse.errors import DseError, Location, Problem, raise_if_any
+from dse.errors import DseError, Location, Problem, closest, raise_if_any
 from dse.loading.design import FindComponent, read_connections
 from dse.loading.documents import BenchFile, FigureSection, RequirementSection
 from dse.loading.expression import parse_expression
-from dse.loading.fields import closest, read_section
+from dse.loading.fields import read_section
 from dse.loading.include import read_document
 from dse.loading.names import check_name
 from dse.loading.places import candidates, is_output, settable, split_name, types_of

@@ -19,9 +19,9 @@ from dse.domain.component import (
     Type,
     UnsupportedSource,
 )
-from dse.errors import DseError, Location, Problem, fail, raise_if_any
+from dse.errors import DseError, Location, Problem, closest, fail, raise_if_any
 from dse.loading.documents import ComponentFile, InterfacesFile, ParameterSection, SourceSection
-from dse.loading.fields import closest, read_section
+from dse.loading.fields import read_section
 from dse.loading.include import read_document
 from dse.loading.names import check_member, check_name, is_identifier
 from dse.loading.root import followed, is_file, named_file, root_of

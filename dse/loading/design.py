@@ -19,10 +19,10 @@ from dse.domain.design import (
 )
 from dse.domain.expression import Binary, Call, Expression, Name, Unary
 from dse.domain.expression import Node as Tree
-from dse.errors import DseError, Location, Problem, raise_if_any
+from dse.errors import DseError, Location, Problem, closest, raise_if_any
 from dse.loading.documents import ConstraintSection, DesignFile
 from dse.loading.expression import parse_expression
-from dse.loading.fields import closest, read_section
+from dse.loading.fields import read_section
 from dse.loading.include import read_document
 from dse.loading.names import check_name
 from dse.loading.yaml import Document, Path_

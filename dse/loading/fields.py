@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import difflib
 from collections.abc import Iterable
 from typing import Annotated, Any, ClassVar, TypeVar
 
 from pydantic import BaseModel, BeforeValidator, ConfigDict, ValidationError
 
-from dse.errors import DseError, Problem
+from dse.errors import DseError, Problem, closest
 from dse.loading.yaml import Document, Path_
 
 
@@ -44,16 +43,6 @@ def read_section(document: Document, shape: type[S]) -> S:
         return shape.model_validate(document.data)
     except ValidationError as error:
         raise DseError(*_problems(document, shape, error)) from None
-
-
-def closest(word: str, words: Iterable[str]) -> str:
-    """A hint that names the word meant, or all that are possible."""
-    known = sorted(words)
-    close = difflib.get_close_matches(word, known, n=1)
-    if close:
-        return f"did you mean '{close[0]}'?"
-    listed = ", ".join(known[:12])
-    return f"possible: {listed}{', …' if len(known) > 12 else ''}" if known else ""
 
 
 def _problems(document: Document, shape: type[Section], error: ValidationError) -> Iterable[Problem]:

@@ -6,9 +6,8 @@ from collections.abc import Mapping
 
 from dse.domain.bench import TestComponent
 from dse.domain.component import Causality, Component, Type
-from dse.domain.design import DesignSpace, Part, walk
-from dse.errors import DseError, Location, Problem
-from dse.loading.fields import closest
+from dse.domain.design import DesignSpace, Part, split_path, walk
+from dse.errors import DseError, Location, Problem, closest
 
 
 def candidates(design: DesignSpace, parts: tuple[TestComponent, ...]) -> Mapping[str, tuple[Component, ...]]:
@@ -24,12 +23,10 @@ def candidates(design: DesignSpace, parts: tuple[TestComponent, ...]) -> Mapping
 
 def split_name(name: str, components: Mapping[str, tuple[Component, ...]], where: Location) -> tuple[str, str]:
     """``part.port`` as (place, port): the longest place that fits. Raises DseError naming what is near."""
-    steps = name.split(".")
-    for length in range(len(steps) - 1, 0, -1):
-        place = ".".join(steps[:length])
-        if place in components:
-            return place, ".".join(steps[length:])
-    raise DseError(Problem(f"'{name}' names no part", where, closest(steps[0], components)))
+    split = split_path(name, components)
+    if split is None:
+        raise DseError(Problem(f"'{name}' names no part", where, closest(name.split(".", maxsplit=1)[0], components)))
+    return split
 
 
 def types_of(

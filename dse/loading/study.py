@@ -16,10 +16,10 @@ from dse.domain.study import (
     Selection,
     Study,
 )
-from dse.errors import DseError, Location, Problem, raise_if_any
+from dse.errors import DseError, Location, Problem, closest, raise_if_any
 from dse.loading.documents import SelectionSection, StudyFile, VariableSection
 from dse.loading.expression import parse_expression
-from dse.loading.fields import closest, read_section
+from dse.loading.fields import read_section
 from dse.loading.include import read_document
 from dse.loading.places import candidates, settable, split_name
 from dse.loading.values import read_number

@@ -10,11 +10,10 @@ from dse.domain.bench import TestBench
 from dse.domain.component import Component, Interface
 from dse.domain.design import DesignSpace
 from dse.domain.study import Study
-from dse.errors import DseError, Location, Problem, fail, raise_if_any
+from dse.errors import DseError, Location, Problem, closest, fail, raise_if_any
 from dse.loading.bench import read_bench
 from dse.loading.components import read_component, read_interfaces
 from dse.loading.design import read_design
-from dse.loading.fields import closest
 from dse.loading.root import find_root
 from dse.loading.study import read_study
 from dse.loading.yaml import shown

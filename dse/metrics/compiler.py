@@ -27,6 +27,7 @@ from dse.domain.expression import (
     Truth,
     Unary,
 )
+from dse.errors import closest
 from dse.loading.expression_sorts import (
     TRUTH,
     Form,
@@ -108,7 +109,7 @@ class Compiler:
             if name in self.names:
                 raise error_in(expression, node.span, f"metric '{name}' is defined further down", "move it up")
             known = (*self.types, *self.metrics)
-            raise error_in(expression, node.span, f"unknown name '{name}'", closest_name(name, known))
+            raise error_in(expression, node.span, f"unknown name '{name}'", closest(name, known))
         if name not in self.inputs:
             self.inputs[name] = self._register()
         type_, register, varies = self.types[name], self.inputs[name], name in self.signals
@@ -145,7 +146,7 @@ class Compiler:
         if node.function not in FUNCTIONS:
             known = (*FUNCTIONS, *ROWWISE)
             what = f"unknown function '{node.function}'"
-            raise error_in(expression, node.span, what, closest_name(node.function, known))
+            raise error_in(expression, node.span, what, closest(node.function, known))
         function = FUNCTIONS[node.function]
         registers: list[Register] = []
         first: Dimension = ()
@@ -244,10 +245,3 @@ class Compiler:
 
 def _form(argument: Argument) -> str:
     return argument.name if argument.default is None else f"{argument.name} = {argument.default:g}"
-
-
-def closest_name(word: str, words: Iterable[str]) -> str:
-    """A hint that names the word meant."""
-    from dse.loading.fields import closest  # brings pydantic along, needed for a message only
-
-    return closest(word, words)

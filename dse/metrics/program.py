@@ -10,7 +10,7 @@ from dse.domain.expression import (
     Expression,
     Name,
 )
-from dse.errors import DseError, Problem, raise_if_any
+from dse.errors import DseError, Problem, closest, raise_if_any
 from dse.loading.expression import descend
 from dse.loading.expression_sorts import (
     Sort,
@@ -18,7 +18,7 @@ from dse.loading.expression_sorts import (
     require_number,
     require_truth,
 )
-from dse.metrics.compiler import Compiler, FollowUpError, closest_name
+from dse.metrics.compiler import Compiler, FollowUpError
 from dse.metrics.machine import Check, MetricProgram, Register, judge_failed
 from dse.metrics.show import show_unit
 from dse.units import describe
@@ -95,7 +95,7 @@ def _compile_requirement(compiler: Compiler, requirement: Requirement) -> Check:
         raise FollowUpError
     if name not in compiler.metrics:
         what = f"requirement '{requirement.name}': unknown metric '{name}'"
-        raise DseError(Problem(what, where, closest_name(name, compiler.names)))
+        raise DseError(Problem(what, where, closest(name, compiler.names)))
     if requirement.at_most is None and requirement.at_least is None:
         what = f"requirement '{requirement.name}' has no bound"
         raise DseError(Problem(what, where, "give at_most or at_least"))

@@ -121,13 +121,20 @@ def waveform_data(content: ReportContent, run: int) -> WaveformData:
     return WaveformData(f"Run {run} \u2013 {content.title}", panels)
 
 
+def planes(content: ReportContent) -> list[tuple[str, str]]:
+    """The pairs of design variables to draw constraint plots over: one for each slice, else the first two variables."""
+    pairs = [(names[0], names[1]) for names in content.slices if len(names) > 1]
+    if pairs or len(content.variables) < 2:
+        return pairs
+    return [(content.variables[0].name, content.variables[1].name)]
+
+
 def default_axes(content: ReportContent) -> tuple[str, str]:
     """The variables a constraint plot shows unless told otherwise. Raises DseError if there are not two."""
-    if content.slices:
-        return content.slices[0][0], content.slices[0][1]
-    if len(content.variables) < 2:
+    pairs = planes(content)
+    if not pairs:
         raise fail("a constraint plot needs two design variables", hint="use the waveform figure or the run table")
-    return content.variables[0].name, content.variables[1].name
+    return pairs[0]
 
 
 def default_run(content: ReportContent) -> int:

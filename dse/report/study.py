@@ -70,14 +70,6 @@ def content_of_run(run: Run, definition: Mapping[str, Any]) -> ReportContent:
     )
 
 
-def planes(content: ReportContent) -> list[tuple[str, str]]:
-    """The pairs of design variables to draw constraint plots over: one for each slice, else the first two variables."""
-    pairs = [(names[0], names[1]) for names in content.slices if len(names) > 1]
-    if pairs or len(content.variables) < 2:
-        return pairs
-    return [(content.variables[0].name, content.variables[1].name)]
-
-
 def _content(folder: StudyFolder, table: RunTable, shown_as: str, chosen: list[int], waveforms: str) -> ReportContent:
     """ValueError if the parts of the study do not fit each other."""
     definition = folder.header.definition

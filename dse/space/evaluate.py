@@ -32,7 +32,7 @@ from dse.domain.expression import (
     Truth,
     Unary,
 )
-from dse.errors import fail
+from dse.errors import closest, fail
 from dse.loading.expression_sorts import (
     PLAIN,
     TRUTH,
@@ -186,7 +186,7 @@ class _Compiler:
             return sorts[0], self.apply(node.span, min if function == "min" else max, values)
         if function not in ("abs", "sqrt", "floor"):
             known = (*ROLLUPS, "abs", "sqrt", "floor", "same_choice")
-            raise self.error(node.span, f"unknown function '{function}'", _closest(function, known))
+            raise self.error(node.span, f"unknown function '{function}'", closest(function, known))
         if len(arguments) != 1:
             raise self.error(node.span, f"'{function}' needs one value", f"{function}(x)")
         if function == "sqrt":
@@ -277,9 +277,3 @@ def _truth(value: Value) -> bool | None:
 
 def _shown(choices: Choices) -> str:
     return ", ".join(f"{path}={choice}" for path, choice in choices.items()) or "the only configuration"
-
-
-def _closest(word: str, words: Iterable[str]) -> str:
-    from dse.loading.fields import closest  # brings pydantic along, needed for a message only
-
-    return closest(word, words)

@@ -8,6 +8,7 @@ from fractions import Fraction
 from dse.domain.component import Component
 from dse.domain.design import DesignSpace
 from dse.domain.expression import Call, Chosen, Expression, Name, Node, Span
+from dse.errors import closest
 from dse.loading.expression_sorts import PLAIN, Form, Sort, error_in
 from dse.space.decisions import Condition, Site, sites
 from dse.units import Dimension, describe
@@ -28,7 +29,7 @@ class Places:
     def at(self, expression: Expression, path: str, span: Span) -> list[Site]:
         """Everything that can stand at *path*."""
         if path not in self._sites:
-            raise error_in(expression, span, f"unknown place '{path}'", _closest(path, self._sites))
+            raise error_in(expression, span, f"unknown place '{path}'", closest(path, self._sites))
         return self._sites[path]
 
     def check_options(self, expression: Expression, node: Chosen) -> None:
@@ -37,7 +38,7 @@ class Places:
         for option in node.options:
             if option not in (*known, "absent", "present"):
                 what = f"'{option}' cannot be chosen for '{node.place}'"
-                raise error_in(expression, node.span, what, _closest(option, known))
+                raise error_in(expression, node.span, what, closest(option, known))
 
     def property_at(self, expression: Expression, node: Name) -> tuple[Sort, Entries]:
         """The values of ``place.property``, each under its condition; every choice must state the property."""
@@ -46,7 +47,7 @@ class Places:
             advice = f"write {node.path} is …, or one of its properties"
             raise error_in(expression, node.span, f"'{node.path}' is a place, not a value", advice)
         if not place:
-            raise error_in(expression, node.span, f"unknown name '{name}'", _closest(name, self._names()))
+            raise error_in(expression, node.span, f"unknown name '{name}'", closest(name, self._names()))
         found = self.at(expression, place, node.span)
         components = [(site, site.component) for site in found if site.component]
         if len(components) < len(found):
@@ -54,7 +55,7 @@ class Places:
             raise error_in(expression, node.span, what, f"write sum({name}, {place})")
         stated = {known for _, component in components for known in component.properties}
         if name not in stated:
-            raise error_in(expression, node.span, f"nothing at '{place}' states '{name}'", _closest(name, stated))
+            raise error_in(expression, node.span, f"nothing at '{place}' states '{name}'", closest(name, stated))
         for site, component in components:
             if name not in component.properties:
                 what = f"'{site.name}', which can stand at '{place}', does not state '{name}'"
@@ -67,7 +68,7 @@ class Places:
         name, place = self._rollup_arguments(expression, node)
         if name not in self.properties:
             raise error_in(
-                expression, node.arguments[0].span, f"no component states '{name}'", _closest(name, self.properties)
+                expression, node.arguments[0].span, f"no component states '{name}'", closest(name, self.properties)
             )
         components = [
             (site, site.component)
@@ -119,9 +120,3 @@ def _plain_name(expression: Expression, node: Node, form: str) -> str:
     if not isinstance(node, Name):
         raise error_in(expression, node.span, "a roll-up takes names, not values", f"the form is {form}")
     return node.path
-
-
-def _closest(word: str, words: Iterable[str]) -> str:
-    from dse.loading.fields import closest  # brings pydantic along, needed for a message only
-
-    return closest(word, words)

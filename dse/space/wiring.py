@@ -13,7 +13,7 @@ from dataclasses import dataclass
 
 from dse.domain.component import Causality, Interface, Port
 from dse.domain.design import Alternative, Compound, Connection, DesignSpace, Node, Optional, Part
-from dse.errors import DseError, Problem, fail, raise_if_any
+from dse.errors import DseError, Problem, closest, fail, raise_if_any
 from dse.space.decisions import Choices
 
 PortOf = tuple[str, str]
@@ -185,11 +185,11 @@ def _end(connection: Connection, text: str, scope: Place) -> _End | None:
                 raise fail(
                     f"{connection}: '{'.'.join(steps[:taken])}' has no part '{missing}'",
                     connection.where,
-                    _closest(missing, place.parts),
+                    closest(missing, place.parts),
                 )
             place, taken = place.parts[steps[taken]], taken + 1
     elif scope.interface is None:
-        raise fail(f"{connection}: unknown part '{steps[0]}'", connection.where, _closest(steps[0], scope.parts))
+        raise fail(f"{connection}: unknown part '{steps[0]}'", connection.where, closest(steps[0], scope.parts))
     if place is None or place.interface is None:
         return None
     name = ".".join(steps[taken:])
@@ -200,7 +200,7 @@ def _end(connection: Connection, text: str, scope: Place) -> _End | None:
         what = f"has no port '{name}'" if name else "stands without a port"
         if taken == 0:
             known |= set(scope.parts)
-        raise fail(f"{connection}: {owner} ({place.interface.name}) {what}", connection.where, _closest(name, known))
+        raise fail(f"{connection}: {owner} ({place.interface.name}) {what}", connection.where, closest(name, known))
     return _End(place, {port.name[len(name) :]: port for port in found}, place is scope)
 
 
@@ -212,9 +212,3 @@ def _backwards(source: _End, target: _End) -> str:
 
 def _names(end: _End) -> str:
     return ", ".join(f"{name.removeprefix('.') or port.name} ({port.causality})" for name, port in end.ports.items())
-
-
-def _closest(word: str, words: Iterable[str]) -> str:
-    from dse.loading.fields import closest  # brings pydantic along, needed for a message only
-
-    return closest(word, words)

@@ -5,25 +5,23 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from dse.domain.component import Component, Kind, Port, Type
-from dse.domain.design import Connection
+from dse.domain.design import Connection, split_path
 from dse.errors import DseError, Problem
 
 
 def find_port(end: str, parts: Mapping[str, Component], connection: Connection | None = None) -> tuple[str, str, Port]:
     """The part, the port's name and the port that the dotted path *end* names. Raises DseError."""
-    steps = end.split(".")
-    for length in range(len(steps) - 1, 0, -1):
-        part = ".".join(steps[:length])
-        if part in parts:
-            name = ".".join(steps[length:])
-            port = parts[part].interface.port(name)
-            if port is None:
-                raise DseError(_no_port(end, part, name, parts[part], connection))
-            return part, name, port
-    where = connection.where if connection else None
-    raise DseError(
-        Problem(f"{connection or end}: no part stands at '{end}'", where, f"parts: {', '.join(sorted(parts))}")
-    )
+    split = split_path(end, parts)
+    if split is None:
+        where = connection.where if connection else None
+        raise DseError(
+            Problem(f"{connection or end}: no part stands at '{end}'", where, f"parts: {', '.join(sorted(parts))}")
+        )
+    part, name = split
+    port = parts[part].interface.port(name)
+    if port is None:
+        raise DseError(_no_port(end, part, name, parts[part], connection))
+    return part, name, port
 
 
 def same_signal(source: Type, target: Type) -> str:

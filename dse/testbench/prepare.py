@@ -8,7 +8,7 @@ from pathlib import Path
 from dse.cosim.layout import kernel as load_kernel
 from dse.domain.bench import TestBench
 from dse.domain.component import Causality, Component, Type, Value, as_number
-from dse.domain.design import Configuration, Connection
+from dse.domain.design import Configuration, Connection, split_path
 from dse.domain.fmu import FmuModel
 from dse.errors import DseError, Problem
 from dse.fmu.build import build_all
@@ -115,7 +115,7 @@ def _values(bench: TestBench, parts: Mapping[str, Component]) -> dict[str, Value
     for part in bench.test_components:
         values |= {f"{part.name}.{name}": value for name, value in part.parameters.items()}
     for name, value in bench.parameters.items():
-        split = _split(name, parts)
+        split = split_path(name, parts)
         if split and (parts[split[0]].parameter(split[1]) or parts[split[0]].interface.port(split[1])):
             values[name] = value
     return values
@@ -142,7 +142,7 @@ def _record_problems(bench: TestBench, parts: Mapping[str, Component], signals: 
     """Recorded names that are no output of a part that is there."""
     problems = []
     for name in bench.simulation.record:
-        split = _split(name, parts)
+        split = split_path(name, parts)
         if split and name not in signals:
             known = sorted(signal for signal in signals if signal.startswith(f"{split[0]}."))
             hint = f"outputs: {', '.join(known)}"
@@ -176,16 +176,7 @@ def _settings(
     return settings, constants
 
 
-def _split(name: str, parts: Mapping[str, Component]) -> tuple[str, str] | None:
-    steps = name.split(".")
-    for length in range(len(steps) - 1, 0, -1):
-        path = ".".join(steps[:length])
-        if path in parts:
-            return path, ".".join(steps[length:])
-    return None
-
-
 def _system_name(name: str, parts: Mapping[str, Component]) -> str:
-    split = _split(name, parts)
+    split = split_path(name, parts)
     assert split is not None  # noqa: S101  # the name was taken from the parts
     return f"{split[0]}.{parts[split[0]].variable(split[1])}"

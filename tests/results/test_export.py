@@ -9,6 +9,7 @@ from dataclasses import replace
 from pathlib import Path
 from xml.etree import ElementTree as ET
 
+import pandas as pd
 import pyarrow as pa
 import pyarrow.parquet as pq
 import pytest
@@ -16,6 +17,7 @@ import pytest
 from dse.domain.run import Run
 from dse.results.export import EXPORTS, to_csv, to_json, to_junit, to_parquet
 from dse.results.folder import StudyFolder
+from dse.results.frame import to_frame
 from dse.results.header import StudyHeader
 
 
@@ -80,6 +82,13 @@ def test_parquet_holds_what_the_csv_holds(folder: StudyFolder) -> None:
     assert table.column_names == rows[0]
     assert table.column("overshoot").to_pylist()[:2] == [0.1 + 0.2, -5e-324]
     assert table.column("R1.verdict").to_pylist() == ["pass", "fail", "failed to run", "pass"]
+
+
+def test_a_data_frame_holds_what_the_csv_holds(folder: StudyFolder) -> None:
+    frame = to_frame(folder)
+    text = frame.reset_index().to_csv(index=False, lineterminator="\n")
+    assert pd.read_csv(io.StringIO(text)).equals(pd.read_csv(io.BytesIO(to_csv(folder))))
+    assert frame.index.name == "run"
 
 
 def test_junit_has_a_suite_per_configuration_and_a_case_per_requirement_and_run(folder: StudyFolder) -> None:

@@ -6,8 +6,8 @@ from pathlib import Path
 
 import pytest
 
-from dse.cli.exploring import header_of
 from dse.exploration.explore import explore
+from dse.exploration.header import header_of
 from dse.loading.workspace import Workspace
 from dse.results.folder import StudyFolder
 from dse.testbench.execute import make_executor

@@ -42,8 +42,8 @@ def figure(
     of the run nearest the bounds of all requirements among those that pass.
     """
     from dse.report.draw import draw_constraint_plot, draw_waveforms, save
-    from dse.report.figures import constraint_plot_data, default_run, waveform_data
-    from dse.report.study import planes, read_content
+    from dse.report.figures import constraint_plot_data, default_run, planes, waveform_data
+    from dse.report.study import read_content
     from dse.results.folder import StudyFolder
 
     if (x is None) != (y is None):

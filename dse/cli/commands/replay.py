@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from dse.cli.app import DONE, RUNS_FAILED, app, console, print_json
+from dse.cli.app import DONE, RUNS_FAILED, app, console
 from dse.cli.arguments import FmiVersion, Folder, Format, Output, Plot
 from dse.errors import Location, fail
 
@@ -37,8 +37,7 @@ def replay(
     Shows its metrics; with --plot draws its waveforms even if the study did not keep them.
     """
     from dse.cli.exploring import run_alone
-    from dse.cli.showing import draw_run, show_run
-    from dse.cli.tables import run_data
+    from dse.cli.showing import present_run
     from dse.results.difference import changes, differences
     from dse.results.folder import StudyFolder
 
@@ -48,12 +47,7 @@ def replay(
     alone, definition = run_alone(_single(_study(studied, source), stored), version=version)
     # Alone it has number 0 and its point is the bench's own.
     run = replace(alone, request=stored.request)
-    if output is Output.JSON:
-        print_json(run_data(run))
-    else:
-        show_run(run, definition)
-    if plot is not None:
-        draw_run(run, definition, plot)
+    present_run(run, definition, output, plot)
     here = Location(str(folder))
     changed, different = changes(studied, definition, stored), differences(stored, run)
     if different:

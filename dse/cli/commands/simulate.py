@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import typer
 
-from dse.cli.app import DONE, RUNS_FAILED, app, print_json
+from dse.cli.app import DONE, RUNS_FAILED, app
 from dse.cli.arguments import Bench, Configuration, FmiVersion, Format, Gate, Output, Plot, Settings, workspace_of
 
 
@@ -25,8 +25,7 @@ def simulate(
     Takes the first valid configuration unless --configuration names another.
     """
     from dse.cli.exploring import run_alone
-    from dse.cli.showing import draw_run, show_run
-    from dse.cli.tables import run_data
+    from dse.cli.showing import present_run
     from dse.domain.study import Selection
     from dse.testbench.plan import bench_study, with_settings
     from dse.testbench.select import one
@@ -35,12 +34,7 @@ def simulate(
     chosen = one(loaded.design, configuration)
     changed = with_settings(loaded, read_settings(settings), chosen)
     run, definition = run_alone(bench_study(changed, Selection((chosen.id,))), version=version)
-    if output is Output.JSON:
-        print_json(run_data(run))
-    else:
-        show_run(run, definition)
-    if plot is not None:
-        draw_run(run, definition, plot)
+    present_run(run, definition, output, plot)
     failed = run.problem or (gate and any(str(j.verdict) == "fail" for j in run.judgements))
     raise typer.Exit(RUNS_FAILED if failed else DONE)
 
