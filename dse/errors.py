@@ -34,11 +34,11 @@ class Problem:
 
 
 class DseError(Exception):
-    """The user's input cannot be used; carries every problem found, in file order."""
+    """The user's input cannot be used; carries every problem found, once each, in file order."""
 
     def __init__(self, *problems: Problem) -> None:
         super().__init__(*problems)
-        self.problems = tuple(sorted(problems, key=lambda p: _order(p.where)))
+        self.problems = tuple(sorted(dict.fromkeys(problems), key=lambda p: _order(p.where)))
 
     def __str__(self) -> str:
         return "\n".join(str(problem) for problem in self.problems)

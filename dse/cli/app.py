@@ -5,9 +5,10 @@ from __future__ import annotations
 import math
 import sys
 import unicodedata
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
+from typer.core import TyperGroup
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -18,8 +19,23 @@ if TYPE_CHECKING:
 DONE, WRONG_FILES, USAGE, RUNS_FAILED, INTERRUPTED = 0, 1, 2, 3, 130
 """Exit codes: done; the files are wrong; wrong usage; some runs failed, or a requirement under --gate; Ctrl-C."""
 
+
+_GROUPS = ("space", "import", "export")
+
+
+class _InOrder(TyperGroup):
+    """Lists the groups about design spaces beside ``dse enumerate``; they would come before all commands."""
+
+    def list_commands(self, ctx: Any) -> list[str]:  # a context of the click inside typer
+        """The names in the order of the help."""
+        names = [name for name in super().list_commands(ctx) if name not in _GROUPS]
+        place = names.index("enumerate") + 1 if "enumerate" in names else 0
+        return [*names[:place], *(name for name in _GROUPS if name in self.commands), *names[place:]]
+
+
 app = typer.Typer(
     name="dse",
+    cls=_InOrder,
     help="Design cyber-physical products when the architecture and the numbers are both open.",
     epilog="Start with 'dse init my-study', then 'dse check', 'dse explore', 'dse report'. "
     "Exit codes: 0 done, 1 the files are wrong, 2 usage, 3 some runs failed.",

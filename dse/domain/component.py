@@ -46,6 +46,17 @@ class Type:
         return str(self.kind)
 
 
+def same_signal(source: Type, target: Type) -> str:
+    """Why a connection between the two types is wrong, or "" if it is right."""
+    if source.kind is not target.kind:
+        return f"types differ: {source} and {target}"
+    if source.kind is Kind.ENUMERATION and source.items != target.items:
+        return f"types differ: {source} and {target}"
+    if source.kind is Kind.REAL and source.unit.dimension != target.unit.dimension:
+        return f"units differ: {source} and {target}"
+    return ""
+
+
 def as_number(value: Value, type_: Type) -> float:
     """*value* as an FMU is given it: 0/1 for truth values, an item's number for items."""
     if type_.kind is Kind.ENUMERATION:
@@ -77,6 +88,10 @@ class Interface:
     def group(self, prefix: str) -> tuple[Port, ...]:
         """The port called *prefix* or, if it names a group, the group's ports, in order."""
         return tuple(p for p in self.ports if p.name == prefix or p.name.startswith(prefix + "."))
+
+
+NO_INTERFACE = Interface("", ())
+"""What a component that implements no interface has: no ports, so that nothing can be connected to it."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -129,7 +144,10 @@ Source = CSource | FmuSource | UnsupportedSource
 
 @dataclass(frozen=True, slots=True)
 class Component:
-    """One part that can be chosen. *names* maps a port or parameter to the variable of its FMU where they differ."""
+    """One part that can be chosen. *names* maps a port or parameter to the variable of its FMU where they differ.
+
+    Without a *source* it can be counted and listed, not simulated; only then its interface may be `NO_INTERFACE`.
+    """
 
     name: str
     interface: Interface

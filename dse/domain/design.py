@@ -5,21 +5,33 @@ from __future__ import annotations
 from collections.abc import Container, Iterator, Mapping
 from dataclasses import dataclass, field
 
-from dse.domain.component import Component, Interface
+from dse.domain.component import NO_INTERFACE, Component, Interface
 from dse.domain.expression import Expression
 from dse.errors import Location
 
 
 @dataclass(frozen=True, slots=True)
 class Connection:
-    """``source -> target``, each a dotted path to a port or a group of ports; not yet resolved."""
+    """``source -> target``, each a dotted path to a port or a group of ports; not yet resolved.
+
+    *ends* says where the two stand, if that is known.
+    """
 
     source: str
     target: str
     where: Location | None = None
+    ends: tuple[Location, Location] | None = None
 
     def __str__(self) -> str:
         return f"{self.source} -> {self.target}"
+
+    def place(self, end: str, steps: int = 0) -> Location | None:
+        """Where *end*, the source or the target, stands, from its step number *steps* on."""
+        if self.ends is None:
+            return self.where
+        start = self.ends[0 if end == self.source else 1]
+        skipped = sum(len(step) + 1 for step in end.split(".")[:steps])
+        return Location(start.file, start.line, start.column + skipped)
 
 
 @dataclass(frozen=True, slots=True)
@@ -36,8 +48,8 @@ class Part:
 
     @property
     def interface(self) -> Interface | None:
-        """The interface this node offers to its surroundings."""
-        return self.component.interface
+        """The interface this node offers to its surroundings; None if the component implements none."""
+        return self.component.interface if self.component.interface != NO_INTERFACE else None
 
 
 @dataclass(frozen=True, slots=True)
@@ -85,23 +97,48 @@ Node = Part | Compound | Alternative | Optional
 
 @dataclass(frozen=True, slots=True)
 class Constraint:
-    """A static constraint: *rule* must hold in every configuration."""
+    """A static constraint: *rule* must hold in every configuration.
+
+    One that stands in a container has the container in its name (``powertrain.hybrid_p2: budget``) and in its rule.
+    *set* is the name of the constraint set it belongs to, "" for none.
+    """
 
     name: str
     rule: Expression
     because: str = ""
     where: Location | None = None
+    set: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class ConstraintSet:
+    """Constraints that are switched on and off together."""
+
+    name: str
+    on: bool
+    title: str = ""
+    where: Location | None = None
 
 
 @dataclass(frozen=True, slots=True)
 class DesignSpace:
-    """All designs: a tree of containers and the rules that prune it."""
+    """All designs: a tree of containers and the rules that prune it.
+
+    *constraints* are those that are on; *all_constraints*, by default the same, those of sets that are off as well,
+    in the order of the file.
+    """
 
     name: str
     root: Compound
     constraints: tuple[Constraint, ...] = ()
     title: str = ""
     where: Location | None = None
+    sets: tuple[ConstraintSet, ...] = ()
+    all_constraints: tuple[Constraint, ...] = ()
+
+    def __post_init__(self) -> None:
+        if not self.all_constraints:
+            object.__setattr__(self, "all_constraints", self.constraints)
 
 
 @dataclass(frozen=True, slots=True)

@@ -5,13 +5,47 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from bisect import bisect_right
+from dataclasses import dataclass, field
 from fractions import Fraction
 
 from dse.errors import Location
 from dse.units import Unit
 
 Span = tuple[int, int]
+
+ROLLUPS = ("sum", "min", "max", "mean", "product", "count")
+"""Roll-ups over a property: ``sum(cost)``, ``max(mass, powertrain)``."""
+
+
+@dataclass(frozen=True, slots=True)
+class Piece:
+    """A stretch of a text that stands on one line of the user's file: the text's character *start* stands at *where*.
+
+    An *inserted* piece is not in the file; all of it belongs to the one character at *where*.
+    """
+
+    start: int
+    where: Location
+    inserted: bool = False
+
+
+Origin = Location | tuple[Piece, ...] | None
+"""Where a text stands: where it starts if it stands there as it is, on one line; else its pieces in order."""
+
+
+def locate(text: str, origin: Origin, offset: int) -> Location | None:
+    """Where the character *offset* of *text* stands; where the text starts if no more is known."""
+    if isinstance(origin, tuple):
+        piece = origin[max(0, bisect_right(origin, offset, key=lambda piece: piece.start) - 1)]
+        return piece.where if piece.inserted else _along(piece.where, offset - piece.start)
+    if origin is None or not origin.line or "\n" in text:
+        return origin
+    return _along(origin, offset)
+
+
+def _along(where: Location, characters: int) -> Location:
+    return Location(where.file, where.line, where.column + characters)
 
 
 @dataclass(frozen=True, slots=True)
@@ -90,11 +124,23 @@ class Between:
 
 @dataclass(frozen=True, slots=True)
 class Chosen:
-    """``place is component`` or ``place in [component, …]``: what is chosen at a container."""
+    """``place is component`` or ``place in [component, …]``: what is chosen at a container.
+
+    *spans* are those of the place and of each option, if they are known.
+    """
 
     place: str
     options: tuple[str, ...]
     span: Span
+    spans: tuple[Span, ...] = field(default=(), compare=False)
+
+    def place_span(self) -> Span:
+        """Where the place is named."""
+        return self.spans[0] if self.spans else self.span
+
+    def option_span(self, number: int) -> Span:
+        """Where the option of that number is named."""
+        return self.spans[1 + number] if self.spans else self.span
 
 
 Node = Number | Truth | Name | Call | Unary | Binary | Conditional | Between | Chosen
@@ -102,14 +148,21 @@ Node = Number | Truth | Name | Call | Unary | Binary | Conditional | Between | C
 
 @dataclass(frozen=True, slots=True)
 class Expression:
-    """A parsed expression with its text and where the text starts in the user's file."""
+    """A parsed expression with its text and where that starts in the user's file.
+
+    Text that does not stand in the file as it is, on one line, has *pieces*.
+    """
 
     text: str
     root: Node
     where: Location | None = None
+    pieces: tuple[Piece, ...] = ()
+
+    @property
+    def origin(self) -> Origin:
+        """Where the text stands, as exactly as it is known."""
+        return self.pieces or self.where
 
     def location(self, span: Span) -> Location | None:
-        """Where *span* stands in the user's file, exact for text on one line."""
-        if self.where is None or "\n" in self.text:
-            return self.where
-        return Location(self.where.file, self.where.line, self.where.column + span[0])
+        """Where *span* starts in the user's file."""
+        return locate(self.text, self.origin, span[0])

@@ -42,7 +42,9 @@ def build(component: Component, *, version: int = 2, cache: Path | None = None) 
             raise fail(what, component.where, "use a source of the kind c or fmu")
         case None:
             what = f"component '{component.name}' has no source, so there is nothing to build"
-            raise fail(what, component.where, "add a source of the kind c or fmu")
+            raise fail(
+                what, component.where, "it can be counted and listed only; give it a source of the kind c or fmu"
+            )
 
 
 def build_all(components: Iterable[Component], *, version: int = 2, cache: Path | None = None) -> dict[str, Path]:

@@ -9,7 +9,8 @@ from dse.domain.bench import Figure, Metric, Requirement, TestBench, TestCompone
 from dse.domain.component import Causality, Component, Value
 from dse.domain.design import DesignSpace
 from dse.errors import DseError, Location, Problem, closest, raise_if_any
-from dse.loading.design import FindComponent, read_connections
+from dse.loading.design_connections import read_connections
+from dse.loading.design_tree import FindComponent
 from dse.loading.documents import BenchFile, FigureSection, RequirementSection
 from dse.loading.expression import parse_expression
 from dse.loading.fields import read_section
@@ -153,10 +154,10 @@ def _metrics(document: Document, file: BenchFile, problems: list[Problem]) -> tu
         check_name(name, document.key(at), problems)
         try:
             if isinstance(entry, str):
-                metrics.append(Metric(name, parse_expression(entry, document.place(at))))
+                metrics.append(Metric(name, parse_expression(entry, document.origin(at))))
                 continue
             unit = read_unit(entry.unit or "", document.place((*at, "unit")))
-            expression = parse_expression(entry.expression, document.place((*at, "expression")))
+            expression = parse_expression(entry.expression, document.origin((*at, "expression")))
             metrics.append(Metric(name, expression, unit, entry.title))
         except DseError as error:
             problems += error.problems
@@ -192,7 +193,7 @@ def _requirement(document: Document, name: str, section: RequirementSection, met
         )
     condition = None
     if section.exercised_when is not None:
-        condition = parse_expression(section.exercised_when, document.place((*at, "exercised_when")))
+        condition = parse_expression(section.exercised_when, document.origin((*at, "exercised_when")))
     raise_if_any(problems)
     return Requirement(
         name,

@@ -1,55 +1,21 @@
-"""Reads interfaces and components."""
+"""Reads components: one in a file of its own, or many without a source in one file."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
 
-from dse.domain.component import (
-    Causality,
-    Component,
-    CSource,
-    FmuSource,
-    Interface,
-    Kind,
-    Parameter,
-    Port,
-    Source,
-    Type,
-    UnsupportedSource,
-)
-from dse.errors import DseError, Location, Problem, closest, fail, raise_if_any
-from dse.loading.documents import ComponentFile, InterfacesFile, ParameterSection, SourceSection
+from dse.domain.component import NO_INTERFACE, Component, Interface, Kind, Parameter, Source, Type
+from dse.errors import DseError, Problem, closest, fail, raise_if_any
+from dse.loading.documents import CollectionFile, ComponentFile, FactsSection, ParameterSection
 from dse.loading.fields import read_section
 from dse.loading.include import read_document
-from dse.loading.names import check_member, check_name, is_identifier
-from dse.loading.root import followed, is_file, named_file, root_of
+from dse.loading.names import check_member, check_name
+from dse.loading.root import root_of
+from dse.loading.sources import read_source
 from dse.loading.values import read_number, read_quantity, read_type, read_unit, read_value
-from dse.loading.yaml import Document, Path_, shown
-from dse.units import DIMENSIONLESS
-
-_KINDS = ("c", "fmu")
-_PLANNED = ("modelica", "python", "udp")
-
-
-def read_interfaces(path: Path, inside: Path | None = None) -> dict[str, Interface]:
-    """All interfaces of one file of the workspace *inside*. Raises DseError."""
-    document = read_document(path, inside)
-    sections = read_section(document, InterfacesFile)
-    problems: list[Problem] = []
-    result: dict[str, Interface] = {}
-    for name, section in sections.interfaces.items():
-        at: Path_ = ("interfaces", name)
-        check_name(name, document.key(at), problems)
-        ports: list[Port] = []
-        for causality, entries in ((Causality.INPUT, section.inputs), (Causality.OUTPUT, section.outputs)):
-            ports += _ports(document, (*at, f"{causality}s"), entries, causality, "", problems)
-        twice = {port.name for port in ports if sum(port.name == other.name for other in ports) > 1}
-        problems += [Problem(f"port '{port}' is input and output", document.key(at)) for port in sorted(twice)]
-        result[name] = Interface(name, tuple(ports), document.key(at))
-    raise_if_any(problems)
-    return result
+from dse.loading.yaml import Document, Path_
+from dse.units import DIMENSIONLESS, Quantity
 
 
 def read_component(path: Path, interfaces: Mapping[str, Interface], inside: Path | None = None) -> Component:
@@ -62,101 +28,84 @@ def read_component(path: Path, interfaces: Mapping[str, Interface], inside: Path
     file = read_section(document, ComponentFile)
     problems: list[Problem] = []
     check_name(file.component, document.place(("component",)), problems)
-    interface = interfaces.get(file.implements)
-    if interface is None:
-        problems.append(
-            Problem(
-                f"unknown interface '{file.implements}'",
-                document.place(("implements",)),
-                closest(file.implements, interfaces),
-            )
-        )
-        interface = Interface(file.implements, ())
-    parameters = []
-    for name, section in file.parameters.items():
-        try:
-            parameters.append(_parameter(document, name, section, interface))
-        except DseError as error:
-            problems += error.problems
-    properties = {}
-    for name, raw in file.properties.items():
-        try:
-            check_name(name, document.key(("properties", name)), problems)
-            properties[name] = read_quantity(raw, document.place(("properties", name)))
-        except DseError as error:
-            problems += error.problems
+    interface = _interface(document, (), file, interfaces, problems)
+    parameters = _parameters(document, (), file, interface, problems)
+    properties = _properties(document, (), file, problems)
     known = {port.name for port in interface.ports} | set(file.parameters)
     for name in file.map:
         if name not in known:
-            problems.append(
-                Problem(
-                    f"'{name}' is neither a port of {interface.name} nor a parameter",
-                    document.key(("map", name)),
-                    closest(name, known),
-                )
-            )
+            what = f"'{name}' is neither a port of {interface.name or 'an interface'} nor a parameter"
+            problems.append(Problem(what, document.key(("map", name)), closest(name, known)))
     source: Source | None = None
     if file.source is not None:
+        if file.implements is None:
+            what = "'implements' is missing: a component with a source has an interface"
+            problems.append(Problem(what, document.key(("source",)), closest("", interfaces)))
         try:
-            source = _source(document, file, file.source, inside)
+            source = read_source(document, file, file.source, inside)
         except DseError as error:
             problems += error.problems
     raise_if_any(problems)
-    return Component(
-        file.component,
-        interface,
-        file.title,
-        source,
-        tuple(parameters),
-        properties,
-        file.map,
-        document.place(("component",)),
-    )
+    where = document.place(("component",))
+    return Component(file.component, interface, file.title, source, parameters, properties, file.map, where)
 
 
-def _ports(
-    document: Document,
-    at: Path_,
-    entries: Mapping[str, Any],
-    causality: Causality,
-    prefix: str,
-    problems: list[Problem],
-) -> Iterator[Port]:
-    for name, entry in entries.items():
-        here = (*at, name)
-        check_member(name, document.key(here), problems)
-        full = f"{prefix}{name}"
-        if isinstance(entry, dict) and entry:
-            yield from _ports(document, here, entry, causality, f"{full}.", problems)
-            continue
-        if not isinstance(entry, str | int):
-            problems.append(
-                Problem(
-                    f"port '{full}' needs a unit or a type",
-                    document.place(here),
-                    "write a unit ('m/s', '1' for none), bool, int, enum[a, b], or a group {port: unit}",
-                )
-            )
-            continue
+def read_collection(path: Path, interfaces: Mapping[str, Interface], inside: Path | None = None) -> list[Component]:
+    """The components of one file with many, none of which has a source. Raises DseError with every problem in it."""
+    document = read_document(path, inside or root_of(path))
+    file = read_section(document, CollectionFile)
+    problems: list[Problem] = []
+    found = []
+    for name, section in file.components.items():
+        at: Path_ = ("components", name)
+        check_name(name, document.key(at), problems)
+        interface = _interface(document, at, section, interfaces, problems)
+        parameters = _parameters(document, at, section, interface, problems)
+        properties = _properties(document, at, section, problems)
+        where = document.key(at)
+        found.append(Component(name, interface, section.title, None, parameters, properties, where=where))
+    raise_if_any(problems)
+    return found
+
+
+def _interface(
+    document: Document, at: Path_, section: FactsSection, interfaces: Mapping[str, Interface], problems: list[Problem]
+) -> Interface:
+    if section.implements is None:
+        return NO_INTERFACE
+    if section.implements not in interfaces:
+        what = f"unknown interface '{section.implements}'"
+        hint = closest(section.implements, interfaces)
+        problems.append(Problem(what, document.place((*at, "implements")), hint))
+    return interfaces.get(section.implements, Interface(section.implements, ()))
+
+
+def _parameters(
+    document: Document, at: Path_, section: FactsSection, interface: Interface, problems: list[Problem]
+) -> tuple[Parameter, ...]:
+    found = []
+    for name, entry in section.parameters.items():
         try:
-            type_ = read_type(str(entry), document.place(here))
+            found.append(_parameter(document, (*at, "parameters", name), entry, interface))
         except DseError as error:
             problems += error.problems
-            continue
-        if not type_.unit.is_coherent:
-            problems.append(
-                Problem(
-                    f"port '{full}' must be in a coherent SI unit, not '{type_.unit}'",
-                    document.place(here),
-                    "signals are SI inside; convert where a person reads them (figures, metrics)",
-                )
-            )
-            continue
-        yield Port(full, causality, type_)
+    return tuple(found)
 
 
-def _parameter(document: Document, name: str, section: ParameterSection, interface: Interface) -> Parameter:
-    at: Path_ = ("parameters", name)
+def _properties(document: Document, at: Path_, section: FactsSection, problems: list[Problem]) -> dict[str, Quantity]:
+    found = {}
+    for name, raw in section.properties.items():
+        here = (*at, "properties", name)
+        check_name(name, document.key(here), problems)
+        try:
+            found[name] = read_quantity(raw, document.place(here))
+        except DseError as error:
+            problems += error.problems
+    return found
+
+
+def _parameter(document: Document, at: Path_, section: ParameterSection, interface: Interface) -> Parameter:
+    name = str(at[-1])
     problems: list[Problem] = []
     for part in name.split("."):
         check_member(part, document.key(at), problems)
@@ -200,56 +149,3 @@ def _parameter_type(document: Document, at: Path_, section: ParameterSection) ->
         if isinstance(raw, str):
             return Type(Kind.REAL, read_quantity(raw, document.place((*at, key))).unit)
     return Type(Kind.REAL, DIMENSIONLESS)
-
-
-def _source(document: Document, file: ComponentFile, section: SourceSection, inside: Path) -> Source:
-    folder = document.path.parent
-    if section.kind == "fmu":
-        if section.file is None:
-            raise fail("'file' is missing in 'source'", document.key(("source",)), "file: my_part.fmu")
-        where = document.place(("source", "file"))
-        # Used as it is and known by its content, so that it may lie anywhere.
-        return FmuSource(_existing(followed(folder, section.file, where), where))
-    if section.kind != "c":
-        where = document.place(("source", "kind"))
-        if section.kind in _PLANNED:
-            return UnsupportedSource(section.kind)
-        raise fail(f"unknown kind of source '{section.kind}'", where, closest(section.kind, (*_KINDS, *_PLANNED)))
-    if not section.files:
-        raise fail("'files' is missing in 'source'", document.key(("source",)), f"files: [{file.component}.c]")
-    files = tuple(
-        _c_file(folder, name, inside, (".c", ".h"), document.place(("source", "files", i)))
-        for i, name in enumerate(section.files)
-    )
-    header = section.header or Path(section.files[0]).with_suffix(".h").as_posix()
-    struct = section.struct or file.component
-    step = None
-    if section.step is not None:
-        where = document.place(("source", "step"))
-        step = read_number(section.step, read_unit("s", where), where)
-        if step <= 0:
-            raise fail(f"the step must be positive, not {section.step}", where)
-    return CSource(
-        files,
-        _c_file(folder, header, inside, (".h",), document.place(("source", "header"))),
-        _identifier(struct, document.place(("source", "struct"))),
-        _identifier(section.init or f"{struct}_init", document.place(("source", "init"))),
-        _identifier(section.step_function or f"{struct}_step", document.place(("source", "step_function"))),
-        step,
-    )
-
-
-def _c_file(folder: Path, name: str, inside: Path, suffixes: tuple[str, ...], where: Location) -> Path:
-    return _existing(named_file(folder, name, inside, suffixes, where), where)
-
-
-def _existing(path: Path, where: Location) -> Path:
-    if not is_file(path):
-        raise fail(f"no such file: {shown(path)}", where, "paths are relative to this component.yaml")
-    return path
-
-
-def _identifier(name: str, where: Location) -> str:
-    if not is_identifier(name):
-        raise fail(f"'{name}' is not a C identifier", where)
-    return name

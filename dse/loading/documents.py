@@ -50,27 +50,49 @@ class ParameterSection(Section):
     title: str = ""
 
 
-class ComponentFile(Section):
+class FactsSection(Section):
+    """A component without a source, as one of many in a file."""
+
+    title: str = ""
+    implements: str | None = None
+    parameters: dict[str, ParameterSection] = {}
+    properties: dict[str, Plain] = {}
+
+
+class ComponentFile(FactsSection):
     """``component.yaml``."""
 
     component: str
-    implements: str
-    title: str = ""
     source: SourceSection | None = None
-    parameters: dict[str, ParameterSection] = {}
-    properties: dict[str, Plain] = {}
     map: dict[str, str] = {}
 
 
-class ConstraintSection(Section):
-    """One static constraint: exactly one of require, forbid, same_choice."""
+class CollectionFile(Section):
+    """Any other file below ``components/``: many components in one."""
 
-    later: ClassVar[frozenset[str]] = frozenset({"require_with"})
+    components: dict[str, FactsSection]
+
+
+class ConstraintSection(Section):
+    """One static constraint: exactly one of the keys before *because*."""
 
     require: str | None = None
     forbid: list[str] | None = None
+    require_with: dict[str, str | list[str]] | None = None
     same_choice: list[str] | None = None
+    at_least: dict[str, list[str]] | None = None
+    at_most: dict[str, list[str]] | None = None
+    exactly: dict[str, list[str]] | None = None
+    range: dict[str, list[Plain]] | None = None
     because: str = ""
+    set: str | None = None
+
+
+class ConstraintSetSection(Section):
+    """A set of constraints that is switched on and off as one."""
+
+    on: bool = True
+    title: str = ""
 
 
 class DesignFile(Section):
@@ -80,6 +102,7 @@ class DesignFile(Section):
     title: str = ""
     root: dict[str, Any]
     constraints: dict[str, ConstraintSection] = {}
+    constraint_sets: dict[str, ConstraintSetSection] = {}
 
 
 class TestComponentSection(Section):

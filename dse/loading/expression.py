@@ -34,21 +34,23 @@ from dse.domain.expression import (
     Name,
     Node,
     Number,
+    Origin,
     Span,
     Truth,
     Unary,
 )
-from dse.errors import DseError, Location
+from dse.errors import DseError
 from dse.loading.expression_tokens import Token, TokenKind, error_at, tokenize
 
 DEEPEST = 200
 """Levels a tree may have, so that whoever walks it can recurse."""
 
 
-def parse_expression(text: str, where: Location | None = None) -> Expression:
-    """The expression written in *text*, which starts at *where*.
+def parse_expression(text: str, where: Origin = None) -> Expression:
+    """The expression written in *text*, which stands at *where*.
 
-    Raises DseError at the exact column (text on one line), with the line and a caret in its hint.
+    Raises DseError at the exact character, with the line and a caret in its hint; at the start of a text of several
+    lines of which no more is known.
     """
     parser = _Parser(text, where)
     root = parser.whole()
@@ -58,6 +60,8 @@ def parse_expression(text: str, where: Location | None = None) -> Expression:
         if level > DEEPEST:
             raise error_at(text, node.span, f"more than {DEEPEST} levels deep", where, "group with brackets")
         stack += [(child, level + 1) for child in children(node)]
+    if isinstance(where, tuple):
+        return Expression(text, root, where[0].where, where)
     return Expression(text, root, where)
 
 
@@ -108,7 +112,7 @@ _FROM_THE_RIGHT = frozenset({"implies", "^"})
 class _Parser:
     """Precedence climbing over the tokens (V. Pratt, Top down operator precedence, 1973)."""
 
-    def __init__(self, text: str, where: Location | None) -> None:
+    def __init__(self, text: str, where: Origin) -> None:
         self.text = text
         self.where = where
         self.tokens = tokenize(text, where)
@@ -218,17 +222,18 @@ class _Parser:
                 return Between(left, low, self.expression(_SUM), self.since(start))
             case "is":
                 negative = self.is_next("not") and bool(self.take())
-                options: tuple[str, ...] = (self.option(),)
+                options: tuple[Token, ...] = (self.option(),)
             case "in":
                 options = self.options()
             case _:
                 return Binary(operator.text, left, self.expression(_SUM), self.since(start))
         if not isinstance(left, Name):
             raise self.error(f"'{operator.text}' needs a place on its left", left.span, "write place is component")
-        chosen = Chosen(left.path, options, self.since(start))
+        spans = (left.span, *(option.span for option in options))
+        chosen = Chosen(left.path, tuple(option.text for option in options), self.since(start), spans)
         return Unary("not", chosen, chosen.span) if negative else chosen
 
-    def options(self) -> tuple[str, ...]:
+    def options(self) -> tuple[Token, ...]:
         bracket = self.peek()
         self.expect("[", "place in [a, b]")
         options = [self.option()]
@@ -238,11 +243,11 @@ class _Parser:
         self.close("]", bracket)
         return tuple(options)
 
-    def option(self) -> str:
+    def option(self) -> Token:
         token = self.peek()
         if token.kind is not TokenKind.NAME or "." in token.text:
             raise self.error(f"expected a component's name, found {token}", token.span, "write place is component")
-        return self.take().text
+        return self.take()
 
     def peek(self) -> Token:
         return self.tokens[self.index]

@@ -41,7 +41,7 @@ PLAIN = Sort(Form.NUMBER)
 
 def error_in(expression: Expression, span: Span, what: str, advice: str) -> DseError:
     """A DseError at *span* of the expression, with a caret under it."""
-    return error_at(expression.text, span, what, expression.where, advice)
+    return error_at(expression.text, span, what, expression.origin, advice)
 
 
 def require_number(expression: Expression, node: Node, sort: Sort) -> Sort:
@@ -77,18 +77,19 @@ def binary_sort(expression: Expression, node: Binary, left: Sort, right: Sort) -
             require_truth(expression, node.right, right)
             return replace(TRUTH, varies=varies)
         case "==" | "!=":
-            require_alike(expression, node.span, left, right, "compare")
+            require_alike(expression, _culprit(expression, node), left, right, "compare")
             return replace(TRUTH, varies=varies)
         case "<" | "<=" | ">" | ">=":
             require_number(expression, node.left, left)
             require_number(expression, node.right, right)
-            require_alike(expression, node.span, left, right, "compare")
+            require_alike(expression, _culprit(expression, node), left, right, "compare")
             return replace(TRUTH, varies=varies)
     require_number(expression, node.left, left)
     require_number(expression, node.right, right)
     match node.operator:
         case "+" | "-":
-            require_alike(expression, node.span, left, right, "add" if node.operator == "+" else "subtract")
+            verb = "add" if node.operator == "+" else "subtract"
+            require_alike(expression, _culprit(expression, node), left, right, verb)
             return replace(left, varies=varies)
         case "*":
             return Sort(Form.NUMBER, multiply(left.dimension, right.dimension), varies)
@@ -109,6 +110,16 @@ def _require(expression: Expression, node: Node, sort: Sort, form: Form) -> Sort
     found = f"a number ({sort})" if sort.form is Form.NUMBER else str(sort)
     advice = "compare it with something" if form is Form.TRUTH else "arithmetic and comparison need numbers"
     raise error_in(expression, node.span, f"expected {form}, found {found}", advice)
+
+
+def _culprit(expression: Expression, node: Binary) -> Span:
+    """What to point at where the two sides do not fit: what is written out, else the operator."""
+    for side in (node.right, node.left):
+        if _literal(side) is not None:
+            return side.span
+    gap = (node.left.span[1], node.right.span[0])
+    start = expression.text.find(node.operator, *gap)
+    return (start, start + len(node.operator)) if start >= 0 else node.span
 
 
 def _power_dimension(expression: Expression, node: Binary, base: Sort, exponent: Sort) -> Dimension:

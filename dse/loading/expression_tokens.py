@@ -14,8 +14,8 @@ from dataclasses import dataclass
 from enum import StrEnum
 from fractions import Fraction
 
-from dse.domain.expression import Span
-from dse.errors import DseError, Location, fail
+from dse.domain.expression import Origin, Span, locate
+from dse.errors import DseError, fail
 from dse.units import DIMENSIONLESS, LARGEST, Unit, UnitError, parse_unit
 
 KEYWORDS = frozenset(
@@ -48,7 +48,7 @@ class Token:
         return "the end" if self.kind is TokenKind.END else f"'{self.text}'"
 
 
-def tokenize(text: str, where: Location | None) -> list[Token]:
+def tokenize(text: str, where: Origin) -> list[Token]:
     """The tokens of *text*, the last one of kind END. Raises DseError at the first piece that is none."""
     tokens: list[Token] = []
     position = 0
@@ -62,7 +62,7 @@ def tokenize(text: str, where: Location | None) -> list[Token]:
         position = token.span[1]
 
 
-def error_at(text: str, span: Span, what: str, where: Location | None, advice: str = "look here") -> DseError:
+def error_at(text: str, span: Span, what: str, where: Origin, advice: str = "look here") -> DseError:
     """A DseError at *span* whose hint shows the line of the text with a caret under it."""
     start = min(span[0], len(text))
     line_start = text.rfind("\n", 0, start) + 1
@@ -70,9 +70,7 @@ def error_at(text: str, span: Span, what: str, where: Location | None, advice: s
     caret = start - line_start
     first = max(0, caret - _SHOWN // 2)
     shown = line[first : first + _SHOWN].rstrip()
-    if where is not None and "\n" not in text:
-        where = Location(where.file, where.line, where.column + start) if where.line else where
-    return fail(what, where, f"{advice}\n        {shown}\n        {' ' * (caret - first)}^")
+    return fail(what, locate(text, where, start), f"{advice}\n        {shown}\n        {' ' * (caret - first)}^")
 
 
 _SHOWN = 100
@@ -114,7 +112,7 @@ def _skip_blanks(text: str, position: int) -> int:
     return position
 
 
-def _token(text: str, position: int, where: Location | None) -> Token:
+def _token(text: str, position: int, where: Origin) -> Token:
     if match := _FOREIGN.match(text, position):
         raise error_at(text, match.span(), f"'{match[0]}' is not known here", where, _FOREIGN_ADVICE[match[0]])
     if match := _NUMBER.match(text, position):
@@ -129,7 +127,7 @@ def _token(text: str, position: int, where: Location | None) -> Token:
     raise error_at(text, (position, position), what, where, "an expression has names, numbers with units and operators")
 
 
-def _number(text: str, number: re.Match[str], where: Location | None) -> Token:
+def _number(text: str, number: re.Match[str], where: Origin) -> Token:
     if len(number[0]) > _LONGEST_NUMBER:
         raise error_at(text, number.span(), "a number of more than 100 characters", where, "write it as 1.5e6")
     value = Fraction(number[0])

@@ -37,16 +37,22 @@ Scalar = str | int | float | bool
 S = TypeVar("S", bound=Section)
 
 
-def read_section(document: Document, shape: type[S]) -> S:
-    """The document in the given *shape*. Raises DseError with every deviation, each at its key or value."""
+def read_section(document: Document, shape: type[S], at: Path_ = ()) -> S:
+    """What stands at *at* in the document, by default all of it, in the given *shape*.
+
+    Raises DseError with every deviation, each at its key or value.
+    """
+    data: Any = document.data
+    for step in at:
+        data = data[step]
     try:
-        return shape.model_validate(document.data)
+        return shape.model_validate(data)
     except ValidationError as error:
-        raise DseError(*_problems(document, shape, error)) from None
+        raise DseError(*_problems(document, shape, error, at)) from None
 
 
-def _problems(document: Document, shape: type[Section], error: ValidationError) -> Iterable[Problem]:
-    entries = [(_path(document, e["loc"]), e) for e in error.errors(include_url=False, include_context=True)]
+def _problems(document: Document, shape: type[Section], error: ValidationError, at: Path_) -> Iterable[Problem]:
+    entries = [(_path(document, e["loc"], at), e) for e in error.errors(include_url=False, include_context=True)]
     later = {path[:-1] for path, entry in entries if _is_later(shape, entry)}
     merged: dict[Path_, list[str]] = {}
     for path, entry in entries:
@@ -63,9 +69,9 @@ def _problems(document: Document, shape: type[Section], error: ValidationError) 
         yield Problem(what, document.place(path), _HINTS.get(kinds[0], "") if len(kinds) == 1 else "")
 
 
-def _path(document: Document, loc: tuple[str | int, ...]) -> Path_:
-    """The part of pydantic's *loc* that stands in the document: union members' names are left out."""
-    path: Path_ = ()
+def _path(document: Document, loc: tuple[str | int, ...], at: Path_) -> Path_:
+    """The part of pydantic's *loc* below *at* that stands in the document: union members' names are left out."""
+    path = at
     for step in loc:
         if (*path, step) in document.places:
             path = (*path, step)

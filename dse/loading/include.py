@@ -2,12 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
+from dse.domain.expression import Piece
 from dse.errors import DseError, Location, Problem, fail
 from dse.loading.root import named_file, root_of
 from dse.loading.yaml import Document, Path_, read_yaml, shown
+
+T = TypeVar("T")
 
 _DEEPEST = 20
 _MOST = 200
@@ -32,7 +37,7 @@ def _read(path: Path, chain: tuple[Path, ...], inside: Path, seen: list[Path]) -
     if not isinstance(included, list) or not all(isinstance(entry, str) for entry in included):
         raise fail("'include' must be a list of files", document.place(("include",)), "include: [common.yaml]")
     data = {key: value for key, value in document.data.items() if key != "include"}
-    places, keys = dict(document.places), dict(document.keys)
+    marks = _Marks(dict(document.places), dict(document.keys), dict(document.pieces))
     problems: list[Problem] = []
     for number, entry in enumerate(included):
         where = document.place(("include", number))
@@ -48,10 +53,25 @@ def _read(path: Path, chain: tuple[Path, ...], inside: Path, seen: list[Path]) -
             other = _read(target, (*chain, path), inside, seen)
         except DseError as error:
             raise DseError(*(_at(problem, where) for problem in error.problems)) from None
-        problems += _join(data, places, keys, other)
+        problems += _join(data, marks, other)
     if problems:
         raise DseError(*problems)
-    return Document(document.path, data, places, keys)
+    return Document(document.path, data, marks.places, marks.keys, marks.pieces)
+
+
+@dataclass(frozen=True, slots=True)
+class _Marks:
+    """Where the values, keys and texts joined so far stand."""
+
+    places: dict[Path_, Location]
+    keys: dict[Path_, Location]
+    pieces: dict[Path_, tuple[Piece, ...]]
+
+    def take(self, other: Document, source: Path_, target: Path_) -> None:
+        """Add what *other* says at and below *source* as that of *target*."""
+        _copy(other.places, self.places, source, target)
+        _copy(other.keys, self.keys, source, target)
+        _copy(other.pieces, self.pieces, source, target)
 
 
 def _at(problem: Problem, where: Location) -> Problem:
@@ -60,20 +80,18 @@ def _at(problem: Problem, where: Location) -> Problem:
     return problem
 
 
-def _join(
-    data: dict[str, Any], places: dict[Path_, Location], keys: dict[Path_, Location], other: Document
-) -> list[Problem]:
+def _join(data: dict[str, Any], marks: _Marks, other: Document) -> list[Problem]:
     problems: list[Problem] = []
     for section, value in other.data.items():
         mine = data.get(section)
         if mine is None:
             data[section] = value
-            _copy(other, (section,), (section,), places, keys)
+            marks.take(other, (section,), (section,))
         elif isinstance(mine, dict) and isinstance(value, dict):
             data[section] = dict(mine)
             for key, entry in value.items():
                 if key in mine:
-                    first = keys[(section, key)]
+                    first = marks.keys[(section, key)]
                     problems.append(
                         Problem(
                             f"'{section}.{key}' stands in an including file too",
@@ -83,25 +101,23 @@ def _join(
                     )
                     continue
                 data[section][key] = entry
-                _copy(other, (section, key), (section, key), places, keys)
+                marks.take(other, (section, key), (section, key))
         elif isinstance(mine, list) and isinstance(value, list):
             data[section] = mine + value
             for i in range(len(value)):
-                _copy(other, (section, i), (section, len(mine) + i), places, keys)
+                marks.take(other, (section, i), (section, len(mine) + i))
         else:
             problems.append(
                 Problem(
-                    f"'{section}' stands in an including file too", other.key((section,)), f"see {keys[(section,)]}"
+                    f"'{section}' stands in an including file too",
+                    other.key((section,)),
+                    f"see {marks.keys[(section,)]}",
                 )
             )
     return problems
 
 
-def _copy(
-    other: Document, source: Path_, target: Path_, places: dict[Path_, Location], keys: dict[Path_, Location]
-) -> None:
-    n = len(source)
-    for mine, theirs in ((places, other.places), (keys, other.keys)):
-        for path, where in theirs.items():
-            if path[:n] == source:
-                mine[target + path[n:]] = where
+def _copy(theirs: Mapping[Path_, T], mine: dict[Path_, T], source: Path_, target: Path_) -> None:
+    for path, mark in theirs.items():
+        if path[: len(source)] == source:
+            mine[target + path[len(source) :]] = mark

@@ -186,7 +186,7 @@ def _selection(document: Document, file: StudyFile, problems: list[Problem]) -> 
     at: Path_ = ("configurations",)
     try:
         if isinstance(file.configurations, SelectionSection):
-            where = document.place((*at, "where"))
+            where = document.origin((*at, "where"))
             return Selection(where=parse_expression(file.configurations.where, where))
         if isinstance(file.configurations, list):
             return Selection(ids=tuple(file.configurations))

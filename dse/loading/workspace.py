@@ -12,8 +12,9 @@ from dse.domain.design import DesignSpace
 from dse.domain.study import Study
 from dse.errors import DseError, Location, Problem, closest, fail, raise_if_any
 from dse.loading.bench import read_bench
-from dse.loading.components import read_component, read_interfaces
+from dse.loading.components import read_collection, read_component
 from dse.loading.design import read_design
+from dse.loading.interfaces import read_interfaces
 from dse.loading.root import find_root
 from dse.loading.study import read_study
 from dse.loading.yaml import shown
@@ -25,7 +26,8 @@ _STUDY = ".pet.yaml"
 class Workspace:
     """Finds and reads files by the names they use for each other; each file is read once.
 
-    A component's folder, a design's and a bench's file are named after it, so that only what is needed is read.
+    A component's folder, a design's and a bench's file are named after it, so that only what is needed is read;
+    of components, those in files with many are always read.
     """
 
     def __init__(self, root: Path) -> None:
@@ -71,7 +73,7 @@ class Workspace:
 
     @cached_property
     def component_files(self) -> dict[str, Path]:
-        """The ``component.yaml`` of every component, by the name of its folder."""
+        """The file of every component by its name: a ``component.yaml`` by that of its folder, or one with many."""
         found: dict[str, Path] = {}
         problems: list[Problem] = []
         for path in sorted((self.root / "components").rglob("component.yaml")):
@@ -81,6 +83,25 @@ class Workspace:
                     Problem(f"component '{name}' is defined twice", Location(shown(path)), f"see {shown(found[name])}")
                 )
             found.setdefault(name, path)
+        for component, path in self._collected:
+            if component.name in found:
+                hint = f"see {shown(found[component.name])}"
+                problems.append(Problem(f"component '{component.name}' is defined twice", component.where, hint))
+            found.setdefault(component.name, path)
+        raise_if_any(problems)
+        return found
+
+    @cached_property
+    def _collected(self) -> list[tuple[Component, Path]]:
+        """The components of files with many, each with its file."""
+        found: list[tuple[Component, Path]] = []
+        problems: list[Problem] = []
+        for path in self.files("components"):
+            if path.name not in ("component.yaml", "interfaces.yaml"):
+                try:
+                    found += [(component, path) for component in read_collection(path, self.interfaces, self.root)]
+                except DseError as error:
+                    problems += error.problems
         raise_if_any(problems)
         return found
 
@@ -90,6 +111,9 @@ class Workspace:
             path = self.component_files.get(name)
             if path is None:
                 raise fail(f"unknown component '{name}'", where, closest(name, self.component_files))
+            if path.name != "component.yaml":
+                self._components |= {component.name: component for component, _ in self._collected}
+                return self._components[name]
             component = read_component(path, self.interfaces, self.root)
             if component.name != name:
                 raise fail(
@@ -126,7 +150,7 @@ class Workspace:
         return study
 
     def files(self, folder: str) -> Iterator[Path]:
-        """The YAML files of ``designs`` or ``testbenches``; a name that starts with ``_`` is only for including."""
+        """The YAML files of a folder of the workspace; a name that starts with ``_`` is only for including."""
         for path in sorted((self.root / folder).rglob("*.yaml")):
             if not path.name.startswith("_"):
                 yield path

@@ -7,37 +7,39 @@ runs: what is not a string, number, truth value, null, list or mapping is refuse
 from __future__ import annotations
 
 import os
-import re
 import stat
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
+from dse.domain.expression import Piece
 from dse.errors import DseError, Location, Problem, fail
+from dse.loading.compose import MOST_LEVELS, UNSAFE, compose, unsafe, visible
+from dse.loading.scalars import content_start, pieces, place_in
 
 Path_ = tuple[str | int, ...]
 """Way from the top of a document to a value: mapping keys and list indices."""
 
 _MAX_BYTES = 10_000_000
 _MAX_NODES = 500_000
-_MAX_DEPTH = 100
 _MAX_DIGITS = 100
 _YAML_TAG = "tag:yaml.org,2002"
 _PLAIN_TAGS = (f"{_YAML_TAG}:map", f"{_YAML_TAG}:seq")
 
-# Invisible, or turning round what stands beside them: no terminal and no page should be given these.
-_UNSAFE = re.compile(r"[\x00-\x08\x0b-\x1f\x7f-\x9f\ud800-\udfff\u202a-\u202e\u2066-\u2069]")
-
 
 @dataclass(frozen=True, slots=True)
 class Document:
-    """The data of one file, and where each value (*places*) and each mapping key (*keys*) stands."""
+    """The data of one file, and where each value (*places*) and each mapping key (*keys*) stands.
+
+    Texts over several lines, or with escapes, have *pieces*.
+    """
 
     path: Path
     data: Mapping[str, Any]
     places: Mapping[Path_, Location]
     keys: Mapping[Path_, Location]
+    pieces: Mapping[Path_, tuple[Piece, ...]] = field(default_factory=dict)
 
     def place(self, path: Path_) -> Location:
         """Where the value at *path* stands; the nearest value around it if it is absent."""
@@ -46,6 +48,10 @@ class Document:
     def key(self, path: Path_) -> Location:
         """Where the key at the end of *path* stands; the nearest value around it if it is absent."""
         return self.keys.get(path) or self.place(path)
+
+    def origin(self, path: Path_) -> Location | tuple[Piece, ...]:
+        """Where the text at *path* stands, character by character."""
+        return self.pieces.get(path) or self.place(path)
 
 
 def shown(path: Path) -> str:
@@ -60,10 +66,10 @@ def shown(path: Path) -> str:
 def read_yaml(path: Path) -> Document:
     """Read one file whose top level is a mapping. Raises DseError with every duplicate key and odd value."""
     text = _read_text(path)
-    root = _compose(text, path)
+    root = compose(text, shown(path))
     if root is None:
         raise fail("the file is empty", Location(shown(path)), "docs/formats.md says what each file holds")
-    reader = _Reader(shown(path))
+    reader = _Reader(shown(path), text)
     data = reader.value(root, (), 0)
     if reader.problems:
         raise DseError(*reader.problems)
@@ -73,7 +79,7 @@ def read_yaml(path: Path) -> Document:
             reader.places[()],
             "start with a line such as 'component: my_part'",
         )
-    return Document(path, data, reader.places, reader.keys)
+    return Document(path, data, reader.places, reader.keys, reader.pieces)
 
 
 def _read_text(path: Path) -> str:
@@ -106,46 +112,13 @@ def _similar_file(path: Path) -> str:
     return f"did you mean {close[0]}?" if close else "check the spelling and the folder you are in"
 
 
-def _compose(text: str, path: Path) -> Any:
-    from ruamel.yaml import YAML
-    from ruamel.yaml.error import MarkedYAMLError, YAMLError
-    from ruamel.yaml.reader import ReaderError
-
-    try:
-        return YAML(typ="safe", pure=True).compose(text)
-    except MarkedYAMLError as error:
-        mark = error.problem_mark or error.context_mark
-        where = Location(shown(path), mark.line + 1, mark.column + 1) if mark else Location(shown(path))
-        what = _visible(" ".join(str(error.problem or error.context or "unreadable").split()))
-        raise fail(
-            f"not valid YAML: {what}", where, "check indentation, quotes and brackets here and just above"
-        ) from None
-    except ReaderError as error:
-        before = text[: error.position]
-        where = Location(shown(path), before.count("\n") + 1, len(before) - before.rfind("\n"))
-        raise _unsafe(chr(error.character), where) from None
-    except (YAMLError, ValueError) as error:
-        first = str(error).strip().splitlines()[0]
-        raise fail(f"not valid YAML: {_visible(first)}", Location(shown(path))) from None
-    except RecursionError:
-        raise fail("nested too deeply", Location(shown(path)), f"use at most {_MAX_DEPTH} levels") from None
-
-
-def _unsafe(text: str, where: Location) -> DseError:
-    found = _UNSAFE.search(text)
-    sign = found[0] if found else text
-    return fail(f"the character U+{ord(sign):04X} cannot stand in a text", where, "remove it; it does not show")
-
-
-def _visible(text: str) -> str:
-    return _UNSAFE.sub(lambda found: f"U+{ord(found[0]):04X}", text)
-
-
 class _Reader:
     """Turns nodes into data and remembers where everything stands."""
 
-    def __init__(self, file: str) -> None:
+    def __init__(self, file: str, text: str) -> None:
         self.file = file
+        self.text = text
+        self.pieces: dict[Path_, tuple[Piece, ...]] = {}
         self.places: dict[Path_, Location] = {}
         self.keys: dict[Path_, Location] = {}
         self.problems: list[Problem] = []
@@ -156,16 +129,21 @@ class _Reader:
         self.places[path] = where
         self.count += 1
         # Aliases repeat a node: a short file can stand for billions of values.
-        if self.count > _MAX_NODES or depth > _MAX_DEPTH:
+        if self.count > _MAX_NODES or depth > MOST_LEVELS:
             raise fail("the file is too large or nested too deeply once its aliases are expanded", where)
         if node.id != "scalar" and str(node.tag) not in _PLAIN_TAGS:
-            self._tagged(node, where)
+            self._tagged(node)
             return None
         if node.id == "mapping":
             return self._mapping(node, path, depth)
         if node.id == "sequence":
             return [self.value(child, (*path, i), depth + 1) for i, child in enumerate(node.value)]
-        return self._scalar(node, where)
+        value = self._scalar(node, where)
+        if isinstance(value, str):
+            found = pieces(self._raw(node), value, self._start(node))
+            if found:
+                self.pieces[path] = found
+        return value
 
     def _mapping(self, node: Any, path: Path_, depth: int) -> dict[str, Any]:
         result: dict[str, Any] = {}
@@ -176,10 +154,10 @@ class _Reader:
                 continue
             key = str(key_node.value)
             if str(key_node.tag).rpartition(":")[0] != _YAML_TAG:
-                self._tagged(key_node, where)
+                self._tagged(key_node)
                 continue
-            if _UNSAFE.search(key):
-                self.problems += _unsafe(key, where).problems
+            if UNSAFE.search(key):
+                self.problems += unsafe(key, where).problems
                 continue
             if key in result:
                 first = self.keys[(*path, key)]
@@ -194,10 +172,10 @@ class _Reader:
     def _scalar(self, node: Any, where: Location) -> str | int | float | bool | None:
         tag, text = str(node.tag).rsplit(":", 1)[-1], str(node.value)
         if str(node.tag).rpartition(":")[0] != _YAML_TAG:
-            self._tagged(node, where)
+            self._tagged(node)
             return None
-        if _UNSAFE.search(text):
-            self.problems += _unsafe(text, where).problems
+        if UNSAFE.search(text):
+            self.problems += unsafe(text, where).problems
             return None
         if tag in ("int", "float") and len(text) > _MAX_DIGITS:
             self.problems.append(Problem(f"a number of more than {_MAX_DIGITS} characters", where))
@@ -218,17 +196,25 @@ class _Reader:
             return None
         if tag in ("timestamp", "date"):
             return text
-        self._tagged(node, where)
+        self._tagged(node)
         return None
 
-    def _tagged(self, node: Any, where: Location) -> None:
-        tag = _visible(str(node.tag))
-        self.problems.append(Problem(f"the tag '{tag}' is not supported", where, "write plain values only"))
+    def _tagged(self, node: Any) -> None:
+        tag = visible(str(node.tag))
+        what = f"the tag '{tag}' is not supported"
+        self.problems.append(Problem(what, self._start(node), "write plain values only"))
+
+    def _start(self, node: Any) -> Location:
+        return Location(self.file, node.start_mark.line + 1, node.start_mark.column + 1)
 
     def _where(self, node: Any) -> Location:
-        mark = node.start_mark
-        quoted = getattr(node, "style", None) in ("'", '"')
-        return Location(self.file, mark.line + 1, mark.column + 1 + int(quoted))
+        if node.id != "scalar":
+            return self._start(node)
+        raw = self._raw(node)
+        return place_in(raw, content_start(raw), self._start(node))
+
+    def _raw(self, node: Any) -> str:
+        return self.text[node.start_mark.index : node.end_mark.index]
 
 
 def _nearest(places: Mapping[Path_, Location], path: Path_) -> Location:

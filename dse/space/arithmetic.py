@@ -1,14 +1,14 @@
 """Operators on exact numbers and truth values, either of which may be undefined (None).
 
-A property of an absent part is undefined, and so is what is computed from it; `and`, `or` and `implies` are
-Kleene's: ``false and undefined`` is false. Numbers are Fractions, or floats behind an inexact function.
+A property of an absent part is undefined, and so is what is computed from it. Numbers are Fractions, or floats
+behind an inexact function.
 """
 
 from __future__ import annotations
 
 import math
 import operator
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from fractions import Fraction
 
 Real = Fraction | float
@@ -19,11 +19,6 @@ _MOST_BITS = 100_000
 
 class UndefinedError(ArithmeticError):
     """A value that does not exist, as 1/0; the message says which."""
-
-
-def negate(x: Real) -> Real:
-    """-x."""
-    return -x
 
 
 def divide(x: Real, y: Real) -> Real:
@@ -63,32 +58,17 @@ def floor(x: Real) -> Real:
     return Fraction(math.floor(x))
 
 
-def conjunction(left: bool | None, right: Callable[[], bool | None]) -> bool | None:
-    """left and right."""
-    if left is False:
+def quota(low: int | None, high: int | None, conditions: Sequence[bool | None]) -> bool | None:
+    """Whether between *low* and *high* of *conditions* are true; undefined if those that are undefined decide it."""
+    least = sum(condition is True for condition in conditions)
+    most = len(conditions) - sum(condition is False for condition in conditions)
+    lowest, highest = low or 0, len(conditions) if high is None else high
+    if most < lowest or least > highest:
         return False
-    other = right()
-    if other is False:
-        return False
-    return None if left is None or other is None else True
+    return True if lowest <= least and most <= highest else None
 
 
-def disjunction(left: bool | None, right: Callable[[], bool | None]) -> bool | None:
-    """left or right."""
-    if left is True:
-        return True
-    other = right()
-    if other is True:
-        return True
-    return None if left is None or other is None else False
-
-
-def opposite(x: bool | None) -> bool | None:
-    """not x."""
-    return None if x is None else not x
-
-
-PLAIN_OPERATORS: Mapping[str, Callable[..., Value]] = {
+FUNCTIONS: Mapping[str, Callable[..., Value]] = {
     "+": operator.add,
     "-": operator.sub,
     "*": operator.mul,
@@ -102,5 +82,12 @@ PLAIN_OPERATORS: Mapping[str, Callable[..., Value]] = {
     "!=": operator.ne,
     "xor": operator.ne,
     "iff": operator.eq,
+    "not": operator.not_,
+    "negative": operator.neg,
+    "abs": abs,
+    "sqrt": square_root,
+    "floor": floor,
+    "min": min,
+    "max": max,
 }
-"""Operators that are undefined as soon as one side is."""
+"""What an operation computes; undefined as soon as one side is."""

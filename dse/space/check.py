@@ -4,22 +4,26 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 
-from dse.domain.component import Causality, Interface
+from dse.domain.component import Causality, Interface, Type, same_signal
 from dse.domain.design import Alternative, Compound, Connection, DesignSpace, Node, Optional, Part, walk
 from dse.errors import DseError, Problem
+from dse.loading.design_interfaces import misfits
 from dse.space.evaluate import compile_in
 from dse.space.places import Places
 from dse.space.wiring import Place, PortOf, port_pairs, two_sources, with_bench
 
 
 def check(space: DesignSpace) -> list[Problem]:
-    """What is wrong with the constraints, the alternatives' interfaces and the connections of *space*."""
-    problems = [problem for path, node in walk(space.root) for problem in _interfaces(path, node)]
+    """What is wrong with the constraints, the alternatives' interfaces and the connections of *space*.
+
+    Constraints that are switched off are looked at, too.
+    """
+    problems = misfits(space.root)
     if not problems:
         compounds = [(path, node) for path, node in walk(space.root) if isinstance(node, Compound)]
         problems += [problem for path, compound in compounds for problem in _wiring(path, compound)]
     places = Places(space)
-    for constraint in space.constraints:
+    for constraint in space.all_constraints:
         try:
             compile_in(constraint.rule, places)
         except DseError as error:
@@ -41,34 +45,15 @@ def check_bench_connections(
     return problems
 
 
-def _interfaces(path: str, node: Node) -> Iterable[Problem]:
-    if not isinstance(node, Alternative):
-        return
-    first = node.options[0]
-    for option in node.options:
-        if isinstance(option, Compound) and option.interface is None:
-            what = f"'{option.name}' at '{path}' is an architecture among alternatives without an interface"
-            offered = f" {first.interface.name}" if first.interface else ""
-            yield Problem(what, option.where, f"add implements:{offered or ' …'}")
-        elif option.interface and first.interface and not _alike(option.interface, first.interface):
-            what = (
-                f"alternatives at '{path}' have different interfaces: "
-                f"'{first.name}' is a {first.interface.name}, '{option.name}' a {option.interface.name}"
-            )
-            yield Problem(what, option.where or node.where, "alternatives must be exchangeable")
-
-
-def _alike(a: Interface, b: Interface) -> bool:
-    return a.name == b.name and set(a.ports) == set(b.ports)
-
-
 def _place(node: Node, path: str, *, optional: bool) -> tuple[Place, frozenset[str]]:
     """The place with every part there, alternatives by their interface; and the paths that may be left out."""
     match node:
         case Optional():
             return _place(node.content, path, optional=True)
         case Part() | Alternative():
-            return Place(path, node.interface, {}, (), is_component=True), frozenset({path} if optional else ())
+            name = node.name if isinstance(node, Part) else node.options[0].name
+            place = Place(path, node.interface, {}, (), is_component=True, name=name)
+            return place, frozenset({path} if optional else ())
         case Compound():
             parts: dict[str, Place | None] = {}
             missing = frozenset({path} if optional else ())
@@ -80,6 +65,7 @@ def _place(node: Node, path: str, *, optional: bool) -> tuple[Place, frozenset[s
 
 def _wiring(path: str, compound: Compound) -> Iterable[Problem]:
     scope, may_miss = _place(compound, path, optional=False)
+    types = dict(_types(scope))
     driven: set[PortOf] = set()
     always: dict[PortOf, Connection] = {}
     for connection in compound.connections:
@@ -89,6 +75,10 @@ def _wiring(path: str, compound: Compound) -> Iterable[Problem]:
             yield from error.problems
             continue
         for source, target in pairs:
+            difference = same_signal(types[source], types[target])
+            if difference:
+                shown = f"{'.'.join(filter(None, source))} -> {'.'.join(filter(None, target))}: {difference}"
+                yield Problem(shown, connection.where, "both ends must carry the same unit and type")
             driven.add(target)
             if source[0] in may_miss or target[0] in may_miss:
                 continue
@@ -99,3 +89,11 @@ def _wiring(path: str, compound: Compound) -> Iterable[Problem]:
         if port.causality is Causality.OUTPUT and (path, port.name) not in driven:
             what = f"nothing inside '{compound.name}' gives its output '{port.name}'"
             yield Problem(what, compound.where, f"add a connection '… -> {port.name}'")
+
+
+def _types(place: Place) -> Iterable[tuple[PortOf, Type]]:
+    """The type of every port at and below *place*."""
+    yield from (((place.path, port.name), port.type) for port in (place.interface.ports if place.interface else ()))
+    for part in place.parts.values():
+        if part:
+            yield from _types(part)

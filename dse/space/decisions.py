@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import prod
 
 from dse.domain.component import Component
@@ -39,12 +39,17 @@ class Decision:
 
 @dataclass(frozen=True, slots=True)
 class Site:
-    """A component, or an architecture (*component* None), that stands at *path* when *condition* is met."""
+    """A component, or an architecture (*component* None), that stands at *path* when *condition* is met.
+
+    *branch* says the same in one step: the position of the innermost decision above, and the number of its branch
+    that brings the site along; None for what is always there.
+    """
 
     path: str
     name: str
     component: Component | None
     condition: Condition
+    branch: tuple[int, int] | None = None
 
     def is_there(self, choices: Choices) -> bool:
         """Whether the choices put this here."""
@@ -59,8 +64,9 @@ def decisions(space: DesignSpace) -> tuple[Decision, ...]:
 def sites(space: DesignSpace) -> tuple[Site, ...]:
     """Everything that can stand somewhere, in the order of the file; the root compound is not a site."""
     times = Counter(decision.path for decision in flat(decisions(space)))
-    found = (site for name, child in space.root.parts.items() for site in _sites(child, name, ()))
-    return tuple(Site(s.path, s.name, s.component, _shortened(s.condition, times)) for s in found)
+    positions = _Positions()
+    found = (site for name, child in space.root.parts.items() for site in _sites(child, name, (), None, positions))
+    return tuple(replace(site, condition=_shortened(site.condition, times)) for site in found)
 
 
 def flat(tree: tuple[Decision, ...]) -> Iterator[Decision]:
@@ -110,21 +116,26 @@ def _branches(node: Node, path: str, positions: _Positions) -> tuple[Branch, ...
             return (Branch(node.name, _decisions(node, path, positions)),)
 
 
-def _sites(node: Node, path: str, condition: Condition) -> Iterator[Site]:
+def _sites(
+    node: Node, path: str, condition: Condition, branch: tuple[int, int] | None, positions: _Positions
+) -> Iterator[Site]:
     match node:
         case Part():
-            yield Site(path, node.name, node.component, condition)
+            yield Site(path, node.name, node.component, condition, branch)
         case Compound():
-            yield Site(path, node.name, None, condition)
+            yield Site(path, node.name, None, condition, branch)
             for name, child in node.parts.items():
-                yield from _sites(child, _join(path, name), condition)
+                yield from _sites(child, _join(path, name), condition, branch, positions)
         case Alternative():
-            for option in node.options:
-                yield from _sites(option, path, (*condition, (path, option.name)))
+            position = positions.take()
+            for number, option in enumerate(node.options):
+                below = (*condition, (path, option.name))
+                yield from _sites(option, path, below, (position, number), positions)
         case Optional(Alternative() as content):
-            yield from _sites(content, path, condition)
+            yield from _sites(content, path, condition, branch, positions)
         case Optional(Part() | Compound() as content):
-            yield from _sites(content, path, (*condition, (path, content.name)))
+            below = (*condition, (path, content.name))
+            yield from _sites(content, path, below, (positions.take(), 0), positions)
 
 
 def _shortened(condition: Condition, times: Mapping[str, int]) -> Condition:

@@ -12,9 +12,6 @@ from dse.space.decisions import Choices, Condition
 
 T = TypeVar("T")
 
-ROLLUPS = ("sum", "min", "max", "mean", "product", "count")
-"""Roll-ups over a property: ``sum(cost)``, ``max(mass, powertrain)``."""
-
 
 def lookup(entries: Sequence[tuple[Condition, T]]) -> Callable[[Choices], T | None]:
     """The one entry whose condition is met, None if there is none. At most one may be met at a time."""

@@ -11,7 +11,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
-from dse.domain.component import Causality, Interface, Port
+from dse.domain.component import NO_INTERFACE, Causality, Interface, Port
 from dse.domain.design import Alternative, Compound, Connection, DesignSpace, Node, Optional, Part
 from dse.errors import DseError, Problem, closest, fail, raise_if_any
 from dse.space.decisions import Choices
@@ -22,13 +22,14 @@ PortOf = tuple[str, str]
 
 @dataclass(frozen=True, slots=True)
 class Place:
-    """What stands at *path*, with the parts inside it; a part that is left out is None."""
+    """What stands at *path*, with the parts inside it; a part that is left out is None. *name* is for messages."""
 
     path: str
     interface: Interface | None
     parts: Mapping[str, Place | None]
     connections: tuple[Connection, ...] = ()
     is_component: bool = False
+    name: str = ""
 
 
 def wire(
@@ -72,7 +73,10 @@ def wire(
 
 def with_bench(root: Place, test_components: Mapping[str, Interface], connections: Iterable[Connection]) -> Place:
     """The design's root with the test components beside its parts."""
-    bench = {name: Place(name, interface, {}, (), True) for name, interface in test_components.items()}
+    bench = {
+        name: Place(name, interface if interface != NO_INTERFACE else None, {}, (), True, name)
+        for name, interface in test_components.items()
+    }
     return Place("", None, {**root.parts, **bench}, (*root.connections, *connections))
 
 
@@ -99,11 +103,12 @@ def port_pairs(connection: Connection, scope: Place) -> list[tuple[PortOf, PortO
         if not source.gives(port) and name not in target.ports
     ]
     if not forth:
-        raise fail(f"{connection}: no signal goes this way", connection.where, _backwards(source, target))
+        where = connection.place(connection.source)
+        raise fail(f"{connection}: no signal goes this way", where, _backwards(source, target))
     if bare:
         raise fail(
             f"{connection}: nothing is given to {', '.join(bare)}",
-            connection.where,
+            connection.place(connection.target),
             f"{connection.source} has {_names(source)}, {connection.target} has {_names(target)}",
         )
     return forth + back
@@ -138,7 +143,7 @@ def _chosen(node: Node, path: str, choices: Choices) -> Place:
 def _place(node: Node, path: str, choices: Choices) -> Place | None:
     match node:
         case Part():
-            return Place(path, node.interface, {}, (), True)
+            return Place(path, node.interface, {}, (), True, node.name)
         case Compound():
             parts = {
                 name: _place(child, f"{path}.{name}" if path else name, choices) for name, child in node.parts.items()
@@ -180,16 +185,21 @@ def _end(connection: Connection, text: str, scope: Place) -> _End | None:
     if steps[0] in scope.parts:
         place, taken = scope.parts[steps[0]], 1
         while place is not None and place.interface is None:
+            if place.is_component:
+                where = connection.place(text)
+                what = f"{connection}: '{place.name}' has no interface, so nothing can be connected to it"
+                raise fail(what, where, f"add implements: … to the component '{place.name}'")
             if taken == len(steps) or steps[taken] not in place.parts:
                 missing = steps[taken] if taken < len(steps) else ""
                 raise fail(
                     f"{connection}: '{'.'.join(steps[:taken])}' has no part '{missing}'",
-                    connection.where,
+                    connection.place(text, taken),
                     closest(missing, place.parts),
                 )
             place, taken = place.parts[steps[taken]], taken + 1
     elif scope.interface is None:
-        raise fail(f"{connection}: unknown part '{steps[0]}'", connection.where, closest(steps[0], scope.parts))
+        where = connection.place(text)
+        raise fail(f"{connection}: unknown part '{steps[0]}'", where, closest(steps[0], scope.parts))
     if place is None or place.interface is None:
         return None
     name = ".".join(steps[taken:])
@@ -200,7 +210,8 @@ def _end(connection: Connection, text: str, scope: Place) -> _End | None:
         what = f"has no port '{name}'" if name else "stands without a port"
         if taken == 0:
             known |= set(scope.parts)
-        raise fail(f"{connection}: {owner} ({place.interface.name}) {what}", connection.where, closest(name, known))
+        shown = f"{connection}: {owner} ({place.interface.name}) {what}"
+        raise fail(shown, connection.place(text, taken if name else 0), closest(name, known))
     return _End(place, {port.name[len(name) :]: port for port in found}, place is scope)
 
 

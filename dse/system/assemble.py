@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Collection, Iterable, Mapping
 
-from dse.domain.component import Causality, Component, FmuSource, Kind, Type, Value, as_number
+from dse.domain.component import Causality, Component, FmuSource, Kind, Type, Value, as_number, same_signal
 from dse.domain.design import Connection
 from dse.domain.fmu import FmuModel, Variable
 from dse.domain.system import Element, SystemStructure, Wire
 from dse.errors import DseError, Location, Problem, raise_if_any
-from dse.system.ports import find_port, same_signal
+from dse.system.ports import find_port
 
 
 def assemble(

@@ -1,10 +1,10 @@
-"""Ends of connections: finding the port a path names, and whether two ports carry the same signal."""
+"""Ends of connections: finding the port a path names."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 
-from dse.domain.component import Component, Kind, Port, Type
+from dse.domain.component import Component, Port
 from dse.domain.design import Connection, split_path
 from dse.errors import DseError, Problem
 
@@ -22,17 +22,6 @@ def find_port(end: str, parts: Mapping[str, Component], connection: Connection |
     if port is None:
         raise DseError(_no_port(end, part, name, parts[part], connection))
     return part, name, port
-
-
-def same_signal(source: Type, target: Type) -> str:
-    """Why a connection between the two types is wrong, or "" if it is right."""
-    if source.kind is not target.kind:
-        return f"types differ: {source} and {target}"
-    if source.kind is Kind.ENUMERATION and source.items != target.items:
-        return f"types differ: {source} and {target}"
-    if source.kind is Kind.REAL and source.unit.dimension != target.unit.dimension:
-        return f"units differ: {source} and {target}"
-    return ""
 
 
 def _no_port(end: str, part: str, name: str, component: Component, connection: Connection | None) -> Problem:

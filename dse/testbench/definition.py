@@ -11,10 +11,9 @@ from typing import Any
 from dse import __version__
 from dse.domain.bench import Figure, Metric, Requirement
 from dse.domain.design import Configuration, DesignSpace
-from dse.domain.expression import Call, Name
 from dse.domain.study import FullFactorial, LatinHypercube, Sampler, Study
-from dse.loading.expression import descend
 from dse.space.decisions import decisions, flat
+from dse.space.totals import summed_properties
 from dse.testbench.prepared import PreparedBench
 from dse.units import Unit
 
@@ -92,16 +91,6 @@ def describe_configuration(configuration: Configuration, space: DesignSpace) -> 
         "components": {path: component.name for path, component in configuration.parts.items()},
         "totals": totals,
     }
-
-
-def summed_properties(space: DesignSpace) -> tuple[str, ...]:
-    """Names of the properties that the constraints of *space* add up over the whole design, in their order."""
-    names: dict[str, None] = {}
-    for constraint in space.constraints:
-        for node in descend(constraint.rule.root):
-            if isinstance(node, Call) and node.function == "sum" and isinstance(node.arguments[0], Name):
-                names.setdefault(node.arguments[0].path)
-    return tuple(names)
 
 
 def _configuration(prepared: PreparedBench, space: DesignSpace) -> dict[str, Any]:

@@ -6,7 +6,6 @@ from dse.domain.design import Configuration, DesignSpace
 from dse.domain.study import Selection
 from dse.errors import Location, fail
 from dse.space.enumerate import configurations, find
-from dse.space.evaluate import matching
 
 
 def selected(space: DesignSpace, selection: Selection, where: Location | None = None) -> list[Configuration]:
@@ -14,7 +13,7 @@ def selected(space: DesignSpace, selection: Selection, where: Location | None = 
     if selection.ids:
         return list({(c := find(space, name)).id: c for name in selection.ids}.values())
     condition = selection.where
-    found = list(matching(space, condition, configurations(space)) if condition else configurations(space))
+    found = list(configurations(space, condition))
     if not found:
         what = "no configuration meets the condition" if condition else f"'{space.name}' has no valid configuration"
         place = condition.where if condition else where or space.where

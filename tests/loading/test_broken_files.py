@@ -106,7 +106,6 @@ CASES = [
     ("objectives", "testbenches/gains.pet.yaml", "sampler:", "objectives: [gap]\nsampler:", "testbenches/gains.pet.yaml:5:1", "'objectives' is not supported in this version", "docs/formats.md"),
     ("uncertain", "testbenches/gains.pet.yaml", "sampler:", "uncertain: {}\nsampler:", "testbenches/gains.pet.yaml:5:1", "'uncertain' is not supported in this version", "docs/formats.md"),
     ("sample of configurations", "testbenches/gains.pet.yaml", "sampler:", "configurations: {sample: 3}\nsampler:", "testbenches/gains.pet.yaml:5:18", "'sample' is not supported in this version", "docs/formats.md"),
-    ("require_with", "designs/car.yaml", "require: sum(cost) <= 100 EUR", "require_with: [a, b]", "designs/car.yaml:9:12", "'require_with' is not supported in this version", "docs/formats.md"),
     ("number for a sampler", "testbenches/gains.pet.yaml", "sampler: full_factorial", "sampler: 3", "testbenches/gains.pet.yaml:5:10", "'sampler': expected text or a mapping, found 3", ""),
     ("list for a value", "testbenches/following.yaml", "set_gap: 40 m}", "set_gap: [40]}", "testbenches/following.yaml:8:34", "'parameters.controller.set_gap': expected text, a number or true or false, found [40]", ""),
     ("unknown key where text could stand", "testbenches/gains.pet.yaml", "sampler: full_factorial", "sampler: {latin: 3}", "testbenches/gains.pet.yaml:5:11", "unknown key 'latin'", "latin_hypercube"),

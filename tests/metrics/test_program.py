@@ -168,7 +168,7 @@ REFUSED = [
     ("minimum(time_to_collision(world.closing, world.gap))", 26, "must be length, found length/time", "give it in m"),
     ("duration(world.gap)", 9, "expected a condition", "compare it"),
     ("duration(controller.active)", 9, "'controller.active' does not vary", "varies in time"),
-    ("minimum(world.gap) + 1 s", 0, "cannot add length and time", "same unit"),
+    ("minimum(world.gap) + 1 s", 21, "cannot add length and time", "same unit"),
     ("minimum(world.gap) < 3 m", 0, "expected a number, found a condition", "arithmetic"),
     ("minimum(controller.mode)", 8, "expected a number, found one of speed, distance", "arithmetic"),
     ("duration(controller.mode == brake)", 28, "unknown name 'brake'", "possible"),

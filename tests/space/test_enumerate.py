@@ -12,8 +12,11 @@ from dse.domain.component import Component, Interface
 from dse.domain.design import Alternative, Compound, Constraint, DesignSpace, Optional, Part
 from dse.errors import DseError
 from dse.loading.expression import parse_expression
-from dse.space.enumerate import configurations, count, find, total, violated
+from dse.space.enumerate import configurations, count, engine_of, find, total, violated
+from dse.space.evaluate import compile_rule
+from dse.space.identify import Identifier
 from dse.space.resolve import identify, resolve
+from dse.space.tally import Tally
 from dse.units import parse_quantity
 
 ANY = Interface("any", ())
@@ -65,7 +68,7 @@ def test_parts_that_are_no_decision_are_parts_but_no_choices():
 
 
 def test_a_space_of_one_design_has_one_configuration():
-    assert (total(space({"s": part("a")})), count(space({"s": part("a")}))) == (1, 1)
+    assert (total(space({"s": part("a")})), count(space({"s": part("a")}))) == (1, Tally(1))
 
 
 def test_the_total_of_a_huge_space_is_exact_and_its_first_design_comes_at_once():
@@ -78,17 +81,27 @@ def test_the_total_of_a_huge_space_is_exact_and_its_first_design_comes_at_once()
 
 def test_a_constraint_on_early_decisions_is_counted_without_visiting_the_rest():
     parts = {f"p{i}": SENSOR for i in range(60)}
-    assert count(space(parts, "p0 is not a")) == 2 * 3**59
+    assert count(space(parts, "p0 is not a")) == Tally(2 * 3**59)
 
 
-def test_counting_is_refused_beyond_the_limit_and_says_how_to_raise_it():
+def test_a_sum_over_a_huge_space_is_counted_exactly():
     parts = {f"p{i}": SENSOR for i in range(60)}
-    with pytest.raises(DseError, match="more than the limit of 10,000,000") as caught:
-        count(space(parts, "sum(cost) <= 100 EUR"))
-    assert "--limit" in str(caught.value)
-    with pytest.raises(DseError, match="limit of 8"):
-        count(space({"s": SENSOR, "t": SENSOR}, "same_choice(s, t)"), limit=8)
-    assert count(space({"s": SENSOR, "t": SENSOR}, "same_choice(s, t)"), limit=9) == 3
+    # a, b and c cost 1.5, 2.5 and 3.5 EUR; the sums are symmetric about 150 EUR, and (1 + x + x²)^60 has this middle.
+    powers = [1]
+    for _ in range(60):
+        powers = [sum(powers[max(i - 2, 0) : i + 1]) for i in range(len(powers) + 2)]
+    assert count(space(parts, "sum(cost) <= 150 EUR")) == Tally((3**60 + powers[60]) // 2)
+
+
+def test_a_condition_that_is_undefined_selects_nothing():
+    parts = {"s": Optional(SENSOR), "t": ENGINE}
+    wanted = parse_expression("s.cost < 3 EUR")
+    found = [dict(c.choices) for c in configurations(space(parts), wanted)]
+    assert [c["s"] for c in found] == ["a", "a", "b", "b"]
+    both = parse_expression("s.cost < 3 EUR and t is d or sum(cost) > 9 EUR")
+    listed = {c.id for c in configurations(space(parts), both)}
+    rule = compile_rule(both, space(parts))
+    assert listed == {c.id for c in configurations(space(parts)) if rule.outcome(c.choices)}
 
 
 def test_a_partial_design_that_breaks_a_rule_is_not_continued():
@@ -106,6 +119,22 @@ def test_an_id_survives_another_order_of_the_file():
     assert len(one) == total(space({"s": SENSOR, "p": POWERTRAIN})) == 9
 
 
+def test_an_id_survives_new_alternatives_and_new_parts_that_are_left_out():
+    before = {c.id: c.choices for c in configurations(space({"s": SENSOR, "p": POWERTRAIN}))}
+    more = Alternative((part("f"), *SENSOR.options))
+    grown = space({"new": Optional(part("a")), "s": more, "p": POWERTRAIN, "fixed": part("b")}, "sum(cost) < 99 EUR")
+    after = {c.id: c.choices for c in configurations(grown)}
+    assert before.items() <= after.items()
+    assert len(after) == 2 * 4 * 3
+
+
+def test_ids_of_a_block_are_those_of_its_configurations():
+    twice = space({"p": POWERTRAIN, "ß": Optional(SENSOR), "a": ENGINE, "fixed": part("a")})
+    engine = engine_of(twice)
+    ids = [name for rows in engine.blocks() for name in Identifier(engine.flat.variables).ids(rows)]
+    assert ids == [identify(c.choices) for c in configurations(twice)] == [c.id for c in configurations(twice)]
+
+
 def test_an_id_is_ten_letters_and_digits_and_never_changes():
     assert identify({"s": "a", "p": "b"}) == identify({"p": "b", "s": "a"}) == "3ayi67tfyr"
 
@@ -118,6 +147,17 @@ def test_a_configuration_is_found_by_its_id_or_its_beginning():
         find(a_space, "zzz")
     with pytest.raises(DseError, match="no valid configuration ''"):
         find(a_space, "")
+
+
+def test_a_search_for_an_id_ends_and_says_how_far_it_got():
+    huge = space({f"p{i}": SENSOR for i in range(30)})
+    first = next(configurations(huge))
+    assert find(huge, first.id) == first
+    with pytest.raises(DseError, match=r"among the first [\d,]+ of 'car'") as caught:
+        find(huge, "zzzzzzzzzz", most=1000)
+    assert "--choose" in str(caught.value)
+    with pytest.raises(DseError, match="may stand for several"):
+        find(huge, first.id[:8], most=1000)
 
 
 def test_choices_become_a_configuration_only_if_they_fit():
@@ -146,7 +186,7 @@ def test_two_architectures_may_use_the_same_place_for_different_decisions():
         {"p": "other", "p.engine": "deep", "p.engine.k": "a", "s": "a"},
         {"p": "other", "p.engine": "deep", "p.engine.k": "b", "s": "a"},
     ]
-    assert count(space(twice, "p.engine is deep implies p.x is c")) == (2 + 2 + 2) * 3
+    assert count(space(twice, "p.engine is deep implies p.x is c")) == Tally((2 + 2 + 2) * 3)
 
 
 def test_the_constraints_a_design_breaks_are_named():
@@ -241,7 +281,7 @@ def test_listing_and_counting_agree_with_brute_force(design, data):
     constrained = space(design, *(text for text, _ in chosen))
     expected = [choices for choices, names in everything if all(holds(names) for _, holds in chosen)]
     assert choices_of(constrained) == expected
-    assert count(constrained) == len(expected)
+    assert count(constrained) == Tally(len(expected))
     for choices in expected:
         assert violated(constrained, choices) == ()
 

@@ -2,23 +2,30 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import pytest
 
-from dse.domain.component import Component, Interface
+from dse.domain.component import Component, Interface, Kind, Parameter, Type
 from dse.domain.design import Alternative, Compound, Constraint, DesignSpace, Optional, Part
 from dse.errors import DseError, Location
 from dse.loading.expression import parse_expression
 from dse.space.check import check
 from dse.space.enumerate import configurations
 from dse.space.evaluate import compile_rule, matching
-from dse.units import parse_quantity
+from dse.units import parse_quantity, parse_unit
 
 ANY = Interface("any", ())
 HERE = Location("designs/car.yaml", 3, 10)
 
 
-def part(name, **properties):
-    return Part(Component(name, ANY, properties={key: parse_quantity(text) for key, text in properties.items()}))
+def part(name, *parameters, **properties):
+    stated = {key: parse_quantity(text) for key, text in properties.items()}
+    return Part(Component(name, ANY, parameters=parameters, properties=stated))
+
+
+def parameter(name, start, low=None, high=None, unit="", kind=Kind.REAL):
+    return Parameter(name, Type(kind, parse_unit(unit)), start, low, high)
 
 
 RADAR = part("radar", cost="0.1 EUR", range="150 m", mass="200 g")
@@ -101,6 +108,19 @@ def outcome(text, choices):
         ("-sensor.range < 0 m", True, True),
         ("0.1 + 0.2 == 0.3", True, True),
         ("if sensor is radar then 1 m < 2 m else 2 m < 1 m", True, False),
+        ("at_least(2, sensor is radar, rear is camera, drive is hybrid)", False, True),
+        ("at_most(1, sensor is radar, rear is camera, drive is hybrid)", True, False),
+        ("exactly(1, sensor is radar, rear is camera, drive is hybrid)", True, False),
+        ("exactly(0, sensor is radar)", False, True),
+        ("at_least(1, rear.range > 1 m, sensor is radar)", True, True),
+        ("at_least(2, rear.range > 1 m, sensor is radar)", None, False),
+        ("at_most(0, rear.range > 1 m, sensor is camera)", None, False),
+        ("at_most(2, rear.range > 1 m, sensor is camera)", True, True),
+        ("exactly(1, rear.range > 1 m, sensor is camera, body is absent)", None, False),
+        ("exactly(2, rear.range > 1 m, sensor is radar, body is body)", None, True),
+        ("exactly(0, rear.range > 1 m, sensor is radar)", False, False),
+        ("(rear is present) == (drive is hybrid)", True, True),
+        ("(rear.range > 1 m) != (drive is hybrid)", None, False),
     ],
 )
 def test_a_condition_is_evaluated_exactly_on_what_is_chosen(text, small, full):
@@ -143,13 +163,55 @@ def test_a_guard_keeps_a_division_by_zero_away():
     assert outcome("sensor.range > 150 m and 1 m / (sensor.range - 150 m) > 0", SMALL) is False
 
 
+def test_a_range_of_a_parameter_is_a_value_as_it_was_written():
+    slow = part("slow", parameter("speed", 25 / 3.6, 5 / 3.6, 70 / 3.6, "km/h"), parameter("pid.gain", 0.1))
+    fast = part("fast", parameter("speed", 30 / 3.6, 0.0, 120 / 3.6, "km/h"), parameter("pid.gain", 0.3))
+    space = DesignSpace("car", Compound("car", {"a": Alternative((slow, fast)), "b": Optional(fast)}))
+
+    def holds(text, **choices):
+        return compile_rule(parse_expression(text), space).outcome(choices)
+
+    assert holds("a.speed.max == 70 km/h", a="slow") is True
+    assert holds("a.speed.max == 70 km/h", a="fast") is False
+    assert holds("a.speed.max - a.speed.min == 65 km/h and a.speed.start == 25 km/h", a="slow") is True
+    assert holds("a.pid.gain.start == 0.1", a="slow") is True
+    assert holds("b.speed.max > a.speed.max", a="slow") is None
+    assert holds("b.speed.max > a.speed.max", a="slow", b="fast") is True
+
+
+@pytest.mark.parametrize(
+    ("text", "offset", "what", "hint"),
+    [
+        ("a.sped.max > 1 m/s", 2, "nothing at 'a' has a parameter 'sped'", "did you mean 'speed'"),
+        ("a.speed.max > 1 m", 14, "cannot compare length/time and length", "same unit"),
+        ("a.open.max > 1 m/s", 0, "'fast', which can stand at 'a', has no number 'open.max'", "in parts/fast.yaml"),
+        ("a.only.max > 1", 0, "'fast', which can stand at 'a', has no parameter 'only'", "add it to the parameters"),
+        ("a.mode.start > 1", 0, "'slow', which can stand at 'a', has no number 'mode.start'", "parameters"),
+        ("a.speed > 1 m/s", 2, "nothing at 'a' states 'speed'", "cost"),
+        ("b.speed.max > 1 m/s", 0, "'b' can be several parts, so it has no 'speed' of its own", "one of its parts"),
+    ],
+)
+def test_a_range_that_is_not_there_is_refused_by_the_name_of_the_component(text, offset, what, hint):
+    speed = parameter("speed", 1.0, 0.0, 2.0, "m/s")
+    mode = Parameter("mode", Type(Kind.ENUMERATION, items=("on", "off")), "on")
+    ranged = (parameter("open", 1.0, 0.0, 2.0, "m/s"), parameter("only", 1.0, high=2.0))
+    slow = part("slow", speed, *ranged, mode, cost="1 EUR")
+    fast = part("fast", speed, parameter("open", 1.0, unit="m/s"), mode, cost="1 EUR")
+    fast = Part(replace(fast.component, where=Location("parts/fast.yaml", 1, 1)))
+    parts = {"a": Alternative((slow, fast)), "b": Compound("b", {"c": slow}, (), ANY)}
+    (problem,) = check(DesignSpace("car", Compound("car", parts), (Constraint("c", parse_expression(text, HERE)),)))
+    assert what in problem.what
+    assert hint in problem.hint
+    assert problem.where == Location(HERE.file, HERE.line, HERE.column + offset)
+
+
 REFUSED = [
-    ("sum(cost) <= 5 kg", 0, "cannot compare currency and mass", "same unit"),
-    ("sum(cost) <= 5", 0, "cannot compare currency and a plain number", "a bare number has none"),
-    ("true and sensor.rang > 5 m", 9, "nothing at 'sensor' states 'rang'", "did you mean 'range'"),
+    ("sum(cost) <= 5 kg", 13, "cannot compare currency and mass", "same unit"),
+    ("sum(cost) <= 5", 13, "cannot compare currency and a plain number", "a bare number has none"),
+    ("true and sensor.rang > 5 m", 16, "nothing at 'sensor' states 'rang'", "did you mean 'range'"),
     ("senor.range > 5 m", 0, "unknown place 'senor'", "did you mean 'sensor'"),
     ("senor is radar", 0, "unknown place 'senor'", "did you mean 'sensor'"),
-    ("sensor is rader", 0, "'rader' cannot be chosen for 'sensor'", "did you mean 'radar'"),
+    ("sensor is rader", 10, "'rader' cannot be chosen for 'sensor'", "did you mean 'radar'"),
     ("sum(cots) < 1 EUR", 4, "no component states 'cots'", "did you mean 'cost'"),
     ("sum(cost, reer) < 1 EUR", 10, "unknown place 'reer'", "did you mean 'rear'"),
     ("sum(cost, body) < 1 EUR", 0, "nothing at 'body' states 'cost'", "leave out the place"),
@@ -164,7 +226,7 @@ REFUSED = [
     ("sensor.range", 0, "expected a condition, found a number (length)", "compare it"),
     ("sensor.range and true", 0, "expected a condition", "compare it"),
     ("1 + true > 1", 4, "expected a number, found a condition", "arithmetic"),
-    ("sensor.range + 1 s > 1 m", 0, "cannot add length and time", "same unit"),
+    ("sensor.range + 1 s > 1 m", 15, "cannot add length and time", "same unit"),
     ("sensor.range ^ sensor.range > 1", 15, "an exponent has no unit", "bare number"),
     ("sensor.range ^ count(cost) > 1", 15, "must be written out", "open"),
     ("product(cost) > 1", 0, "cannot multiply up 'cost'", "number of parts"),
@@ -175,10 +237,18 @@ REFUSED = [
     ("floor(1 m) > 1 m", 0, "plain number", "same unit"),
     ("same_choice(sensor) ", 0, "needs two places", "same_choice(front"),
     ("same_choice(sensor, 1)", 20, "compares places", "same_choice(front"),
+    ("at_least(sensor is radar)", 9, "'at_least' needs to know how many", "at_least(2, a is x"),
+    ("at_least()", 0, "'at_least' needs to know how many", "at_least(2, a is x"),
+    ("at_least(1.5, sensor is radar)", 9, "needs to know how many", "write a number"),
+    ("at_most(2 m, sensor is radar)", 8, "needs to know how many", "write a number"),
+    ("exactly(2)", 0, "'exactly' needs conditions", "exactly(2, a is x"),
+    ("exactly(2, sensor is radar, sensor.range)", 28, "expected a condition", "compare it"),
+    ("at_least(3, sensor is radar, true)", 9, "3 of 2 conditions can never hold", "lower the number"),
+    ("at_lest(1, sensor is radar)", 11, "expected a number", "arithmetic"),
     ("if 1 then true else true", 3, "expected a condition", "compare it"),
     ("if true then 1 else 2 m > 3 m", 0, "cannot choose between", "same unit"),
     ("true < false", 0, "expected a number", "arithmetic"),
-    ("true == 1", 0, "cannot compare a condition and a plain number", "same unit"),
+    ("true == 1", 8, "cannot compare a condition and a plain number", "same unit"),
 ]
 
 

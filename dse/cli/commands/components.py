@@ -59,7 +59,7 @@ def _data(component: Component) -> dict[str, object]:
     return {
         "component": component.name,
         "title": component.title,
-        "implements": component.interface.name,
+        "implements": component.interface.name or None,
         "source": _kind(component),
         "properties": {name: str(quantity) for name, quantity in component.properties.items()},
         "parameters": {

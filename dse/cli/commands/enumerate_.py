@@ -2,111 +2,173 @@
 
 from __future__ import annotations
 
-import csv
 import sys
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from enum import StrEnum
-from itertools import islice
+from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from dse.cli.app import app, console, print_json, print_table
-from dse.cli.arguments import Design, workspace_of
+from dse.cli.arguments import Design
+from dse.cli.space import Off, On, Seed, Where, condition_of, space_of
 
 if TYPE_CHECKING:
-    from dse.domain.design import Configuration, DesignSpace
+    from dse.domain.design import DesignSpace
+    from dse.space.engine import Engine
+    from dse.space.flat import Rows
+    from dse.space.sheet import Sheet
 
 
 class Listing(StrEnum):
     """How configurations are listed."""
 
     TABLE = "table"
-    JSON = "json"
     CSV = "csv"
+    JSON = "json"
+    JSON_LINES = "jsonl"
+    PARQUET = "parquet"
+
+
+SHOWN = 100
+"""Rows of a table where no limit is given; files and streams are complete."""
 
 
 @app.command("enumerate")
 def enumerate_(
     design: Design,
     count: Annotated[bool, typer.Option("--count", help="Only how many there are.")] = False,
+    exact: Annotated[bool, typer.Option("--exact", help="With --count: no estimate, however long it takes.")] = False,
     output: Annotated[
-        Listing, typer.Option("--format", help="For a person, a program or a spreadsheet.")
+        Listing, typer.Option("--format", help="For a person, a spreadsheet or a program.")
     ] = Listing.TABLE,
+    target: Annotated[
+        Path | None,
+        typer.Option("--output", "-o", metavar="FILE", help="Write a .csv, .json, .jsonl or .parquet file."),
+    ] = None,
     limit: Annotated[int | None, typer.Option("--limit", "-n", min=1, help="List only the first N.")] = None,
+    sample: Annotated[int | None, typer.Option("--sample", min=1, help="Draw N at random, each as likely.")] = None,
+    seed: Seed = 0,
+    where: Where = None,
+    on: On = [],
+    off: Off = [],
+    interactive: Annotated[bool, typer.Option("--interactive", "-i", help="Choose step by step, with counts.")] = False,
 ) -> None:
-    """List or count the valid configurations.
+    """List, count or draw the valid configurations.
 
     Valid are those that meet every static constraint of the design space.
+
+    A table shows the first 100 unless --limit says otherwise; CSV, JSON and files hold all.
     """
-    from dse.errors import DseError
-    from dse.space.check import check
-    from dse.space.enumerate import configurations
+    from dse.space.enumerate import engine_of
+    from dse.space.sheet import Sheet
 
-    space = workspace_of(design).design(design)
-    problems = check(space)
-    if problems:
-        raise DseError(*problems)
-    if count:
-        _count(space, output)
-        return
-    found = islice(configurations(space), limit)
-    if output is Listing.JSON:
-        from dse.testbench.definition import describe_configuration
+    if exact and not count:
+        raise typer.BadParameter("goes with --count", param_hint="--exact")
+    if sample is not None and limit is not None:
+        raise typer.BadParameter("one of --sample and --limit", param_hint="--sample")
+    space = space_of(design, on, off)
+    engine = engine_of(space, condition_of(where))
+    if interactive:
+        from dse.cli.interactive import choose
 
-        print_json([describe_configuration(c, space) for c in found])
-    elif output is Listing.CSV:
-        _csv(space, found)
+        choose(space, engine, target)
+    elif count:
+        _count(space, engine, seed, output, exact=exact)
+    elif target is not None:
+        _save(Sheet(space), _drawn(engine, sample, seed) if sample else _limited(engine.blocks(), limit), target)
+    elif output is not Listing.TABLE:
+        _stream(Sheet(space), _drawn(engine, sample, seed) if sample else _limited(engine.blocks(), limit), output)
+    elif sample is not None:
+        (rows,) = _drawn(engine, sample, seed)
+        _table(Sheet(space), rows)
+        console().print(f"{len(rows)} drawn, each valid configuration as likely as any other")
     else:
-        _table(space, list(found), limit)
+        _first(space, engine, limit or SHOWN, limit is None)
 
 
-def _count(space: DesignSpace, output: Listing) -> None:
-    from dse.space.enumerate import count, total
+def _count(space: DesignSpace, engine: Engine, seed: int, output: Listing, *, exact: bool) -> None:
+    from dse.cli.tallies import number_text, tally_data, tally_text
+    from dse.space.enumerate import total
+    from dse.space.tally import Tally
 
-    numbers = {"design": space.name, "total": total(space), "valid": count(space)}
-    if output is Listing.JSON:
+    tally = Tally(engine.exactly()) if exact else engine.count(seed)
+    numbers = {"design": space.name, "total": total(space), **tally_data(tally)}
+    if output in (Listing.JSON, Listing.JSON_LINES):
         print_json(numbers)
     elif output is Listing.CSV:
+        import csv
+
         csv.writer(sys.stdout, lineterminator="\n").writerows([numbers.keys(), numbers.values()])
+    elif output is Listing.PARQUET:
+        raise typer.BadParameter("a count is one number: table, csv or json", param_hint="--format")
     else:
-        console().print(f"{space.name}: {numbers['valid']} of {numbers['total']} configurations are valid")
+        shown = f"{space.name}: {tally_text(tally)} of {number_text(numbers['total'])} configurations are valid"
+        console().print(shown, soft_wrap=True)
 
 
-def _csv(space: DesignSpace, found: Iterator[Configuration]) -> None:
-    from dse.testbench.definition import places
+def _save(sheet: Sheet, blocks: Iterable[Rows], target: Path) -> None:
+    from dse.space.export import save
 
-    columns = places(space)
-    writer = csv.writer(sys.stdout, lineterminator="\n")
-    writer.writerow(["id", *columns])
-    for configuration in found:
-        writer.writerow([configuration.id, *(configuration.choices.get(place, "") for place in columns)])
+    written = save(sheet, blocks, target)
+    console().print(f"{target}: {written:,} configurations", soft_wrap=True)
 
 
-def _table(space: DesignSpace, found: list[Configuration], limit: int | None) -> None:
+def _stream(sheet: Sheet, blocks: Iterable[Rows], output: Listing) -> None:
+    from dse.space.export import WRITERS
+
+    if output is Listing.PARQUET and sys.stdout.isatty():
+        raise typer.BadParameter("parquet is no text: name a file with -o", param_hint="--format")
+    WRITERS[output.value](sheet, blocks, sys.stdout.buffer)
+
+
+def _first(space: DesignSpace, engine: Engine, most: int, cut: bool) -> None:
+    from dse.cli.tallies import number_text
+    from dse.space.enumerate import total
+    from dse.space.sheet import Sheet
+
+    rows = engine.rows(most + 1)
+    more = len(rows) > most
+    _table(Sheet(space), rows[:most])
+    every = number_text(total(space))
+    if not more:
+        console().print(f"{len(rows)} of {every} configurations are valid", soft_wrap=True)
+        return
+    console().print(f"the first {most}; {every} in total before the static constraints", soft_wrap=True)
+    if cut:
+        console().print("more: --limit N shows N, -o FILE writes all, --count says how many", soft_wrap=True)
+
+
+def _table(sheet: Sheet, rows: Rows) -> None:
+    import math
+
     from rich.table import Table
 
-    from dse.space.enumerate import total
-    from dse.testbench.definition import describe_configuration, places, summed_properties
-
-    described = [describe_configuration(configuration, space) for configuration in found]
-    shared = summed_properties(space)
-    columns = places(space)
     table = Table(box=None, pad_edge=False, header_style="bold")
-    for heading in ("id", *columns):
+    for heading in ("id", *(place.path for place in sheet.places)):
         table.add_column(heading, no_wrap=True)
-    for heading in shared:
-        table.add_column(heading, justify="right", no_wrap=True)
-    for data in described:
-        totals = [data["totals"].get(name) for name in shared]
-        table.add_row(
-            data["id"],
-            *(data["choices"].get(place, "–") for place in columns),
-            *(f"{t['value']:g} {t['unit']}" if t else "–" for t in totals),
-        )
+    for total in sheet.totals:
+        table.add_column(total.name, justify="right", no_wrap=True)
+    columns = [sheet.ids(rows)]
+    columns += [[place.names[code] if code >= 0 else "–" for code in place.of(rows).tolist()] for place in sheet.places]
+    for total in sheet.totals:
+        unit = total.unit.symbol
+        columns.append(["–" if math.isnan(v) else f"{v:g} {unit}".rstrip() for v in total.values(rows).tolist()])
+    for cells in zip(*columns, strict=True):
+        table.add_row(*cells)
     print_table(table)
-    screen = console()
-    if limit is not None and len(found) == limit:
-        screen.print(f"the first {limit}; {total(space)} in total before the static constraints")
-    else:
-        screen.print(f"{len(found)} of {total(space)} configurations are valid")
+
+
+def _drawn(engine: Engine, number: int, seed: int) -> tuple[Rows]:
+    return (engine.sample(number, seed),)
+
+
+def _limited(blocks: Iterator[Rows], limit: int | None) -> Iterator[Rows]:
+    missing = limit
+    for rows in blocks:
+        yield rows if missing is None else rows[:missing]
+        if missing is not None:
+            missing -= len(rows)
+            if missing <= 0:
+                return

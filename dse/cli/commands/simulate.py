@@ -12,7 +12,7 @@ from dse.cli.arguments import Bench, Configuration, FmiVersion, Format, Gate, Ou
 def simulate(
     bench: Bench,
     configuration: Configuration = None,
-    settings: Settings = [],  # noqa: B006  # typer reads the default and never changes it
+    settings: Settings = [],
     plot: Plot = None,
     output: Format = Output.TABLE,
     version: FmiVersion = 2,

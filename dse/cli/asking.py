@@ -1,0 +1,51 @@
+"""A question to a design space: the space, and which part of it the options leave to look at."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from dse.cli.space import condition_of, space_of
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from dse.domain.design import DesignSpace
+    from dse.space.engine import Engine
+
+
+@dataclass(frozen=True, slots=True)
+class Question:
+    """*engine* answers about the configurations of *space* that have what is *chosen* and meet *where*."""
+
+    space: DesignSpace
+    engine: Engine
+    chosen: Mapping[str, str]
+    where: str | None
+
+    def title(self) -> str:
+        """What is asked about, for a person: ``acc_vehicle with sensor=radar where cost <= 9000 EUR``."""
+        given = f" with {', '.join(f'{path}={choice}' for path, choice in self.chosen.items())}" if self.chosen else ""
+        return f"{self.space.name}{given}{f' where {self.where}' if self.where else ''}"
+
+    def data(self) -> dict[str, object]:
+        """The same for a program."""
+        return {"design": self.space.name, "chosen": dict(self.chosen), "where": self.where}
+
+    def is_narrowed(self) -> bool:
+        """Whether only part of the space is asked about."""
+        return bool(self.chosen or self.where)
+
+
+def ask(design: str, choose: list[str], where: str | None, on: list[str], off: list[str]) -> Question:
+    """The question that the options put. Raises DseError with all problems."""
+    from dse.space.choosing import choosing, read_choices
+    from dse.space.engine import Engine
+    from dse.space.lowering import selecting
+
+    space = space_of(design, on, off)
+    chosen = read_choices(space, choose)
+    condition = condition_of(where)
+    engine = Engine.of(space)
+    rules = (*choosing(engine.flat, chosen), *(selecting(space, condition) if condition else ()))
+    return Question(space, engine.having(*rules) if rules else engine, chosen, where)

@@ -1,0 +1,135 @@
+"""``dse space best`` and ``dse space pareto``."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from dse.cli.app import console, plain, print_json, print_table
+from dse.cli.arguments import Design, Format, Output
+from dse.cli.asking import ask
+from dse.cli.space import Choose, Off, On, Where, space_app
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from dse.cli.asking import Question
+    from dse.space.questions.optimum import Aim, Ranked
+
+Minimize = Annotated[
+    list[str] | None,
+    typer.Option("--minimize", metavar="VALUE", help="What to make small, as 'sum(cost)'."),
+]
+Maximize = Annotated[
+    list[str] | None,
+    typer.Option("--maximize", metavar="VALUE", help="What to make large, as 'sum(power) / sum(mass)'."),
+]
+
+
+_PLACES = 6
+"""Places in which the configurations differ that a table has room for."""
+
+
+@space_app.command("best")
+def space_best(
+    design: Design,
+    minimize: Minimize = None,
+    maximize: Maximize = None,
+    number: Annotated[int, typer.Option("--number", "-n", min=1, help="How many.")] = 10,
+    choose: Choose = [],
+    where: Where = None,
+    on: On = [],
+    off: Off = [],
+    output: Format = Output.TABLE,
+) -> None:
+    """List the best valid configurations under one objective.
+
+    Exact and complete: there is none better than those listed.
+    """
+    from dse.space.questions.optimum import aims, best_configurations
+
+    wanted = aims(minimize or [], maximize or [])
+    if len(wanted) != 1:
+        raise typer.BadParameter("give one objective; for several ask 'dse space pareto'", param_hint="--minimize")
+    question = ask(design, choose, where, on, off)
+    _show(question, wanted, best_configurations(question.space, question.engine, wanted[0], number), output)
+
+
+@space_app.command("pareto")
+def space_pareto(
+    design: Design,
+    minimize: Minimize = None,
+    maximize: Maximize = None,
+    choose: Choose = [],
+    where: Where = None,
+    on: On = [],
+    off: Off = [],
+    output: Format = Output.TABLE,
+) -> None:
+    """List the configurations that no other one beats in every objective.
+
+    The complete Pareto set over sums of properties, with one configuration for each of its points.
+    """
+    from dse.space.questions.optimum import aims, pareto_set
+
+    wanted = aims(minimize or [], maximize or [])
+    if len(wanted) < 2:
+        raise typer.BadParameter("give two objectives or more", param_hint="--minimize, --maximize")
+    question = ask(design, choose, where, on, off)
+    _show(question, wanted, pareto_set(question.space, question.engine, wanted), output)
+
+
+def _show(question: Question, wanted: Sequence[Aim], found: Sequence[Ranked], output: Output) -> None:
+    from dse.space.questions.optimum import display_unit
+
+    units = [display_unit(question.space, aim) for aim in wanted]
+    values = [[unit.from_si(float(value)) for unit, value in zip(units, entry.values, strict=True)] for entry in found]
+    if output is Output.JSON:
+        aims = [
+            {"value": str(aim), "aim": "greatest" if aim.largest else "least", "unit": unit.symbol}
+            for aim, unit in zip(wanted, units, strict=True)
+        ]
+        configurations = [_data(entry, row) for entry, row in zip(found, values, strict=True)]
+        print_json({**question.data(), "aims": aims, "configurations": configurations})
+        return
+    if not found:
+        what = "no configuration is valid, or the objective is undefined for all that are"
+        console().print(plain(f"{question.title()}: {what}"), soft_wrap=True)
+        return
+    cells = [[f"{value:.6g} {unit}".rstrip() for value, unit in zip(row, units, strict=True)] for row in values]
+    _print_ranking(wanted, found, cells)
+
+
+def _data(entry: Ranked, values: Sequence[float]) -> dict[str, object]:
+    from dse.space.resolve import identify
+
+    return {"id": identify(entry.choices), "values": list(values), "choices": dict(entry.choices)}
+
+
+def _print_ranking(wanted: Sequence[Aim], found: Sequence[Ranked], cells: Sequence[Sequence[str]]) -> None:
+    """The choices in which they differ as columns, as far as there is room; those they share below."""
+    from rich.table import Table
+
+    from dse.space.resolve import identify
+
+    paths = list(dict.fromkeys(path for entry in found for path in entry.choices))
+    differing = [path for path in paths if len({entry.choices.get(path) for entry in found}) > 1]
+    table = Table(box=None, pad_edge=False, header_style="bold")
+    table.add_column("id", no_wrap=True)
+    for aim in wanted:
+        table.add_column(f"{'greatest' if aim.largest else 'least'} {aim}", justify="right", no_wrap=True)
+    shown = differing[:_PLACES]
+    for path in shown:
+        table.add_column(path, no_wrap=True)
+    for entry, row in zip(found, cells, strict=True):
+        table.add_row(identify(entry.choices), *row, *(entry.choices.get(path, "–") for path in shown))
+    print_table(table)
+    if len(differing) > len(shown):
+        more = len(differing) - len(shown)
+        console().print(f"they differ in {more} more places; --format json tells all", soft_wrap=True)
+    same = {path: found[0].choices[path] for path in paths if path not in differing}
+    if same:
+        has = "all have" if len(found) > 1 else "it has"
+        listed = ", ".join(f"{path}={choice}" for path, choice in same.items())
+        console().print(plain(f"{has} {listed}"), soft_wrap=True)

@@ -1,0 +1,40 @@
+"""``dse space count``."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+import typer
+
+from dse.cli.app import console, plain, print_json
+from dse.cli.arguments import Design, Format, Output
+from dse.cli.asking import ask
+from dse.cli.space import Choose, Off, On, Seed, Where, space_app
+from dse.cli.tallies import number_text, tally_data, tally_text
+
+
+@space_app.command("count")
+def space_count(
+    design: Design,
+    choose: Choose = [],
+    where: Where = None,
+    exact: Annotated[bool, typer.Option("--exact", help="No estimate, however long it takes.")] = False,
+    on: On = [],
+    off: Off = [],
+    seed: Seed = 0,
+    output: Format = Output.TABLE,
+) -> None:
+    """Count the valid configurations.
+
+    Exact where that takes seconds; otherwise an estimate that says so, with its 95 % interval.
+    """
+    from dse.space.tally import Tally
+
+    question = ask(design, choose, where, on, off)
+    total = question.engine.total(question.space)
+    tally = Tally(question.engine.exactly()) if exact else question.engine.count(seed)
+    if output is Output.JSON:
+        print_json({**question.data(), "total": total, **tally_data(tally)})
+        return
+    shown = f"{question.title()}: {tally_text(tally)} of {number_text(total)} configurations are valid"
+    console().print(plain(shown), soft_wrap=True)

@@ -1,0 +1,136 @@
+"""Choices a user states, ``sensor=radar``, as rules."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterable, Mapping
+
+import numpy as np
+
+from dse.domain.design import DesignSpace
+from dse.errors import DseError, Problem, closest, raise_if_any
+from dse.space.decisions import Choices, Decision, decisions, flat
+from dse.space.flat import NOBODY, Clause, FlatSpace, Rule, single
+
+ABSENT_NAME = "absent"
+"""What a user calls a part that is left out."""
+
+
+def read_choices(space: DesignSpace, texts: Iterable[str]) -> dict[str, str]:
+    """Texts ``place=choice`` by place; every one must be a decision of *space* and one of its alternatives.
+
+    Raises DseError with every problem in them.
+    """
+    options = _options(space)
+    chosen: dict[str, str] = {}
+    problems: list[Problem] = []
+    for text in texts:
+        path, _, choice = (piece.strip() for piece in text.partition("="))
+        problem = _problem(space, options, text)
+        if problem:
+            problems.append(problem)
+        elif chosen.setdefault(path, choice) != choice:
+            problems.append(Problem(f"'{path}' is given twice", None, "give it once"))
+    raise_if_any(problems)
+    return chosen
+
+
+def kept_choices(
+    space: DesignSpace, keep: Iterable[str], drop: Iterable[str], within: Mapping[str, Collection[str | None]]
+) -> dict[str, frozenset[str | None]]:
+    """What may still be chosen, by place, after ``place=a,b`` to keep and to drop; only what is *within*, too.
+
+    None is leaving a part out. Raises DseError with every problem in the texts, and for a place without a choice left.
+    """
+    options = _options(space)
+    problems: list[Problem] = []
+    left = {path: set(options[path]) for path in options}
+    touched = set(within)
+    for texts, is_kept in ((keep, True), (drop, False)):
+        for text in texts:
+            path, _, listed = (piece.strip() for piece in text.partition("="))
+            named = {choice.strip() for choice in listed.split(",") if choice.strip()}
+            found = [_problem(space, options, f"{path}={choice}") for choice in sorted(named) or [""]]
+            problems += [problem for problem in found if problem]
+            if not any(found):
+                touched.add(path)
+                left[path] = left[path] & named if is_kept else left[path] - named
+    raise_if_any(problems)
+    kept = {path: frozenset(None if choice == ABSENT_NAME else choice for choice in left[path]) for path in touched}
+    kept = {path: choices & frozenset(within[path]) if path in within else choices for path, choices in kept.items()}
+    raise_if_any(
+        Problem(f"nothing is left to choose at '{path}'", None, "keep one more alternative")
+        for path in options
+        if path in kept and not kept[path]
+    )
+    return {path: kept[path] for path in options if path in kept}
+
+
+def choosing(space: FlatSpace, chosen: Choices) -> tuple[Rule, ...]:
+    """The rules that each place of *chosen* has what it says; ``absent`` says that nothing stands there."""
+    rules: list[Rule] = []
+    for path, choice in chosen.items():
+        masks = {
+            number: np.array([*(value == choice for value in variable.values), False])
+            for number, variable in enumerate(space.variables)
+            if variable.path == path
+        }
+        if choice == ABSENT_NAME:
+            left_out = {number: [value is None for value in space.variables[number].values] for number in masks}
+            rules += [single(number, np.array([*mask, True])) for number, mask in left_out.items()]
+        elif len(masks) == 1:
+            ((number, mask),) = masks.items()
+            rules.append(single(number, mask))
+        else:
+            rules.append(Clause(tuple(masks.items()), NOBODY))
+    return tuple(rules)
+
+
+def completed(space: DesignSpace, chosen: Choices) -> dict[str, str] | None:
+    """*chosen* as the choices of one configuration; None if it leaves a decision open.
+
+    Raises DseError if it decides something inside an architecture that it does not choose.
+    """
+    done: dict[str, str] = {}
+    if not _complete(decisions(space), chosen, done):
+        return None
+    idle = [path for path, choice in chosen.items() if path not in done and choice != ABSENT_NAME]
+    if idle:
+        what = f"there is no '{idle[0]}' in a configuration with the other choices"
+        raise DseError(Problem(what, None, "leave it out, or choose the architecture that has it"))
+    return done
+
+
+def _complete(tree: tuple[Decision, ...], chosen: Choices, done: dict[str, str]) -> bool:
+    for decision in tree:
+        choice = chosen.get(decision.path)
+        if choice is None:
+            return False
+        wanted = None if choice == ABSENT_NAME else choice
+        branch = next((branch for branch in decision.branches if branch.choice == wanted), None)
+        if branch is None:
+            return False
+        if branch.choice is not None:
+            done[decision.path] = branch.choice
+        if not _complete(branch.decisions, chosen, done):
+            return False
+    return True
+
+
+def _problem(space: DesignSpace, options: Mapping[str, list[str]], text: str) -> Problem | None:
+    """What is wrong with ``place=choice``."""
+    path, equals, choice = (piece.strip() for piece in text.partition("="))
+    if not equals or not choice:
+        return Problem(f"'{text}' is not a choice", None, "write place=choice, as sensor=radar")
+    if path not in options:
+        return Problem(f"there is no decision '{path}' in '{space.name}'", None, closest(path, options))
+    if choice not in options[path]:
+        return Problem(f"'{path}' cannot be '{choice}'", None, closest(choice, options[path]))
+    return None
+
+
+def _options(space: DesignSpace) -> Mapping[str, list[str]]:
+    options: dict[str, list[str]] = {}
+    for decision in flat(decisions(space)):
+        known = options.setdefault(decision.path, [])
+        known += [b.choice or ABSENT_NAME for b in decision.branches if (b.choice or ABSENT_NAME) not in known]
+    return options

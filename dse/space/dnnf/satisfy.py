@@ -1,0 +1,76 @@
+"""Whether a wide space has a row at all, and if not, which constraints are to blame."""
+
+from __future__ import annotations
+
+from collections.abc import Collection
+
+import numpy as np
+
+from dse.space.dnnf.cnf import NO_LITERAL, Cnf, encode
+from dse.space.dnnf.solver import Solver
+from dse.space.dnnf.trim import Trimmed, trim
+from dse.space.flat import ABSENT, NOBODY, FlatSpace, Rows
+
+
+def satisfiable(flat: FlatSpace) -> Rows | None:
+    """A row that meets all rules, shape (variables,), or None. Raises UnsupportedError as `compile_dnnf` does."""
+    trimmed = trim(flat)
+    cnf = encode(trimmed.core)
+    solver = Solver(cnf.booleans)
+    for clause in cnf.clauses:
+        solver.add(clause)
+    holds = solver.solve()
+    return None if holds is None else _row(trimmed, cnf, holds)
+
+
+def conflict(flat: FlatSpace) -> tuple[int, ...] | None:
+    """Owners of rules that cannot be met together, ascending; None if there is a row.
+
+    Minimal: without any one of them, rules of the others can be met. Empty if the structure alone has no row. Raises
+    UnsupportedError as `compile_dnnf` does.
+    """
+    cnf = encode(trim(flat).core)
+    owners = sorted({owner for owner in cnf.owners if owner != NOBODY})
+    switch = {owner: 2 * (cnf.booleans + at) for at, owner in enumerate(owners)}
+    solver = Solver(cnf.booleans + len(owners))
+    for clause, owner in zip(cnf.clauses, cnf.owners, strict=True):
+        solver.add(clause if owner == NOBODY else (*clause, switch[owner] ^ 1))
+    blamed = solver.explain([switch[owner] for owner in owners])
+    if blamed is None:
+        return None
+    return tuple(_fewest(solver, blamed, {literal: owner for owner, literal in switch.items()}))
+
+
+def _fewest(solver: Solver, blamed: Collection[int], owner_of: dict[int, int]) -> list[int]:
+    """Leave out one after another what is not needed; each answer may rule out several at once."""
+    needed: list[int] = []
+    suspects = sorted(blamed)
+    while suspects:
+        tried = suspects.pop()
+        blamed_now = solver.explain([*needed, *suspects])
+        if blamed_now is None:
+            needed.append(tried)
+        else:
+            suspects = [literal for literal in suspects if literal in blamed_now]
+    return sorted(owner_of[literal] for literal in needed)
+
+
+def _row(trimmed: Trimmed, cnf: Cnf, holds: tuple[bool, ...]) -> Rows:
+    """The row of a model; what no rule looks at takes its first value."""
+    row = np.full(len(trimmed.flat.variables), ABSENT, np.int16)
+    place = {number: at for at, number in enumerate(trimmed.kept)}
+    for number, variable in enumerate(trimmed.flat.variables):
+        if variable.parent is not None and row[variable.parent[0]] != variable.parent[1]:
+            continue
+        row[number] = 0
+        if number not in place:
+            continue
+        groups, literals = trimmed.classes[place[number]], cnf.values[place[number]]
+        left_out = [group[0] for group, literal in zip(groups, literals, strict=True) if literal == NO_LITERAL]
+        taken = [
+            group[0]
+            for group, literal in zip(groups, literals, strict=True)
+            if literal != NO_LITERAL and holds[literal >> 1] != bool(literal & 1)
+        ]
+        row[number] = (taken or left_out)[0]
+    return row

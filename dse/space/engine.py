@@ -1,0 +1,242 @@
+"""Answers about a design space, each by the method that fits; what has to be compiled is compiled once, on first use.
+
+The order of the attempts: the decision diagram of hierarchy and rules, with sums compiled in where they fit; grids
+of sums over its nodes; tilted sampling, which is an estimate and says so. Where the diagram is too wide in every
+order, as in large feature models, see `dse.space.entangled`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterator
+from dataclasses import replace
+from functools import cached_property
+
+import numpy as np
+
+from dse.domain.design import DesignSpace
+from dse.errors import DseError, fail
+from dse.space.budget import TooMuchError
+from dse.space.decisions import decisions, product_of
+from dse.space.diagram import Diagram, count, restrict
+from dse.space.entangled import Entangled
+from dse.space.estimate import RELATIVE, Shares, estimate, estimate_occurrences
+from dse.space.expand import expand
+from dse.space.flat import FlatSpace, Rows, Rule, Table
+from dse.space.grids import exact_count
+from dse.space.growth import TooWideError
+from dse.space.listing import blocks, first, is_empty
+from dse.space.lowering import flatten
+from dse.space.ordering import compile_best
+from dse.space.sampling import sample
+from dse.space.tally import Tally
+from dse.space.tilt import EmptyError, TooRareError
+
+DIAGRAM = 200_000
+"""Nodes a diagram may have before reduction; beyond, the decision-DNNF takes over."""
+
+EXPANSION = 150_000
+"""Nodes before reduction of a diagram with the sums compiled in."""
+
+WORK = 5e9
+"""Additions of a cell that an everyday exact count may take: a few seconds."""
+
+MOST_WORK = 1e12
+"""The same where an exact count is insisted on: many minutes."""
+
+LISTED = 20_000_000
+"""Rows that are listed for a count or a sample where nothing else helps."""
+
+
+class Engine:
+    """Answers about *flat*. They do not depend on what was asked before."""
+
+    def __init__(self, flat: FlatSpace) -> None:
+        self.flat = flat
+
+    @classmethod
+    def of(cls, space: DesignSpace) -> Engine:
+        """The engine of a design space. Raises DseError if a constraint cannot be understood."""
+        return cls(flatten(space))
+
+    def only(self, owners: Collection[int]) -> Engine:
+        """The engine of the same space under these constraints alone."""
+        return self.like(self.flat.only(owners))
+
+    def having(self, *rules: Rule) -> Engine:
+        """The engine of the same space under further rules."""
+        narrowed = self.like(self.flat.having(*rules))
+        masks = {rule.scope[0]: rule.allowed for rule in rules if isinstance(rule, Table) and len(rule.scope) == 1}
+        if len(masks) == len(rules) and self.diagram is not None:
+            narrowed.__dict__["diagram"] = replace(restrict(self.diagram, masks), flat=narrowed.flat)
+            if "expanded" in self.__dict__ and self.expanded is not None:
+                narrowed.__dict__["expanded"] = replace(restrict(self.expanded, masks), flat=narrowed.flat)
+        return narrowed
+
+    def like(self, flat: FlatSpace) -> Engine:
+        """The engine of another space over much the same variables: no diagram is tried where none fitted here."""
+        other = Engine(flat)
+        if self.diagram is None and self.entangled.graph is not None:
+            other.__dict__["diagram"] = None
+        return other
+
+    @cached_property
+    def diagram(self) -> Diagram | None:
+        """The decision diagram of hierarchy and rules, sums aside; None where it is too wide in every order."""
+        try:
+            return compile_best(self.flat, DIAGRAM)
+        except TooWideError:
+            return None
+
+    @cached_property
+    def expanded(self) -> Diagram | None:
+        """The diagram of exactly the valid rows; None where it is too wide."""
+        if self.diagram is None:
+            return None
+        try:
+            return expand(self.diagram, EXPANSION)
+        except TooWideError:
+            return None
+
+    @cached_property
+    def entangled(self) -> Entangled:
+        """What answers where there is no diagram."""
+        return Entangled(self.flat)
+
+    def is_structural(self) -> bool:
+        """Whether all rules are logical, without sums and the like."""
+        return not (self.flat.linears() or self.flat.wides())
+
+    def total(self, space: DesignSpace) -> int:
+        """The number of combinations, constraints aside."""
+        return product_of(decisions(space))
+
+    def count(
+        self, seed: int = 0, *, most_work: float = WORK, relative: float = RELATIVE, size: int | None = None
+    ) -> Tally:
+        """How many rows are valid: exact if that takes no more than *most_work*, else an estimate within *relative*.
+
+        *size* as in `estimate`. Raises DseError if neither can be had.
+        """
+        exact = self.exact_count(most_work)
+        if exact is not None:
+            return Tally(exact)
+        if self.diagram is None:
+            return self.entangled.estimate(seed)
+        try:
+            return estimate(self.diagram, seed, relative, size=size)
+        except TooRareError as error:
+            listed = self._listed(LISTED)
+            if listed is None:
+                hint = "what is valid is too rare to be drawn and too much to be listed; try --exact"
+                raise fail(f"the configurations of '{self.flat.name}' cannot be estimated", None, hint) from error
+            return Tally(listed)
+
+    def exact_count(self, most_work: float = WORK) -> int | None:
+        """How many rows are valid; None if that would take more than *most_work* additions."""
+        if self.diagram is None:
+            return self.entangled.exact_count()
+        if self.is_structural():
+            return count(self.diagram)
+        if self.expanded is not None:
+            return count(self.expanded)
+        try:
+            return exact_count(self.diagram, most_work=most_work)
+        except TooMuchError:
+            return None
+
+    def exactly(self) -> int:
+        """How many rows are valid, however long that takes. Raises DseError where it cannot be known."""
+        found = self.exact_count(MOST_WORK)
+        if found is None and self.diagram is not None:
+            found = self._listed(LISTED)
+        if found is None:
+            hint = "ask for an estimate: the same without --exact"
+            raise fail(f"the configurations of '{self.flat.name}' are too many to be counted exactly", None, hint)
+        return found
+
+    def is_empty(self) -> bool:
+        """Whether no row is valid. Raises DseError if a complete search has to give up."""
+        return is_empty(self.diagram) if self.diagram is not None else self.entangled.first() is None
+
+    def first(self) -> Rows | None:
+        """The first valid row in the engine's order, shape (variables,), or None. Raises like `is_empty`."""
+        return first(self.diagram) if self.diagram is not None else self.entangled.first()
+
+    def blocks(self) -> Iterator[Rows]:
+        """Every valid row, in blocks of shape (rows, variables), in a stable order.
+
+        It is that of the file, the last decision the fastest, unless the diagram of the space only fits in another.
+        """
+        return blocks(self.diagram) if self.diagram is not None else self.entangled.blocks()
+
+    def rows(self, most: int) -> Rows:
+        """The first rows of `blocks`, at most so many."""
+        found: list[Rows] = [np.zeros((0, len(self.flat.variables)), np.int16)]
+        missing = most
+        for block in self.blocks():
+            found.append(block[:missing])
+            missing -= len(found[-1])
+            if not missing:
+                break
+        return np.concatenate(found)
+
+    def sample(self, number: int, seed: int = 0) -> Rows:
+        """*number* rows drawn uniformly among the valid ones, independently. Raises DseError if there is none."""
+        try:
+            if self.diagram is None:
+                return self.entangled.sample(number, seed)
+            return sample(self.expanded or self.diagram, number, seed)
+        except EmptyError as error:
+            raise self._nothing() from error
+        except TooRareError:
+            return self._drawn_from_list(number, seed)
+
+    def shares(self, seed: int = 0) -> Shares:
+        """The share of valid rows that take each value; half-widths are 0 where that is exact.
+
+        Raises DseError if there is no valid row.
+        """
+        try:
+            if self.diagram is None:
+                return self.entangled.shares()
+            return estimate_occurrences(self.expanded or self.diagram, seed)
+        except EmptyError as error:
+            raise self._nothing() from error
+        except TooRareError:
+            return self._shares_of_list()
+
+    def _listed(self, most: int) -> int | None:
+        """The count by listing; None if there are more than *most*."""
+        number = 0
+        for block in self.blocks():
+            number += len(block)
+            if number > most:
+                return None
+        return number
+
+    def _every(self) -> Rows:
+        """All rows of a space whose valid rows are so rare that drawing does not find them."""
+        every = self.rows(LISTED + 1)
+        if not len(every):
+            raise self._nothing()
+        if len(every) > LISTED:
+            hint = "fix some of the choices"
+            raise fail(f"the valid configurations of '{self.flat.name}' are too rare to be drawn", None, hint)
+        return every
+
+    def _drawn_from_list(self, number: int, seed: int) -> Rows:
+        every = self._every()
+        drawn: Rows = every[np.random.Generator(np.random.PCG64(seed)).integers(len(every), size=number)]
+        return drawn
+
+    def _shares_of_list(self) -> Shares:
+        every = self._every()
+        shares = []
+        for number, variable in enumerate(self.flat.variables):
+            length = len(variable.values) + 1
+            shares.append(np.bincount(every[:, number] % length, minlength=length) / len(every))
+        return Shares(tuple(shares), tuple(np.zeros_like(share) for share in shares))
+
+    def _nothing(self) -> DseError:
+        hint = f"ask which constraints conflict: dse space conflict {self.flat.name}"
+        return fail(f"'{self.flat.name}' has no valid configuration", None, hint)

@@ -1,0 +1,204 @@
+"""How an exact count will go, and what it will cost: which sums matter, where the halves meet, in which order."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from math import prod
+
+from dse.space.budget import Cost, TooMuchError
+from dse.space.diagram import Diagram
+from dse.space.grid.axes import Axis, Layers, Span, axes, pruned, reached, spans
+from dse.space.grid.density import heights
+from dse.space.grid.levels import memory_of_levels, run_levels
+from dse.space.grid.limbs import BITS
+from dse.space.grid.meeting import Side
+from dse.space.grid.shifts import Node, Swept, run
+from dse.space.grid.sweep import Schedule, Sweep, backward, forward, schedule
+
+_CALL = 15_000
+"""What a term costs besides its cells, in additions of a cell, if grids are added one by one."""
+
+_AT_ONCE = 4
+"""What a cell costs, in additions, if the grids of a level are added at once."""
+
+_MEETING = 24
+"""What a cell costs where the halves meet, in additions."""
+
+_PAIR = 150_000
+"""What a pair of grids costs besides its cells where the halves meet, in additions."""
+
+_CUTS = 8
+"""How many cuts are tried, the cheapest first, until one fits into memory."""
+
+_WORTH_CAPS = 1e8
+"""Work from which on bounds from grids of fewer sums pay."""
+
+_FINEST = 1e15
+"""Cells of one grid beyond which not even the cost is worked out."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Task:
+    """A diagram without hopeless edges, and the sums that matter, the one of most places first."""
+
+    diagram: Diagram
+    sums: tuple[Axis, ...]
+    before: tuple[Sequence[Span], ...]
+    after: tuple[Sequence[Span], ...]
+
+    @property
+    def layers(self) -> Layers:
+        """Of the diagram; nodes that lead nowhere may remain."""
+        return self.diagram.layers
+
+    def ahead(self, level: int) -> Side:
+        """The sums of what lies before a level."""
+        return Side(tuple(axis[level] for axis in self.before))
+
+    def behind(self, level: int) -> Side:
+        """The sums of what lies after a level."""
+        return Side(tuple(axis[level] for axis in self.after))
+
+
+@dataclass(frozen=True, slots=True)
+class Way:
+    """How to run a sweep: grid by grid in an order or, *schedule* None, level by level; *memory* in bytes."""
+
+    schedule: Schedule | None
+    memory: float
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Plan:
+    """Sweeps from both ends to the level *cut*, and how to run them."""
+
+    cut: int
+    sweeps: tuple[Sweep, Sweep]
+    ways: tuple[Way, Way]
+    cost: Cost
+
+
+def task(diagram: Diagram) -> Task | Diagram:
+    """What is to be counted; a diagram alone if it holds no rule any more. TooMuchError for a rule that is no sum."""
+    if diagram.empty or diagram.expanded:
+        return diagram
+    if diagram.flat.wides():
+        raise TooMuchError("a rule is no sum")
+    sums = axes(diagram)
+    if not sums:
+        return _nothing(diagram) if sums is None else diagram
+    layers = pruned(diagram.layers, sums)
+    if not (layers[0] >= 0).any():
+        return _nothing(diagram)
+    left: list[tuple[Axis, list[Span], list[Span]]] = []
+    for axis in sums:
+        reach = reached(layers, axis.weights)
+        least, most = int(reach.least_after[0][0]), int(reach.most_after[0][0])
+        # Without the hopeless edges nothing may be left of a rule.
+        if most > axis.high or (axis.low is not None and least < axis.low):
+            both = spans(layers, axis, reach)
+            if both is None:
+                return _nothing(diagram)
+            left.append((axis, *both))
+    trimmed = replace(diagram, layers=layers)
+    if not left:
+        return trimmed
+    left.sort(key=lambda entry: -max(span.length for span in entry[1]))
+    sums_left, before, after = zip(*left, strict=True)
+    return Task(trimmed, sums_left, before, after)
+
+
+def plan(task_: Task, most_memory: float, most_work: float) -> Plan:
+    """At the cut of least work whose memory is allowed; TooMuchError if there is none."""
+    layers = task_.layers
+    rising, falling = heights(layers, task_.sums)
+    works = _works(task_, rising, falling)
+    if min(works) > most_work:
+        raise TooMuchError(f"some {min(works):.0e} additions")
+    least = float("inf")
+    for cut in sorted(range(len(works)), key=works.__getitem__)[:_CUTS]:
+        if works[cut] > most_work:
+            break
+        if prod(task_.ahead(cut).shape) > _FINEST:
+            raise TooMuchError("grids of more than 1e15 cells")
+        before, after = forward(layers, task_.sums, task_.before, cut), backward(layers, task_.sums, task_.after, cut)
+        own, other = words(rising[: cut + 1]), words(falling[: cut - len(layers) - 2 : -1])
+        waiting = prod(before.shapes[-1]) * own[-1] * len(before.paths[-1])
+        arriving = prod(after.shapes[-1]) * other[-1] * len(after.paths[-1])
+        if waiting + arriving > most_memory:
+            least = min(least, waiting + arriving)
+            continue
+        ways = way(before, own, most_memory), way(after, other, most_memory)
+        meeting = waiting + arriving + 4 * 8 * prod(after.shapes[-1])
+        memory = max(ways[0].memory, waiting + ways[1].memory, meeting)
+        if memory <= most_memory:
+            return Plan(cut, (before, after), ways, Cost(works[cut], memory))
+        least = min(least, memory)
+    raise TooMuchError(f"some {least:.0e} bytes")
+
+
+def way(sweep: Sweep, sizes: Sequence[int], most_memory: float) -> Way:
+    """The faster way that memory allows; a number of a level takes sizes[level] bytes."""
+    one_by_one = at_once = 0.0
+    for step, size in zip(sweep.steps, sizes[1:], strict=True):
+        cells = prod(step.box) * size / 4
+        one_by_one += len(step.target) * (cells + _CALL)
+        at_once += len(step.target) * cells * _AT_ONCE
+    memory = memory_of_levels(sweep, sizes)
+    if at_once <= one_by_one and memory <= most_memory / 2:
+        return Way(None, memory)
+    found = schedule(sweep, [prod(shape) * size for shape, size in zip(sweep.shapes, sizes, strict=True)])
+    return Way(found, found.memory)
+
+
+def execute(sweep: Sweep, chosen: Way, caps: Sequence[Mapping[Node, int]] = ()) -> Swept:
+    """All grids of a sweep."""
+    return run_levels(sweep) if chosen.schedule is None else run(sweep, chosen.schedule, caps)
+
+
+def caps(task_: Task, found: Plan) -> tuple[Sequence[Mapping[Node, int]], Sequence[Mapping[Node, int]]]:
+    """The largest numbers in the grids of all sums but one, if that pays: no finer grid has larger ones."""
+    largest: tuple[list[Mapping[Node, int]], list[Mapping[Node, int]]] = ([], [])
+    if found.cost.work < _WORTH_CAPS or len(task_.sums) == 1:
+        return largest
+    for left_out in range(len(task_.sums)):
+        kept = [axis for axis in range(len(task_.sums)) if axis != left_out]
+        sums = [task_.sums[axis] for axis in kept]
+        before = forward(task_.layers, sums, [task_.before[axis] for axis in kept], found.cut)
+        after = backward(task_.layers, sums, [task_.after[axis] for axis in kept], found.cut)
+        for sweep, known in zip((before, after), largest, strict=True):
+            known.append(execute(sweep, way(sweep, [8] * len(sweep.shapes), found.cost.memory)).largest)
+    return largest
+
+
+def words(heights_: Sequence[float]) -> list[int]:
+    """Bytes of a number up to 2^height, as a rule."""
+    return [2 if h < 12 else 4 if h < 31 else 8 if h < 63 else 8 * (int(h) // BITS + 1) for h in heights_]
+
+
+def _nothing(diagram: Diagram) -> Diagram:
+    return replace(diagram, layers=tuple(layer[:0] for layer in diagram.layers), empty=True)
+
+
+def _works(task_: Task, rising: Sequence[float], falling: Sequence[float]) -> list[float]:
+    """Additions by the level at which the halves meet."""
+    ours, theirs, meetings = [0.0], [0.0], []
+    sizes = list(zip(words(rising), words(falling), strict=True))
+    for level, layer in enumerate(task_.layers):
+        terms, used = int((layer >= 0).sum()), (layer >= 0).any(axis=0)
+        steps = [int(axis.weights[level][used].max() - axis.weights[level][used].min()) for axis in task_.sums]
+        ours.append(terms * _term(task_.ahead(level), steps, sizes[level + 1][0]))
+        theirs.append(terms * _term(task_.behind(level + 1), steps, sizes[level][1]))
+    for level, (own, other) in enumerate(sizes):
+        nodes = 1 if level == len(task_.layers) else len(task_.layers[level])
+        cells = prod(task_.ahead(level).shape) * max(1.0, own * other / 64)
+        meetings.append(nodes * (_MEETING * cells + _PAIR))
+    return [sum(ours[: cut + 1]) + sum(theirs[cut + 1 :]) + meetings[cut] for cut in range(len(sizes))]
+
+
+def _term(side: Side, steps: Sequence[int], size: int) -> float:
+    cells = prod(length + step for length, step in zip(side.shape, steps, strict=True))
+    # Limbs are split and carried.
+    work = cells * size / (4 if size <= 8 else 2)
+    return min(work + _CALL, work * _AT_ONCE)

@@ -1,0 +1,236 @@
+"""Choosing one configuration step by step: what can still be picked, how much is left, and what follows by itself."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from math import ceil, floor
+
+import numpy as np
+
+from dse.space.diagram import Diagram, count, extremes, occurrences
+from dse.space.dnnf import queries
+from dse.space.engine import Engine
+from dse.space.flat import Linear, Rows, Table, single
+from dse.space.tally import Tally
+from dse.space.totals import Total
+
+Pick = tuple[int, int]
+"""A decision by the number of its variable, and one of its values."""
+
+RELATIVE = 0.02
+"""Half-width of an estimated count; people wait for it."""
+
+_MORE = 10**18
+
+
+@dataclass(frozen=True, slots=True)
+class Option:
+    """A value of a decision, None for leaving the part out, and how many configurations are left if it is picked."""
+
+    value: int
+    name: str | None
+    tally: Tally
+
+    @property
+    def is_possible(self) -> bool:
+        """Whether any configuration is left with it; an estimate is never of nothing."""
+        return self.tally.value > 0 or not self.tally.exact
+
+
+@dataclass(frozen=True, slots=True)
+class Range:
+    """What a sum can still be, in its unit; *exact* if both ends are reached, else they are bounds."""
+
+    total: Total
+    low: float
+    high: float
+    exact: bool
+
+
+class Picking:
+    """A space narrowed by *picks*, in the order they were made; never changed, each step makes a new one."""
+
+    def __init__(self, engine: Engine, picks: tuple[Pick, ...] = ()) -> None:
+        self.engine = engine
+        self.picks = picks
+
+    def pick(self, variable: int, value: int) -> Picking:
+        """With *value* picked, instead of another one, and without picks that this takes away."""
+        return Picking(self.engine, (*self._without(variable, value), (variable, value)))
+
+    def unpick(self, variable: int) -> Picking:
+        """Without the pick of a decision, and without those that exist because of it."""
+        return Picking(self.engine, self._without(variable))
+
+    def picked(self, variable: int) -> int | None:
+        """The value picked for a decision; None if it is open or follows from others."""
+        return dict(self.picks).get(variable)
+
+    @cached_property
+    def left(self) -> Tally:
+        """How many valid configurations are left."""
+        exact = self._layers
+        return Tally(count(exact)) if exact is not None else self._narrowed.count(relative=RELATIVE)
+
+    @cached_property
+    def forced(self) -> dict[int, int]:
+        """The decisions that exist and can only be made in one way, picks aside, with that value."""
+        return {variable: value for variable, value in self._settled.items() if self.picked(variable) is None}
+
+    @cached_property
+    def decisions(self) -> tuple[int, ...]:
+        """The decisions that exist in every configuration left, in the order of the file."""
+        return tuple(number for number in range(len(self.engine.flat.variables)) if self._exists(number))
+
+    @cached_property
+    def open(self) -> tuple[int, ...]:
+        """The decisions that can still be made in several ways."""
+        return tuple(number for number in self.decisions if number not in self._settled)
+
+    @cached_property
+    def is_complete(self) -> bool:
+        """Whether a single configuration is left."""
+        return self.left.value > 0 and not self.open
+
+    def options(self, variable: int) -> tuple[Option, ...]:
+        """What a decision that exists can be: with all other picks as they are."""
+        picked = self.picked(variable)
+        basis = self if picked is None else self.unpick(variable)
+        names = self.engine.flat.variables[variable].values
+        tallies = basis.tallies[variable]
+        return tuple(
+            Option(value, name, self.left if value == picked else tally)
+            for value, (name, tally) in enumerate(zip(names, tallies, strict=True))
+        )
+
+    def settled(self, variable: int) -> int | None:
+        """The value that a decision has, picked or forced; None while it is open."""
+        return self._settled.get(variable)
+
+    def row(self) -> Rows | None:
+        """The first configuration left, shape (variables,); None if there is none."""
+        return self._narrowed.first()
+
+    def ranges(self, totals: Sequence[Total]) -> tuple[Range, ...]:
+        """What each sum can still be; those of more than 64 bits, and all of spaces without a diagram, are left out."""
+        layers = self._layers if self._layers is not None else self._narrowed.diagram
+        if layers is None or layers.empty:
+            return ()
+        return tuple(self._range(layers, total) for total in totals if total.is_small)
+
+    @cached_property
+    def _narrowed(self) -> Engine:
+        if not self.picks:
+            return self.engine
+        rules = [self._only(variable, value) for variable, value in self.picks]
+        return self.engine.having(*rules)
+
+    @cached_property
+    def _layers(self) -> Diagram | None:
+        """A diagram of exactly the configurations left, where there is one."""
+        if self._narrowed.diagram is None:
+            return None
+        return self._narrowed.expanded
+
+    @cached_property
+    def tallies(self) -> tuple[tuple[Tally, ...], ...]:
+        """For each variable and value, how many configurations are left with it."""
+        exact = self._exact_tallies()
+        if exact is not None:
+            return exact
+        if not self.left.value:
+            return tuple((Tally(0),) * len(variable.values) for variable in self.engine.flat.variables)
+        shares = self._narrowed.shares()
+        return tuple(
+            tuple(
+                self._estimated(number, value, float(shares.shares[number][value]), float(half_widths[value]))
+                for value in range(len(variable.values))
+            )
+            for number, (variable, half_widths) in enumerate(
+                zip(self.engine.flat.variables, shares.half_widths, strict=True)
+            )
+        )
+
+    def _exact_tallies(self) -> tuple[tuple[Tally, ...], ...] | None:
+        if self._layers is not None:
+            times = occurrences(self._layers)
+        elif self._narrowed.diagram is None and self._narrowed.entangled.graph is not None:
+            times = queries.occurrences(self._narrowed.entangled.graph)
+        else:
+            return None
+        return tuple(tuple(Tally(number) for number in found[:-1]) for found in times)
+
+    def _estimated(self, variable: int, value: int, share: float, half_width: float) -> Tally:
+        if not share and self._narrowed.having(self._only(variable, value)).is_empty():
+            return Tally(0)
+        left = self.left
+        low, high = (left.value, left.value) if left.exact else (left.low, left.high)
+        ends = _part(low, max(share - half_width, 0.0)), _part(high, min(share + half_width, 1.0))
+        return Tally(_part(left.value, share), False, floor(ends[0]), ceil(ends[1]))
+
+    @cached_property
+    def _settled(self) -> dict[int, int]:
+        settled: dict[int, int] = {}
+        picks = dict(self.picks)
+        for number, variable in enumerate(self.engine.flat.variables):
+            if variable.parent is not None and settled.get(variable.parent[0]) != variable.parent[1]:
+                continue
+            possible = [option for option, tally in enumerate(self.tallies[number]) if tally.value or not tally.exact]
+            if number in picks:
+                settled[number] = picks[number]
+            elif len(possible) == 1:
+                settled[number] = possible[0]
+        return settled
+
+    def _exists(self, variable: int) -> bool:
+        parent = self.engine.flat.variables[variable].parent
+        return parent is None or self._settled.get(parent[0]) == parent[1]
+
+    def _without(self, variable: int, kept: int | None = None) -> tuple[Pick, ...]:
+        """The picks of other decisions, without those below a branch of *variable* other than *kept*."""
+        gone = {variable}
+        for number, below in enumerate(self.engine.flat.variables):
+            if below.parent is not None and below.parent[0] in gone and below.parent != (variable, kept):
+                gone.add(number)
+        return tuple(pick for pick in self.picks if pick[0] not in gone)
+
+    def _only(self, variable: int, value: int) -> Table:
+        mask = np.zeros(len(self.engine.flat.variables[variable].values) + 1, np.bool_)
+        mask[value] = True
+        return single(variable, mask)
+
+    def _range(self, layers: Diagram, total: Total) -> Range:
+        least, greatest = extremes(layers, total.weights)
+        low, high = int(least[0][0]), int(greatest[0][0])
+        if not layers.expanded:
+            for linear in self.engine.flat.linears():
+                low, high = _within(layers, linear, total, low, high)
+        is_exact = layers.expanded or not (self.engine.flat.linears() or self.engine.flat.wides())
+        return Range(total, total.shown(total.start + low), total.shown(total.start + high), is_exact)
+
+
+def _part(whole: int, share: float) -> int:
+    return whole * round(share * _MORE) // _MORE
+
+
+def _within(layers: Diagram, linear: Linear, total: Total, low: int, high: int) -> tuple[int, int]:
+    """The range cut by a rule on the same sum: one that differs by the same number in every row."""
+    times = linear.scale / total.scale
+    if times.denominator != 1:
+        return low, high
+    length = {number: len(variable.values) + 1 for number, variable in enumerate(layers.flat.variables)}
+    nothing = {number: np.zeros(length[number], np.int64) for number in {*linear.weights, *total.weights}}
+    difference = {
+        number: total.weights.get(number, zeros) - int(times) * linear.weights.get(number, zeros)
+        for number, zeros in nothing.items()
+    }
+    least, greatest = (int(ends[0][0]) for ends in extremes(layers, difference))
+    if least != greatest:
+        return low, high
+    if linear.low is not None:
+        low = max(low, linear.low * int(times) + least)
+    if linear.high is not None:
+        high = min(high, linear.high * int(times) + least)
+    return low, high

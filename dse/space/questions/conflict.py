@@ -1,0 +1,46 @@
+"""Why nothing is left: a smallest set of constraints that nothing can meet together."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from dse.domain.design import Constraint
+from dse.errors import DseError, fail
+from dse.space.dnnf.satisfy import conflict as clausal_conflict
+from dse.space.dnnf.trim import UnsupportedError
+from dse.space.engine import Engine
+from dse.space.questions.minimal import minimal_conflict
+
+
+def conflict(engine: Engine) -> tuple[Constraint, ...]:
+    """Constraints that nothing meets together while all but any one of them can be met, in the order of the file.
+
+    None of them if the choices exclude each other whatever the constraints. Raises DseError if there is a valid
+    configuration after all, or if that cannot be told.
+    """
+    found = _clausal(engine) if engine.is_structural() or engine.diagram is None else None
+    if found is None:
+        if not engine.is_empty():
+            raise _no_conflict(engine)
+
+        def consistent(owners: Sequence[int]) -> bool:
+            return not engine.only(owners).is_empty()
+
+        found = minimal_conflict(range(len(engine.flat.constraints)), consistent)
+    return tuple(engine.flat.constraints[number] for number in found)
+
+
+def _clausal(engine: Engine) -> tuple[int, ...] | None:
+    """By a search that learns why it fails; None if a rule has no small form in clauses."""
+    try:
+        found = clausal_conflict(engine.flat)
+    except UnsupportedError:
+        return None
+    if found is None:
+        raise _no_conflict(engine)
+    return found
+
+
+def _no_conflict(engine: Engine) -> DseError:
+    hint = f"list them: dse enumerate {engine.flat.name}"
+    return fail(f"'{engine.flat.name}' has valid configurations, so its constraints do not conflict", None, hint)

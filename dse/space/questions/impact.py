@@ -1,0 +1,81 @@
+"""What each constraint does: how many configurations it costs."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+from dse.domain.design import Constraint
+from dse.errors import Problem, closest, fail, raise_if_any
+from dse.space.engine import Engine
+from dse.space.flat import FlatSpace
+from dse.space.questions.negation import breaking
+from dse.space.tally import Tally, total_of
+
+MOST_ENTANGLED = 100
+"""Constraints of a space without a diagram that are looked at together; each takes about a second."""
+
+_WORK = 2e8
+"""Additions for one exact count of the table; there are three for each constraint."""
+
+_RELATIVE = 0.02
+_DRAWS = 1024
+
+
+@dataclass(frozen=True, slots=True)
+class Impact:
+    """*after*: valid once this constraint and those before it apply. *removes*: combinations that it alone excludes.
+
+    *frees*: configurations that would become valid if it were dropped.
+    """
+
+    constraint: Constraint
+    after: Tally
+    removes: Tally
+    frees: Tally
+
+    @property
+    def is_redundant(self) -> bool:
+        """Whether the others exclude already all that this one excludes; proven."""
+        return self.frees.exact and self.frees.value == 0
+
+
+def impact(engine: Engine, seed: int = 0, names: Iterable[str] = ()) -> tuple[Impact, ...]:
+    """The constraints of the space, or those called *names*, in the order of the file.
+
+    Raises DseError for an unknown name, where nothing can be counted, and if too many constraints of a space without
+    a diagram are asked for.
+    """
+    asked = _asked(engine.flat, tuple(names))
+    if len(asked) > MOST_ENTANGLED and engine.diagram is None:
+        example = engine.flat.constraints[asked[0]].name
+        what = f"'{engine.flat.name}' is too large to look at {len(asked):,} constraints at once"
+        raise fail(what, None, f"name up to {MOST_ENTANGLED} of them: --constraint {example}")
+    return tuple(_impact(engine, number, seed) for number in asked)
+
+
+def _asked(flat: FlatSpace, names: tuple[str, ...]) -> list[int]:
+    known = [constraint.name for constraint in flat.constraints]
+    raise_if_any(
+        Problem(f"'{flat.name}' has no constraint '{name}' that is on", None, closest(name, known))
+        for name in dict.fromkeys(names)
+        if name not in known
+    )
+    return [number for number, name in enumerate(known) if not names or name in names]
+
+
+def _impact(engine: Engine, number: int, seed: int) -> Impact:
+    alone = engine.flat.only((number,))
+    return Impact(
+        engine.flat.constraints[number],
+        _count(engine.only(range(number + 1)), seed),
+        total_of(_count(engine.like(case), seed) for case in breaking(alone, number)),
+        total_of(_count(engine.like(case), seed) for case in breaking(engine.flat, number)),
+    )
+
+
+def _count(engine: Engine, seed: int) -> Tally:
+    # An estimate cannot prove that there is nothing, and says nothing worth having of very few.
+    if engine.diagram is not None and engine.is_empty():
+        return Tally(0)
+    return engine.count(seed, most_work=_WORK, relative=_RELATIVE, size=_DRAWS)

@@ -1,0 +1,143 @@
+"""The best configurations under an objective in the user's words, and the Pareto set of several."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Sequence
+from contextlib import suppress
+from dataclasses import dataclass
+from fractions import Fraction
+
+from dse.domain.design import DesignSpace
+from dse.domain.expression import Expression, Number
+from dse.errors import DseError, fail
+from dse.loading.expression import descend, parse_expression
+from dse.space.best import Ranking, best, best_valued
+from dse.space.budget import TooMuchError
+from dse.space.decisions import Choices, sites
+from dse.space.diagram import Diagram
+from dse.space.engine import Engine
+from dse.space.objective import FoldedObjective, LinearObjective, LoweredObjective, objective
+from dse.space.pareto import pareto
+from dse.space.questions.ratio import as_ratio, best_ratio
+from dse.units import DIMENSIONLESS, Dimension, Unit, UnitError, describe, parse_unit
+
+_ROUNDS = 1_500
+"""Pieces of work, some milliseconds each, after which the best under a nonlinear objective is not looked for."""
+
+
+@dataclass(frozen=True, slots=True)
+class Aim:
+    """An objective, to be made least, or greatest if *largest*."""
+
+    expression: Expression
+    largest: bool = False
+
+    def __str__(self) -> str:
+        return " ".join(self.expression.text.split())
+
+
+@dataclass(frozen=True, slots=True)
+class Ranked:
+    """A configuration's choices and the exact value of each aim, in SI."""
+
+    choices: Choices
+    values: tuple[Fraction, ...]
+
+
+def aims(minimize: Iterable[str], maximize: Iterable[str]) -> tuple[Aim, ...]:
+    """The objectives written in texts, those to be minimised first. Raises DseError if one cannot be read."""
+    return (
+        *(Aim(parse_expression(text)) for text in minimize),
+        *(Aim(parse_expression(text), largest=True) for text in maximize),
+    )
+
+
+def best_configurations(space: DesignSpace, engine: Engine, aim: Aim, number: int) -> tuple[Ranked, ...]:
+    """The *number* best valid configurations, best first; of equal ones those that are listed first.
+
+    Complete and exact. A configuration for which the value is undefined is not ranked. Raises DseError if the
+    objective makes no sense, if what is best cannot be proven, or if the space is too large for a decision diagram.
+    """
+    lowered = objective(space, aim.expression)
+    diagram = _diagram(engine)
+    if isinstance(lowered, LinearObjective):
+        ranking = best(diagram, lowered.weights, number, largest=aim.largest)
+        values = [lowered.value(int(total)) for total in ranking.values]
+    else:
+        ranking = _nonlinear(space, engine, diagram, aim, lowered, number)
+        values = [Fraction(value) for value in ranking.values]
+    rows = zip(ranking.rows, values, strict=True)
+    return tuple(Ranked(engine.flat.choices(row), (value,)) for row, value in rows)
+
+
+def pareto_set(space: DesignSpace, engine: Engine, wanted: Sequence[Aim]) -> tuple[Ranked, ...]:
+    """Configurations, one for each point of the complete Pareto set of *wanted*, ascending by the first aim.
+
+    Raises DseError if an objective is no sum of properties, or there are too many points.
+    """
+    lowered = [_sum(objective(space, aim.expression), aim) for aim in wanted]
+    front = pareto(_diagram(engine), [aim.weights for aim in lowered], [aim.largest for aim in wanted])
+    return tuple(
+        Ranked(engine.flat.choices(row), tuple(aim.value(total) for aim, total in zip(lowered, point, strict=True)))
+        for row, point in zip(front.rows, front.values, strict=True)
+    )
+
+
+def display_unit(space: DesignSpace, aim: Aim) -> Unit:
+    """The unit to show the values of *aim* in: that of its own numbers, else of the properties it is made of.
+
+    A quotient or product of these has a unit of theirs, ``W/kg``; what is left is in SI.
+    """
+    dimension = objective(space, aim.expression).dimension
+    written = (node.unit for node in descend(aim.expression.root) if isinstance(node, Number))
+    stated = {
+        quantity.unit: None
+        for site in sites(space)
+        for quantity in (site.component.properties.values() if site.component else ())
+        if not quantity.unit.offset
+    }
+    made = (f"{one}{sign}{other}" for one in stated for other in stated for sign in "/." if one.symbol and other.symbol)
+    candidates = (*written, *stated, DIMENSIONLESS)
+    simple = next((unit for unit in candidates if unit.dimension == dimension), None)
+    return simple or next((unit for unit in _read(made) if unit.dimension == dimension), _si(dimension))
+
+
+def _read(symbols: Iterable[str]) -> Iterator[Unit]:
+    """Those of *symbols* that are units: not all that can stand alone can be part of another."""
+    for symbol in symbols:
+        with suppress(UnitError):
+            yield parse_unit(symbol)
+
+
+def _si(dimension: Dimension) -> Unit:
+    return Unit(f"SI base units ({describe(dimension)})", Fraction(1), Fraction(0), dimension)
+
+
+def _nonlinear(
+    space: DesignSpace, engine: Engine, diagram: Diagram, aim: Aim, lowered: FoldedObjective, number: int
+) -> Ranking:
+    sides = as_ratio(space, aim.expression)
+    ranking = best_ratio(diagram, *sides, number, largest=aim.largest) if sides else None
+    if ranking is not None:
+        return ranking
+    try:
+        return best_valued(diagram, lowered, number, largest=aim.largest, most_rounds=_ROUNDS)
+    except TooMuchError as error:
+        hint = "fix some choices, add a constraint, or ask for a sum or a quotient of sums"
+        raise fail(f"the best of '{engine.flat.name}' under '{aim}' cannot be proven", None, hint) from error
+
+
+def _sum(lowered: LoweredObjective, aim: Aim) -> LinearObjective:
+    if isinstance(lowered, LinearObjective):
+        return lowered
+    raise fail(f"'{aim}' is no sum of properties, as a Pareto set needs", None, "ask for the best under it instead")
+
+
+def _diagram(engine: Engine) -> Diagram:
+    if engine.diagram is None:
+        raise _too_large(engine)
+    return engine.diagram
+
+
+def _too_large(engine: Engine) -> DseError:
+    return fail(f"'{engine.flat.name}' is too large for a decision diagram", None, "fix some of the choices")

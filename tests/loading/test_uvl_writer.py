@@ -1,0 +1,226 @@
+"""A design space written as UVL and read again is the same tree and means the same."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from dse.domain.component import NO_INTERFACE, Component
+from dse.domain.design import Alternative, Compound, Constraint, DesignSpace, Optional, Part, walk
+from dse.errors import DseError
+from dse.loading.expression import parse_expression
+from dse.loading.uvl import read_uvl_text
+from dse.loading.uvl_tokens import Source
+from dse.loading.uvl_writer import to_uvl
+from dse.loading.workspace import Workspace
+from dse.space.decisions import decisions
+from dse.space.evaluate import compile_rule
+from dse.units import parse_quantity
+
+ROOT = Path(__file__).parents[2]
+
+
+def read(text):
+    return read_uvl_text(Source("model.uvl", text))
+
+
+def every_way(tree):
+    """All ways to make the decisions of *tree*, in the order of the file."""
+    if not tree:
+        yield {}
+        return
+    first, *others = tree
+    for branch in first.branches:
+        for below in every_way(branch.decisions):
+            for rest in every_way(tuple(others)):
+                yield ({first.path: branch.choice} if branch.choice else {}) | below | rest
+
+
+def valid(space):
+    """The choices that meet all constraints, by looking at all there are."""
+    rules = [compile_rule(constraint.rule, space) for constraint in space.constraints]
+    ways = every_way(decisions(space))
+    return [choices for choices in ways if all(rule.outcome(choices) is not False for rule in rules)]
+
+
+def count(space):
+    return len(valid(space))
+
+
+def shape(space):
+    """The tree without its places in a file."""
+    return [
+        (
+            path,
+            type(node).__name__,
+            getattr(node, "name", ""),
+            {name: value.si for name, value in node.component.properties.items()} if isinstance(node, Part) else None,
+        )
+        for path, node in walk(space.root)
+    ]
+
+
+MODELS = {
+    "groups": "features\n R {x 1}\n  or\n   A\n    alternative\n     A1 {x 2}\n     A2\n    alternative\n     A3\n     A4\n   B\n  optional\n   C\n  [1..2]\n   D\n   E {x 0.25}\n   F\n  [0..1]\n   G\n    [2..3]\n     G1\n     G2\n     G3\n   H\n",
+    "constraints": "features\n R\n  optional\n   A {x 2}\n   B {x 3}\n    or\n     B1\n     B2\n   C {x -1}\nconstraints\n A => B | !C\n (A <=> B) | C\n A.x + B.x - 2 * C.x > 1.5\n sum(x) <= 4 & sum(x, B) >= 0\n floor(A.x / 2) != 7\n !(A & B & C)\n",
+    "alternatives": "features\n R\n  alternative\n   A {x 2}\n    optional\n     A1 {x 3}\n   B {x 5}\n   C {x -1}\nconstraints\n A.x + B.x + C.x < 5\n sum(x, A) != 5\n",
+    "averages": "features\n R\n  optional\n   A {x 2}\n   B {x 3}\n    or\n     B1 {x 9}\n     B2\n   C {x -1}\nconstraints\n A | avg(x, B) >= 4\n avg(x) < 4\n",
+    "words": 'features\n "or"\n  optional\n   "features"\n   "sum" {avg 1}\n   "a b"\nconstraints\n "features" => "sum"\n sum(avg) < 2\n',
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("text", MODELS.values(), ids=MODELS)
+def test_a_model_written_and_read_is_the_same_tree_with_the_same_configurations(text):
+    space = read(text)
+    again = read(to_uvl(space))
+    assert shape(again) == shape(space)
+    assert valid(again) == valid(space)
+    if "avg" not in text:  # An average is guarded every time it is written.
+        assert to_uvl(again) == to_uvl(space)
+
+
+def test_ranges_are_written_as_ranges():
+    text = to_uvl(read(MODELS["groups"]))
+    assert "constraints" not in text
+    assert [line.strip() for line in text.splitlines() if line.strip().startswith(("[", "or"))] == [
+        "or", "[1..2]", "[0..1]", "[2..3]"
+    ]  # fmt: skip
+
+
+def part(name, **properties):
+    return Part(Component(name, NO_INTERFACE, properties={k: parse_quantity(v) for k, v in properties.items()}))
+
+
+def car(*rules):
+    constraints = tuple(Constraint(f"r{n}", parse_expression(rule)) for n, rule in enumerate(rules))
+    hybrid = Compound("hybrid", {"engine": Alternative((part("small", mass="90 kg"), part("big", mass="140 kg"))), "motor": part("pmsm", mass="40 kg")})  # fmt: skip
+    root = Compound(
+        "car",
+        {
+            "sensor": Alternative((part("radar", cost="60 EUR", range="150 m"), part("lidar", cost="800 EUR", range="0.2 km"))),
+            "camera": Optional(part("mono", cost="20 EUR")),
+            "rear": Optional(Alternative((part("mono", cost="20 EUR"), part("stereo", cost="50 EUR")))),
+            "engine": Alternative((part("otto", mass="120 kg"), hybrid)),
+            "body": part("body", mass="700 kg"),
+        },
+    )  # fmt: skip
+    return DesignSpace("car", root, constraints)
+
+
+RULES = [
+    "sum(cost) <= 120 EUR",
+    "sensor is lidar implies camera is absent",
+    "camera is present iff rear is present",
+    "rear in [mono, absent] xor sensor is radar",
+    "sensor.range >= 160 m",
+    "rear.cost >= 30 EUR",
+    "sensor is radar implies rear.cost < 30 EUR",
+    "not (rear.cost < 30 EUR)",
+    "sum(mass) between 850 kg and 920 kg",
+    "sum(mass, engine) * 2 > 250 kg",
+    "engine.engine is big implies camera is present",
+    "at_least(2, camera is present, rear is present, sensor is lidar)",
+    "at_most(1, camera is present, rear is present, sensor is lidar)",
+    "exactly(1, camera is present, rear is present, sensor is lidar)",
+    "mean(cost) <= 50 EUR",
+    "rear.cost between camera.cost and 30 EUR",
+    "mean(cost, rear) <= 30 EUR",
+    "same_choice(camera, rear)",
+    "if sensor is radar then camera is present else rear is present",
+    "(if sensor is lidar then 200 m else 0 m) <= 150 m",
+    "-sum(cost) < -100 EUR",
+    "true and not false",
+    "sensor.range ^ 2 > 30000 m^2",
+]
+
+
+@pytest.mark.parametrize("rule", RULES)
+def test_a_constraint_of_ours_leaves_as_many_configurations_in_uvl(rule):
+    space = car(rule)
+    assert 0 < count(read(to_uvl(space))) == count(space)
+
+
+def test_the_names_of_places_that_stand_several_times_stay_apart():
+    text = to_uvl(car())
+    names = [node.name for path, node in walk(read(text).root) if isinstance(node, Part)]
+    assert len(names) == len(set(names))
+    assert "// cost is in SI base units (currency)" in text
+
+
+REFUSED = {
+    "max(cost) < 70 EUR": "UVL cannot say 'max'",
+    "count(cost) < 3": "UVL cannot say 'count'",
+    "sum(mass) ^ sum(mass) < 3 kg": "UVL cannot say this",
+    "sqrt(sum(mass) / 1 kg) < 3": "UVL cannot say 'sqrt'",
+    "camera is present iff rear.cost > 3 EUR": "a comparison that can be undefined",
+    "not same_choice(camera, rear)": "'same_choice' under 'not'",
+    "sensor.kp.max > 3": "'sensor.kp.max', which is no property",
+    "(if camera is present then sum(cost) else 2 EUR) < 3 EUR": "UVL cannot say",
+}
+
+
+@pytest.mark.parametrize("rule", REFUSED)
+def test_what_uvl_cannot_say_is_refused_by_name(rule):
+    with pytest.raises(DseError) as caught:
+        to_uvl(car("sum(cost) < 3 EUR", rule))
+    (problem,) = caught.value.problems
+    assert problem.what.startswith("constraint 'r1': ")
+    assert REFUSED[rule] in problem.what
+
+
+def test_numbers_that_never_end_in_si_are_written_in_their_own_unit():
+    root = Compound("r", {"a": Optional(part("a", speed="1 km/h")), "b": Optional(part("b", speed="90 km/h"))})
+    space = DesignSpace("r", root, (Constraint("slow", parse_expression("sum(speed) <= 1 km/h")),))
+    text = to_uvl(space)
+    assert "// speed is in km/h" in text
+    assert "sum(speed) * 5 / 18 <=" in text
+    assert count(read(text)) == count(space) == 2
+
+
+def test_a_number_without_end_is_refused():
+    root = Compound("r", {"a": part("a", angle="1 deg"), "b": part("b", angle="1 rad")})
+    with pytest.raises(DseError, match="no finite decimals"):
+        to_uvl(DesignSpace("r", root))
+
+
+@st.composite
+def spaces(draw):
+    """A small space of nested containers."""
+    names = iter(f"n{number}" for number in range(1000))
+
+    def node(depth):
+        kind = draw(st.sampled_from(["part", "part", "optional", "alternative", "compound"]))
+        if kind == "part" or depth == 3:
+            return part(draw(st.sampled_from(["a", "b", "c"])), x=str(draw(st.integers(-2, 5))))
+        if kind == "optional":
+            inner = node(depth + 1)
+            return inner if isinstance(inner, Optional) else Optional(inner)
+        if kind == "compound":
+            return compound(next(names), depth + 1)
+        options = [
+            compound(next(names), depth + 1) if draw(st.booleans()) else part(next(names), x="2") for _ in range(2)
+        ]
+        return Alternative(tuple(options))
+
+    def compound(name, depth):
+        return Compound(
+            name, {draw(st.sampled_from("pqrs")) + str(n): node(depth) for n in range(draw(st.integers(1, 3)))}
+        )
+
+    bound = draw(st.integers(-3, 12))
+    return DesignSpace("space", compound("space", 0), (Constraint("bound", parse_expression(f"sum(x) <= {bound}")),))
+
+
+@settings(max_examples=150, deadline=None)
+@given(spaces())
+def test_any_space_has_as_many_configurations_in_uvl(space):
+    if any(isinstance(node, Part) and node.component.properties for _, node in walk(space.root)):
+        assert count(read(to_uvl(space))) == count(space)
+
+
+def test_the_example_design_can_be_written():
+    space = Workspace(ROOT).design("acc_vehicle")
+    assert count(read(to_uvl(space))) == count(space)

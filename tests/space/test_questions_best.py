@@ -1,0 +1,101 @@
+"""The best, the Pareto set and the nearest configuration, against brute force."""
+
+from __future__ import annotations
+
+from fractions import Fraction
+
+import pytest
+from hypothesis import assume, given
+from hypothesis import strategies as st
+from question_spaces import EXAMPLES, asked
+from random_spaces import number
+
+from dse.errors import DseError
+from dse.loading.expression import parse_expression
+from dse.space.evaluate import compile_value
+from dse.space.questions.nearest import nearest
+from dse.space.questions.optimum import Aim, best_configurations, pareto_set
+
+SUMS = st.sampled_from(["sum(mass)", "sum(cost)", "sum(factor)", "sum(rate)", "2 * sum(mass) - 3 kg", "sum(rate) * 2"])
+
+
+def values(found, expression):
+    """The value of every valid row, None where it is undefined."""
+    try:
+        evaluate = compile_value(expression, found.space)
+        kept = [choices for choices, holds in zip(found.choices, found.valid(), strict=True) if holds]
+        return [None if (value := evaluate(choices)) is None else Fraction(value) for choices in kept], kept
+    except DseError:
+        assume(False)
+        raise
+
+
+def check_best(found, text, largest, most):
+    aim = Aim(parse_expression(text), largest)
+    worth, kept = values(found, aim.expression)
+    ranked = [place for place, value in enumerate(worth) if value is not None]
+    ranked.sort(key=lambda place: -worth[place] if largest else worth[place])
+    best = best_configurations(found.space, found.engine, aim, most)
+    assert [(dict(entry.choices), *entry.values) for entry in best] == [
+        (kept[place], worth[place]) for place in ranked[:most]
+    ]
+
+
+@EXAMPLES
+@given(asked(2), SUMS, st.booleans(), st.integers(1, 6))
+def test_the_best_under_a_sum_are_the_first_of_the_sorted_list(found, text, largest, most):
+    check_best(found, text, largest, most)
+
+
+@EXAMPLES
+@given(asked(2), SUMS, SUMS, st.booleans(), st.integers(1, 6))
+def test_the_best_under_a_quotient_are_the_first_of_the_sorted_list(found, above, below, largest, most):
+    check_best(found, f"({above}) / ({below})", largest, most)
+
+
+@EXAMPLES
+@given(asked(2), st.data(), st.booleans(), st.integers(1, 6))
+def test_the_best_under_anything_are_the_first_of_the_sorted_list(found, data, largest, most):
+    check_best(found, number(data.draw, found.space), largest, most)
+
+
+@EXAMPLES
+@given(asked(2), st.lists(st.tuples(SUMS, st.booleans()), min_size=2, max_size=3))
+def test_no_configuration_beats_a_point_of_the_pareto_set_and_none_is_missing(found, wanted):
+    aims = [Aim(parse_expression(text), largest) for text, largest in wanted]
+    columns = [values(found, aim.expression)[0] for aim in aims]
+    signs = [-1 if aim.largest else 1 for aim in aims]
+    assume(all(None not in column for column in columns))
+    points = {tuple(s * v for s, v in zip(signs, row, strict=True)) for row in zip(*columns, strict=True)}
+    best = {p for p in points if not any(q != p and all(a <= b for a, b in zip(q, p, strict=True)) for q in points)}
+    front = pareto_set(found.space, found.engine, aims)
+    reached = [tuple(s * v for s, v in zip(signs, entry.values, strict=True)) for entry in front]
+    assert reached == sorted(best)
+
+
+def distance(given_choices, other):
+    """How many of the choices given are lost."""
+    return sum(other.get(path) != choice for path, choice in given_choices.items())
+
+
+@EXAMPLES
+@given(asked(3), st.integers(0, 1_000_000))
+def test_the_nearest_configuration_is_valid_and_loses_as_little_as_can_be(found, place):
+    choices = found.choices[place % len(found.rows)]
+    kept = [other for other, holds in zip(found.choices, found.valid(), strict=True) if holds]
+    if not kept:
+        with pytest.raises(DseError, match="no valid configuration"):
+            nearest(found.engine, choices)
+        return
+    near = nearest(found.engine, choices)
+    assert dict(near.choices) in kept
+    assert {c.path: (c.before, c.after) for c in near.changes} == {
+        path: (choices.get(path), near.choices.get(path))
+        for path in {*choices, *near.choices}
+        if choices.get(path) != near.choices.get(path)
+    }
+    if choices in kept:
+        assert dict(near.choices) == choices
+    left_out = {v.path for v in found.engine.flat.variables if None in v.values} - set(choices)
+    if not left_out:
+        assert distance(choices, near.choices) == min(distance(choices, other) for other in kept)
