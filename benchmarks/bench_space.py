@@ -22,11 +22,12 @@ import spaces
 from space_peers import peers
 
 from dse.space.diagram import compile_diagram, count
+from dse.space.emptiness import is_empty
 from dse.space.engine import Engine
 from dse.space.estimate import estimate
 from dse.space.flat import FlatSpace
 from dse.space.grids import exact_count
-from dse.space.listing import blocks, first, is_empty
+from dse.space.listing import blocks, first
 from dse.space.lowering import flatten
 from dse.space.questions.conflict import conflict
 from dse.space.questions.impact import impact

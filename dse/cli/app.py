@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import os
 import sys
 import unicodedata
 from typing import TYPE_CHECKING, Annotated, Any
@@ -23,8 +24,11 @@ DONE, WRONG_FILES, USAGE, RUNS_FAILED, INTERRUPTED = 0, 1, 2, 3, 130
 _GROUPS = ("space", "import", "export")
 
 
-class _InOrder(TyperGroup):
-    """Lists the groups about design spaces beside ``dse enumerate``; they would come before all commands."""
+class _Commands(TyperGroup):
+    """Lists the groups about design spaces beside ``dse enumerate``; they would come before all commands.
+
+    A reader that goes away, as ``head`` does, is no failure. The frameworks below would make it one.
+    """
 
     def list_commands(self, ctx: Any) -> list[str]:  # a context of the click inside typer
         """The names in the order of the help."""
@@ -32,10 +36,33 @@ class _InOrder(TyperGroup):
         place = names.index("enumerate") + 1 if "enumerate" in names else 0
         return [*names[:place], *(name for name in _GROUPS if name in self.commands), *names[place:]]
 
+    def make_context(self, *arguments: Any, **options: Any) -> Any:
+        """A context; shows the help and the version on the way."""
+        try:
+            return super().make_context(*arguments, **options)
+        except BrokenPipeError:
+            _silence()
+            raise typer.Exit(DONE) from None
+
+    def invoke(self, ctx: Any) -> Any:
+        """Run the command; what it wrote is handed over before it counts as done."""
+        try:
+            result = super().invoke(ctx)
+            sys.stdout.flush()
+        except BrokenPipeError:
+            _silence()
+            raise typer.Exit(DONE) from None
+        return result
+
+
+def _silence() -> None:
+    """Let nothing be written any more: what is still held back would fail again at the end of the process."""
+    os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+
 
 app = typer.Typer(
     name="dse",
-    cls=_InOrder,
+    cls=_Commands,
     help="Design cyber-physical products when the architecture and the numbers are both open.",
     epilog="Start with 'dse init my-study', then 'dse check', 'dse explore', 'dse report'. "
     "Exit codes: 0 done, 1 the files are wrong, 2 usage, 3 some runs failed.",
@@ -94,7 +121,11 @@ def console(*, stderr: bool = False) -> Console:
     """A rich console that never guesses at highlights or markup in the user's words."""
     from rich.console import Console
 
-    return Console(stderr=stderr, highlight=False, markup=False, emoji=False)
+    class Screen(Console):
+        def on_broken_pipe(self) -> None:
+            raise BrokenPipeError
+
+    return Screen(stderr=stderr, highlight=False, markup=False, emoji=False)
 
 
 def print_table(table: Table) -> None:
@@ -108,6 +139,8 @@ def print_json(data: object) -> None:
     """One JSON document on standard output; NaN becomes null, infinities the strings "inf" and "-inf"."""
     import json
 
+    # Large spaces have counts of more digits than the interpreter writes by itself.
+    sys.set_int_max_str_digits(0)
     sys.stdout.write(json.dumps(_plain(data), ensure_ascii=False, indent=2, allow_nan=False) + "\n")
 
 

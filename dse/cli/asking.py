@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import shlex
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from dse.cli.space import condition_of, space_of
+from dse.errors import DseError, fail
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -22,6 +24,8 @@ class Question:
     engine: Engine
     chosen: Mapping[str, str]
     where: str | None
+    options: tuple[str, ...] = ()
+    """What was typed to put it, for a hint that asks another question about the same."""
 
     def title(self) -> str:
         """What is asked about, for a person: ``acc_vehicle with sensor=radar where cost <= 9000 EUR``."""
@@ -31,6 +35,13 @@ class Question:
     def data(self) -> dict[str, object]:
         """The same for a program."""
         return {"design": self.space.name, "chosen": dict(self.chosen), "where": self.where}
+
+    def nothing(self) -> DseError:
+        """The problem that no configuration is left."""
+        asked = self.title().removeprefix(self.space.name)
+        what = f"'{self.space.name}' has no valid configuration{asked}"
+        command = shlex.join(["dse", "space", "conflict", self.space.name, *self.options])
+        return fail(what, None, f"ask which constraints conflict: {command}")
 
     def is_narrowed(self) -> bool:
         """Whether only part of the space is asked about."""
@@ -48,4 +59,7 @@ def ask(design: str, choose: list[str], where: str | None, on: list[str], off: l
     condition = condition_of(where)
     engine = Engine.of(space)
     rules = (*choosing(engine.flat, chosen), *(selecting(space, condition) if condition else ()))
-    return Question(space, engine.having(*rules) if rules else engine, chosen, where)
+    typed = [("--choose", text) for text in choose] + [("--where", where)] * bool(where)
+    typed += [*(("--on", name) for name in on), *(("--off", name) for name in off)]
+    options = tuple(word for pair in typed for word in pair if word)
+    return Question(space, engine.having(*rules) if rules else engine, chosen, where, options)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import sys
 
-from dse.cli.app import DONE, WRONG_FILES, app, show_problems
+from dse.cli.app import WRONG_FILES, app, show_problems
 from dse.cli.commands import register
 from dse.errors import DseError, Location, fail
 
@@ -23,10 +23,6 @@ def main() -> None:
     except DseError as error:
         show_problems(error)
         sys.exit(WRONG_FILES)
-    except BrokenPipeError:
-        # The reader of our output (head, less) has seen enough.
-        sys.stderr.close()
-        sys.exit(DONE)
     except OSError as error:
         show_problems(fail(error.strerror or str(error), Location(str(error.filename or "dse")), _OUTPUT))
         sys.exit(WRONG_FILES)

@@ -61,8 +61,15 @@ def space_of(design: str, on: list[str], off: list[str]) -> DesignSpace:
 
 
 def condition_of(text: str | None) -> Expression | None:
-    """The condition of --where; its problems are located in the text of the option. Raises DseError."""
+    """The condition of --where; its problems are located in the text of the option. Raises DseError.
+
+    An empty one is wrong usage: a variable of a script may be unset.
+    """
     from dse.errors import Location
     from dse.loading.expression import parse_expression
 
-    return parse_expression(text, Location("--where", 1, 1)) if text else None
+    if text is None:
+        return None
+    if not text.strip():
+        raise typer.BadParameter("the condition is empty", param_hint="--where")
+    return parse_expression(text, Location("--where", 1, 1))

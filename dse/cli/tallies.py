@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
+from dse.space.tally import significant
+
 if TYPE_CHECKING:
     from dse.space.tally import Tally
 
@@ -21,18 +23,16 @@ def number_text(number: int) -> str:
     return f"{short(number)} ({number:,})" if number < _HUGE else short(number)
 
 
-def short(number: float) -> str:
+def short(number: int) -> str:
     """Four digits at most: ``1.003e24``."""
-    digits, e, exponent = f"{number:.4g}".partition("e")
-    return f"{digits}e{int(exponent)}" if e else digits
+    return significant(number, 4)
 
 
 def tally_text(tally: Tally) -> str:
     """A count, or an estimate with its interval: ``≈ 1.003e24 ± 3.9e21 (95 %)``."""
     if tally.exact:
         return number_text(tally.value)
-    half = f"{(tally.high - tally.low) / 2:.2g}".replace("e+", "e")
-    return f"≈ {short(tally.value)} ± {half} (95 %)"
+    return f"≈ {short(tally.value)} ± {tally.half_width} (95 %)"
 
 
 def tally_cell(tally: Tally) -> str:

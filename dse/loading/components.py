@@ -10,7 +10,7 @@ from dse.errors import DseError, Problem, closest, fail, raise_if_any
 from dse.loading.documents import CollectionFile, ComponentFile, FactsSection, ParameterSection
 from dse.loading.fields import read_section
 from dse.loading.include import read_document
-from dse.loading.names import check_member, check_name
+from dse.loading.names import check_choice, check_member, check_name
 from dse.loading.root import root_of
 from dse.loading.sources import read_source
 from dse.loading.values import read_number, read_quantity, read_type, read_unit, read_value
@@ -27,7 +27,7 @@ def read_component(path: Path, interfaces: Mapping[str, Interface], inside: Path
     document = read_document(path, inside)
     file = read_section(document, ComponentFile)
     problems: list[Problem] = []
-    check_name(file.component, document.place(("component",)), problems)
+    check_choice(file.component, document.place(("component",)), problems)
     interface = _interface(document, (), file, interfaces, problems)
     parameters = _parameters(document, (), file, interface, problems)
     properties = _properties(document, (), file, problems)
@@ -58,7 +58,7 @@ def read_collection(path: Path, interfaces: Mapping[str, Interface], inside: Pat
     found = []
     for name, section in file.components.items():
         at: Path_ = ("components", name)
-        check_name(name, document.key(at), problems)
+        check_choice(name, document.key(at), problems)
         interface = _interface(document, at, section, interfaces, problems)
         parameters = _parameters(document, at, section, interface, problems)
         properties = _properties(document, at, section, problems)

@@ -56,7 +56,13 @@ def _required_with(document: Document, at: Path_, sides: dict[str, str | list[st
         if key not in ("if", "then")
     ]
     raise_if_any(problems)
-    raise_if_any(Problem(f"'{key}' is missing", document.key(at), form) for key in ("if", "then") if not sides.get(key))
+    raise_if_any(
+        Problem(f"'{key}' is empty", document.key((*at, key)), form)
+        if key in sides
+        else Problem(f"'{key}' is missing", document.key(at), form)
+        for key in ("if", "then")
+        if not sides.get(key)
+    )
     found: list[Passage] = []
     for key in ("if", "then"):
         entry = sides[key]
@@ -74,11 +80,11 @@ def _counted(document: Document, at: Path_, entries: dict[str, list[str]]) -> Pa
     ((number, conditions),) = entries.items()
     key = document.key((*at, number))
     if not (number.isascii() and number.isdigit() and len(number) < _LONGEST):
-        raise fail(f"'{number}' is not a whole number", key, form)
+        raise fail(f"'{number}' is not a whole number, 0 or more", key, form)
     if not conditions:
         raise fail(f"'{at[-1]}' needs at least one condition", key, form)
     if at[-1] != "at_most" and int(number) > len(conditions):
-        raise fail(f"{number} of {len(conditions)} conditions cannot hold", key, "write a smaller number")
+        raise fail(f"{number} of {len(conditions)} conditions can never hold", key, "write a smaller number")
     arguments = [passage for passage, _ in _parsed(document, (*at, number), conditions)]
     head = joined(added(f"{at[-1]}(", document.key(at)), written(str(int(number)), key))
     return joined(head, added(", ", arguments[0].where), listed(", ", arguments), added(")", arguments[-1].where))
@@ -120,7 +126,8 @@ def _range(document: Document, at: Path_, name: str, ends: list[str | int | floa
     key = document.key(at)
     split = find(name)
     if split is None:
-        raise fail(f"'{name}' names no part", key, "the form is place.property or place.parameter: [low, high]")
+        what = f"'{name}' names no part" if "." in name else f"'{name}' gives no property or parameter"
+        raise fail(what, key, "the form is place.property or place.parameter: [low, high]")
     place, own, components = split
     stated = {known for component in components for known in component.properties}
     settable = {parameter.name for component in components for parameter in component.parameters}

@@ -12,7 +12,7 @@ from dse.errors import DseError, Location, Problem, closest
 from dse.loading.design_connections import read_connections
 from dse.loading.design_constraints import Rules
 from dse.loading.design_scope import Spot
-from dse.loading.names import check_name
+from dse.loading.names import check_choice, check_name
 from dse.loading.yaml import Document, Path_
 
 FindComponent = Callable[[str, Location], Component]
@@ -107,23 +107,23 @@ class _TreeReader:
         if not isinstance(entries, list) or not entries:
             self.problem(at, "'alternatives' must be a list with at least one entry", "alternatives: [radar, lidar]")
             return None
-        options: list[Part | Compound] = []
+        options: dict[str, Part | Compound] = {}
         for number, entry in enumerate(entries):
             option = self.option((*at, number), entry, spot)
             if option is None:
                 continue
-            if any(option.name == other.name for other in options):
+            if option.name in options:
                 self.problem((*at, number), f"'{option.name}' stands twice among the alternatives", "remove one")
                 continue
-            options.append(option)
-        return Alternative(tuple(options), self.document.place(at)) if options else None
+            options[option.name] = option
+        return Alternative(tuple(options.values()), self.document.place(at)) if options else None
 
     def option(self, at: Path_, entry: Any, spot: Spot) -> Part | Compound | None:
         if isinstance(entry, str):
             return self.part(at, entry)
         if isinstance(entry, dict) and len(entry) == 1:
             ((name, content),) = entry.items()
-            check_name(name, self.document.key((*at, name)), self.problems)
+            check_choice(name, self.document.key((*at, name)), self.problems)
             if isinstance(content, dict) and "compound" in content:
                 return self.compound(name, (*at, name), content, spot.option(name))
         self.problem(

@@ -58,7 +58,9 @@ def parse_expression(text: str, where: Origin = None) -> Expression:
     while stack:
         node, level = stack.pop()
         if level > DEEPEST:
-            raise error_at(text, node.span, f"more than {DEEPEST} levels deep", where, "group with brackets")
+            raise error_at(
+                text, node.span, f"more than {DEEPEST} levels deep", where, "group with brackets, or split it"
+            )
         stack += [(child, level + 1) for child in children(node)]
     if isinstance(where, tuple):
         return Expression(text, root, where[0].where, where)
@@ -107,6 +109,9 @@ _BINDING = {
     "^": _POWER,
 }
 _FROM_THE_RIGHT = frozenset({"implies", "^"})
+_ASSOCIATIVE = frozenset({"and", "or", "+", "*"})
+_LONG = DEEPEST // 2
+"""Terms beyond which a chain of an associative operator is read as a tree of few levels, not from the left."""
 
 
 class _Parser:
@@ -144,11 +149,31 @@ class _Parser:
                 compared = True
                 left = self.comparison(left, start)
                 continue
+            end = self.since(start)[1]
             operator = self.take().text
+            if operator in _ASSOCIATIVE:
+                left = self.chain(operator, (left, (start, end)), binding)
+                continue
             right = self.expression(binding if operator in _FROM_THE_RIGHT else binding + 1)
             left = Binary(operator, left, right, self.since(start))
         self.nesting -= 1
         return left
+
+    def chain(self, operator: str, first: tuple[Node, Span], binding: int) -> Node:
+        """*first* and what follows with the same associative operator, of which one is taken already."""
+        terms = [first]
+        while True:
+            start = self.peek().span[0]
+            terms.append((self.expression(binding + 1), self.since(start)))
+            if not self.is_next(operator):
+                break
+            self.take()
+        if len(terms) > _LONG:
+            return _balanced(operator, terms)
+        node, span = terms[0]
+        for right, (_, end) in terms[1:]:
+            node = Binary(operator, node, right, (span[0], end))
+        return node
 
     def operand(self) -> Node:
         token = self.take()
@@ -286,6 +311,16 @@ class _Parser:
 
     def error(self, what: str, span: Span, advice: str) -> DseError:
         return error_at(self.text, span, what, self.where, advice)
+
+
+def _balanced(operator: str, terms: list[tuple[Node, Span]]) -> Node:
+    """The terms, each with where it stands, brackets included, as a tree of few levels."""
+    while len(terms) > 1:
+        pairs = zip(terms[::2], terms[1::2], strict=False)
+        spans = [(left, right, (at[0], till[1])) for (left, at), (right, till) in pairs]
+        joined: list[tuple[Node, Span]] = [(Binary(operator, left, right, span), span) for left, right, span in spans]
+        terms = [*joined, terms[-1]] if len(terms) % 2 else joined
+    return terms[0][0]
 
 
 def _number(token: Token, sign: int, span: Span) -> Number:

@@ -65,7 +65,7 @@ def _problems(document: Document, shape: type[Section], error: ValidationError, 
             yield _problem(document, shape, entry, path)
     inputs = {path: entry["input"] for path, entry in entries if entry["type"] in _EXPECTED}
     for path, kinds in merged.items():
-        what = f"'{_name(path)}': expected {_either(kinds)}, found {_shown(inputs[path])}"
+        what = f"'{_name(path)}': expected {_either(kinds)}, found {_kind(inputs[path])}"
         yield Problem(what, document.place(path), _HINTS.get(kinds[0], "") if len(kinds) == 1 else "")
 
 
@@ -142,8 +142,19 @@ def _words(entry: Any) -> str:
 
 
 def _shown(value: object) -> str:
+    if value is None:
+        return "nothing"
+    if isinstance(value, bool):
+        return str(value).lower()
     shown = repr(value)
     return shown if len(shown) <= 60 else shown[:57] + "…"
+
+
+def _kind(value: object) -> str:
+    """What a value is, where another kind is expected."""
+    if isinstance(value, dict):
+        return "a mapping"
+    return "a list" if isinstance(value, list | tuple) else _shown(value)
 
 
 def _sections_at(shape: type[Section], loc: tuple[str | int, ...]) -> list[type[Section]]:

@@ -25,6 +25,15 @@ def check_name(name: str, where: Location, problems: list[Problem]) -> None:
         problems.append(Problem(f"'{name}' is a word of the expression language", where, "choose another name"))
 
 
+def check_choice(name: str, where: Location, problems: list[Problem]) -> None:
+    """Add a problem unless *name* can be that of what is chosen at a place: a component or an architecture."""
+    if name in ("absent", "present"):
+        what = f"'{name}' says whether a part is there, so nothing can be called that"
+        problems.append(Problem(what, where, "choose another name"))
+    else:
+        check_name(name, where, problems)
+
+
 def check_member(name: str, where: Location, problems: list[Problem]) -> None:
     """Add a problem unless *name* can be that of a port or parameter: of a member of a C struct, too."""
     if name in C_KEYWORDS:

@@ -15,7 +15,10 @@ class Names:
     """Hands out names that can stand in dotted paths and expressions, each once; the same in every run."""
 
     def __init__(self, given: Iterable[str]) -> None:
-        """Those of *given* that can be names stay as they are; the others are spelled with ``_``."""
+        """Those of *given* that can be names stay as they are; the others are spelled with ``_``.
+
+        None starts with ``_``: the files called so are only for including.
+        """
         words = list(dict.fromkeys(given))
         self._taken = {word for word in words if word == _spelled(word)}
         self._names = {word: word for word in self._taken}
@@ -40,6 +43,6 @@ class Names:
 
 def _spelled(word: str) -> str:
     name = _ODD.sub("_", word)
-    if not name or name[0].isdigit():
-        name = f"_{name}"
+    if not name[:1].isalpha():
+        name = f"x{name}"
     return f"{name}_" if name in _NOT_NAMES else name

@@ -78,10 +78,13 @@ class _Builder:
         self.standing: dict[str, list[tuple[str, Outline]]] = {}
         self.tops: dict[str, list[Outline]] = {}
         self.own: set[str] = set()
-        self.root = Outline(self.unique(space.root.name, ""), True)
+        # The root is called as the design space, whatever else is.
+        self.taken.add(space.root.name)
+        self.root = Outline(space.root.name, True)
 
     def unique(self, name: str, path: str) -> str:
-        wanted = name if self.often[name] <= 1 and name not in self.taken else "_".join([*path.split("."), name])
+        alone = self.often[name] <= 1 and name not in self.taken
+        wanted = name if alone or not path else "_".join([*path.split("."), name])
         found, number = wanted, 2
         while found in self.taken:
             found, number = f"{wanted}_{number}", number + 1

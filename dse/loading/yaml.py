@@ -70,6 +70,7 @@ def read_yaml(path: Path) -> Document:
     if root is None:
         raise fail("the file is empty", Location(shown(path)), "docs/formats.md says what each file holds")
     reader = _Reader(shown(path), text)
+    reader.expect_few(root)
     data = reader.value(root, (), 0)
     if reader.problems:
         raise DseError(*reader.problems)
@@ -77,7 +78,7 @@ def read_yaml(path: Path) -> Document:
         raise fail(
             f"expected a mapping at the top of the file, found {_describe(data)}",
             reader.places[()],
-            "start with a line such as 'component: my_part'",
+            "start with a line that says what the file defines, as 'design: my_design' or 'component: my_part'",
         )
     return Document(path, data, reader.places, reader.keys, reader.pieces)
 
@@ -122,15 +123,39 @@ class _Reader:
         self.places: dict[Path_, Location] = {}
         self.keys: dict[Path_, Location] = {}
         self.problems: list[Problem] = []
-        self.count = 0
+
+    def expect_few(self, root: Any) -> None:
+        """Raise DseError if there are too many values below *root*.
+
+        Aliases repeat a node: a short file can stand for billions of values, so each is counted once.
+        """
+        counts: dict[int, int] = {}
+        opened: set[int] = set()
+        stack = [root]
+        while stack:
+            node = stack[-1]
+            if id(node) in counts:
+                stack.pop()
+                continue
+            below = _below(node)
+            if id(node) not in opened:
+                opened.add(id(node))
+                stack += [child for child in below if id(child) not in opened]
+                continue
+            stack.pop()
+            # What is not counted yet is around itself; the levels are too many then.
+            counts[id(node)] = count = 1 + sum(counts.get(id(child), 0) for child in below)
+            if count > _MAX_NODES:
+                what = f"more than {_MAX_NODES:,} values once aliases (*name) are expanded"
+                advice = "an alias repeats all that its anchor (&name) holds; use fewer of them, or split the file"
+                raise fail(what, self._where(node), advice)
 
     def value(self, node: Any, path: Path_, depth: int) -> Any:
         where = self._where(node)
         self.places[path] = where
-        self.count += 1
-        # Aliases repeat a node: a short file can stand for billions of values.
-        if self.count > _MAX_NODES or depth > MOST_LEVELS:
-            raise fail("the file is too large or nested too deeply once its aliases are expanded", where)
+        if depth > MOST_LEVELS:
+            what = f"more than {MOST_LEVELS} levels once aliases (*name) are expanded"
+            raise fail(what, where, "flatten it; an alias within its own anchor never ends")
         if node.id != "scalar" and str(node.tag) not in _PLAIN_TAGS:
             self._tagged(node)
             return None
@@ -215,6 +240,12 @@ class _Reader:
 
     def _raw(self, node: Any) -> str:
         return self.text[node.start_mark.index : node.end_mark.index]
+
+
+def _below(node: Any) -> list[Any]:
+    if node.id == "mapping":
+        return [value for _, value in node.value]
+    return list(node.value) if node.id == "sequence" else []
 
 
 def _nearest(places: Mapping[Path_, Location], path: Path_) -> Location:

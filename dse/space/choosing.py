@@ -48,6 +48,11 @@ def kept_choices(
     for texts, is_kept in ((keep, True), (drop, False)):
         for text in texts:
             path, _, listed = (piece.strip() for piece in text.partition("="))
+            if not listed:
+                problems.append(
+                    Problem(f"'{text}' says nothing is {'kept' if is_kept else 'dropped'}", None, "write place=a,b")
+                )
+                continue
             named = {choice.strip() for choice in listed.split(",") if choice.strip()}
             found = [_problem(space, options, f"{path}={choice}") for choice in sorted(named) or [""]]
             problems += [problem for problem in found if problem]

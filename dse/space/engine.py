@@ -18,18 +18,20 @@ from dse.errors import DseError, fail
 from dse.space.budget import TooMuchError
 from dse.space.decisions import decisions, product_of
 from dse.space.diagram import Diagram, count, restrict
+from dse.space.emptiness import is_empty
 from dse.space.entangled import Entangled
 from dse.space.estimate import RELATIVE, Shares, estimate, estimate_occurrences
 from dse.space.expand import expand
 from dse.space.flat import FlatSpace, Rows, Rule, Table
 from dse.space.grids import exact_count
 from dse.space.growth import TooWideError
-from dse.space.listing import blocks, first, is_empty
+from dse.space.listing import blocks, first
 from dse.space.lowering import flatten
 from dse.space.ordering import compile_best
 from dse.space.sampling import sample
 from dse.space.tally import Tally
-from dse.space.tilt import EmptyError, TooRareError
+from dse.space.tilt import EmptyError, TooRareError, tilt
+from dse.space.uniform import generator
 
 DIAGRAM = 200_000
 """Nodes a diagram may have before reduction; beyond, the decision-DNNF takes over."""
@@ -44,14 +46,21 @@ MOST_WORK = 1e12
 """The same where an exact count is insisted on: many minutes."""
 
 LISTED = 20_000_000
-"""Rows that are listed for a count or a sample where nothing else helps."""
+"""Rows that are listed for a count where nothing else helps."""
+
+_LISTED_CELLS = 1_200_000_000
+"""The same in decisions of all rows together."""
+
+_KEPT_CELLS = 200_000_000
+"""Decisions of all rows together that are kept in memory, to draw from them."""
 
 
 class Engine:
     """Answers about *flat*. They do not depend on what was asked before."""
 
-    def __init__(self, flat: FlatSpace) -> None:
+    def __init__(self, flat: FlatSpace, model: Engine | None = None) -> None:
         self.flat = flat
+        self._model = model
 
     @classmethod
     def of(cls, space: DesignSpace) -> Engine:
@@ -74,14 +83,13 @@ class Engine:
 
     def like(self, flat: FlatSpace) -> Engine:
         """The engine of another space over much the same variables: no diagram is tried where none fitted here."""
-        other = Engine(flat)
-        if self.diagram is None and self.entangled.graph is not None:
-            other.__dict__["diagram"] = None
-        return other
+        return Engine(flat, self)
 
     @cached_property
     def diagram(self) -> Diagram | None:
         """The decision diagram of hierarchy and rules, sums aside; None where it is too wide in every order."""
+        if self._model is not None and self._model.diagram is None and self._model.entangled.graph is not None:
+            return None
         try:
             return compile_best(self.flat, DIAGRAM)
         except TooWideError:
@@ -137,6 +145,8 @@ class Engine:
             return self.entangled.exact_count()
         if self.is_structural():
             return count(self.diagram)
+        if "expanded" not in self.__dict__ and self._is_hopeless:
+            return 0
         if self.expanded is not None:
             return count(self.expanded)
         try:
@@ -156,11 +166,21 @@ class Engine:
 
     def is_empty(self) -> bool:
         """Whether no row is valid. Raises DseError if a complete search has to give up."""
-        return is_empty(self.diagram) if self.diagram is not None else self.entangled.first() is None
+        if self.diagram is None:
+            return self.entangled.first() is None
+        try:
+            return is_empty(self.diagram)
+        except TooMuchError as error:
+            raise self._undecided() from error
 
     def first(self) -> Rows | None:
         """The first valid row in the engine's order, shape (variables,), or None. Raises like `is_empty`."""
-        return first(self.diagram) if self.diagram is not None else self.entangled.first()
+        if self.diagram is None:
+            return self.entangled.first()
+        try:
+            return first(self.diagram)
+        except TooMuchError as error:
+            raise self._undecided() from error
 
     def blocks(self) -> Iterator[Rows]:
         """Every valid row, in blocks of shape (rows, variables), in a stable order.
@@ -205,8 +225,20 @@ class Engine:
         except TooRareError:
             return self._shares_of_list()
 
+    @cached_property
+    def _is_hopeless(self) -> bool:
+        """Whether a bound proves that no row is valid, before anything is spent on it."""
+        if self.diagram is None:
+            return False
+        try:
+            tilt(self.diagram)
+        except EmptyError:
+            return True
+        return False
+
     def _listed(self, most: int) -> int | None:
-        """The count by listing; None if there are more than *most*."""
+        """The count by listing; None if there are more than *most*, or fewer in a space of many decisions."""
+        most = min(most, _LISTED_CELLS // max(1, len(self.flat.variables)))
         number = 0
         for block in self.blocks():
             number += len(block)
@@ -216,17 +248,18 @@ class Engine:
 
     def _every(self) -> Rows:
         """All rows of a space whose valid rows are so rare that drawing does not find them."""
-        every = self.rows(LISTED + 1)
+        most = min(LISTED, _KEPT_CELLS // max(1, len(self.flat.variables)))
+        every = self.rows(most + 1)
         if not len(every):
             raise self._nothing()
-        if len(every) > LISTED:
+        if len(every) > most:
             hint = "fix some of the choices"
             raise fail(f"the valid configurations of '{self.flat.name}' are too rare to be drawn", None, hint)
         return every
 
     def _drawn_from_list(self, number: int, seed: int) -> Rows:
         every = self._every()
-        drawn: Rows = every[np.random.Generator(np.random.PCG64(seed)).integers(len(every), size=number)]
+        drawn: Rows = every[generator(seed).integers(len(every), size=number)]
         return drawn
 
     def _shares_of_list(self) -> Shares:
@@ -236,6 +269,10 @@ class Engine:
             length = len(variable.values) + 1
             shares.append(np.bincount(every[:, number] % length, minlength=length) / len(every))
         return Shares(tuple(shares), tuple(np.zeros_like(share) for share in shares))
+
+    def _undecided(self) -> DseError:
+        hint = "fix some of the choices"
+        return fail(f"whether '{self.flat.name}' has a valid configuration takes too long to find out", None, hint)
 
     def _nothing(self) -> DseError:
         hint = f"ask which constraints conflict: dse space conflict {self.flat.name}"

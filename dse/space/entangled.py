@@ -6,10 +6,11 @@ are drawn and kept if they meet the others; else complete search, which may have
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from fractions import Fraction
 from functools import cached_property
+from itertools import islice
 from math import ceil, floor, sqrt
 
 import numpy as np
@@ -19,21 +20,32 @@ from dse.space.budget import TooMuchError
 from dse.space.dnnf import queries
 from dse.space.dnnf import rows as listing
 from dse.space.dnnf.compile import Dnnf, compile_dnnf
+from dse.space.dnnf.optimum import least
 from dse.space.dnnf.satisfy import satisfiable
 from dse.space.dnnf.trim import UnsupportedError
-from dse.space.estimate import Shares
-from dse.space.flat import FlatSpace, Linear, Rows, Wide
+from dse.space.estimate import Shares, exact_shares
+from dse.space.flat import FlatSpace, Ints, Linear, Rows, Wide
 from dse.space.growth import TooWideError
 from dse.space.recheck import recheck
+from dse.space.search import Effort
 from dse.space.search import first as search_first
 from dse.space.search import rows as search_rows
 from dse.space.tally import Tally
 from dse.space.tilt import EmptyError
+from dse.space.uniform import generator
 
 SEARCHED = 2_000_000
 """Values that a complete search tries before it gives up."""
 
+WORK = 50_000_000
+"""Variables of rules that a search looks at before it gives up, in all or, where rows are listed, since the last block.
+"""
+
+_BLOCK = 256
 _DRAWS = 50_000
+_MOST_DRAWS = 20 * _DRAWS
+_LIKELY = 20
+"""Draws for each wanted row that are never too many."""
 _SEEN = 20
 _NORMAL = 1.959963984540054
 
@@ -54,19 +66,21 @@ class Entangled:
         if self.graph is not None:
             return queries.count(self.graph)
         try:
-            return sum(map(len, search_rows(self.flat, SEARCHED)))
+            return sum(1 for _ in search_rows(self.flat, SEARCHED, Effort(WORK)))
         except TooMuchError:
             return None
 
     def estimate(self, seed: int) -> Tally:
         """The rows that meet the logical rules, times the share of those that meet the others (Wilson's interval).
 
-        Raises DseError if that is too small to be seen.
+        Exactly none if nothing meets the logical ones. Raises DseError if that is too small to be seen.
         """
-        total = queries.count(self._logical) if self._logical is not None else 0
         if self._logical is None:
             raise self._gives_up("count")
-        seen = int(recheck(self.flat).valid(listing.sample(self._logical, _DRAWS, seed)).sum()) if total else 0
+        total = queries.count(self._logical)
+        if not total:
+            return Tally(0)
+        seen = int(recheck(self.flat).valid(listing.sample(self._logical, _DRAWS, seed)).sum())
         if seen < _SEEN:
             raise self._gives_up("count")
         share, square = seen / _DRAWS, _NORMAL**2 / _DRAWS
@@ -84,14 +98,21 @@ class Entangled:
         else:
             return None if found is None else recheck(self.flat).insist(found[None, :])[0]
         try:
-            return search_first(self.flat, SEARCHED)
+            return search_first(self.flat, SEARCHED, Effort(WORK))
         except TooMuchError as error:
             raise self._gives_up("find a configuration") from error
 
     def blocks(self) -> Iterator[Rows]:
-        """Every valid row in blocks, in a stable order."""
+        """Every valid row in blocks, in a stable order. Raises DseError if a search finds no more for too long."""
         if self.graph is None:
-            yield from search_rows(self.flat)
+            effort = Effort(WORK)
+            searched = search_rows(self.flat, effort=effort)
+            try:
+                while waiting := list(islice(searched, _BLOCK)):
+                    yield np.array(waiting)
+                    effort.left = WORK
+            except TooMuchError as error:
+                raise self._gives_up("list the configurations") from error
             return
         check = recheck(self.flat)
         for block in listing.rows(self.graph):
@@ -104,29 +125,69 @@ class Entangled:
             if not len(drawn):
                 raise EmptyError
             return recheck(self.flat).insist(drawn)
-        if self._logical is None:
-            raise self._gives_up("draw configurations")
-        drawn = listing.sample(self._logical, max(_DRAWS, 20 * number), seed)
-        kept = drawn[recheck(self.flat).valid(drawn)]
-        if len(kept) < number:
-            raise self._gives_up("draw configurations")
-        return kept[:number]
+        kept = self._kept(number, seed)
+        if kept is not None:
+            return kept
+        every = self._searched("draw configurations")
+        if not len(every):
+            raise EmptyError
+        chosen: Rows = every[generator(seed).integers(len(every), size=number)]
+        return chosen
+
+    def least(self, weights: Mapping[int, Ints], number: int) -> Rows:
+        """The *number* rows of least sum of weights, ascending.
+
+        Raises UnsupportedError and TooWideError where rules do not fit into a graph.
+        """
+        return recheck(self.flat).insist(least(self.flat, weights, number))
 
     def shares(self) -> Shares:
-        """The share of valid rows that take each value. Raises EmptyError, and DseError without a graph."""
-        if self.graph is None:
-            raise self._gives_up("tell how often each alternative occurs")
-        total = queries.count(self.graph)
+        """The share of valid rows that take each value, exactly. Raises EmptyError, DseError if it cannot be known."""
+        times: Sequence[Sequence[int]]
+        if self.graph is not None:
+            total = queries.count(self.graph)
+            times = queries.occurrences(self.graph)
+        else:
+            every = self._searched("tell how often each alternative occurs")
+            total = len(every)
+            lengths = [len(variable.values) + 1 for variable in self.flat.variables]
+            columns = zip(every.T, lengths, strict=True)
+            times = [np.bincount(column % length, minlength=length).tolist() for column, length in columns]
         if not total:
             raise EmptyError
-        times = queries.occurrences(self.graph)
-        exact = [np.array([float(Fraction(number, total)) for number in found]) for found in times]
-        return Shares(tuple(exact), tuple(np.zeros_like(share) for share in exact))
+        return exact_shares(times, total)
 
     @cached_property
     def _logical(self) -> Dnnf | None:
         rules = tuple(rule for rule in self.flat.rules if not isinstance(rule, Linear | Wide))
         return _compiled(replace(self.flat, rules=rules))
+
+    def _kept(self, number: int, seed: int) -> Rows | None:
+        """*number* rows drawn under the logical rules that meet the others, too; None if those are too rare.
+
+        The first rows are those of a smaller sample. Raises EmptyError if nothing meets the logical rules.
+        """
+        if self._logical is None:
+            return None
+        check = recheck(self.flat)
+        kept: list[Rows] = []
+        seen = drawn = 0
+        for block in listing.drawn(self._logical, seed):
+            kept.append(block[check.valid(block)])
+            drawn, seen = drawn + len(block), seen + len(kept[-1])
+            if seen >= number or (drawn >= _DRAWS and not seen) or drawn >= _MOST_DRAWS + _LIKELY * number:
+                break
+        if not drawn:
+            raise EmptyError
+        return np.concatenate(kept)[:number] if seen >= number else None
+
+    def _searched(self, what: str) -> Rows:
+        """All rows by complete search. Raises DseError that it cannot do *what* if there are too many."""
+        try:
+            rows = list(search_rows(self.flat, SEARCHED, Effort(WORK)))
+        except TooMuchError as error:
+            raise self._gives_up(what) from error
+        return np.array(rows, np.int16).reshape(len(rows), len(self.flat.variables))
 
     def _gives_up(self, what: str) -> DseError:
         hint = "its rules are too entangled for every method; fix some choices, or leave some constraints out"

@@ -8,7 +8,7 @@ interval is Student's, over the means of the batches, whose number was settled b
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from math import ceil, exp, floor, log, sqrt
@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 
 from dse.space.diagram import Diagram, count, occurrences
 from dse.space.flat import Floats, Ints, Linear
-from dse.space.sampling import floor_share, meets, sample, tilted_walks, walk
+from dse.space.sampling import MOST_CELLS, floor_share, meets, rows_at_once, sample, tilted_walks, walk
 from dse.space.segments import draw, halves
 from dse.space.tally import Tally
 from dse.space.tilt import EmptyError, Tilt, TooRareError, slopes, tilt
@@ -71,8 +71,8 @@ def estimate(
     """The number of rows that meet all rules, with a 95 % interval of about *relative* to either side.
 
     Exact if the layers hold all rules that can be broken, or if it is proven that there is none. Otherwise as many
-    rows are drawn as a pilot says *relative* needs, *most_draws* at most, when the interval may be wider; in batches
-    of *size*, of which there are some 60 at least.
+    rows are drawn as a pilot says *relative* needs, *most_draws* at most, when the interval may be wider, and
+    fewer of a deep diagram; in batches of *size*, or smaller ones, of which there are some 60 at least.
     Raises TooRareError if too few of them are valid to state an interval.
     """
     size = size or _BATCH
@@ -83,6 +83,9 @@ def estimate(
     wide = not diagram.expanded and bool(diagram.flat.wides())
     if not tilted.linears and not wide:
         return Tally(count(diagram))
+    depth = len(diagram.layers) + 1
+    size = min(size, rows_at_once(diagram)) if wide else size
+    most_draws = min(most_draws, MOST_CELLS // depth)
     batch, log_unit = _by_rows(diagram, tilted, size) if wide else _by_halves(diagram, tilted, size)
     pilot, main = generator(seed).spawn(2)
     first = np.array([batch(pilot) for _ in range(_PILOT)])
@@ -96,7 +99,10 @@ def estimate(
     if half >= _VAGUE * mean:
         raise TooRareError
     value, low, high = (_scaled(log_unit, number) for number in (mean, mean - half, mean + half))
-    return Tally(round(value), False, max(floor(low), 1), min(ceil(high), count(diagram)))
+    # At least one is valid, or no interval could be stated, and no more than the diagram holds.
+    most = count(diagram)
+    inside = [min(max(end, 1), most) for end in (round(value), floor(low), ceil(high))]
+    return Tally(inside[0], False, inside[1], inside[2])
 
 
 def estimate_occurrences(diagram: Diagram, seed: int, number: int = 10_000) -> Shares:
@@ -109,8 +115,7 @@ def estimate_occurrences(diagram: Diagram, seed: int, number: int = 10_000) -> S
         if diagram.empty:
             raise EmptyError
         total = count(diagram)
-        exact = [np.array([float(Fraction(times, total)) for times in found]) for found in occurrences(diagram)]
-        return Shares(tuple(exact), tuple(np.zeros_like(share) for share in exact))
+        return exact_shares(occurrences(diagram), total)
     rows = sample(diagram, number, seed)
     shares: list[Floats] = []
     half_widths: list[Floats] = []
@@ -120,6 +125,13 @@ def estimate_occurrences(diagram: Diagram, seed: int, number: int = 10_000) -> S
         shares.append(share)
         half_widths.append(_wilson(share, number))
     return Shares(tuple(shares), tuple(half_widths))
+
+
+def exact_shares(times: Iterable[Sequence[int]], total: int) -> Shares:
+    """Shares from how often each value is taken, by variable; one that is not 0 never becomes 0 by rounding."""
+    least = np.nextafter(0.0, 1.0)
+    shares = [np.array([max(float(Fraction(n, total)), least) if n else 0.0 for n in found]) for found in times]
+    return Shares(tuple(shares), tuple(np.zeros_like(share) for share in shares))
 
 
 def _by_halves(diagram: Diagram, tilted: Tilt, size: int) -> tuple[Batch, float]:

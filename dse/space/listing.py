@@ -1,4 +1,4 @@
-"""Every valid row of a diagram, lazily and in a stable order; the first of them; whether there is any."""
+"""Every valid row of a diagram, lazily and in a stable order, and the first of them."""
 
 from __future__ import annotations
 
@@ -9,36 +9,34 @@ from dse.space.diagram import Diagram
 from dse.space.flat import FlatSpace, Linear, Rows, Rule, Wide
 from dse.space.folds import is_bounded
 from dse.space.recheck import Recheck, recheck
-from dse.space.walk import BLOCK, Walk
+from dse.space.walk import BLOCK, Rounds, Walk
+
+MOST_ROUNDS = 20_000
+"""Pieces of work, some minutes, after which `first` gives up unless told otherwise."""
 
 
 class Listing:
-    """All valid rows of a diagram, within further *cuts* and *wides*: iterate for blocks of rows.
+    """All valid rows of a diagram, within further *wides*: iterate for blocks of rows.
 
-    The bound of the first *movable* of *cuts* may be tightened on the way, as `Walk` describes it.
+    *cuts*, if given, are to prune by: those of the space and further ones. The bounds of the first *movable* of them
+    may be tightened on the way, as `Walk` describes it.
     """
 
     def __init__(
         self,
         diagram: Diagram,
-        cuts: Sequence[Cut] = (),
+        cuts: Sequence[Cut] | None = None,
         wides: Sequence[Wide] = (),
         block: int = BLOCK,
         movable: int = 0,
-        most_rounds: int | None = None,
+        rounds: Rounds | None = None,
     ) -> None:
         early, late = _parted(diagram, wides)
-        beside = [*cuts[movable:], *cuts_of([rule for rule in early if isinstance(rule, Linear)])]
-        every = [*cuts[:movable], *tightest(beside)]
-        every += surrogates(diagram.flat, every)
-        self.walk = Walk(
-            diagram,
-            every,
-            [rule for rule in early if isinstance(rule, Wide)],
-            block,
-            frozenset(range(movable)),
-            most_rounds,
-        )
+        if cuts is None:
+            cuts = tightest(cuts_of([rule for rule in early if isinstance(rule, Linear)]))
+            cuts += surrogates(diagram.flat, cuts)
+        prunable = [rule for rule in early if isinstance(rule, Wide)]
+        self.walk = Walk(diagram, cuts, prunable, block, frozenset(range(movable)), rounds)
         flat = diagram.flat
         self._late = recheck(FlatSpace(flat.name, flat.variables, flat.constraints, tuple(late))) if late else None
         self._recheck: Recheck = recheck(flat)
@@ -59,23 +57,21 @@ def blocks(diagram: Diagram, block: int = BLOCK) -> Iterator[Rows]:
     return iter(Listing(diagram, block=block))
 
 
-def first(diagram: Diagram) -> Rows | None:
-    """The first valid row of the list, shape (variables,); None if there is none, which is then proven."""
-    if _cannot_be(diagram):
+def first(diagram: Diagram, most_rounds: int | None = MOST_ROUNDS) -> Rows | None:
+    """The first valid row of the list, shape (variables,); None if there is none, which is then proven.
+
+    Raises TooMuchError after *most_rounds* pieces of work of `Walk`, None for no limit.
+    """
+    if cannot_be(diagram):
         return None
-    found = next(iter(Listing(diagram)), None)
+    found = next(iter(Listing(diagram, rounds=None if most_rounds is None else Rounds(most_rounds))), None)
     if found is None:
         return None
     row: Rows = found[0]
     return row
 
 
-def is_empty(diagram: Diagram) -> bool:
-    """Whether no row is valid; proven by a bound where that suffices, else by the complete search."""
-    return first(diagram) is None
-
-
-def _cannot_be(diagram: Diagram) -> bool:
+def cannot_be(diagram: Diagram) -> bool:
     """Whether a cut, or the one combination of all, is out of reach of every path."""
     if diagram.empty:
         return True

@@ -13,11 +13,16 @@ from dataclasses import dataclass
 import numpy as np
 
 from dse.errors import fail
-from dse.space.best import best, sums
-from dse.space.diagram import Diagram, extremes
-from dse.space.flat import Ints, Linear, Rows
+from dse.space.budget import TooMuchError
+from dse.space.diagram import Diagram
+from dse.space.flat import Ints, Rows
+from dse.space.optimizer import Optimizer, Ranking, sums
+from dse.space.walk import Rounds
 
 MOST_POINTS = 2_000
+
+MOST_ROUNDS = 10_000
+"""About a minute."""
 
 _LARGEST = 1 << 58
 """What an objective may come to when it is put together with others."""
@@ -39,23 +44,39 @@ def pareto(
     objectives: Sequence[Weights],
     largest: Sequence[bool] | None = None,
     most_points: int = MOST_POINTS,
+    most_rounds: int = MOST_ROUNDS,
 ) -> Front:
     """The complete Pareto set of the valid rows over sums of weights, least of each or *largest* where that is true.
 
-    Raises DseError if there are more than *most_points*, and if the weights are too large for 64 bits.
+    Raises DseError if there are more than *most_points*, if the search takes more than *most_rounds* pieces of work
+    (see `Rounds`), and if the weights are too large for 64 bits.
     """
     signs = [-1 if most else 1 for most in largest or [False] * len(objectives)]
     aims = [{v: sign * w for v, w in weights.items()} for sign, weights in zip(signs, objectives, strict=True)]
     found: dict[Point, Rows] = {}
     if not diagram.empty and aims:
-        ends = [tuple(int(side[0][0]) for side in extremes(diagram, aim)) for aim in aims]
-        toward = _together(aims, [high - low for low, high in ends])
+        optimizer = Optimizer(diagram, aims)
+        ends = [optimizer.ends(number) for number in range(len(aims))]
+        factors = _alike(aims, [high - low for low, high in ends])
         boxes = [tuple(high + 1 for _, high in ends)]
+        rounds = Rounds(most_rounds)
+
+        def best(factors: Sequence[int], highs: Sequence[int] | None) -> Ranking:
+            try:
+                return optimizer.best(factors, 1, highs, rounds)
+            except TooMuchError as error:
+                hint = "fewer objectives, coarser properties or tighter constraints need less"
+                raise fail(f"the Pareto set takes too long: {len(found)} points so far", None, hint) from error
+
+        # Boxes that begin below what can be reached at all are the hardest to search, and need no search.
+        alone = [best([int(n == other) for other in range(len(aims))], None).values for n in range(len(aims))]
+        if not all(alone):
+            boxes = []
+        ideal = [int(values[0]) for values in alone if values]
         while boxes:
             # The largest first: deterministic, and its point splits most.
             box = boxes[-1]
-            within = [Linear(aim, None, bound - 1) for aim, bound in zip(aims, box, strict=True)]
-            ranking = best(diagram, toward, 1, within=within)
+            ranking = best(factors, [bound - 1 for bound in box])
             if not len(ranking.rows):
                 boxes.remove(box)
                 continue
@@ -66,23 +87,21 @@ def pareto(
                     hint="fewer objectives, coarser properties or tighter constraints make fewer",
                 )
             found[point] = ranking.rows[0]
-            boxes = _split(boxes, point)
+            boxes = [box for box in _split(boxes, point) if _below(ideal, box)]
     points = sorted(found)
     rows = np.array([found[point] for point in points], np.int16).reshape(len(points), len(diagram.order))
     values = tuple(tuple(sign * value for sign, value in zip(signs, point, strict=True)) for point in points)
     return Front(rows, values)
 
 
-def _together(aims: Sequence[Weights], ranges: Sequence[int]) -> Weights:
-    """The sum of all objectives, each times a positive whole number that makes their ranges alike."""
+def _alike(aims: Sequence[Weights], ranges: Sequence[int]) -> list[int]:
+    """Positive whole factors that make the ranges of the objectives alike."""
     widest = max(ranges)
-    total: dict[int, Ints] = {}
+    factors = []
     for aim, span in zip(aims, ranges, strict=True):
         room = _LARGEST // max(sum(int(np.abs(weights).max()) for weights in aim.values()), 1)
-        factor = max(min(widest // span if span else 1, room), 1)
-        for variable, weights in aim.items():
-            total[variable] = total.get(variable, np.zeros_like(weights)) + factor * weights
-    return total
+        factors.append(max(min(widest // span if span else 1, room // len(aims)), 1))
+    return factors
 
 
 def _split(boxes: Sequence[Point], point: Point) -> list[Point]:
@@ -103,5 +122,5 @@ def _split(boxes: Sequence[Point], point: Point) -> list[Point]:
     )
 
 
-def _below(point: Point, box: Point) -> bool:
+def _below(point: Sequence[int], box: Point) -> bool:
     return all(value < bound for value, bound in zip(point, box, strict=True))

@@ -25,8 +25,13 @@ from dse.space.uniform import BITS, Table, bits, draw, generator, tabulate
 MOST_DRAWS = 20_000_000
 """Rows drawn before `sample` gives up."""
 
+MOST_CELLS = 400_000_000
+"""Decisions of rows drawn before that, too; some twenty seconds."""
+
 _BLOCK = 1 << 15
 _WORDS = 1 << 22
+_LIKELY = 20
+"""Draws for each wanted row that are not too many, however deep the diagram."""
 _FACTORS = 15
 """Factors of at least 2^-63 whose product double precision holds."""
 
@@ -61,13 +66,14 @@ def sample(diagram: Diagram, number: int, seed: int, most_draws: int = MOST_DRAW
     """*number* independent rows, each drawn uniformly among all that meet all rules; shape (number, variables).
 
     The same seed gives the same rows, and the first rows of a larger sample. Raises EmptyError if it is proven that
-    there is no such row, TooRareError if *most_draws* walks find too few.
+    there is no such row, TooRareError if *most_draws* walks find too few, or fewer walks of a deep diagram.
     """
     walks = tilted_walks(diagram, tilt(diagram))
     random = generator(seed)
     found: list[Rows] = []
     missing, drawn = number, 0
-    block = max(1, min(_BLOCK, _WORDS // (len(walks.tables) + 1)))
+    block = min(_BLOCK, rows_at_once(diagram))
+    most_draws = min(most_draws, max(MOST_CELLS // (len(walks.tables) + 1), _LIKELY * number))
     while missing > 0:
         if drawn >= most_draws:
             raise TooRareError
@@ -78,6 +84,11 @@ def sample(diagram: Diagram, number: int, seed: int, most_draws: int = MOST_DRAW
         missing -= len(rows)
     rows = np.concatenate(found) if found else np.zeros((0, len(diagram.flat.variables)), np.int16)
     return recheck(diagram.flat).insist(rows)
+
+
+def rows_at_once(diagram: Diagram) -> int:
+    """How many rows may be drawn at a time, for the memory that the random bits take to stay small."""
+    return max(1, _WORDS // (len(diagram.layers) + 1))
 
 
 def tilted_walks(diagram: Diagram, tilted: Tilt) -> Walks:

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections import deque
 from collections.abc import Iterator
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -18,16 +19,23 @@ from dse.space.recheck import recheck
 _BLOCK = 256
 
 
-def rows(flat: FlatSpace, most_nodes: int | None = None) -> Iterator[Rows]:
+@dataclass(slots=True)
+class Effort:
+    """What propagation may still cost: *left* counts the variables of rules looked at. Whoever searches spends it."""
+
+    left: int
+
+
+def rows(flat: FlatSpace, most_nodes: int | None = None, effort: Effort | None = None) -> Iterator[Rows]:
     """Every valid row, shape (variables,), in lexicographic order of value numbers in the order of the file.
 
     Every row was checked again against the rules themselves; RuntimeError if one failed. Raises TooMuchError
-    when more than *most_nodes* values had to be tried.
+    when more than *most_nodes* values had to be tried, or *effort* is spent, which may be renewed between rows.
     """
     check = recheck(flat)
     waiting: list[Rows] = []
     block = 1
-    for row in _Search(flat, most_nodes).rows():
+    for row in _Search(flat, most_nodes, effort).rows():
         waiting.append(row)
         if len(waiting) == block:
             yield from check.insist(np.array(waiting))
@@ -36,21 +44,22 @@ def rows(flat: FlatSpace, most_nodes: int | None = None) -> Iterator[Rows]:
         yield from check.insist(np.array(waiting))
 
 
-def first(flat: FlatSpace, most_nodes: int | None = None) -> Rows | None:
+def first(flat: FlatSpace, most_nodes: int | None = None, effort: Effort | None = None) -> Rows | None:
     """The first valid row, shape (variables,); None if there is none, which is then proven. Raises like `rows`."""
-    return next(rows(flat, most_nodes), None)
+    return next(rows(flat, most_nodes, effort), None)
 
 
 class _Search:
     """Domains, and the trail by which they are restored."""
 
-    def __init__(self, flat: FlatSpace, most_nodes: int | None) -> None:
+    def __init__(self, flat: FlatSpace, most_nodes: int | None, effort: Effort | None) -> None:
         self.domains = [
             (1 << len(variable.values)) - 1 if variable.parent is None else (2 << len(variable.values)) - 1
             for variable in flat.variables
         ]
         self._absent = [len(variable.values) for variable in flat.variables]
         self._left = most_nodes
+        self._effort = effort
         self._trail: list[tuple[int, int]] = []
         self._propagators = propagators(flat)
         self._watching: list[list[int]] = [[] for _ in flat.variables]
@@ -112,6 +121,10 @@ class _Search:
             number = self._waiting.popleft()
             self._queued[number] = False
             propagator: Propagator = self._propagators[number]
+            if self._effort is not None:
+                self._effort.left -= len(propagator.scope) + 1
+                if self._effort.left < 0:
+                    raise TooMuchError
             if not propagator.revise(self.domains, self._restrict):
                 return False
         return True

@@ -1,10 +1,16 @@
-"""How many there are: a number, and whether it is known or estimated."""
+"""How many there are: a number, and whether it is known or estimated.
+
+Counts are whole numbers of any size: what is shown of them is worked out from their digits, as no float holds them all.
+"""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Iterable
 from dataclasses import dataclass
+
+_WRITTEN_OUT = 10**36
+"""Numbers from here on have more digits than anyone reads."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -18,9 +24,28 @@ class Tally:
 
     def __str__(self) -> str:
         if self.exact:
-            return f"{self.value:,}"
-        half = (self.high - self.low) / 2
-        return f"≈ {self.value:.4g} ± {half:.2g} (95 %)"
+            return f"{self.value:,}" if self.value < _WRITTEN_OUT else significant(self.value, 4)
+        return f"≈ {significant(self.value, 4)} ± {self.half_width} (95 %)"
+
+    @property
+    def half_width(self) -> str:
+        """Half the length of the interval, two digits of it."""
+        length = self.high - self.low
+        return f"{length / 2:.2g}" if length < 20 else significant(length // 2, 2)
+
+
+def significant(number: int, figures: int) -> str:
+    """*number* >= 0, rounded half to even to that many figures: ``1003``, ``1.003e24``."""
+    if number < 10**figures:
+        return str(number)
+    exponent = _magnitude(number)
+    unit = 10 ** (exponent - figures + 1)
+    leading, rest = divmod(number, unit)
+    leading += 2 * rest > unit or (2 * rest == unit and leading % 2 == 1)
+    if leading == 10**figures:
+        leading, exponent = leading // 10, exponent + 1
+    digits = str(leading)
+    return f"{digits[0]}.{digits[1:]}".rstrip("0").rstrip(".") + f"e{exponent}"
 
 
 def total_of(tallies: Iterable[Tally]) -> Tally:
@@ -32,3 +57,12 @@ def total_of(tallies: Iterable[Tally]) -> Tally:
         return Tally(value)
     half = math.isqrt(sum(((tally.high - tally.low) // 2 + 1) ** 2 for tally in unsure))
     return Tally(value, False, max(value - half, 0), value + half)
+
+
+def _magnitude(number: int) -> int:
+    """The greatest power of ten that is not above *number* > 0."""
+    near = int(math.log10(number))
+    # The logarithm is rounded, next to a power of ten to the wrong side of it.
+    if 10**near * 10 <= number:
+        return near + 1
+    return near if 10**near <= number else near - 1

@@ -1,4 +1,4 @@
-"""Random draws whose probabilities are known exactly: whole numbers of any size, and branches from tables.
+"""Random draws whose probabilities are known exactly: whole numbers of 63 bits, and branches from tables.
 
 A table holds whole numbers out of 2^63, so what is drawn has exactly the tabulated probability; that the table was
 made from rounded weights then matters no more, because the caller can correct for it.
@@ -43,26 +43,6 @@ def generator(seed: int) -> np.random.Generator:
 def bits(random: np.random.Generator, shape: tuple[int, ...]) -> Bits:
     """Uniform whole numbers below 2^63; one word of the stream each, in order."""
     return random.integers(0, 1 << BITS, size=shape, dtype=np.uint64)
-
-
-def integers_below(limit: int, number: int, random: np.random.Generator) -> list[int]:
-    """*number* independent whole numbers, each of [0, limit) exactly equally likely, however large *limit* is.
-
-    Raises ValueError if *limit* is not positive.
-    """
-    if limit < 1:
-        raise ValueError("the limit must be at least 1")
-    length = (limit - 1).bit_length()
-    size, spare = (length + 7) // 8, -length % 8
-    found: list[int] = []
-    while len(found) < number:
-        # Less than half of the tries miss, so this many rarely fall short twice.
-        raw = random.bytes(size * (number - len(found)) * 2)
-        tries = (
-            int.from_bytes(raw[start : start + size], "little") >> spare for start in range(0, len(raw), size or 1)
-        )
-        found += [value for value in tries if value < limit] if size else [0] * number
-    return found[:number]
 
 
 def tabulate(shares: Floats) -> Table:

@@ -30,6 +30,19 @@ _FIRST = 256
 Places = NDArray[np.int32]
 
 
+class Rounds:
+    """An allowance of pieces of work, of some milliseconds each; walks that share one spend it together."""
+
+    def __init__(self, number: int) -> None:
+        self.left = number
+
+    def spend(self) -> None:
+        """Take one; raises TooMuchError if there is none."""
+        if not self.left:
+            raise TooMuchError
+        self.left -= 1
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class _Trail:
     """How the partial rows of one depth continue those of the depth before.
@@ -72,7 +85,7 @@ class Walk:
 
     The bounds of the *movable* cuts may be tightened while the walk is under way; it then leaves out what it has
     not yet reached. Wide rules must be `is_bounded`. Memory does not grow with the number of rows. Raises TooMuchError
-    after *most_rounds* pieces of work, of some milliseconds each, if that is given.
+    when *rounds* are spent, if given.
     """
 
     def __init__(
@@ -82,10 +95,10 @@ class Walk:
         wides: Sequence[Wide] = (),
         block: int = BLOCK,
         movable: frozenset[int] = frozenset(),
-        most_rounds: int | None = None,
+        rounds: Rounds | None = None,
     ) -> None:
         self.diagram = diagram
-        self.most_rounds = most_rounds
+        self.rounds = rounds
         self.cuts = cuts
         self.block = block
         self._wides = tuple(wides)
@@ -116,11 +129,9 @@ class Walk:
             return
         room = min(_FIRST, 2 * self.block)
         stack = [self._start(slack.root)]
-        rounds = 0
         while stack:
-            if rounds == self.most_rounds:
-                raise TooMuchError
-            rounds += 1
+            if self.rounds is not None:
+                self.rounds.spend()
             piece = self._pruned(slack, stack.pop())
             while len(piece.nodes) and piece.depth < len(self._layers):
                 layer = self._layers[piece.depth]

@@ -15,9 +15,9 @@ import pytest
 from defusedxml import ElementTree
 
 COMMANDS = (
-    "init check components build enumerate simulate run explore results report figure replay".split()  # noqa: SIM905  # reads as the help does
+    "init check components build enumerate space simulate run explore results report figure replay".split()  # noqa: SIM905  # reads as the help does
 )
-HEAVY = ("pandas", "matplotlib", "fmpy", "scipy", "pyarrow", "pint", "pydantic", "numpy", "networkx")
+HEAVY = ("pandas", "matplotlib", "fmpy", "scipy", "pyarrow", "pint", "pydantic", "numpy", "networkx", "textual")
 
 
 @pytest.mark.parametrize("command", COMMANDS)

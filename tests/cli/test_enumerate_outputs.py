@@ -5,6 +5,9 @@ from __future__ import annotations
 import csv
 import io
 import json
+import os
+import subprocess
+import sys
 
 import pyarrow.parquet as pq
 import pytest
@@ -81,6 +84,11 @@ def test_a_table_of_many_stops_and_says_so(dse, tmp_path, example):
         (["--exact"], "goes with --count"),
         (["--sample", "2", "--limit", "2"], "one of --sample and --limit"),
         (["--count", "--format", "parquet"], "a count is one number"),
+        (["--count", "-o", "x.json"], "--count only says how many"),
+        (["--count", "--sample", "3"], "--count only says how many"),
+        (["--count", "--limit", "3"], "--count only says how many"),
+        (["-o", "x.json", "--format", "csv"], "'x.json' is not the name of a .csv file"),
+        (["--where", " "], "the condition is empty"),
     ],
 )
 def test_options_that_do_not_go_together_are_wrong_usage(dse, options, said):
@@ -123,3 +131,41 @@ def test_choices_that_do_not_exist_are_named(dse, tmp_path):
     assert done.returncode == 1
     assert "'sensor' cannot be 'radar'" in done.stderr
     assert dse("space", "graph", "acc_vehicle", "-o", str(tmp_path / "g.png")).returncode == 2
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="Windows has no EPIPE")
+@pytest.mark.parametrize(
+    "options", [["enumerate", "acc_vehicle", "--format", "csv"], ["enumerate", "acc_vehicle"], ["-h"]]
+)
+def test_a_reader_that_goes_away_is_no_failure(example, options):
+    reading, writing = os.pipe()
+    os.close(reading)
+    command = [sys.executable, "-m", "dse", *options]
+    try:
+        done = subprocess.run(command, cwd=example, stdout=writing, stderr=subprocess.PIPE, check=False, timeout=120)
+    finally:
+        os.close(writing)
+    assert (done.returncode, done.stderr) == (0, b"")
+
+
+def test_a_count_under_a_condition_says_so(dse):
+    options = ["enumerate", "acc_vehicle", "--count", "--where", "sensor is lidar_905nm"]
+    assert "combinations are valid and meet the condition" in dse(*options).stdout
+    assert json.loads(dse(*options, "--format", "json").stdout)["where"] == "sensor is lidar_905nm"
+    (row,) = csv.DictReader(io.StringIO(dse(*options, "--format", "csv").stdout))
+    assert (row["where"], row["exact"]) == ("sensor is lidar_905nm", "true")
+
+
+def test_choices_of_nothing_name_what_was_asked(dse):
+    choice = ["--choose", "sensor=camera_mono", "--choose", "controller=idm_acc"]
+    done = dse("space", "choices", "acc_vehicle", *choice, "--where", "sum(cost) <= 1 EUR")
+    assert done.returncode == 1
+    assert "no valid configuration with sensor=camera_mono, " in done.stderr
+    assert f"dse space conflict acc_vehicle {' '.join(choice)} --where 'sum(cost) <= 1 EUR'" in done.stderr
+
+
+@pytest.mark.parametrize("option", ["--minimize", "--maximize"])
+def test_a_wrong_objective_is_located_in_its_option(dse, option):
+    done = dse("space", "best", "acc_vehicle", option, "sum(cots)")
+    assert done.returncode == 1
+    assert f"{option}:1:5: " in done.stderr

@@ -207,7 +207,7 @@ def test_names_that_expressions_cannot_have_are_spelled_otherwise_and_stay_apart
     space = read(
         'features\n R\n  optional\n   "a b"\n   a_b\n   "a-b"\n   is\n   "2G"\n   "é"\n   "present"\nconstraints\n "a b" => is\n'
     )
-    assert list(space.root.parts) == ["a_b_2", "a_b", "a_b_3", "is_", "_2G", "_", "present_"]
+    assert list(space.root.parts) == ["a_b_2", "a_b", "a_b_3", "is_", "x2G", "x_", "present_"]
     assert count(space) == 2**6 * 3 // 2
 
 
@@ -330,3 +330,8 @@ def test_a_file_is_read_from_disk(tmp_path):
     path = tmp_path / "menu.uvl"
     path.write_text("\ufeff" + SANDWICH, encoding="utf-8")
     assert count(read_uvl(path)) == 9
+
+
+def test_no_name_starts_as_files_for_including_do():
+    space = read('features\n "../../x" {"_y" 1}\n  optional\n   "_z"\n')
+    assert (space.name, list(space.root.parts)) == ("x______x", ["x______x_itself", "x_z"])

@@ -224,3 +224,8 @@ def test_any_space_has_as_many_configurations_in_uvl(space):
 def test_the_example_design_can_be_written():
     space = Workspace(ROOT).design("acc_vehicle")
     assert count(read(to_uvl(space))) == count(space)
+
+
+def test_a_root_without_children_keeps_its_name():
+    space = read("features\n A {cost 1}\n")
+    assert "\n    A {cost 1}\n" in to_uvl(space)

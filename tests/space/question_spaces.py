@@ -13,6 +13,7 @@ from random_spaces import bare_space, condition, design_spaces, rows_of
 from dse.domain.design import Alternative, Compound, Constraint, DesignSpace, Node, Optional, Part
 from dse.errors import DseError
 from dse.loading.expression import parse_expression
+from dse.space.decisions import sites
 from dse.space.engine import Engine
 from dse.space.evaluate import compile_rule
 from dse.space.flat import Rows
@@ -21,7 +22,7 @@ EXAMPLES = settings(deadline=None, max_examples=25, suppress_health_check=list(H
 SMALL = 200
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Answers:
     """All combinations of a space, and whether they meet each constraint; shape (combinations, constraints)."""
 
@@ -30,6 +31,11 @@ class Answers:
     rows: Rows
     choices: list[dict[str, str]]
     holds: np.ndarray
+
+    def __repr__(self) -> str:
+        """Short, as hypothesis prints it: the places, what they may hold, and the rules."""
+        places = [f"{variable.path}={'|'.join(map(str, variable.values))}" for variable in self.engine.flat.variables]
+        return "; ".join([*places, *(constraint.rule.text for constraint in self.space.constraints)])[:2000]
 
     def valid(self) -> np.ndarray:
         return self.holds.all(axis=1)
@@ -67,7 +73,8 @@ def related(draw: st.DrawFn) -> tuple[Answers, Answers]:
     assert isinstance(root, Compound)
     bare = DesignSpace("other", root)
     texts = [constraint.rule.text for constraint in one.constraints if draw(st.booleans())]
-    texts += [condition(draw, bare) for _ in range(draw(st.integers(0, 2)))]
+    if any(sites(bare)):
+        texts += [condition(draw, bare) for _ in range(draw(st.integers(0, 2)))]
     constraints = []
     for number, text in enumerate(texts):
         expression = parse_expression(text)

@@ -12,7 +12,7 @@ from feature_models import feature_model
 
 from dse.loading.uvl import read_uvl
 from dse.space.dnnf.compile import Dnnf, compile_dnnf
-from dse.space.dnnf.queries import count, never_taken, occurrences
+from dse.space.dnnf.queries import count, occurrences
 from dse.space.dnnf.rows import rows, sample
 from dse.space.dnnf.satisfy import conflict, satisfiable
 from dse.space.flat import ABSENT, Clause, FlatSpace, Rows, Table
@@ -94,7 +94,7 @@ def test_a_dead_feature_is_blamed_on_the_one_constraint_that_kills_it() -> None:
     dnnf = compiled(SHARED / "busybox854.uvl")
     flat = dnnf.flat
     number = next(at for at, variable in enumerate(flat.variables) if variable.path == "STATIC.PIE")
-    assert (number, 0) in never_taken(dnnf)
+    assert occurrences(dnnf)[number][0] == 0
     wish = len(flat.constraints)
     blamed = conflict(flat.having(Table((number,), np.array([True, False, False]), wish)))
     assert blamed is not None
@@ -106,9 +106,10 @@ def test_a_made_up_model_has_no_dead_value_and_its_rows_meet_its_rules(made_up: 
     dnnf = compiled(made_up)
     total = count(dnnf)
     assert total > 10**20
-    named = [(n, v) for n, v in never_taken(dnnf) if dnnf.flat.variables[n].values[v] is not None]
-    assert named == []
-    assert all(sum(amounts) == total for amounts in occurrences(dnnf))
+    amounts = occurrences(dnnf)
+    for variable, found in zip(dnnf.flat.variables, amounts, strict=True):
+        assert sum(found) == total
+        assert all(amount or name is None for name, amount in zip(variable.values, found[:-1], strict=True))
     assert meets_all(dnnf.flat, np.concatenate([sample(dnnf, 200, seed=3), next(rows(dnnf, total - 64))]))
 
 

@@ -7,6 +7,7 @@ from math import comb
 import numpy as np
 import pytest
 
+from dse.space import sampling
 from dse.space.diagram import compile_diagram
 from dse.space.estimate import estimate, estimate_occurrences
 from dse.space.expand import expand
@@ -185,3 +186,29 @@ def test_occurrences_are_exact_without_sums():
 def test_nothing_occurs_in_an_empty_space():
     with pytest.raises(EmptyError):
         estimate_occurrences(compile_diagram(coins(3, Table((), np.array(False)))), 1, 10)
+
+
+def test_an_estimate_lies_in_its_interval_even_where_nearly_everything_is_valid():
+    for seed in range(8):
+        found = estimate(compile_diagram(coins(24, heads(24, 1, None))), seed, size=64)
+        assert 1 <= found.low <= found.value <= found.high <= 2**24
+
+
+def test_a_deep_diagram_is_given_fewer_draws(monkeypatch):
+    monkeypatch.setattr(sampling, "MOST_CELLS", 5_000)
+    monkeypatch.setattr(sampling, "_WORDS", 1_000)
+    diagram = compile_diagram(coins(100, heads(100, 50, 50)))
+    drawn = []
+    walk = sampling.walk
+
+    def counted(walks, random, number):
+        drawn.append(number)
+        return walk(walks, random, number)
+
+    monkeypatch.setattr(sampling, "walk", counted)
+    with pytest.raises(TooRareError):
+        sampling.sample(diagram, 100, 1, most_draws=0)
+    assert drawn == []
+    assert len(sampling.sample(diagram, 3, 1)) == 3
+    assert set(drawn) == {9}
+    assert sum(drawn) < 70

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from itertools import product
-from math import comb
+from math import comb, isfinite
 from random import Random
 from typing import Any
 
@@ -15,6 +15,7 @@ from hypothesis import strategies as st
 
 from dse.space.diagram import compile_diagram, count
 from dse.space.flat import ABSENT, FlatSpace, Fold, Gather, Ints, Linear, Rule, Table, Variable, Wide
+from dse.space.grid.density import heights
 from dse.space.grid.meeting import pairs, summed
 from dse.space.grid.plan import Task, Way, execute, task
 from dse.space.grid.sweep import backward, forward
@@ -287,3 +288,24 @@ def test_several_sums_over_many_places_count_as_their_generating_function(seed: 
         )
     )
     assert exact_count(compile_diagram(free([4] * places, rules))) == expected
+
+
+@pytest.mark.parametrize("sums", [40, 200])
+def test_so_many_sums_that_no_number_holds_their_cells_are_too_much(sums: int) -> None:
+    rules = [
+        Linear({n: ints(0, 7919 * (n + 1) * (k + 1) % 10**6 + 1, 0) for n in range(20)}, None, 6 * 10**6)
+        for k in range(sums)
+    ]
+    diagram = compile_diagram(free([2] * 20, rules))
+    with pytest.raises(TooMuchError):
+        cost(diagram)
+    with pytest.raises(TooMuchError):
+        exact_count(diagram)
+
+
+def test_the_height_of_many_sums_is_finite() -> None:
+    rules = [Linear({n: ints(0, 10**6 + k, 0) for n in range(20)}, None, 10**7) for k in range(100)]
+    to_count = task(compile_diagram(free([2] * 20, rules)))
+    assert isinstance(to_count, Task)
+    before, after = heights(to_count.layers, to_count.sums)
+    assert all(isfinite(height) for height in (*before, *after))

@@ -10,8 +10,9 @@ import pytest
 from dse.domain.design import Constraint
 from dse.domain.expression import Expression, Truth
 from dse.space.diagram import compile_diagram
+from dse.space.emptiness import is_empty
 from dse.space.flat import FlatSpace, Linear, Table, Variable
-from dse.space.listing import blocks, first, is_empty
+from dse.space.listing import blocks, first
 
 
 def places(number: int, values: int) -> FlatSpace:

@@ -16,6 +16,7 @@ from hypothesis import strategies as st
 from dse.space import search
 from dse.space.best import best, best_valued
 from dse.space.diagram import compile_diagram
+from dse.space.emptiness import is_empty
 from dse.space.expand import expand
 from dse.space.flat import (
     ABSENT,
@@ -32,7 +33,7 @@ from dse.space.flat import (
     Variable,
     Wide,
 )
-from dse.space.listing import blocks, first, is_empty
+from dse.space.listing import blocks, first
 from dse.space.pareto import pareto
 from dse.space.recheck import valid
 

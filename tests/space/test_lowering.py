@@ -225,3 +225,12 @@ def test_a_long_chain_of_alternatives_is_one_clause():
     (rule,) = flatten(made).rules
     assert isinstance(rule, Clause)
     assert [variable for variable, _ in rule.literals] == list(range(3000))
+
+
+def test_a_decision_of_more_values_than_a_row_can_hold_is_refused_by_name():
+    option = part("option")
+    space = DesignSpace("wide", Compound("wide", {"shelf": Alternative((option,) * 32_767)}), where=HERE)
+    with pytest.raises(DseError, match=r"car.yaml:3:10: 'shelf' has 32,767 alternatives.*at most 32,766"):
+        flatten(space)
+    fitting = DesignSpace("wide", Compound("wide", {"shelf": Alternative((option,) * 32_766)}), where=HERE)
+    assert len(flatten(fitting).variables[0].values) == 32_766

@@ -7,14 +7,18 @@ from fractions import Fraction
 import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
-from question_spaces import EXAMPLES, asked
-from random_spaces import number
+from question_spaces import EXAMPLES, asked, without_diagram
+from random_spaces import ANY, number
 
+from dse.domain.component import Component
+from dse.domain.design import Alternative, Compound, DesignSpace, Part
 from dse.errors import DseError
 from dse.loading.expression import parse_expression
+from dse.space.engine import Engine
 from dse.space.evaluate import compile_value
 from dse.space.questions.nearest import nearest
 from dse.space.questions.optimum import Aim, best_configurations, pareto_set
+from dse.units import parse_quantity
 
 SUMS = st.sampled_from(["sum(mass)", "sum(cost)", "sum(factor)", "sum(rate)", "2 * sum(mass) - 3 kg", "sum(rate) * 2"])
 
@@ -45,6 +49,20 @@ def check_best(found, text, largest, most):
 @given(asked(2), SUMS, st.booleans(), st.integers(1, 6))
 def test_the_best_under_a_sum_are_the_first_of_the_sorted_list(found, text, largest, most):
     check_best(found, text, largest, most)
+
+
+@EXAMPLES
+@given(asked(2), SUMS, st.booleans(), st.integers(1, 6))
+def test_without_a_diagram_the_best_are_as_good(found, text, largest, most):
+    aim = Aim(parse_expression(text), largest)
+    worth, kept = values(found, aim.expression)
+    wide = without_diagram(found.engine)
+    assume(wide.entangled.graph is not None)
+    best = best_configurations(found.space, wide, aim, most)
+    assert [entry.values[0] for entry in best] == sorted(worth, reverse=largest)[:most]
+    reached = [dict(entry.choices) for entry in best]
+    assert all(worth[kept.index(choices)] == entry.values[0] for choices, entry in zip(reached, best, strict=True))
+    assert len({tuple(sorted(choices.items())) for choices in reached}) == len(reached)
 
 
 @EXAMPLES
@@ -88,6 +106,13 @@ def test_the_nearest_configuration_is_valid_and_loses_as_little_as_can_be(found,
             nearest(found.engine, choices)
         return
     near = nearest(found.engine, choices)
+    assert_is_nearest(found, choices, kept, near)
+    wide = without_diagram(found.engine)
+    if wide.entangled.graph is not None:
+        assert_is_nearest(found, choices, kept, nearest(wide, choices))
+
+
+def assert_is_nearest(found, choices, kept, near):
     assert dict(near.choices) in kept
     assert {c.path: (c.before, c.after) for c in near.changes} == {
         path: (choices.get(path), near.choices.get(path))
@@ -99,3 +124,42 @@ def test_the_nearest_configuration_is_valid_and_loses_as_little_as_can_be(found,
     left_out = {v.path for v in found.engine.flat.variables if None in v.values} - set(choices)
     if not left_out:
         assert distance(choices, near.choices) == min(distance(choices, other) for other in kept)
+
+
+def test_under_a_constant_the_first_of_the_list_are_the_best():
+    parts = tuple(Part(Component(name, ANY, properties={"mass": parse_quantity("1 kg")})) for name in "abc")
+    space = DesignSpace("flat", Compound("flat", {"p": Alternative(parts)}))
+    found = best_configurations(space, Engine.of(space), Aim(parse_expression("abs(2 kg)")), 2)
+    assert [(entry.choices["p"], *entry.values) for entry in found] == [("a", 2), ("b", 2)]
+
+
+def test_a_quotient_of_sums_is_ranked_where_no_list_could_be():
+    names = [[f"c{place}{option}" for option in range(6)] for place in range(24)]
+    parts = {
+        f"p{place}": Alternative(
+            tuple(
+                Part(
+                    Component(
+                        name,
+                        ANY,
+                        properties={
+                            "mass": parse_quantity(f"{1 + (7 * place + 3 * option) % 11} kg"),
+                            "power": parse_quantity(f"{(5 * place + option * option) % 13} W"),
+                        },
+                    )
+                )
+                for option, name in enumerate(options)
+            )
+        )
+        for place, options in enumerate(names)
+    }
+    space = DesignSpace("wide", Compound("wide", parts))
+    engine = Engine.of(space)
+    aim = Aim(parse_expression("sum(power) / sum(mass)"), largest=True)
+    best = best_configurations(space, engine, aim, 3)
+    # No single exchange makes the best one better.
+    evaluate = compile_value(aim.expression, space)
+    for place, options in enumerate(names):
+        for other in options:
+            assert evaluate({**best[0].choices, f"p{place}": other}) <= best[0].values[0]
+    assert [entry.values[0] for entry in best] == sorted((entry.values[0] for entry in best), reverse=True)

@@ -45,5 +45,5 @@ def test_alternatives_that_came_and_went_are_those_of_the_lists(both):
 @given(asked())
 def test_a_space_does_not_differ_from_itself(found):
     same = difference(found.space, found.space)
-    assert not (same.removed or same.added or same.constraints_removed or same.constraints_added or same.changed)
+    assert same.removed == same.added == same.constraints_removed == same.constraints_added == same.changed == ()
     assert same.before == same.after == same.common

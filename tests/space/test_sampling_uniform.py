@@ -2,36 +2,14 @@
 
 from __future__ import annotations
 
-from collections import Counter
 from fractions import Fraction
 from itertools import pairwise
 
 import numpy as np
-import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from dse.space.uniform import bits, draw, generator, integers_below, tabulate
-
-
-@pytest.mark.parametrize("limit", [1, 2, 3, 255, 256, 257, 3**200])
-def test_whole_numbers_stay_below_their_limit_and_reach_near_both_ends(limit):
-    found = integers_below(limit, 2000, generator(1))
-    assert len(found) == 2000
-    assert 0 <= min(found) <= limit // 50
-    assert limit - 1 - limit // 50 <= max(found) < limit
-
-
-def test_small_whole_numbers_are_equally_likely():
-    counts = Counter(integers_below(5, 50_000, generator(2)))
-    # 50,000 draws, 5 values: each 10,000 with a standard deviation of 89.
-    assert all(abs(counts[value] - 10_000) < 400 for value in range(5))
-
-
-def test_no_whole_number_is_below_nothing():
-    with pytest.raises(ValueError, match="at least 1"):
-        integers_below(0, 1, generator(1))
-
+from dse.space.uniform import bits, draw, generator, tabulate
 
 SHARES = st.lists(st.one_of(st.just(0.0), st.floats(1e-30, 1e30)), min_size=1, max_size=9).filter(any)
 

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from dse.cli.app import app, console, print_json, print_table
+from dse.cli.app import app, console, plain, print_json, print_table
 from dse.cli.arguments import Design
 from dse.cli.space import Off, On, Seed, Where, condition_of, space_of
 
@@ -68,6 +68,14 @@ def enumerate_(
         raise typer.BadParameter("goes with --count", param_hint="--exact")
     if sample is not None and limit is not None:
         raise typer.BadParameter("one of --sample and --limit", param_hint="--sample")
+    if count and interactive:
+        raise typer.BadParameter("one of --count and --interactive", param_hint="--count")
+    listing = {"--output": target, "--sample": sample, "--limit": limit}
+    for option, given in listing.items():
+        if count and given is not None:
+            raise typer.BadParameter("lists configurations; --count only says how many", param_hint=option)
+    if target is not None and output is not Listing.TABLE and target.suffix.lower() != f".{output.value}":
+        raise typer.BadParameter(f"'{target.name}' is not the name of a .{output.value} file", param_hint="--format")
     space = space_of(design, on, off)
     engine = engine_of(space, condition_of(where))
     if interactive:
@@ -75,7 +83,7 @@ def enumerate_(
 
         choose(space, engine, target)
     elif count:
-        _count(space, engine, seed, output, exact=exact)
+        _count(space, engine, seed, output, where, exact=exact)
     elif target is not None:
         _save(Sheet(space), _drawn(engine, sample, seed) if sample else _limited(engine.blocks(), limit), target)
     elif output is not Listing.TABLE:
@@ -85,34 +93,49 @@ def enumerate_(
         _table(Sheet(space), rows)
         console().print(f"{len(rows)} drawn, each valid configuration as likely as any other")
     else:
-        _first(space, engine, limit or SHOWN, limit is None)
+        _first(space, engine, limit or SHOWN, limit is None, where)
 
 
-def _count(space: DesignSpace, engine: Engine, seed: int, output: Listing, *, exact: bool) -> None:
-    from dse.cli.tallies import number_text, tally_data, tally_text
+def _count(space: DesignSpace, engine: Engine, seed: int, output: Listing, where: str | None, *, exact: bool) -> None:
+    from dse.cli.tallies import tally_data, tally_text
     from dse.space.enumerate import total
     from dse.space.tally import Tally
 
     tally = Tally(engine.exactly()) if exact else engine.count(seed)
     numbers = {"design": space.name, "total": total(space), **tally_data(tally)}
+    if where:
+        numbers["where"] = where
     if output in (Listing.JSON, Listing.JSON_LINES):
         print_json(numbers)
     elif output is Listing.CSV:
         import csv
 
-        csv.writer(sys.stdout, lineterminator="\n").writerows([numbers.keys(), numbers.values()])
+        csv.writer(sys.stdout, lineterminator="\n").writerows(
+            # As in JSON: true, and nothing for null.
+            [numbers.keys(), [str(value).lower() if isinstance(value, bool) else value for value in numbers.values()]]
+        )
     elif output is Listing.PARQUET:
         raise typer.BadParameter("a count is one number: table, csv or json", param_hint="--format")
     else:
-        shown = f"{space.name}: {tally_text(tally)} of {number_text(numbers['total'])} configurations are valid"
-        console().print(shown, soft_wrap=True)
+        said = _are_valid(tally_text(tally), numbers["total"], where)
+        console().print(plain(f"{space.name}: {said}"), soft_wrap=True)
+
+
+def _are_valid(valid: str, total: int, where: str | None) -> str:
+    """``2 of 135 configurations are valid``; under a condition that says too little."""
+    from dse.cli.tallies import number_text
+
+    verb, also = ("is", "meets") if valid == "1" else ("are", "meet")
+    if where:
+        return f"{valid} of {number_text(total)} combinations {verb} valid and {also} the condition"
+    return f"{valid} of {number_text(total)} configuration{'' if total == 1 else 's'} {verb} valid"
 
 
 def _save(sheet: Sheet, blocks: Iterable[Rows], target: Path) -> None:
     from dse.space.export import save
 
     written = save(sheet, blocks, target)
-    console().print(f"{target}: {written:,} configurations", soft_wrap=True)
+    console().print(f"{target}: {written:,} configuration{'' if written == 1 else 's'}", soft_wrap=True)
 
 
 def _stream(sheet: Sheet, blocks: Iterable[Rows], output: Listing) -> None:
@@ -123,7 +146,7 @@ def _stream(sheet: Sheet, blocks: Iterable[Rows], output: Listing) -> None:
     WRITERS[output.value](sheet, blocks, sys.stdout.buffer)
 
 
-def _first(space: DesignSpace, engine: Engine, most: int, cut: bool) -> None:
+def _first(space: DesignSpace, engine: Engine, most: int, cut: bool, where: str | None) -> None:
     from dse.cli.tallies import number_text
     from dse.space.enumerate import total
     from dse.space.sheet import Sheet
@@ -131,11 +154,12 @@ def _first(space: DesignSpace, engine: Engine, most: int, cut: bool) -> None:
     rows = engine.rows(most + 1)
     more = len(rows) > most
     _table(Sheet(space), rows[:most])
-    every = number_text(total(space))
+    every = total(space)
     if not more:
-        console().print(f"{len(rows)} of {every} configurations are valid", soft_wrap=True)
+        console().print(_are_valid(f"{len(rows):,}", every, where), soft_wrap=True)
         return
-    console().print(f"the first {most}; {every} in total before the static constraints", soft_wrap=True)
+    before = "the static constraints and the condition" if where else "the static constraints"
+    console().print(f"the first {most}; {number_text(every)} in total before {before}", soft_wrap=True)
     if cut:
         console().print("more: --limit N shows N, -o FILE writes all, --count says how many", soft_wrap=True)
 

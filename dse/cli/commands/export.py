@@ -62,4 +62,4 @@ def export_csv(
         raise typer.BadParameter(f"'{target.name}' must end in .csv", param_hint="--output")
     question = ask(design, choose, where, on, off)
     written = save(Sheet(question.space), question.engine.blocks(), target)
-    console().print(f"{target}: {written:,} configurations", soft_wrap=True)
+    console().print(f"{target}: {written:,} configuration{'' if written == 1 else 's'}", soft_wrap=True)

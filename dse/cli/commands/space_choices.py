@@ -8,6 +8,7 @@ from dse.cli.app import console, plain, print_json, print_table
 from dse.cli.arguments import Design, Format, Output
 from dse.cli.asking import ask
 from dse.cli.space import Choose, Off, On, Seed, Where, space_app
+from dse.errors import DseError
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -40,7 +41,12 @@ def space_choices(
     from dse.space.questions.occurrence import occurrences
 
     question = ask(design, choose, where, on, off)
-    found = occurrences(question.engine, seed)
+    try:
+        found = occurrences(question.engine, seed)
+    except DseError:
+        if question.options and question.engine.is_empty():
+            raise question.nothing() from None
+        raise
     if output is Output.JSON:
         print_json({**question.data(), "choices": [_data(entry) for entry in found]})
         return

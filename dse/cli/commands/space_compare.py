@@ -9,7 +9,7 @@ import typer
 from dse.cli.app import console, plain, print_json
 from dse.cli.arguments import Design, Format, Output
 from dse.cli.space import Off, On, Seed, space_app, space_of
-from dse.cli.tallies import tally_data, tally_text
+from dse.cli.tallies import number_text, tally_data, tally_text
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -55,7 +55,7 @@ def space_compare(
 
 def _alone(tally: Tally, common: Tally) -> str:
     # The difference of two estimates says little where the spaces are nearly the same.
-    return f", {tally.value - common.value:,} of them only here" if tally.exact and common.exact else ""
+    return f", {number_text(tally.value - common.value)} of them only here" if tally.exact and common.exact else ""
 
 
 def _data(found: Difference) -> dict[str, object]:

@@ -11,6 +11,7 @@ import typer
 from dse.cli.app import console
 from dse.cli.arguments import Design
 from dse.cli.space import Choose, space_app, space_of
+from dse.cli.tallies import number_text
 
 if TYPE_CHECKING:
     from dse.domain.design import DesignSpace
@@ -55,7 +56,7 @@ def space_refine(
     target.parent.mkdir(parents=True, exist_ok=True)
     target.write_text(text, encoding="utf-8", newline="\n")
     left, total = product_of(decisions(refined)), product_of(decisions(space))
-    console().print(f"{target}: {left:,} of {total:,} combinations are left", soft_wrap=True)
+    console().print(f"{target}: {number_text(left)} of {number_text(total)} combinations are left", soft_wrap=True)
 
 
 def _check(design: str, target: Path | None, *, asked: bool) -> None:

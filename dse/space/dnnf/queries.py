@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from dse.space.dnnf.cnf import NO_LITERAL, TRUE
-from dse.space.dnnf.compile import MOST_NODES, Dnnf
+from dse.space.dnnf.compile import Dnnf
 from dse.space.dnnf.simplify import FALSE
 from dse.space.dnnf.weigh import Weighed, weigh
 from dse.space.flat import Bools
@@ -14,14 +14,6 @@ from dse.space.flat import Bools
 def count(dnnf: Dnnf) -> int:
     """How many rows there are."""
     return weigh(dnnf).total
-
-
-def count_given(dnnf: Dnnf, wanted: Mapping[int, Bools], most_nodes: int = MOST_NODES) -> int:
-    """How many rows take only what is *wanted*: masks of shape (values + 1,) by variable.
-
-    Raises TooWideError only if a part may be absent but not left out, which takes another compilation.
-    """
-    return weigh(dnnf, wanted, most_nodes).total
 
 
 def occurrences(dnnf: Dnnf, wanted: Mapping[int, Bools] | None = None) -> tuple[tuple[int, ...], ...]:
@@ -51,27 +43,6 @@ def occurrences(dnnf: Dnnf, wanted: Mapping[int, Bools] | None = None) -> tuple[
             shares = [existing * part // whole if whole else 0 for part in below]
         found.append((*shares, total - existing))
     return tuple(found)
-
-
-def never_taken(dnnf: Dnnf) -> tuple[tuple[int, int], ...]:
-    """Variables and values that no row has (dead), in the order of the file; absence is not a value here."""
-    return tuple(
-        (number, value)
-        for number, amounts in enumerate(occurrences(dnnf))
-        for value, amount in enumerate(amounts[:-1])
-        if not amount
-    )
-
-
-def always_taken(dnnf: Dnnf) -> tuple[tuple[int, int], ...]:
-    """Variables and values that every row has (forced), in the order of the file; empty if there are no rows."""
-    total = count(dnnf)
-    return tuple(
-        (number, value)
-        for number, amounts in enumerate(occurrences(dnnf))
-        for value, amount in enumerate(amounts[:-1])
-        if amount == total > 0
-    )
 
 
 def _holding(weighed: Weighed) -> list[int]:

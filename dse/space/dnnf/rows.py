@@ -20,16 +20,28 @@ _BLOCK = 4096
 def sample(dnnf: Dnnf, number: int, seed: int, wanted: Mapping[int, Bools] | None = None) -> Rows:
     """Rows drawn independently, each of all (wanted) rows equally likely; shape (number, variables).
 
-    Exact whatever the number of rows: choices are made in whole numbers. Shape (0, variables) if there is no row.
+    The first rows are those of a smaller sample. Exact whatever the number of rows: choices are made in whole numbers.
+    Shape (0, variables) if there is no row.
     """
+    blocks = [np.zeros((0, len(dnnf.flat.variables)), np.int16)]
+    missing = number
+    for block in drawn(dnnf, seed, wanted) if number else ():
+        blocks.append(block[:missing])
+        missing -= len(blocks[-1])
+        if not missing:
+            break
+    return np.concatenate(blocks)
+
+
+def drawn(dnnf: Dnnf, seed: int, wanted: Mapping[int, Bools] | None = None) -> Iterator[Rows]:
+    """Blocks of such rows without end, shape (at most 4096, variables); no block if there is no row."""
     weighed = weigh(dnnf, wanted)
     random = generator(seed)
-    blocks = [np.zeros((0, len(dnnf.flat.variables)), np.int16)]
-    if weighed.total:
-        for start in range(0, number, _BLOCK):
-            rows = np.arange(min(_BLOCK, number - start), dtype=np.intp)
-            blocks.append(descend(weighed, Chance(rows, random)))
-    return np.concatenate(blocks)
+    size = _FIRST_BLOCK
+    while weighed.total:
+        # Always whole blocks, so that the stream of random numbers does not depend on what is asked for.
+        yield descend(weighed, Chance(np.arange(size, dtype=np.intp), random))
+        size = min(2 * size, _BLOCK)
 
 
 def rows(dnnf: Dnnf, start: int = 0, wanted: Mapping[int, Bools] | None = None) -> Iterator[Rows]:

@@ -52,8 +52,9 @@ class _Moments:
 
     def height(self) -> float:
         there = self.paths > 0
-        spread = np.maximum(1.0, np.sqrt(2 * np.pi * self.variance[there])).prod(axis=1)
-        return self.scale + float(np.log2(self.paths[there] / spread).max())
+        # As logarithms: the product over many sums is beyond any float.
+        spread = np.log2(np.maximum(1.0, np.sqrt(2 * np.pi * self.variance[there]))).sum(axis=1)
+        return self.scale + float((np.log2(self.paths[there]) - spread).max())
 
 
 def _start(axes: int) -> _Moments:

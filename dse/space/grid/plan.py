@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from math import prod
+from math import inf, log2, prod
 
 from dse.space.budget import Cost, TooMuchError
 from dse.space.diagram import Diagram
@@ -36,6 +36,9 @@ _WORTH_CAPS = 1e8
 
 _FINEST = 1e15
 """Cells of one grid beyond which not even the cost is worked out."""
+
+_MOST_BITS = 60.0
+"""Binary logarithm of the cells of one grid beyond which they are not multiplied out: no work allows them."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -112,9 +115,10 @@ def task(diagram: Diagram) -> Task | Diagram:
 def plan(task_: Task, most_memory: float, most_work: float) -> Plan:
     """At the cut of least work whose memory is allowed; TooMuchError if there is none."""
     layers = task_.layers
+    _insist_on_a_cut(task_)
     rising, falling = heights(layers, task_.sums)
     works = _works(task_, rising, falling)
-    if min(works) > most_work:
+    if min(works) > most_work or min(works) == inf:
         raise TooMuchError(f"some {min(works):.0e} additions")
     least = float("inf")
     for cut in sorted(range(len(works)), key=works.__getitem__)[:_CUTS]:
@@ -181,6 +185,20 @@ def _nothing(diagram: Diagram) -> Diagram:
     return replace(diagram, layers=tuple(layer[:0] for layer in diagram.layers), empty=True)
 
 
+def _insist_on_a_cut(task_: Task) -> None:
+    """TooMuchError if wherever the halves meet, some grid on the way is beyond all measure."""
+    levels = range(len(task_.layers) + 1)
+    ahead = next((level for level in levels if _bits(task_.ahead(level).shape) > _MOST_BITS), len(levels))
+    behind = next((level for level in reversed(levels) if _bits(task_.behind(level).shape) > _MOST_BITS), -1)
+    # The halves may meet after the last grid that is too fine for the one and before the first for the other.
+    if behind + 1 > ahead - 1:
+        raise TooMuchError(f"grids of more than 2^{_MOST_BITS:.0f} cells")
+
+
+def _bits(shape: Sequence[int]) -> float:
+    return sum(map(log2, shape))
+
+
 def _works(task_: Task, rising: Sequence[float], falling: Sequence[float]) -> list[float]:
     """Additions by the level at which the halves meet."""
     ours, theirs, meetings = [0.0], [0.0], []
@@ -192,13 +210,15 @@ def _works(task_: Task, rising: Sequence[float], falling: Sequence[float]) -> li
         theirs.append(terms * _term(task_.behind(level + 1), steps, sizes[level][1]))
     for level, (own, other) in enumerate(sizes):
         nodes = 1 if level == len(task_.layers) else len(task_.layers[level])
-        cells = prod(task_.ahead(level).shape) * max(1.0, own * other / 64)
+        shape = task_.ahead(level).shape
+        cells = prod(shape) * max(1.0, own * other / 64) if _bits(shape) <= _MOST_BITS else inf
         meetings.append(nodes * (_MEETING * cells + _PAIR))
     return [sum(ours[: cut + 1]) + sum(theirs[cut + 1 :]) + meetings[cut] for cut in range(len(sizes))]
 
 
 def _term(side: Side, steps: Sequence[int], size: int) -> float:
-    cells = prod(length + step for length, step in zip(side.shape, steps, strict=True))
+    box = [length + step for length, step in zip(side.shape, steps, strict=True)]
+    cells = prod(box) if _bits(box) <= _MOST_BITS else inf
     # Limbs are split and carried.
     work = cells * size / (4 if size <= 8 else 2)
     return min(work + _CALL, work * _AT_ONCE)

@@ -7,7 +7,7 @@ from contextlib import suppress
 
 from dse.domain.design import DesignSpace
 from dse.domain.expression import Expression
-from dse.errors import DseError, Problem
+from dse.errors import DseError, Problem, raise_if_any
 from dse.space.flat import NOBODY, FlatSpace, Rule
 from dse.space.interpret import interpret_condition
 from dse.space.lowering.failing import may_fail
@@ -21,14 +21,19 @@ from dse.space.terms import Every, Term
 MOST_CELLS = 4096
 """Combinations of values up to which a rule becomes a table."""
 
+MOST_VALUES = 32_766
+"""Values of one decision: with their absence they must fit into the 16 bits of `dse.space.flat.Rows`."""
+
 
 def flatten(space: DesignSpace, most_cells: int = MOST_CELLS) -> FlatSpace:
     """*space* with its constraints as rules that hold together iff no constraint's outcome is false.
 
     Rules over variables with up to *most_cells* combinations of values become tables. Raises DseError, with all
-    problems, for constraints that make no sense.
+    problems, for constraints that make no sense, and for decisions of more than `MOST_VALUES` values.
     """
-    shape, places = shape_of(space), Places(space)
+    shape = shape_of(space)
+    raise_if_any(_too_many_values(space, shape))
+    places = Places(space)
     rules: list[Rule] = []
     problems: list[Problem] = []
     for number, constraint in enumerate(space.constraints):
@@ -59,6 +64,14 @@ def selecting(space: DesignSpace, expression: Expression, most_cells: int = MOST
         with suppress(TooLargeError):
             formula = Truths(shape).formula(term, True)
     return rules_of(shape, expression, [formula], NOBODY, most_cells)
+
+
+def _too_many_values(space: DesignSpace, shape: Shape) -> Iterator[Problem]:
+    for variable in shape.variables:
+        number = len(variable.values)
+        if number > MOST_VALUES:
+            what = f"'{variable.path}' has {number:,} alternatives; one decision takes at most {MOST_VALUES:,}"
+            yield Problem(what, space.where, "group the alternatives: one decision between groups, one inside each")
 
 
 def _parts(shape: Shape, expression: Expression, term: Term) -> Iterator[Formula]:

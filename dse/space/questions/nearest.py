@@ -10,8 +10,10 @@ import numpy as np
 from dse.errors import fail
 from dse.space.best import best
 from dse.space.decisions import Choices
+from dse.space.dnnf.trim import UnsupportedError
 from dse.space.engine import Engine
-from dse.space.flat import ABSENT, Ints
+from dse.space.flat import ABSENT, Ints, Rows
+from dse.space.growth import TooWideError
 
 
 @dataclass(frozen=True, slots=True)
@@ -35,12 +37,9 @@ def nearest(engine: Engine, choices: Choices) -> Nearest:
     """A valid configuration that keeps as many of *choices* as can be kept; of several the first in the list.
 
     Choices inside an architecture that is given up count as lost, those inside a new one are free. Raises
-    DseError if there is none, or if the space is too large for a decision diagram.
+    DseError if there is none, or if the space is too large for every method.
     """
-    if engine.diagram is None:
-        hint = "fix some of the choices, or ask for the conflict"
-        raise fail(f"'{engine.flat.name}' is too large to look for the nearest configuration", None, hint)
-    found = best(engine.diagram, _distances(engine, choices), 1).rows
+    found = _least(engine, _distances(engine, choices))
     if not len(found):
         hint = f"ask which constraints conflict: dse space conflict {engine.flat.name}"
         raise fail(f"'{engine.flat.name}' has no valid configuration", None, hint)
@@ -48,6 +47,17 @@ def nearest(engine: Engine, choices: Choices) -> Nearest:
     paths = dict.fromkeys([*(variable.path for variable in engine.flat.variables), *choices])
     changes = [Change(path, choices.get(path), now.get(path)) for path in paths]
     return Nearest(now, tuple(change for change in changes if change.before != change.after))
+
+
+def _least(engine: Engine, weights: Mapping[int, Ints]) -> Rows:
+    if engine.diagram is not None:
+        return best(engine.diagram, weights, 1).rows
+    try:
+        return engine.entangled.least(weights, 1)
+    except (UnsupportedError, TooWideError) as error:
+        hint = "fix some of the choices, or ask for the conflict"
+        what = f"'{engine.flat.name}' is too large to look for the nearest configuration"
+        raise fail(what, None, hint) from error
 
 
 def _distances(engine: Engine, choices: Choices) -> Mapping[int, Ints]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from math import hypot
 
@@ -27,6 +27,10 @@ class Occurrence:
     forced: bool
 
 
+_NEAR = 1e-6
+"""Shares this near to 1 may be 1."""
+
+
 @dataclass(slots=True)
 class _Sum:
     share: float = 0.0
@@ -41,6 +45,7 @@ def occurrences(engine: Engine, seed: int = 0) -> tuple[Occurrence, ...]:
     Architectures may have decisions of one path; their shares are added up.
     """
     shares = engine.shares(seed)
+    at = _at_each_path(engine)
     sums: dict[tuple[str, str | None], _Sum] = {}
     for number, variable in enumerate(engine.flat.variables):
         share, half_width = shares.shares[number], shares.half_widths[number]
@@ -53,7 +58,11 @@ def occurrences(engine: Engine, seed: int = 0) -> tuple[Occurrence, ...]:
             entry.share += float(share[value])
             entry.half_width = 0.0 if dead[value] else hypot(entry.half_width, float(half_width[value]))
             entry.dead &= dead[value]
-            entry.forced |= not dead[value] and sum(dead) == len(dead) - 1
+            if len(at[variable.path]) == 1:
+                entry.forced = not dead[value] and sum(dead) == len(dead) - 1
+    for (path, choice), entry in sums.items():
+        if len(at[path]) > 1 and entry.share + entry.half_width > 1 - _NEAR:
+            entry.forced = _is_forced(engine, at[path], choice)
     return tuple(
         Occurrence(
             path,
@@ -70,6 +79,23 @@ def occurrences(engine: Engine, seed: int = 0) -> tuple[Occurrence, ...]:
 def dead_values(engine: Engine, seed: int = 0) -> Iterator[tuple[str, str | None]]:
     """The alternatives that no valid configuration has."""
     return ((found.path, found.choice) for found in occurrences(engine, seed) if found.dead)
+
+
+def _at_each_path(engine: Engine) -> dict[str, list[int]]:
+    """The variables of each path; several if architectures have decisions of one name."""
+    found: dict[str, list[int]] = {}
+    for number, variable in enumerate(engine.flat.variables):
+        found.setdefault(variable.path, []).append(number)
+    return found
+
+
+def _is_forced(engine: Engine, variables: Sequence[int], choice: str | None) -> bool:
+    """Whether every valid row takes *choice* at one of the variables, which exclude each other."""
+    others = [
+        single(number, np.array([*(value != choice for value in engine.flat.variables[number].values), True]))
+        for number in variables
+    ]
+    return engine.having(*others).is_empty()
 
 
 def _is_dead(engine: Engine, variable: int, value: int) -> bool:

@@ -9,14 +9,17 @@ from fractions import Fraction
 
 from dse.domain.design import DesignSpace
 from dse.domain.expression import Expression, Number
-from dse.errors import DseError, fail
+from dse.errors import DseError, Location, fail
 from dse.loading.expression import descend, parse_expression
-from dse.space.best import Ranking, best, best_valued
+from dse.space.best import best, best_valued
 from dse.space.budget import TooMuchError
 from dse.space.decisions import Choices, sites
 from dse.space.diagram import Diagram
+from dse.space.dnnf.trim import UnsupportedError
 from dse.space.engine import Engine
+from dse.space.growth import TooWideError
 from dse.space.objective import FoldedObjective, LinearObjective, LoweredObjective, objective
+from dse.space.optimizer import Ranking, sums
 from dse.space.pareto import pareto
 from dse.space.questions.ratio import as_ratio, best_ratio
 from dse.units import DIMENSIONLESS, Dimension, Unit, UnitError, describe, parse_unit
@@ -47,8 +50,8 @@ class Ranked:
 def aims(minimize: Iterable[str], maximize: Iterable[str]) -> tuple[Aim, ...]:
     """The objectives written in texts, those to be minimised first. Raises DseError if one cannot be read."""
     return (
-        *(Aim(parse_expression(text)) for text in minimize),
-        *(Aim(parse_expression(text), largest=True) for text in maximize),
+        *(Aim(parse_expression(text, Location("--minimize", 1, 1))) for text in minimize),
+        *(Aim(parse_expression(text, Location("--maximize", 1, 1)), largest=True) for text in maximize),
     )
 
 
@@ -59,6 +62,13 @@ def best_configurations(space: DesignSpace, engine: Engine, aim: Aim, number: in
     objective makes no sense, if what is best cannot be proven, or if the space is too large for a decision diagram.
     """
     lowered = objective(space, aim.expression)
+    if isinstance(lowered, FoldedObjective) and not lowered.folds:
+        constant = lowered.value(())
+        if constant is None:
+            return ()
+        lowered = LinearObjective({}, constant, Fraction(1), lowered.dimension)
+    if engine.diagram is None and isinstance(lowered, LinearObjective):
+        return _of_graph(engine, lowered, number, largest=aim.largest)
     diagram = _diagram(engine)
     if isinstance(lowered, LinearObjective):
         ranking = best(diagram, lowered.weights, number, largest=aim.largest)
@@ -111,6 +121,17 @@ def _read(symbols: Iterable[str]) -> Iterator[Unit]:
 
 def _si(dimension: Dimension) -> Unit:
     return Unit(f"SI base units ({describe(dimension)})", Fraction(1), Fraction(0), dimension)
+
+
+def _of_graph(engine: Engine, lowered: LinearObjective, number: int, *, largest: bool) -> tuple[Ranked, ...]:
+    try:
+        rows = engine.entangled.least({v: -w if largest else w for v, w in lowered.weights.items()}, number)
+    except (UnsupportedError, TooWideError) as error:
+        raise _too_large(engine) from error
+    totals = sums(lowered.weights, rows).tolist()
+    return tuple(
+        Ranked(engine.flat.choices(row), (lowered.value(total),)) for row, total in zip(rows, totals, strict=True)
+    )
 
 
 def _nonlinear(
