@@ -17,7 +17,7 @@ from dse.errors import fail
 from dse.space.beam import beam
 from dse.space.bounds import Cut, cuts_of, divisor, fits, surrogates, tightest
 from dse.space.diagram import Diagram, extremes
-from dse.space.flat import Ints, Linear, Rows
+from dse.space.flat import Ints, Linear, Rows, Wide
 from dse.space.listing import Listing
 from dse.space.recheck import recheck
 from dse.space.relaxation import Relaxation, Relaxed
@@ -86,17 +86,18 @@ class Optimizer:
         _insist_on_room([total])
         unit = divisor(total)
         aim = {variable: weights // unit for variable, weights in total.items()}
-        padding = [0] * len(self._cuts)
-        limits = self._limits(highs or [None] * len(self.objectives))
-        relaxed = self._relaxation.bound([*factors, *padding], limits)
+        limits = self._limits(highs)
+        toward = [*factors, *[0] * len(self._cuts)]
+        relaxed = self._relaxation.bound(toward, limits)
         low, top = -(-relaxed.low // unit), int(extremes(self.diagram, aim)[1][0][0])
         if highs is not None:
             top = min(top, self._allowed(factors, limits) // unit)
-        known = self._known(relaxed, [*factors, *padding], limits, aim)
+        good = self._beam(relaxed, toward, limits)
+        known = np.sort(sums(aim, good[self._recheck.valid(good)]))
         cap = int(known[number - 1]) if len(known) >= number else top
         step = max((cap - low) // _STEPS if cap < top else (top - low) // _FINE, 1)
         bound = cap if cap <= low else min(low + step, cap)
-        proofs = [relaxed] if cap < top else [relaxed, *self._refutations(limits)]
+        proofs = [relaxed] if cap < top else [relaxed, *(proof for _, proof in self._refutations(limits))]
         cuts = self._pruning(Cut(aim, bound), limits, relaxed.unit * unit, proofs)
         while low <= top and cuts:
             found, reached, complete = self._within(_moved(cuts, bound), number, low, rounds)
@@ -120,24 +121,49 @@ class Optimizer:
         """
         if self._relaxation is None:
             return True
-        limits = self._limits([None] * len(self.objectives))
-        proofs = [Relaxed(0, 1, (0,) * len(limits)), *self._refutations(limits)]
-        cuts = self._pruning(Cut({}, 0), limits, 1, proofs)
-        if not cuts:
-            return True
-        bounded = [place for place, high in enumerate(limits) if high is not None]
-        for target, proof in zip([None, *bounded], proofs, strict=True):
-            toward = list(proof.multipliers)
-            if target is not None:
-                toward[target] += proof.unit
-            if self._recheck.valid(beam(self._relaxation, toward, limits)).any():
+        limits = self._limits(None)
+        nothing = [0] * len(limits)
+        for toward, proof in [(nothing, Relaxed(0, 1, tuple(nothing))), *self._refutations(limits)]:
+            if self._recheck.valid(self._beam(proof, toward, limits)).any():
                 return False
-        return next(iter(Listing(self.diagram, cuts, rounds=rounds)), None) is None
+        listing = self.listing(None, rounds=rounds)
+        return listing is None or next(iter(listing), None) is None
 
-    def _limits(self, highs: Sequence[int | None]) -> list[int | None]:
+    def listing(
+        self, highs: Sequence[int | None] | None, wides: Sequence[Wide] = (), rounds: Rounds | None = None
+    ) -> Listing | None:
+        """The valid rows within bounds on the objectives and *wides*; None if the Lagrangian bounds refute them."""
+        if self._relaxation is None:
+            return None
+        limits = self._limits(highs)
+        proofs = [proof for _, proof in self._refutations(limits)]
+        cuts = self._pruning(Cut({}, 0), limits, 1, [Relaxed(0, 1, (0,) * len(limits)), *proofs])
+        return Listing(self.diagram, cuts, wides, rounds=rounds) if cuts else None
+
+    def least(self, objective: int, highs: Sequence[int | None]) -> int:
+        """A value that no valid row within the bounds is below in one objective; the diagram must not be empty."""
+        assert self._relaxation is not None  # noqa: S101 - told above
+        limits = self._limits(highs)
+        return self._relaxation.bound([int(place == objective) for place in range(len(limits))], limits).low
+
+    def some(self, factors: Sequence[int], highs: Sequence[int | None]) -> Rows:
+        """Some valid rows within the bounds that are good by *factors* times the objectives; perhaps none."""
+        if self._relaxation is None:
+            return _nothing(self.diagram)[0]
+        limits = self._limits(highs)
+        toward = [*factors, *[0] * len(self._cuts)]
+        rows = self._beam(self._relaxation.bound(toward, limits), toward, limits)
+        return rows[self._recheck.valid(rows)]
+
+    def _beam(self, relaxed: Relaxed, factors: Sequence[int], limits: Sequence[int | None]) -> Rows:
+        assert self._relaxation is not None  # noqa: S101 - there are paths
+        toward = [relaxed.unit * factor + more for factor, more in zip(factors, relaxed.multipliers, strict=True)]
+        return beam(self._relaxation, toward, limits)
+
+    def _limits(self, highs: Sequence[int | None] | None) -> list[int | None]:
         """The bounds on the objectives and all cuts; what no path can exceed, or reach, needs no more digits."""
         assert self._relaxation is not None  # noqa: S101 - there are paths
-        limits = [*highs, *(cut.high for cut in self._cuts)]
+        limits = [*(highs or [None] * len(self.objectives)), *(cut.high for cut in self._cuts)]
         ends = map(self._relaxation.ends, range(len(limits)))
         return [None if h is None else max(low - 1, min(h, high)) for h, (low, high) in zip(limits, ends, strict=True)]
 
@@ -150,19 +176,12 @@ class Optimizer:
             total += max(factor * low, factor * (high if limit is None else limit))
         return total
 
-    def _known(self, relaxed: Relaxed, factors: Sequence[int], limits: Sequence[int | None], aim: Weights) -> Ints:
-        """The aim of some valid rows, ascending."""
-        assert self._relaxation is not None  # noqa: S101 - there are paths
-        toward = [relaxed.unit * factor + more for factor, more in zip(factors, relaxed.multipliers, strict=True)]
-        rows = beam(self._relaxation, toward, limits)
-        return np.sort(sums(aim, rows[self._recheck.valid(rows)]))
-
-    def _refutations(self, limits: Sequence[int | None]) -> list[Relaxed]:
+    def _refutations(self, limits: Sequence[int | None]) -> list[tuple[list[int], Relaxed]]:
         """For each bound what the bounds on the others leave of it: where these are hard to meet, this tells."""
         assert self._relaxation is not None  # noqa: S101 - there are paths
         places = [place for place, high in enumerate(limits) if high is not None]
         toward = [[int(place == other) for other in range(len(limits))] for place in places]
-        return [self._relaxation.bound(factors, limits) for factors in toward]
+        return [(factors, self._relaxation.bound(factors, limits)) for factors in toward]
 
     def _pruning(self, aim: Cut, limits: Sequence[int | None], unit: int, proofs: Sequence[Relaxed]) -> list[Cut]:
         """The aim, all bounds, and what follows from them together by the *proofs*; empty if nothing meets them.

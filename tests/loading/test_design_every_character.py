@@ -163,7 +163,7 @@ CASES = [
     ("{if: [unit7.spare is present]", "{§fi: [unit7.spare is present]", "unknown key 'fi'"),
     ("then: 'unit7.drive is gear or true'", "then: 'unit7.drive is gear or §tru'", "unknown name 'tru'"),
     ("then: 'unit7.drive is gear or true'", "then: 'unit7.drive is gear or§'", "expected a value, found the end"),
-    ("{1: [unit7.drive is gear,", "{§4: [unit7.drive is gear,", "4 of 3 conditions cannot hold"),
+    ("{1: [unit7.drive is gear,", "{§4: [unit7.drive is gear,", "4 of 3 conditions can never hold"),
     ("{1: [unit7.drive is gear,", "{1: [unit7.drive is §gaer,", "'gaer' cannot be chosen"),
     ("[10 m, 260 m]", "[10 §mq, 260 m]", "unknown unit 'mq'"),
     ("[10 m, 260 m]", "[§10 kg, 260 kg]", "cannot compare mass and length"),

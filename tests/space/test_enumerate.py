@@ -265,7 +265,7 @@ def rules_for(design):
     return found
 
 
-@settings(max_examples=150, deadline=None)
+@settings(max_examples=60, deadline=None)
 @given(designs, st.data())
 def test_listing_and_counting_agree_with_brute_force(design, data):
     everything = brute(Compound("", design), "")
