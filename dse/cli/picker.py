@@ -17,9 +17,9 @@ from dse.domain.design import DesignSpace
 from dse.errors import DseError
 from dse.space.decisions import Choices
 from dse.space.engine import Engine
+from dse.space.output.totals import totals
 from dse.space.picking import Option, Picking, Range
 from dse.space.tally import Tally
-from dse.space.totals import totals
 
 LEFT_OUT = "(left out)"
 """How a part that is left out is called."""

@@ -17,21 +17,21 @@ from dse.domain.design import DesignSpace
 from dse.errors import DseError, fail
 from dse.space.budget import TooMuchError
 from dse.space.decisions import decisions, product_of
-from dse.space.diagram import Diagram, count, restrict
-from dse.space.emptiness import is_empty
 from dse.space.entangled import Entangled
-from dse.space.estimate import RELATIVE, Shares, estimate, estimate_occurrences
-from dse.space.expand import expand
 from dse.space.flat import FlatSpace, Rows, Rule, Table
-from dse.space.grids import exact_count
-from dse.space.growth import TooWideError
-from dse.space.listing import blocks, first
+from dse.space.grid.exact import exact_count
+from dse.space.listing.blocks import blocks, first
 from dse.space.lowering import flatten
-from dse.space.ordering import compile_best
-from dse.space.sampling import sample
+from dse.space.mdd.diagram import Diagram, count, restrict
+from dse.space.mdd.expand import expand
+from dse.space.mdd.growth import TooWideError
+from dse.space.mdd.ordering import compile_best
+from dse.space.optimum.emptiness import is_empty
+from dse.space.sampling.estimate import RELATIVE, Shares, estimate, estimate_occurrences
+from dse.space.sampling.sample import sample
+from dse.space.sampling.tilt import EmptyError, TooRareError, tilt
+from dse.space.sampling.uniform import generator
 from dse.space.tally import Tally
-from dse.space.tilt import EmptyError, TooRareError, tilt
-from dse.space.uniform import generator
 
 DIAGRAM = 200_000
 """Nodes a diagram may have before reduction; beyond, the decision-DNNF takes over."""

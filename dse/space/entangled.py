@@ -23,16 +23,16 @@ from dse.space.dnnf.compile import Dnnf, compile_dnnf
 from dse.space.dnnf.optimum import least
 from dse.space.dnnf.satisfy import satisfiable
 from dse.space.dnnf.trim import UnsupportedError
-from dse.space.estimate import Shares, exact_shares
 from dse.space.flat import FlatSpace, Ints, Linear, Rows, Wide
-from dse.space.growth import TooWideError
-from dse.space.recheck import recheck
-from dse.space.search import Effort
-from dse.space.search import first as search_first
-from dse.space.search import rows as search_rows
+from dse.space.listing.recheck import recheck
+from dse.space.listing.search import Effort
+from dse.space.listing.search import first as search_first
+from dse.space.listing.search import rows as search_rows
+from dse.space.mdd.growth import TooWideError
+from dse.space.sampling.estimate import Shares, exact_shares
+from dse.space.sampling.tilt import EmptyError
+from dse.space.sampling.uniform import generator
 from dse.space.tally import Tally
-from dse.space.tilt import EmptyError
-from dse.space.uniform import generator
 
 SEARCHED = 2_000_000
 """Values that a complete search tries before it gives up."""

@@ -13,11 +13,11 @@ from dse.domain.expression import Expression
 from dse.errors import DseError, fail
 from dse.space.decisions import Choices, decisions, product_of
 from dse.space.engine import Engine
-from dse.space.evaluate import compile_in
 from dse.space.flat import Rows
 from dse.space.identify import LENGTH, Identifier
+from dse.space.language.evaluate import compile_in
+from dse.space.language.places import Places
 from dse.space.lowering import selecting
-from dse.space.places import Places
 from dse.space.resolve import Resolver
 from dse.space.tally import Tally
 

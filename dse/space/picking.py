@@ -9,12 +9,12 @@ from math import ceil, floor
 
 import numpy as np
 
-from dse.space.diagram import Diagram, count, extremes, occurrences
 from dse.space.dnnf import queries
 from dse.space.engine import Engine
 from dse.space.flat import Linear, Rows, Table, single
+from dse.space.mdd.diagram import Diagram, count, extremes, occurrences
+from dse.space.output.totals import Total
 from dse.space.tally import Tally
-from dse.space.totals import Total
 
 Pick = tuple[int, int]
 """A decision by the number of its variable, and one of its values."""

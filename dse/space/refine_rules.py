@@ -136,7 +136,7 @@ class _Rewriter:
                 ]
                 return self.cases(cases, sense)
             case Between(value, low, high, span):
-                # As told in `dse.space.evaluate`, one half may fail where the other is undefined.
+                # As told in `dse.space.language.evaluate`, one half may fail where the other is undefined.
                 halves = Binary("<=", low, value, span), Binary("<=", value, high, span)
                 return self.condition(Binary("and", *halves, span), sense)
             case Call("same_choice"):

@@ -13,7 +13,7 @@ from dse.domain.bench import Figure, Metric, Requirement
 from dse.domain.design import Configuration, DesignSpace
 from dse.domain.study import FullFactorial, LatinHypercube, Sampler, Study
 from dse.space.decisions import decisions, flat
-from dse.space.totals import summed_properties
+from dse.space.output.totals import summed_properties
 from dse.testbench.prepared import PreparedBench
 from dse.units import Unit
 

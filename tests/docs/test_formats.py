@@ -15,13 +15,13 @@ from pathlib import Path
 import pytest
 
 from dse.domain.bench import Verdict
+from dse.domain.expression import ROLLUPS
 from dse.domain.study import Keep
 from dse.loading import documents
 from dse.loading.expression_tokens import KEYWORDS
 from dse.loading.fields import Section
 from dse.metrics.catalogue import FUNCTIONS, ROWWISE
 from dse.results.export import EXPORTS
-from dse.domain.expression import ROLLUPS
 from dse.units import parse_unit
 
 TEXT = (Path(__file__).parents[2] / "docs" / "formats.md").read_text(encoding="utf-8")

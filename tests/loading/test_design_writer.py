@@ -21,7 +21,7 @@ from dse.loading.uvl_tokens import Source
 from dse.loading.workspace import Workspace
 from dse.space.check import check
 from dse.space.decisions import decisions
-from dse.space.evaluate import compile_rule
+from dse.space.language.evaluate import compile_rule
 from dse.units import parse_quantity
 
 ROOT = Path(__file__).parents[2]

@@ -14,7 +14,7 @@ from dse.loading.uvl import read_uvl, read_uvl_text
 from dse.loading.uvl_tokens import Source
 from dse.space.check import check
 from dse.space.decisions import decisions, sites
-from dse.space.evaluate import compile_rule
+from dse.space.language.evaluate import compile_rule
 
 
 def read(text):

@@ -15,8 +15,8 @@ from dse.errors import DseError
 from dse.loading.expression import parse_expression
 from dse.space.decisions import sites
 from dse.space.engine import Engine
-from dse.space.evaluate import compile_rule
 from dse.space.flat import Rows
+from dse.space.language.evaluate import compile_rule
 
 EXAMPLES = settings(deadline=None, max_examples=25, suppress_health_check=list(HealthCheck))
 SMALL = 200

@@ -17,8 +17,8 @@ from dse.domain.design import Alternative, Compound, Constraint, DesignSpace, No
 from dse.errors import DseError
 from dse.loading.expression import parse_expression
 from dse.space.decisions import Site, decisions, product_of, sites
-from dse.space.evaluate import compile_rule
 from dse.space.flat import NOTHING, Bools, Clause, FlatSpace, Fold, Gather, Linear, Rows, Rule, Table
+from dse.space.language.evaluate import compile_rule
 from dse.units import parse_quantity
 
 ANY = Interface("any", ())

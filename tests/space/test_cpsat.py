@@ -16,12 +16,12 @@ from random_spaces import design_spaces
 from dse.domain.design import Constraint
 from dse.errors import DseError
 from dse.loading.expression import parse_expression
-from dse.space.best import best, sums
-from dse.space.cpsat import optimum, satisfiable
-from dse.space.diagram import compile_diagram
-from dse.space.emptiness import is_empty
 from dse.space.flat import Clause, FlatSpace, Fold, Gather, Ints, Linear, Rule, Table, Variable, Wide
 from dse.space.lowering import flatten
+from dse.space.mdd.diagram import compile_diagram
+from dse.space.optimum.best import best, sums
+from dse.space.optimum.cpsat import optimum, satisfiable
+from dse.space.optimum.emptiness import is_empty
 
 
 @settings(max_examples=50, deadline=None)
@@ -72,7 +72,8 @@ def test_cpsat_agrees_with_the_engine_on_a_space_of_ten_to_the_fourteen() -> Non
 def test_the_same_question_gets_the_same_row() -> None:
     flat, weigh = middling()
     one, other = optimum(flat, weigh[2]), optimum(flat, weigh[2])
-    assert one and other
+    assert one
+    assert other
     assert one[0].tolist() == other[0].tolist()
 
 

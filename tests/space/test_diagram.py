@@ -7,7 +7,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from dse.space.diagram import (
+from dse.space.flat import ABSENT, Bools, Clause, FlatSpace, Table, Variable
+from dse.space.mdd.diagram import (
     TooWideError,
     compile_diagram,
     completions,
@@ -17,7 +18,6 @@ from dse.space.diagram import (
     occurrences,
     restrict,
 )
-from dse.space.flat import ABSENT, Bools, Clause, FlatSpace, Table, Variable
 
 EVERYTHING = settings(max_examples=120, deadline=None)
 
@@ -222,7 +222,7 @@ def test_a_layer_expanded_in_many_blocks_is_the_same(monkeypatch: pytest.MonkeyP
     rules = tuple(Table((n, n + 3), draw.random((5, 5)) < 0.7) for n in range(9))
     space = FlatSpace("blocks", variables, (), rules)
     at_once = compile_diagram(space)
-    monkeypatch.setattr("dse.space.growth._BLOCK", 40)
+    monkeypatch.setattr("dse.space.mdd.growth._BLOCK", 40)
     in_blocks = compile_diagram(space)
     assert max(len(layer) for layer in at_once.layers) > 40
     assert all(np.array_equal(a, b) for a, b in zip(at_once.layers, in_blocks.layers, strict=True))

@@ -7,8 +7,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from dse.space.diagram import compile_diagram, count, occurrences
 from dse.space.flat import Bools, Clause, FlatSpace, Rule, Table, Variable
+from dse.space.mdd.diagram import compile_diagram, count, occurrences
 
 bdd: Any = pytest.importorskip("oxidd.bdd")
 

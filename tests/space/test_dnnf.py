@@ -17,7 +17,7 @@ from dse.space.dnnf.rows import first, rows, sample
 from dse.space.dnnf.satisfy import conflict, satisfiable
 from dse.space.dnnf.trim import UnsupportedError, trim
 from dse.space.flat import ABSENT, Bools, Clause, FlatSpace, Fold, Gather, Linear, Rows, Rule, Table, Variable, Wide
-from dse.space.growth import TooWideError
+from dse.space.mdd.growth import TooWideError
 
 
 def space(variables: list[Variable], *rules: Rule) -> FlatSpace:

@@ -9,8 +9,8 @@ from dse.errors import DseError
 from dse.space import engine as engines
 from dse.space.engine import Engine
 from dse.space.flat import FlatSpace, Linear, Table, Variable
+from dse.space.sampling.tilt import TooRareError
 from dse.space.tally import Tally
-from dse.space.tilt import TooRareError
 
 
 def coins(number, *rules):

@@ -9,8 +9,8 @@ from dse.errors import DseError
 from dse.space import entangled as module
 from dse.space.entangled import Entangled
 from dse.space.flat import FlatSpace, Linear, Table, Variable
+from dse.space.sampling.tilt import EmptyError
 from dse.space.tally import Tally
-from dse.space.tilt import EmptyError
 
 NEVER = Table((), np.array(False))
 

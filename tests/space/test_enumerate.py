@@ -13,8 +13,8 @@ from dse.domain.design import Alternative, Compound, Constraint, DesignSpace, Op
 from dse.errors import DseError
 from dse.loading.expression import parse_expression
 from dse.space.enumerate import configurations, count, engine_of, find, total, violated
-from dse.space.evaluate import compile_rule
 from dse.space.identify import Identifier
+from dse.space.language.evaluate import compile_rule
 from dse.space.resolve import identify, resolve
 from dse.space.tally import Tally
 from dse.units import parse_quantity

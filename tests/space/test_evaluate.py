@@ -12,7 +12,7 @@ from dse.errors import DseError, Location
 from dse.loading.expression import parse_expression
 from dse.space.check import check
 from dse.space.enumerate import configurations
-from dse.space.evaluate import compile_rule, matching
+from dse.space.language.evaluate import compile_rule, matching
 from dse.units import parse_quantity, parse_unit
 
 ANY = Interface("any", ())

@@ -14,11 +14,11 @@ from dse.domain.component import Component, Interface
 from dse.domain.design import Alternative, Compound, Constraint, DesignSpace, Optional, Part
 from dse.errors import DseError
 from dse.loading.expression import parse_expression
-from dse.space import export
 from dse.space.engine import Engine
 from dse.space.enumerate import configurations
-from dse.space.export import WRITERS, save
-from dse.space.sheet import Sheet
+from dse.space.output import export
+from dse.space.output.export import WRITERS, save
+from dse.space.output.sheet import Sheet
 from dse.units import parse_quantity
 
 

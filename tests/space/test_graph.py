@@ -10,10 +10,10 @@ from dse.domain.component import Component, Interface
 from dse.domain.design import Alternative, Compound, Constraint, DesignSpace, Optional, Part
 from dse.errors import DseError
 from dse.loading.expression import parse_expression
-from dse.space.drawing import draw
 from dse.space.engine import Engine
-from dse.space.graph import ONE_OF, Kind, below, dead_branches, graph
-from dse.space.layout import lay_out
+from dse.space.output.drawing import draw
+from dse.space.output.graph import ONE_OF, Kind, below, dead_branches, graph
+from dse.space.output.layout import lay_out
 
 
 def part(name):

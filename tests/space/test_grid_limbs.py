@@ -9,13 +9,13 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from dse.space.diagram import compile_diagram
 from dse.space.flat import FlatSpace, Linear, Variable
 from dse.space.grid.levels import run_levels
 from dse.space.grid.limbs import BITS, Limbs, carry, limbs_for, running_sums, scalar_product, split, word
 from dse.space.grid.plan import Task, task
 from dse.space.grid.shifts import Grid, run
 from dse.space.grid.sweep import Sweep, backward, forward, schedule
+from dse.space.mdd.diagram import compile_diagram
 
 
 def limbs(numbers: list[int], shape: tuple[int, ...], number: int) -> Limbs:

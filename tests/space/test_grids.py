@@ -13,13 +13,13 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from dse.space.diagram import compile_diagram, count
 from dse.space.flat import ABSENT, FlatSpace, Fold, Gather, Ints, Linear, Rule, Table, Variable, Wide
 from dse.space.grid.density import heights
+from dse.space.grid.exact import TooMuchError, cost, exact_count
 from dse.space.grid.meeting import pairs, summed
 from dse.space.grid.plan import Task, Way, execute, task
 from dse.space.grid.sweep import backward, forward
-from dse.space.grids import TooMuchError, cost, exact_count
+from dse.space.mdd.diagram import compile_diagram, count
 
 
 def ints(*numbers: int) -> Ints:

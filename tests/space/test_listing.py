@@ -9,10 +9,10 @@ import pytest
 
 from dse.domain.design import Constraint
 from dse.domain.expression import Expression, Truth
-from dse.space.diagram import compile_diagram
-from dse.space.emptiness import is_empty
 from dse.space.flat import FlatSpace, Linear, Table, Variable
-from dse.space.listing import blocks, first
+from dse.space.listing.blocks import blocks, first
+from dse.space.mdd.diagram import compile_diagram
+from dse.space.optimum.emptiness import is_empty
 
 
 def places(number: int, values: int) -> FlatSpace:

@@ -13,11 +13,6 @@ import numpy as np
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from dse.space import search
-from dse.space.best import best, best_valued
-from dse.space.diagram import compile_diagram
-from dse.space.emptiness import is_empty
-from dse.space.expand import expand
 from dse.space.flat import (
     ABSENT,
     NOTHING,
@@ -33,9 +28,14 @@ from dse.space.flat import (
     Variable,
     Wide,
 )
-from dse.space.listing import blocks, first
-from dse.space.pareto import pareto
-from dse.space.recheck import valid
+from dse.space.listing import search
+from dse.space.listing.blocks import blocks, first
+from dse.space.listing.recheck import valid
+from dse.space.mdd.diagram import compile_diagram
+from dse.space.mdd.expand import expand
+from dse.space.optimum.best import best, best_valued
+from dse.space.optimum.emptiness import is_empty
+from dse.space.optimum.pareto import pareto
 
 MANY = settings(max_examples=60, deadline=None)
 Row = tuple[int, ...]

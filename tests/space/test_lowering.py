@@ -14,8 +14,8 @@ from dse.domain.design import Alternative, Compound, Constraint, DesignSpace, Op
 from dse.domain.expression import Binary, Chosen, Expression
 from dse.errors import DseError, Location
 from dse.loading.expression import parse_expression
-from dse.space.evaluate import compile_rule
 from dse.space.flat import Clause, Linear, Table, Variable, Wide
+from dse.space.language.evaluate import compile_rule
 from dse.space.lowering import clauses, flatten
 from dse.units import parse_quantity
 

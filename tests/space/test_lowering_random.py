@@ -11,8 +11,8 @@ from random_spaces import design_spaces, folded, holding, rows_of
 
 from dse.domain.design import Constraint, DesignSpace
 from dse.errors import DseError
-from dse.space.evaluate import compile_rule
 from dse.space.flat import FlatSpace
+from dse.space.language.evaluate import compile_rule
 from dse.space.lowering import clauses, flatten, formulas, selecting
 
 EXAMPLES = settings(deadline=None, max_examples=60, suppress_health_check=list(HealthCheck))

@@ -14,10 +14,10 @@ from dse.domain.component import Component, Interface
 from dse.domain.design import Alternative, Compound, DesignSpace, Optional, Part
 from dse.errors import DseError
 from dse.loading.expression import parse_expression
-from dse.space.evaluate import compile_value
 from dse.space.flat import FlatSpace, Rows
+from dse.space.language.evaluate import compile_value
 from dse.space.lowering import flatten
-from dse.space.objective import FoldedObjective, LinearObjective, objective
+from dse.space.lowering.objective import FoldedObjective, LinearObjective, objective
 from dse.units import parse_quantity
 
 ANY = Interface("any", ())

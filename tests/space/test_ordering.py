@@ -7,9 +7,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from dse.space.diagram import TooWideError, compile_diagram, count
 from dse.space.flat import Clause, FlatSpace, Rule, Table, Variable
-from dse.space.ordering import compile_best, proposed
+from dse.space.mdd.diagram import TooWideError, compile_diagram, count
+from dse.space.mdd.ordering import compile_best, proposed
 
 
 def shuffled_chain(length: int, seed: int) -> FlatSpace:

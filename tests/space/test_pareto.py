@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 from dse.errors import DseError
-from dse.space.diagram import compile_diagram
 from dse.space.flat import FlatSpace, Ints, Linear, Variable
-from dse.space.pareto import pareto
+from dse.space.mdd.diagram import compile_diagram
+from dse.space.optimum.pareto import pareto
 
 
 def places(number: int) -> FlatSpace:

@@ -10,11 +10,11 @@ from dse.domain.design import Alternative, Compound, Constraint, DesignSpace, Op
 from dse.loading.expression import parse_expression
 from dse.space import engine as engines
 from dse.space.engine import Engine
-from dse.space.growth import TooWideError
 from dse.space.lowering import flatten
+from dse.space.mdd.growth import TooWideError
+from dse.space.output.totals import totals
 from dse.space.picking import Picking
 from dse.space.tally import Tally
-from dse.space.totals import totals
 from dse.units import parse_quantity
 
 

@@ -16,7 +16,7 @@ from dse.loading.expression import parse_expression
 from dse.loading.workspace import Workspace
 from dse.space.check import check
 from dse.space.decisions import decisions, flat
-from dse.space.evaluate import compile_rule
+from dse.space.language.evaluate import compile_rule
 from dse.space.refine import refine, spanned
 from dse.space.resolve import Resolver
 from dse.units import parse_quantity

@@ -7,7 +7,7 @@ import pytest
 
 from dse.space.budget import TooMuchError
 from dse.space.flat import Clause, FlatSpace, Linear, Table, Variable
-from dse.space.search import first, rows
+from dse.space.listing.search import first, rows
 
 ONE = np.array([False, True, False])
 

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from dse.domain.design import DesignSpace
     from dse.space.engine import Engine
     from dse.space.flat import Rows
-    from dse.space.sheet import Sheet
+    from dse.space.output.sheet import Sheet
 
 
 class Listing(StrEnum):
@@ -62,7 +62,7 @@ def enumerate_(
     A table shows the first 100 unless --limit says otherwise; CSV, JSON and files hold all.
     """
     from dse.space.enumerate import engine_of
-    from dse.space.sheet import Sheet
+    from dse.space.output.sheet import Sheet
 
     if exact and not count:
         raise typer.BadParameter("goes with --count", param_hint="--exact")
@@ -132,14 +132,14 @@ def _are_valid(valid: str, total: int, where: str | None) -> str:
 
 
 def _save(sheet: Sheet, blocks: Iterable[Rows], target: Path) -> None:
-    from dse.space.export import save
+    from dse.space.output.export import save
 
     written = save(sheet, blocks, target)
     console().print(f"{target}: {written:,} configuration{'' if written == 1 else 's'}", soft_wrap=True)
 
 
 def _stream(sheet: Sheet, blocks: Iterable[Rows], output: Listing) -> None:
-    from dse.space.export import WRITERS
+    from dse.space.output.export import WRITERS
 
     if output is Listing.PARQUET and sys.stdout.isatty():
         raise typer.BadParameter("parquet is no text: name a file with -o", param_hint="--format")
@@ -149,7 +149,7 @@ def _stream(sheet: Sheet, blocks: Iterable[Rows], output: Listing) -> None:
 def _first(space: DesignSpace, engine: Engine, most: int, cut: bool, where: str | None) -> None:
     from dse.cli.tallies import number_text
     from dse.space.enumerate import total
-    from dse.space.sheet import Sheet
+    from dse.space.output.sheet import Sheet
 
     rows = engine.rows(most + 1)
     more = len(rows) > most

@@ -55,8 +55,8 @@ def export_csv(
 
     A line for each configuration: its id, the choice at each place, the sums the constraints speak of.
     """
-    from dse.space.export import save
-    from dse.space.sheet import Sheet
+    from dse.space.output.export import save
+    from dse.space.output.sheet import Sheet
 
     if target.suffix.lower() != ".csv":
         raise typer.BadParameter(f"'{target.name}' must end in .csv", param_hint="--output")

@@ -39,10 +39,10 @@ def graph_(
 
     Dashed lines lead to alternatives; what no valid configuration can have is grey.
     """
-    from dse.space.drawing import draw
     from dse.space.engine import Engine
-    from dse.space.graph import below as part_below
-    from dse.space.graph import dead_branches, graph
+    from dse.space.output.drawing import draw
+    from dse.space.output.graph import below as part_below
+    from dse.space.output.graph import dead_branches, graph
 
     space = space_of(design, on, off)
     chosen = _chosen(space, configuration, choose)

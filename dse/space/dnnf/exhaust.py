@@ -8,7 +8,7 @@ from itertools import combinations
 
 from dse.space.dnnf.graph import Branch, Graph
 from dse.space.dnnf.simplify import Simplified
-from dse.space.growth import TooWideError
+from dse.space.mdd.growth import TooWideError
 
 Component = tuple[tuple[int, ...], tuple[int, ...]]
 """Open Booleans, ascending, and the clauses over them that need saying; equal components have equal models."""

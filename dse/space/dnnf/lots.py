@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dse.space.flat import Bools, Ints
-from dse.space.uniform import BITS, bits
+from dse.space.sampling.uniform import BITS, bits
 
 _SMALL = 1 << 31
 """A divisor that leaves room in a machine word; more than the rows of a block."""

@@ -11,7 +11,7 @@ from dse.space.dnnf.descend import descend
 from dse.space.dnnf.lots import Chance, Rank
 from dse.space.dnnf.weigh import weigh
 from dse.space.flat import Bools, Rows
-from dse.space.uniform import generator
+from dse.space.sampling.uniform import generator
 
 _FIRST_BLOCK = 64
 _BLOCK = 4096

@@ -1,0 +1,1 @@
+"""Exact counts under sums, on grids over the nodes of a diagram."""

@@ -16,8 +16,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dse.space.budget import TooMuchError
-from dse.space.diagram import Diagram
 from dse.space.flat import Bools, Ints, Linear
+from dse.space.mdd.diagram import Diagram
 
 Layers = tuple[NDArray[np.int32], ...]
 

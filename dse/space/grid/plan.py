@@ -7,7 +7,6 @@ from dataclasses import dataclass, replace
 from math import inf, log2, prod
 
 from dse.space.budget import Cost, TooMuchError
-from dse.space.diagram import Diagram
 from dse.space.grid.axes import Axis, Layers, Span, axes, pruned, reached, spans
 from dse.space.grid.density import heights
 from dse.space.grid.levels import memory_of_levels, run_levels
@@ -15,6 +14,7 @@ from dse.space.grid.limbs import BITS
 from dse.space.grid.meeting import Side
 from dse.space.grid.shifts import Node, Swept, run
 from dse.space.grid.sweep import Schedule, Sweep, backward, forward, schedule
+from dse.space.mdd.diagram import Diagram
 
 _CALL = 15_000
 """What a term costs besides its cells, in additions of a cell, if grids are added one by one."""

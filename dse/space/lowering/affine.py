@@ -15,9 +15,9 @@ import numpy as np
 
 from dse.space.decisions import Site
 from dse.space.flat import Ints
+from dse.space.language.terms import Choose, Constant, Entries, Operation, RollUp, Standing, Stated, Term
 from dse.space.lowering.formulas import FALSE, TRUE, Formula, Total, conjoin, disjoin, literal, negation
 from dse.space.lowering.shape import Branch, Shape
-from dse.space.terms import Choose, Constant, Entries, Operation, RollUp, Standing, Stated, Term
 
 LARGEST = 2**62
 """Partial sums of weights stay below it."""

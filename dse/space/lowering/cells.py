@@ -11,13 +11,13 @@ from typing import TypeVar
 import numpy as np
 
 from dse.domain.expression import Expression, Truth
-from dse.space.arithmetic import Value
 from dse.space.decisions import Site
-from dse.space.evaluate import Evaluate, evaluator
 from dse.space.flat import Bools
+from dse.space.language.arithmetic import Value
+from dse.space.language.evaluate import Evaluate, evaluator
+from dse.space.language.terms import Leaf, RollUp, SameChoice, Standing, Stated
 from dse.space.lowering.formulas import Atom, Formula, Junction, Literal, Total
 from dse.space.lowering.shape import Shape
-from dse.space.terms import Leaf, RollUp, SameChoice, Standing, Stated
 
 T = TypeVar("T")
 Cell = Mapping[int, int]

@@ -6,10 +6,10 @@ import numpy as np
 
 from dse.domain.expression import Expression
 from dse.space.flat import NOTHING, Fold, Gather, Ints
+from dse.space.language.terms import Constant, Operation, Term, parts
 from dse.space.lowering.folds import Folds
 from dse.space.lowering.judge import Calculator
 from dse.space.lowering.shape import Shape
-from dse.space.terms import Constant, Operation, Term, parts
 
 
 def may_fail(shape: Shape, expression: Expression, term: Term) -> bool:

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 from fractions import Fraction
 
 from dse.space.flat import Bools, Ints
+from dse.space.language.terms import Term
 from dse.space.lowering.shape import Shape
-from dse.space.terms import Term
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -8,16 +8,16 @@ from dataclasses import dataclass
 import numpy as np
 
 from dse.domain.expression import Expression
-from dse.space import intervals
-from dse.space.evaluate import Evaluate, evaluator
 from dse.space.flat import Bools, Fold, Gather, Ints, Wide
-from dse.space.intervals import Numbers, Truths
+from dse.space.language import intervals
+from dse.space.language.evaluate import Evaluate, evaluator
+from dse.space.language.intervals import Numbers, Truths
+from dse.space.language.terms import Choose, Constant, Every, Leaf, Operation, Quota, Some, Term, leaves
 from dse.space.lowering.counts import tally
 from dse.space.lowering.folds import Folds
 from dse.space.lowering.formulas import Atom, Formula, Junction, Literal, Total
 from dse.space.lowering.readings import Reading, reading
 from dse.space.lowering.shape import Shape
-from dse.space.terms import Choose, Constant, Every, Leaf, Operation, Quota, Some, Term, leaves
 
 
 def wide(shape: Shape, expression: Expression, formula: Formula, owner: int) -> Wide:

@@ -15,12 +15,12 @@ from typing import Protocol, TypeVar
 
 import numpy as np
 
-from dse.space.arithmetic import Value
 from dse.space.decisions import Site
 from dse.space.flat import NOTHING, Floats, Gather, Ints
-from dse.space.intervals import Numbers, Truths, calculation, ends, scaled, somewhere
+from dse.space.language.arithmetic import Value
+from dse.space.language.intervals import Numbers, Truths, calculation, ends, scaled, somewhere
+from dse.space.language.terms import Entries, Leaf, RollUp, SameChoice, Standing, Stated
 from dse.space.lowering.folds import Folds
-from dse.space.terms import Entries, Leaf, RollUp, SameChoice, Standing, Stated
 
 T = TypeVar("T")
 _LARGEST = 2**62

@@ -9,14 +9,14 @@ from dse.domain.design import DesignSpace
 from dse.domain.expression import Expression
 from dse.errors import DseError, Problem, raise_if_any
 from dse.space.flat import NOBODY, FlatSpace, Rule
-from dse.space.interpret import interpret_condition
+from dse.space.language.interpret import interpret_condition
+from dse.space.language.places import Places
+from dse.space.language.terms import Every, Term
 from dse.space.lowering.failing import may_fail
 from dse.space.lowering.formulas import Atom, Formula, TooLargeError, negation
 from dse.space.lowering.kinds import rules_of
 from dse.space.lowering.shape import Shape, shape_of
 from dse.space.lowering.truths import Truths, scope_of_term
-from dse.space.places import Places
-from dse.space.terms import Every, Term
 
 MOST_CELLS = 4096
 """Combinations of values up to which a rule becomes a table."""

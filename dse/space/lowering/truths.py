@@ -4,6 +4,19 @@ from __future__ import annotations
 
 from dse.errors import DseError
 from dse.space.decisions import Site
+from dse.space.language.terms import (
+    Choose,
+    Constant,
+    Every,
+    Operation,
+    Quota,
+    SameChoice,
+    Some,
+    Standing,
+    Term,
+    leaves,
+    sites_of,
+)
 from dse.space.lowering.affine import OPPOSITE, compare, somewhere
 from dse.space.lowering.cells import holds_in_cells
 from dse.space.lowering.counts import counting
@@ -19,19 +32,6 @@ from dse.space.lowering.formulas import (
     same,
 )
 from dse.space.lowering.shape import Branch, Shape
-from dse.space.terms import (
-    Choose,
-    Constant,
-    Every,
-    Operation,
-    Quota,
-    SameChoice,
-    Some,
-    Standing,
-    Term,
-    leaves,
-    sites_of,
-)
 
 
 class Truths:

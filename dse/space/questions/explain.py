@@ -10,9 +10,9 @@ from dse.domain.expression import Between, Binary, Call, Chosen, Expression, Nam
 from dse.loading.expression import children, descend
 from dse.loading.expression_sorts import Form
 from dse.space.decisions import Choices, sites
-from dse.space.evaluate import Evaluate, compile_in, compile_value
-from dse.space.interpret import interpret
-from dse.space.places import Places
+from dse.space.language.evaluate import Evaluate, compile_in, compile_value
+from dse.space.language.interpret import interpret
+from dse.space.language.places import Places
 from dse.units import Dimension, Unit
 
 _COMPARISONS = ("<", "<=", ">", ">=", "==", "!=")

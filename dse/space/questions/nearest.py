@@ -8,12 +8,12 @@ from dataclasses import dataclass
 import numpy as np
 
 from dse.errors import fail
-from dse.space.best import best
 from dse.space.decisions import Choices
 from dse.space.dnnf.trim import UnsupportedError
 from dse.space.engine import Engine
 from dse.space.flat import ABSENT, Ints, Rows
-from dse.space.growth import TooWideError
+from dse.space.mdd.growth import TooWideError
+from dse.space.optimum.best import best
 
 
 @dataclass(frozen=True, slots=True)

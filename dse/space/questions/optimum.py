@@ -11,16 +11,16 @@ from dse.domain.design import DesignSpace
 from dse.domain.expression import Expression, Number
 from dse.errors import DseError, Location, fail
 from dse.loading.expression import descend, parse_expression
-from dse.space.best import best, best_valued
 from dse.space.budget import TooMuchError
 from dse.space.decisions import Choices, sites
-from dse.space.diagram import Diagram
 from dse.space.dnnf.trim import UnsupportedError
 from dse.space.engine import Engine
-from dse.space.growth import TooWideError
-from dse.space.objective import FoldedObjective, LinearObjective, LoweredObjective, objective
-from dse.space.optimizer import Ranking, sums
-from dse.space.pareto import pareto
+from dse.space.lowering.objective import FoldedObjective, LinearObjective, LoweredObjective, objective
+from dse.space.mdd.diagram import Diagram
+from dse.space.mdd.growth import TooWideError
+from dse.space.optimum.best import best, best_valued
+from dse.space.optimum.optimizer import Ranking, sums
+from dse.space.optimum.pareto import pareto
 from dse.space.questions.ratio import as_ratio, best_ratio
 from dse.units import DIMENSIONLESS, Dimension, Unit, UnitError, describe, parse_unit
 

@@ -1,0 +1,1 @@
+"""What a constraint means: names, kinds of values, exact evaluation."""

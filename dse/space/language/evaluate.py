@@ -1,0 +1,224 @@
+"""Static constraints and selections: expressions over what is chosen, compiled once and evaluated exactly.
+
+* ``place.property`` is a property of the component at a place, ``sensor.range``; ``place.parameter.max``, ``.min``
+  and ``.start`` are what its parameter may be and is, ``controller.kp_speed.max``.
+* ``sum min max mean product count (property, place)`` roll up over the parts below a place that state the
+  property, without a place over the whole design. A bare ``cost`` is ``sum(cost)``. ``min`` and ``max`` of
+  values, ``min(a.mass, b.mass)``, are told apart by the dot in their first argument.
+* ``place is x``, ``place in [x, y]``, ``place is absent``, ``place is present``; ``same_choice(p, q)`` compares
+  the names of what stands at p and q.
+* ``at_least(2, a is x, b is y, c is z)``, ``at_most`` and ``exactly`` count the conditions that are true.
+* ``abs sqrt floor min max`` calculate; all is exact but roots and fractional powers, which are floats.
+* A property of an absent part is undefined, and so is all that needs it, as in SQL. A constraint whose
+  outcome is undefined holds. An absent part is nothing: ``place is x`` is false, roll-ups skip it. Counted
+  conditions that are undefined leave a count undefined if it depends on them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from dataclasses import dataclass
+from typing import Generic, TypeVar
+
+from dse.domain.design import Configuration, DesignSpace
+from dse.domain.expression import Expression
+from dse.errors import fail
+from dse.loading.expression_sorts import error_in
+from dse.space.decisions import Choices
+from dse.space.language.arithmetic import FUNCTIONS, UndefinedError, Value, quota
+from dse.space.language.interpret import interpret, interpret_condition
+from dse.space.language.places import Places
+from dse.space.language.rollups import lookup, roll_up
+from dse.space.language.terms import (
+    Choose,
+    Constant,
+    Every,
+    Leaf,
+    Operation,
+    Quota,
+    RollUp,
+    SameChoice,
+    Some,
+    Standing,
+    Stated,
+    Term,
+    leaves,
+    sites_of,
+)
+
+Source = TypeVar("Source")
+Evaluate = Callable[[Source], Value]
+"""The value of a term, given what is chosen, in whatever form the leaves take it."""
+
+
+@dataclass(frozen=True, slots=True)
+class Rule:
+    """A compiled condition; *decisions* are the paths it depends on."""
+
+    expression: Expression
+    decisions: frozenset[str]
+    _evaluate: Evaluate[Choices]
+
+    def outcome(self, choices: Choices) -> bool | None:
+        """True, false, or None where it is undefined. Raises DseError for a division by zero and its like."""
+        outcome = self._evaluate(choices)
+        return None if outcome is None else bool(outcome)
+
+
+def compile_rule(expression: Expression, space: DesignSpace) -> Rule:
+    """*expression* as a condition on the space's configurations.
+
+    Raises DseError, located, for unknown places, components, properties and functions, and for units that do
+    not fit.
+    """
+    return compile_in(expression, Places(space))
+
+
+def compile_in(expression: Expression, places: Places) -> Rule:
+    """Like `compile_rule`, with the places of the space at hand."""
+    term = interpret_condition(expression, places)
+    depends = frozenset(path for leaf in leaves(term) for site in sites_of(leaf) for path, _ in site.condition)
+    return Rule(expression, depends, evaluator(expression, term, _over_choices, _shown))
+
+
+def compile_value(expression: Expression, space: DesignSpace) -> Evaluate[Choices]:
+    """*expression*, a number, as a function of complete choices: exact, None where undefined.
+
+    The function raises DseError for a division by zero and its like, this one like `compile_rule`.
+    """
+    _, term = interpret(expression, Places(space))
+    return evaluator(expression, term, _over_choices, _shown)
+
+
+def matching(
+    space: DesignSpace, condition: Expression, configurations: Iterable[Configuration]
+) -> Iterator[Configuration]:
+    """Those *configurations* for which *condition* is true. Raises DseError like `compile_rule`, at once."""
+    rule = compile_rule(condition, space)
+    return (configuration for configuration in configurations if rule.outcome(configuration.choices))
+
+
+def evaluator(
+    expression: Expression,
+    term: Term,
+    leaf: Callable[[Leaf], Evaluate[Source]],
+    shown: Callable[[Source], str],
+) -> Evaluate[Source]:
+    """*term* as a function of a source from which *leaf* reads the leaves; *shown* tells the source in messages.
+
+    The function raises DseError, located in *expression*, for a division by zero and its like.
+    """
+    evaluate = _Evaluators(expression, leaf, shown).compile(term)
+
+    def guarded(source: Source) -> Value:
+        try:
+            return evaluate(source)
+        except OverflowError as error:
+            raise fail("a number is too large", expression.where) from error
+
+    return guarded
+
+
+class _Evaluators(Generic[Source]):
+    """Turns a term into closures."""
+
+    def __init__(
+        self, expression: Expression, leaf: Callable[[Leaf], Evaluate[Source]], shown: Callable[[Source], str]
+    ) -> None:
+        self.expression = expression
+        self.leaf = leaf
+        self.shown = shown
+
+    def compile(self, term: Term) -> Evaluate[Source]:
+        match term:
+            case Constant(value):
+                return lambda _: value
+            case Operation():
+                return self.operation(term)
+            case Every():
+                return self.junction(term.conditions, deciding=False)
+            case Some():
+                return self.junction(term.conditions, deciding=True)
+            case Quota():
+                conditions = [self.compile(condition) for condition in term.conditions]
+                low, high = term.low, term.high
+                return lambda source: quota(low, high, [_truth(condition(source)) for condition in conditions])
+            case Choose():
+                return self.choice(term)
+        return self.leaf(term)
+
+    def junction(self, conditions: Iterable[Term], *, deciding: bool) -> Evaluate[Source]:
+        compiled = [self.compile(condition) for condition in conditions]
+
+        def decide(source: Source) -> bool | None:
+            # What stands behind the deciding condition is not looked at, so that it can guard a division.
+            outcome: bool | None = not deciding
+            for condition in compiled:
+                value = condition(source)
+                if value is None:
+                    outcome = None
+                elif bool(value) is deciding:
+                    return deciding
+            return outcome
+
+        return decide
+
+    def choice(self, term: Choose) -> Evaluate[Source]:
+        condition, yes, no = self.compile(term.condition), self.compile(term.yes), self.compile(term.no)
+
+        def choose(source: Source) -> Value:
+            outcome = condition(source)
+            return None if outcome is None else (yes if outcome else no)(source)
+
+        return choose
+
+    def operation(self, term: Operation) -> Evaluate[Source]:
+        function = FUNCTIONS[term.operator]
+        operands = [self.compile(operand) for operand in term.operands]
+
+        def apply(source: Source) -> Value:
+            values = []
+            for operand in operands:
+                value = operand(source)
+                if value is None:
+                    return None
+                values.append(value)
+            try:
+                return function(*values)
+            except UndefinedError as error:
+                shown = self.shown(source)
+                what = f"{error}, for {shown}" if shown else str(error)
+                raise error_in(self.expression, term.span, what, "guard it: if … then … else …") from error
+
+        return apply
+
+
+def _over_choices(leaf: Leaf) -> Evaluate[Choices]:
+    match leaf:
+        case Standing():
+            name_at, named = lookup([(site.condition, site.name) for site in leaf.sites]), leaf.named
+            return lambda choices: name_at(choices) in named
+        case Stated():
+            return lookup([(site.condition, value) for site, value in leaf.entries])
+        case RollUp():
+            return roll_up(leaf.function, [(site.condition, value) for site, value in leaf.entries])
+        case SameChoice():
+            return _same_choice(leaf)
+
+
+def _same_choice(leaf: SameChoice) -> Evaluate[Choices]:
+    names = [lookup([(site.condition, site.name) for site in sites]) for sites in leaf.places]
+
+    def same(choices: Choices) -> bool | None:
+        there = [name for name_at in names if (name := name_at(choices)) is not None]
+        return None if len(there) < 2 else len(set(there)) == 1
+
+    return same
+
+
+def _truth(value: Value) -> bool | None:
+    return None if value is None else bool(value)
+
+
+def _shown(choices: Mapping[str, str]) -> str:
+    return ", ".join(f"{path}={choice}" for path, choice in choices.items()) or "the only configuration"

@@ -1,0 +1,1 @@
+"""The multivalued decision diagram of hierarchy and rules, and sums compiled into it."""

@@ -1,0 +1,1 @@
+"""Configurations as tables and files, and the picture of a design space."""

@@ -1,0 +1,152 @@
+"""The graph of a design space as an SVG picture, and what is chosen in it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import TYPE_CHECKING
+from xml.sax.saxutils import escape, quoteattr
+
+from dse.errors import fail
+from dse.space.output.graph import Kind
+from dse.space.output.layout import Box, Layout, lay_out
+
+if TYPE_CHECKING:
+    import networkx as nx
+
+MOST_NODES = 3000
+"""Nodes of the largest graph that is drawn: more could not be read."""
+
+_MARGIN = 24.0
+_HEAD = 74.0
+_LEAST_WIDTH = 760.0
+_CURVE = 0.55
+
+_STYLE = """
+text { font: 12px system-ui, "Segoe UI", Roboto, "DejaVu Sans", sans-serif; fill: #1c2733; }
+.title { font-size: 17px; font-weight: 600; }
+.note { fill: #5b6875; }
+.edge { fill: none; stroke: #8b98a5; stroke-width: 1.3; }
+.alternative.edge { stroke-dasharray: 5 4; }
+.frame { fill: #f7f9fb; stroke: #8b98a5; stroke-width: 1.1; stroke-dasharray: 5 4; }
+.compound rect { fill: #2f4358; stroke: #2f4358; }
+.compound text { fill: #ffffff; font-weight: 600; }
+.alternative rect { fill: #dfe9f3; stroke: #7d93aa; }
+.optional rect { fill: #ffffff; stroke: #7d93aa; stroke-width: 1.6; }
+.component rect { fill: #ffffff; stroke: #c3ccd5; }
+.chosen rect { fill: #f4a300; stroke: #b97700; }
+.chosen text { fill: #1c2733; font-weight: 600; }
+.compound.chosen rect { fill: #b35c00; stroke: #b35c00; }
+.compound.chosen text { fill: #ffffff; }
+.chosen.edge { stroke: #d98600; stroke-width: 2.6; }
+.passed { opacity: 0.5; }
+.dead rect { fill: #eceff1; stroke: #d3d9de; }
+.dead text { fill: #98a3ad; font-weight: 400; text-decoration: line-through; }
+"""
+
+
+def draw(tree: nx.DiGraph[int], title: str, note: str = "") -> str:
+    """The graph of `dse.space.output.graph` as SVG 1.1 text. Raises DseError if it has more than `MOST_NODES` nodes."""
+    if len(tree) > MOST_NODES:
+        what = f"'{tree.name}' has {len(tree):,} nodes; a drawing takes at most {MOST_NODES:,}"
+        raise fail(what, None, "draw one part of it: --below PLACE")
+    layout = lay_out(tree)
+    width = max(layout.width + 2 * _MARGIN, _LEAST_WIDTH)
+    height = layout.height + _HEAD + 2 * _MARGIN
+    lines = [
+        (
+            f'<svg xmlns="http://www.w3.org/2000/svg" width="{width:.0f}" height="{height:.0f}"'
+            f' viewBox="0 0 {width:.0f} {height:.0f}" role="img" aria-label={quoteattr(title)}>'
+        ),
+        f"<style>{_STYLE}</style>",
+        f'<rect width="{width:.0f}" height="{height:.0f}" fill="#ffffff"/>',
+        f'<text class="title" x="{_MARGIN:.0f}" y="{_MARGIN + 12:.0f}">{escape(title)}</text>',
+        f'<text class="note" x="{_MARGIN:.0f}" y="{_MARGIN + 32:.0f}">{escape(note)}</text>',
+        *_legend(tree),
+        f'<g transform="translate({_MARGIN:.0f} {_HEAD + _MARGIN:.0f})">',
+        *_edges(tree, layout),
+        *(_frame(block.box) for block in layout.blocks),
+        *(_node(tree, node, box) for node, box in sorted(layout.boxes.items())),
+        "</g>",
+        "</svg>",
+    ]
+    return "\n".join(lines) + "\n"
+
+
+def _edges(tree: nx.DiGraph[int], layout: Layout) -> Iterator[str]:
+    inside = {member for block in layout.blocks for member in block.members}
+    ends: list[tuple[int, Box, list[int]]] = [
+        (above, layout.boxes[node], [node]) for above, node in tree.edges if node not in inside
+    ]
+    ends += [(block.owner, block.box, list(block.members)) for block in layout.blocks]
+    # Chosen edges last, so that they lie on top.
+    for above, box, nodes in sorted(ends, key=lambda end: _is_chosen(tree, end[2])):
+        kind = str(tree.nodes[above]["kind"])
+        gutter = layout.gutters.get(nodes[0])
+        line = _curve(layout.boxes[above], box) if gutter is None else _turned(layout.boxes[above], box, gutter)
+        yield f'<path class="{kind} edge{_state(tree, nodes)}" d="{line}"/>'
+
+
+def _is_chosen(tree: nx.DiGraph[int], nodes: list[int]) -> bool:
+    return any(tree.nodes[node]["chosen"] for node in nodes)
+
+
+def _state(tree: nx.DiGraph[int], nodes: list[int]) -> str:
+    """The classes that say whether something is chosen, passed over, or dead."""
+    if _is_chosen(tree, nodes):
+        return " chosen"
+    passed = " passed" if all(tree.nodes[node]["chosen"] is False for node in nodes) else ""
+    return passed + (" dead" if all(tree.nodes[node]["dead"] for node in nodes) else "")
+
+
+def _curve(start: Box, end: Box) -> str:
+    bend = (end.x - start.right) * _CURVE
+    return (
+        f"M{start.right:.1f} {start.middle:.1f} C{start.right + bend:.1f} {start.middle:.1f}"
+        f" {end.x - bend:.1f} {end.middle:.1f} {end.x:.1f} {end.middle:.1f}"
+    )
+
+
+def _turned(start: Box, end: Box, gutter: float) -> str:
+    """Along the top, down at *gutter*, and on to *end*."""
+    return f"M{start.right:.1f} {start.middle:.1f} H{gutter:.1f} V{end.middle:.1f} H{end.x:.1f}"
+
+
+def _frame(box: Box) -> str:
+    return _rectangle(box, 8, ' class="frame"')
+
+
+def _node(tree: nx.DiGraph[int], node: int, box: Box) -> str:
+    data = tree.nodes[node]
+    said = f"{data['path'] or 'root'}: {data['kind']}" + (", in no valid configuration" if data["dead"] else "")
+    return _labelled(str(data["kind"]) + _state(tree, [node]), box, data["label"], f"<title>{escape(said)}</title>")
+
+
+def _labelled(classes: str, box: Box, label: str, title: str = "") -> str:
+    middle = f'x="{box.x + box.width / 2:.1f}" y="{box.middle + 4:.1f}" text-anchor="middle"'
+    rounding = 10 if classes.startswith(Kind.OPTIONAL) else 4
+    return f'<g class="{classes}">{title}{_rectangle(box, rounding)}<text {middle}>{escape(label)}</text></g>'
+
+
+def _rectangle(box: Box, rounding: int, attributes: str = "") -> str:
+    return (
+        f'<rect{attributes} x="{box.x:.1f}" y="{box.top:.1f}" width="{box.width:.1f}" height="{box.height:.1f}"'
+        f' rx="{rounding}"/>'
+    )
+
+
+def _legend(tree: nx.DiGraph[int]) -> Iterator[str]:
+    entries = [(str(kind), str(kind)) for kind in Kind]
+    nodes = [data for _, data in tree.nodes(data=True)]
+    if any(data["chosen"] for data in nodes):
+        entries.append(("component chosen", "chosen"))
+    if any(data["dead"] for data in nodes):
+        entries.append(("component dead", "in no valid configuration"))
+    x, middle = _MARGIN, _MARGIN + 54
+    for classes, label in entries:
+        width = len(label) * 7.6 + 18
+        yield _labelled(classes, Box(x, middle, width, 20), label)
+        x += width + 10
+    yield f'<path class="edge" d="M{x + 8:.1f} {middle:.1f} h30"/>'
+    yield f'<text class="note" x="{x + 44:.1f}" y="{middle + 4:.1f}">all of</text>'
+    yield f'<path class="alternative edge" d="M{x + 96:.1f} {middle:.1f} h30"/>'
+    yield f'<text class="note" x="{x + 132:.1f}" y="{middle + 4:.1f}">one of</text>'

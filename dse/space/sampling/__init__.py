@@ -1,0 +1,1 @@
+"""Uniform draws and estimates, by exponential tilting."""
