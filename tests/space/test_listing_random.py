@@ -249,7 +249,8 @@ class Ratio:
     def bounds(self, low: Sequence[Ints], high: Sequence[Ints]) -> tuple[np.ndarray, np.ndarray]:
         known = (low[1] > 0) & (low[0] >= 0)
         ends = [np.where(known, a / np.maximum(b, 1), np.inf) for a, b in ((low[0], high[1]), (high[0], low[1]))]
-        return np.where(known, ends[0], -np.inf), ends[1]
+        low, high = np.nextafter(ends[0], -np.inf), np.nextafter(ends[1], np.inf)
+        return np.where(known, low, -np.inf), np.where(known, high, np.inf)
 
     def value(self, folds: Sequence[int]) -> Fraction | None:
         return None if folds[1] in (0, NOTHING) else Fraction(folds[0], folds[1])

@@ -7,7 +7,7 @@ in two; the most promising region is the next (Land and Doig, 1960, best bound f
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from heapq import heappop, heappush
@@ -41,7 +41,7 @@ class Valued(Protocol):
         """What it is calculated from."""
 
     def bounds(self, low: Sequence[Ints], high: Sequence[Ints]) -> tuple[Floats, Floats]:
-        """Ends between which the value lies for folds in [low, high], as in `Judge`; infinite where unknown."""
+        """Ends between which the value surely lies for folds in [low, high]: rounded outwards, infinite if unknown."""
 
     def value(self, folds: Sequence[int]) -> Fraction | None:
         """The exact value; None where it is undefined, and such rows are not ranked."""
@@ -113,7 +113,7 @@ class _Search:
 
     def _root(self) -> _Region:
         folds = self.objective.folds
-        if not is_bounded(Wide(folds, _Better(self))):
+        if not is_bounded(Wide(folds, _Better(self, ()))):
             return _Region(self._optimizer(self.diagram), ())
         start = np.zeros(1, np.int32)
         ends = []
@@ -163,8 +163,7 @@ class _Search:
         return (-above, -below) if self.largest else (below, above)
 
     def _is_beaten(self, bound: float) -> bool:
-        # Ends are rounded outwards, the limit to the nearest.
-        return self.limit is not None and bound > nextafter(float(self.limit), inf)
+        return self.limit is not None and bound > self.limit
 
     def _promising(self, region: _Region) -> Rows:
         """Rows that are good in the direction in which the objective falls from the middle of the region."""
@@ -202,8 +201,8 @@ class _Search:
 
     def _searched(self, region: _Region, *, final: bool) -> list[tuple[Fraction, tuple[int, ...]]]:
         """The best rows of a region, as far as they matter. Raises TooMuchError, sooner if it is not *final*."""
-        judge = _Better(self)
-        wides = [Wide(self.objective.folds, judge), *self._extremes(region)]
+        judge = _Better(self, region.ends)
+        wides = [Wide(self.objective.folds, judge)]
         rounds = self.rounds
         if not final:
             rounds = Rounds(_TRIAL if rounds is None else min(_TRIAL, rounds.left))
@@ -228,12 +227,6 @@ class _Search:
     def _place(self, ranked: tuple[Fraction, tuple[int, ...]]) -> tuple[Fraction, list[int]]:
         """By value, then as in the list: whether a decision is `ABSENT` is settled by those before it."""
         return ranked[0], np.array(ranked[1])[self._key].tolist()
-
-    def _extremes(self, region: _Region) -> Iterator[Wide]:
-        """Rules that say of folds that are no sums that they lie in the region."""
-        for place, ends in enumerate(region.ends):
-            if place not in self.sums:
-                yield Wide((self.objective.folds[place],), _Between(*ends))
 
     def _parts(self, region: _Region) -> list[_Region]:
         """The region in two: where the objective then differs most; none if all folds are given."""
@@ -272,22 +265,38 @@ class _Search:
 
 
 class _Better:
-    """Holds for rows that are no worse than what is known, and better than *below*; it turns stricter on the way."""
+    """Holds for rows within *ends* that are no worse than what is known, and better than *below*, which goes down."""
 
-    def __init__(self, search: _Search) -> None:
+    def __init__(self, search: _Search, ends: Sequence[Ends]) -> None:
         self.search = search
+        self.ends = ends
         self.below: Fraction | None = None
 
     def bounds(self, low: Sequence[Ints], high: Sequence[Ints]) -> tuple[Bools, Bools]:
+        inside = np.ones(len(low[0]) if low else 1, np.bool_)
+        if self.ends:
+            # What a partial row could reach by itself, other bounds of the region may forbid.
+            low = [np.maximum(part, end[0]) for part, end in zip(low, self.ends, strict=True)]
+            high = [np.minimum(part, end[1]) for part, end in zip(high, self.ends, strict=True)]
+            for below, above in zip(low, high, strict=True):
+                inside &= below <= above
+            low = [np.where(inside, part, end[0]) for part, end in zip(low, self.ends, strict=True)]
+            high = [np.where(inside, part, end[1]) for part, end in zip(high, self.ends, strict=True)]
+            if all(least == most for least, most in self.ends):
+                # Ends that are rounded outwards do not tell what is as good as the best from what is better.
+                return inside & self.holds([least for least, _ in self.ends]), inside
         ends = self.search.objective.bounds(low, high)
         least = -ends[1] if self.search.largest else ends[0]
-        everything = np.ones(len(least), np.bool_)
-        limits = [limit for limit in (self.search.limit, self.below) if limit is not None]
-        if not limits:
-            return everything, everything
-        return ~(least > nextafter(float(min(limits)), inf)), everything
+        may_hold = inside
+        if self.search.limit is not None:
+            may_hold = may_hold & (least < _above(self.search.limit, itself=False))
+        if self.below is not None:
+            may_hold = may_hold & (least < _above(self.below, itself=True))
+        return may_hold, np.ones_like(may_hold)
 
     def holds(self, folds: Sequence[int]) -> bool:
+        if not all(low <= fold <= high for fold, (low, high) in zip(folds, self.ends, strict=False)):
+            return False
         value = self.search.objective.value(folds)
         if value is None:
             return False
@@ -295,18 +304,10 @@ class _Better:
         return (self.search.limit is None or value <= self.search.limit) and (self.below is None or value < self.below)
 
 
-@dataclass(frozen=True, slots=True)
-class _Between:
-    """A fold lies between two numbers; `NOTHING` is above all."""
-
-    least: int
-    most: int
-
-    def bounds(self, low: Sequence[Ints], high: Sequence[Ints]) -> tuple[Bools, Bools]:
-        return (high[0] >= self.least) & (low[0] <= self.most), (low[0] < self.least) | (high[0] > self.most)
-
-    def holds(self, folds: Sequence[int]) -> bool:
-        return self.least <= folds[0] <= self.most
+def _above(value: Fraction, *, itself: bool) -> float:
+    """The least float above *value*, or *itself* if it is one."""
+    near = float(value)
+    return near if near > value or (itself and near == value) else nextafter(near, inf)
 
 
 def _is_sum(fold: Fold) -> bool:
