@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import random
 from fractions import Fraction
-from unittest.mock import patch
 
 import numpy as np
 import pytest
@@ -12,7 +11,8 @@ from hypothesis import HealthCheck, assume, given, settings
 from hypothesis import strategies as st
 from random_spaces import design_spaces, folded, holding, number, rows_of
 
-from dse.domain.design import DesignSpace
+from dse.domain.component import Component
+from dse.domain.design import Alternative, Compound, DesignSpace, Part
 from dse.errors import DseError
 from dse.loading.expression import parse_expression
 from dse.space.budget import TooMuchError
@@ -63,7 +63,8 @@ def test_however_far_regions_are_parted_the_best_are_those_of_the_sorted_list(
         assume(isinstance(lowered, FoldedObjective))
         flat = flatten(space)
         wanted = expected(flat, lowered, most, largest)
-        with patch.object(regions, "_TRIAL", trial):
+        with pytest.MonkeyPatch.context() as patch:
+            patch.setattr(regions, "_TRIAL", trial)
             found = best_valued(compile_diagram(flat), lowered, most, largest=largest)
     except DseError:
         assume(False)
@@ -130,3 +131,11 @@ def test_an_optimizer_gives_the_same_whatever_it_was_asked_before() -> None:
             again = asked.best(factors, 4, highs)
             assert again.values == fresh.values
             assert again.rows.tolist() == fresh.rows.tolist()
+
+
+def test_where_the_objective_is_the_same_everywhere_the_best_come_as_in_the_list() -> None:
+    space = DesignSpace("two", Compound("two", {"p": Alternative((Part(Component("a")), Part(Component("b"))))}))
+    lowered = objective(space, parse_expression("sqrt(2)"))
+    assert isinstance(lowered, FoldedObjective)
+    found = best_valued(compile_diagram(flatten(space)), lowered, 2)
+    assert found.rows.tolist() == [[0], [1]]

@@ -115,7 +115,10 @@ def fold_rows(fold: Fold, rows: Rows) -> NDArray[Any]:
 
 
 def judged(wide: Wide, folds: Sequence[NDArray[Any]]) -> Bools:
-    """Whether the rule holds for complete rows of these folds, exactly; shape (rows,)."""
+    """Whether the rule holds for complete rows of these folds, exactly; shape (rows,), or () if there are no folds."""
+    if not folds:
+        holds, fails = wide.judge.bounds((), ())
+        return np.array(wide.judge.holds(()) if holds.all() and fails.all() else bool(holds.all()))
     if all(fold.dtype == np.int64 for fold in folds):
         holds, fails = wide.judge.bounds(folds, folds)
         doubtful = np.flatnonzero(holds & fails)
