@@ -11,7 +11,7 @@ from hypothesis import HealthCheck, assume, given, settings
 from hypothesis import strategies as st
 from random_spaces import design_spaces, folded, holding, number, rows_of
 
-from dse.domain.component import Component
+from dse.domain.component import NO_INTERFACE, Component
 from dse.domain.design import Alternative, Compound, DesignSpace, Part
 from dse.errors import DseError
 from dse.loading.expression import parse_expression
@@ -134,7 +134,9 @@ def test_an_optimizer_gives_the_same_whatever_it_was_asked_before() -> None:
 
 
 def test_where_the_objective_is_the_same_everywhere_the_best_come_as_in_the_list() -> None:
-    space = DesignSpace("two", Compound("two", {"p": Alternative((Part(Component("a")), Part(Component("b"))))}))
+    space = DesignSpace(
+        "two", Compound("two", {"p": Alternative(tuple(Part(Component(name, NO_INTERFACE)) for name in ("a", "b")))})
+    )
     lowered = objective(space, parse_expression("sqrt(2)"))
     assert isinstance(lowered, FoldedObjective)
     found = best_valued(compile_diagram(flatten(space)), lowered, 2)
