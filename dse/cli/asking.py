@@ -43,10 +43,6 @@ class Question:
         command = shlex.join(["dse", "space", "conflict", self.space.name, *self.options])
         return fail(what, None, f"ask which constraints conflict: {command}")
 
-    def is_narrowed(self) -> bool:
-        """Whether only part of the space is asked about."""
-        return bool(self.chosen or self.where)
-
 
 def ask(design: str, choose: list[str], where: str | None, on: list[str], off: list[str]) -> Question:
     """The question that the options put. Raises DseError with all problems."""

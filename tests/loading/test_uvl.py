@@ -6,6 +6,7 @@ import itertools
 from fractions import Fraction
 
 import pytest
+from every_configuration import valid
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -13,31 +14,12 @@ from dse.domain.design import Alternative, Compound, Optional, Part
 from dse.loading.uvl import read_uvl, read_uvl_text
 from dse.loading.uvl_tokens import Source
 from dse.space.check import check
-from dse.space.decisions import decisions, sites
+from dse.space.decisions import sites
 from dse.space.language.evaluate import compile_rule
 
 
 def read(text):
     return read_uvl_text(Source("model.uvl", text))
-
-
-def every_way(tree):
-    """All ways to make the decisions of *tree*, in the order of the file."""
-    if not tree:
-        yield {}
-        return
-    first, *others = tree
-    for branch in first.branches:
-        for below in every_way(branch.decisions):
-            for rest in every_way(tuple(others)):
-                yield ({first.path: branch.choice} if branch.choice else {}) | below | rest
-
-
-def valid(space):
-    """The choices that meet all constraints, by looking at all there are."""
-    rules = [compile_rule(constraint.rule, space) for constraint in space.constraints]
-    ways = every_way(decisions(space))
-    return [choices for choices in ways if all(rule.outcome(choices) is not False for rule in rules)]
 
 
 def count(space):

@@ -5,6 +5,7 @@ from __future__ import annotations
 from functools import lru_cache
 
 import pytest
+from every_configuration import valid
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -16,7 +17,6 @@ from dse.loading.expression import parse_expression
 from dse.loading.workspace import Workspace
 from dse.space.check import check
 from dse.space.decisions import decisions, flat
-from dse.space.language.evaluate import compile_rule
 from dse.space.refine import refine, spanned
 from dse.space.resolve import Resolver
 from dse.units import parse_quantity
@@ -27,25 +27,6 @@ FEED = Interface("feed", (Port("into", Causality.INPUT, Type(Kind.REAL)),))
 
 def part(name, interface=NO_INTERFACE, **properties):
     return Part(Component(name, interface, properties={k: parse_quantity(v) for k, v in properties.items()}))
-
-
-def every_way(tree):
-    """All ways to make the decisions of *tree*, in the order of the file."""
-    if not tree:
-        yield {}
-        return
-    first, *others = tree
-    for branch in first.branches:
-        for below in every_way(branch.decisions):
-            for rest in every_way(tuple(others)):
-                yield ({first.path: branch.choice} if branch.choice else {}) | below | rest
-
-
-def valid(space):
-    """The choices that meet all constraints, in the order of the file."""
-    rules = [compile_rule(constraint.rule, space) for constraint in space.constraints]
-    ways = every_way(decisions(space))
-    return [choices for choices in ways if all(rule.outcome(choices) is not False for rule in rules)]
 
 
 def configurations(space):

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from math import hypot
 
@@ -74,11 +74,6 @@ def occurrences(engine: Engine, seed: int = 0) -> tuple[Occurrence, ...]:
         )
         for (path, choice), entry in sums.items()
     )
-
-
-def dead_values(engine: Engine, seed: int = 0) -> Iterator[tuple[str, str | None]]:
-    """The alternatives that no valid configuration has."""
-    return ((found.path, found.choice) for found in occurrences(engine, seed) if found.dead)
 
 
 def _at_each_path(engine: Engine) -> dict[str, list[int]]:
