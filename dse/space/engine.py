@@ -27,7 +27,7 @@ from dse.space.mdd.expand import expand
 from dse.space.mdd.growth import TooWideError
 from dse.space.mdd.ordering import compile_best
 from dse.space.optimum.emptiness import is_empty
-from dse.space.sampling.estimate import RELATIVE, Shares, estimate, estimate_occurrences
+from dse.space.sampling.estimate import RELATIVE, Shares, estimate, estimate_occurrences, exact_shares, taken
 from dse.space.sampling.sample import sample
 from dse.space.sampling.tilt import EmptyError, TooRareError, tilt
 from dse.space.sampling.uniform import generator
@@ -264,11 +264,8 @@ class Engine:
 
     def _shares_of_list(self) -> Shares:
         every = self._every()
-        shares = []
-        for number, variable in enumerate(self.flat.variables):
-            length = len(variable.values) + 1
-            shares.append(np.bincount(every[:, number] % length, minlength=length) / len(every))
-        return Shares(tuple(shares), tuple(np.zeros_like(share) for share in shares))
+        times = [found.tolist() for found in taken(self.flat, every)]
+        return exact_shares(times, len(every))
 
     def _undecided(self) -> DseError:
         hint = "fix some of the choices"

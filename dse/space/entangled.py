@@ -29,7 +29,7 @@ from dse.space.listing.search import Effort
 from dse.space.listing.search import first as search_first
 from dse.space.listing.search import rows as search_rows
 from dse.space.mdd.growth import TooWideError
-from dse.space.sampling.estimate import Shares, exact_shares
+from dse.space.sampling.estimate import Shares, exact_shares, taken
 from dse.space.sampling.tilt import EmptyError
 from dse.space.sampling.uniform import generator
 from dse.space.tally import Tally
@@ -150,9 +150,7 @@ class Entangled:
         else:
             every = self._searched("tell how often each alternative occurs")
             total = len(every)
-            lengths = [len(variable.values) + 1 for variable in self.flat.variables]
-            columns = zip(every.T, lengths, strict=True)
-            times = [np.bincount(column % length, minlength=length).tolist() for column, length in columns]
+            times = [found.tolist() for found in taken(self.flat, every)]
         if not total:
             raise EmptyError
         return exact_shares(times, total)

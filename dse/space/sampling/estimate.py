@@ -17,7 +17,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from dse.space.flat import Floats, Ints, Linear
+from dse.space.flat import FlatSpace, Floats, Ints, Linear, Rows
 from dse.space.mdd.diagram import Diagram, count, occurrences
 from dse.space.sampling.sample import MOST_CELLS, floor_share, meets, rows_at_once, sample, tilted_walks, walk
 from dse.space.sampling.segments import draw, halves
@@ -117,14 +117,14 @@ def estimate_occurrences(diagram: Diagram, seed: int, number: int = 10_000) -> S
         total = count(diagram)
         return exact_shares(occurrences(diagram), total)
     rows = sample(diagram, number, seed)
-    shares: list[Floats] = []
-    half_widths: list[Floats] = []
-    for place, variable in enumerate(diagram.flat.variables):
-        length = len(variable.values) + 1
-        share = np.bincount(rows[:, place] % length, minlength=length) / number
-        shares.append(share)
-        half_widths.append(_wilson(share, number))
-    return Shares(tuple(shares), tuple(half_widths))
+    shares = [times / number for times in taken(diagram.flat, rows)]
+    return Shares(tuple(shares), tuple(_wilson(share, number) for share in shares))
+
+
+def taken(flat: FlatSpace, rows: Rows) -> list[Ints]:
+    """How many of *rows* take each value, by variable, shape (values + 1,)."""
+    lengths = [len(variable.values) + 1 for variable in flat.variables]
+    return [np.bincount(column % length, minlength=length) for column, length in zip(rows.T, lengths, strict=True)]
 
 
 def exact_shares(times: Iterable[Sequence[int]], total: int) -> Shares:
