@@ -7,7 +7,7 @@ from math import prod
 
 import numpy as np
 import pytest
-from hypothesis import assume, given
+from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 from dse.space.dnnf.compile import compile_dnnf
@@ -139,12 +139,13 @@ def test_the_solver_finds_a_row_iff_there_is_one(flat: FlatSpace) -> None:
     assert (start is not None) == bool(expected)
 
 
+@settings(max_examples=400)  # most small spaces have a row, and then there is nothing to blame
 @given(spaces())
 def test_a_conflict_has_no_row_and_loses_it_with_any_of_its_members(flat: FlatSpace) -> None:
     blamed = conflict(flat)
     assert (blamed is None) == bool(every_row(flat))
-    assume(blamed is not None)
-    assert blamed is not None
+    if blamed is None:
+        return
     assert not every_row(flat.only(blamed))
     for owner in blamed:
         assert every_row(flat.only([other for other in blamed if other != owner]))
