@@ -132,6 +132,38 @@ class FmuSource:
     file: Path
 
 
+class ModelicaCompiler(StrEnum):
+    """What turns a Modelica model into an FMU."""
+
+    AUTO = "auto"
+    """dse's own back-end, and OpenModelica for what it refuses, if this machine has it."""
+    RUMOCA = "rumoca"
+    OMC = "omc"
+
+
+class Solver(StrEnum):
+    """How the differential equations inside a component are integrated."""
+
+    AUTO = "auto"
+    EXPLICIT = "explicit"
+    STIFF = "stiff"
+
+
+@dataclass(frozen=True, slots=True)
+class ModelicaSource:
+    """A Modelica model by its full name, in *files*: Modelica files or folders that hold a ``package.mo``.
+
+    *roots* are folders of libraries outside of the workspace. *tolerance* is relative; None is the model's default.
+    """
+
+    model: str
+    files: tuple[Path, ...] = ()
+    roots: tuple[Path, ...] = ()
+    compiler: ModelicaCompiler = ModelicaCompiler.AUTO
+    solver: Solver = Solver.AUTO
+    tolerance: float | None = None
+
+
 @dataclass(frozen=True, slots=True)
 class UnsupportedSource:
     """A kind of source this version can list and enumerate but not build."""
@@ -139,7 +171,7 @@ class UnsupportedSource:
     kind: str
 
 
-Source = CSource | FmuSource | UnsupportedSource
+Source = CSource | FmuSource | ModelicaSource | UnsupportedSource
 
 
 @dataclass(frozen=True, slots=True)

@@ -14,7 +14,7 @@ import sys
 import tempfile
 from collections import deque
 from collections.abc import Iterable, Mapping
-from contextlib import ExitStack
+from contextlib import ExitStack, suppress
 from dataclasses import replace
 from multiprocessing.connection import wait
 from pathlib import Path
@@ -100,7 +100,8 @@ class Supervisor:
                     last.callback(worker.kill)
             if error is not None:
                 for worker in self._workers:
-                    self._receive(worker)
+                    with suppress(DseError):  # one reason to stop is told already
+                        self._receive(worker)
 
     def _hire(self) -> None:
         busy = sum(bool(worker.assignments) for worker in self._workers)
@@ -143,6 +144,7 @@ class Supervisor:
 
     def _take(self, worker: WorkerProcess, report: Report) -> None:
         if report.broken:
+            worker.assignments.popleft()  # what it sends next is of the batch after
             raise fail(report.broken, hint="finished runs are stored: the same command goes on when there is room")
         assignment = worker.assignments[0]
         if report.block is not None:

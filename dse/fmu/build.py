@@ -4,18 +4,17 @@ from __future__ import annotations
 
 import os
 import posixpath
-import re
 from collections.abc import Iterable, Mapping
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 from pathlib import Path
 
-from dse.domain.component import Component, CSource, FmuSource, UnsupportedSource
+from dse.domain.component import Component, CSource, FmuSource, ModelicaSource, UnsupportedSource
 from dse.errors import DseError, Location, Problem, fail, raise_if_any
 from dse.fmu.archive import pack
 from dse.fmu.cache import cache_folder, content_key, keep_file
 from dse.fmu.compilation import LANGUAGE_OPTIONS, CompilationError, Diagnostic, compile_library, options
-from dse.fmu.describe import Subject, describe, describe_build
+from dse.fmu.describe import Subject, describe, describe_sources, identifier
 from dse.fmu.glue import Demand, glue
 from dse.fmu.platforms import this_platform
 from dse.fmu.slots import slots
@@ -37,13 +36,20 @@ def build(component: Component, *, version: int = 2, cache: Path | None = None) 
             if not file.is_file():
                 raise fail(f"component '{component.name}': there is no FMU {shown(file)}", component.where)
             return file
+        case ModelicaSource() as source:
+            from dse.fmu.modelica.build import build_modelica
+
+            _require_version(version)
+            return build_modelica(component, source, version, cache)
         case UnsupportedSource(kind):
             what = f"component '{component.name}': sources of the kind '{kind}' cannot be built in this version"
-            raise fail(what, component.where, "use a source of the kind c or fmu")
+            raise fail(what, component.where, "use a source of the kind c, modelica or fmu")
         case None:
             what = f"component '{component.name}' has no source, so there is nothing to build"
             raise fail(
-                what, component.where, "it can be counted and listed only; give it a source of the kind c or fmu"
+                what,
+                component.where,
+                "it can be counted and listed only; give it a source of the kind c, modelica or fmu",
             )
 
 
@@ -68,14 +74,18 @@ def build_all(components: Iterable[Component], *, version: int = 2, cache: Path 
 
 _RUNTIME = Path(__file__).parent / "runtime"
 _RUNTIME_FILES = {
-    2: ("slot.h", "instance.h", "value.h", "fmi2_abi.h", "fmi2.c"),
-    3: ("slot.h", "instance.h", "value.h", "fmi3_abi.h", "fmi3_refused.h", "fmi3.c"),
+    2: ("slot.h", "instance.h", "c_component.h", "value.h", "fmi2_abi.h", "fmi2.c"),
+    3: ("slot.h", "instance.h", "c_component.h", "value.h", "fmi3_abi.h", "fmi3_refused.h", "fmi3.c"),
 }
 
 
-def _build_c(component: Component, source: CSource, version: int, cache: Path | None) -> Path:
+def _require_version(version: int) -> None:
     if version not in _RUNTIME_FILES:
         raise fail(f"FMUs are built for FMI 2 and 3, not {version}")
+
+
+def _build_c(component: Component, source: CSource, version: int, cache: Path | None) -> Path:
+    _require_version(version)
     staged = stage(component.name, source, component.where)
     contents, subject, demands = _contents(component, source, staged, version)
     compiler = find_compiler()
@@ -101,7 +111,7 @@ def _contents(
     user = {f"sources/component/{name}": content for name, content in staged.contents.items()}
     subject = Subject(
         name=component.name,
-        identifier=_identifier(component.name),
+        identifier=identifier(component.name),
         title=component.title,
         token="",
         period=source.step,
@@ -118,18 +128,14 @@ def _contents(
             "modelDescription.xml": describe(named, version),
         }
         if version == 3:
-            files["sources/buildDescription.xml"] = describe_build(named, LANGUAGE_OPTIONS)
+            told = describe_sources(named.identifier, named.files, named.include_folder, LANGUAGE_OPTIONS)
+            files["sources/buildDescription.xml"] = told
         return {**runtime, **user, **files}, tied.demands
 
     # The token names the contents, so it is made from the contents with a blank in its place.
     blank, _ = generated("")
     contents, demands = generated("{" + content_key(sorted(blank.items())) + "}")
     return contents, subject, demands
-
-
-def _identifier(name: str) -> str:
-    plain = re.sub(r"[^0-9A-Za-z_]", "_", name)
-    return plain if re.match(r"[A-Za-z_]", plain) else f"_{plain}"
 
 
 _SOURCES = "sources/"

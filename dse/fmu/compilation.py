@@ -41,14 +41,21 @@ class CompilationError(Exception):
 
 def options(compiler: Compiler) -> tuple[str, ...]:
     """All options but the names of files, for this platform. They belong in the cache key."""
+    return (*_compile_options(), *_link_options(compiler))
+
+
+def _compile_options() -> tuple[str, ...]:
     checks = (f"-Werror={check}" for check in _CHECKS)
-    common = (*LANGUAGE_OPTIONS, "-fvisibility=hidden", *checks, "-shared", *compiler.link_options)
+    common = (*LANGUAGE_OPTIONS, "-fvisibility=hidden", *checks)
+    return common if sys.platform == "win32" else (*common, "-fPIC")
+
+
+def _link_options(compiler: Compiler) -> tuple[str, ...]:
+    common = ("-shared", *compiler.link_options)
     if sys.platform == "win32":
         return (*common, "-s")
-    if sys.platform == "darwin":
-        return (*common, "-fPIC")
     # Without "defs", a function that is nowhere defined would only be missed when the FMU is loaded.
-    return (*common, "-fPIC", "-s", "-Wl,-z,defs")
+    return common if sys.platform == "darwin" else (*common, "-s", "-Wl,-z,defs")
 
 
 def compile_library(
@@ -58,17 +65,38 @@ def compile_library(
 
     Same input, same bytes: paths are relative. Raises CompilationError.
     """
+    arguments = [*options(compiler), f"-I{include_folder}", *units]
+    return _made(compiler, files, arguments, library, _libraries())
+
+
+def compile_object(compiler: Compiler, files: Mapping[str, bytes], unit: str, extra: Iterable[str] = ()) -> bytes:
+    """The object file of *unit*, which sees no other files than *files* and the system's headers.
+
+    *extra* are further options. Same input, same bytes: paths are relative. Raises CompilationError.
+    """
+    return _made(compiler, files, [*_compile_options(), *extra, "-c", unit], "unit.o", ())
+
+
+def link_library(compiler: Compiler, objects: Mapping[str, bytes], library: str) -> bytes:
+    """The shared library *library* made of *objects* by file name. Raises CompilationError."""
+    return _made(compiler, objects, [*_link_options(compiler), *objects], library, _libraries())
+
+
+def _libraries() -> tuple[str, ...]:
+    return () if sys.platform == "win32" else ("-lm",)
+
+
+def _made(
+    compiler: Compiler, files: Mapping[str, bytes], arguments: Iterable[str], product: str, libraries: Iterable[str]
+) -> bytes:
     with tempfile.TemporaryDirectory(prefix="dse-") as scratch:
         folder = Path(scratch) / "sources"
         for name, content in files.items():
             target = folder / name
             target.parent.mkdir(parents=True, exist_ok=True)
             target.write_bytes(content)
-        product = Path(scratch) / library
-        libraries = () if sys.platform == "win32" else ("-lm",)
-        arguments = [*options(compiler), f"-I{include_folder}", *units, "-o", f"../{library}", *libraries]
         answer = subprocess.run(
-            [*compiler.command, *arguments],
+            [*compiler.command, *arguments, "-o", f"../{product}", *libraries],
             cwd=folder,
             env=environment(),
             stdin=subprocess.DEVNULL,
@@ -78,8 +106,9 @@ def compile_library(
             errors="replace",
             check=False,
         )
-        if answer.returncode == 0 and product.is_file():
-            return product.read_bytes()
+        made = Path(scratch) / product
+        if answer.returncode == 0 and made.is_file():
+            return made.read_bytes()
     raise CompilationError(tuple(_diagnostics(answer.stderr or answer.stdout)))
 
 

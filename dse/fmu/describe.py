@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import re
 import xml.etree.ElementTree as ET
+from collections.abc import Iterable
 from dataclasses import dataclass
 from fractions import Fraction
 
@@ -42,21 +44,28 @@ def describe(subject: Subject, version: int) -> bytes:
     if subject.period is not None:
         experiment.set("stepSize", repr(subject.period))
     (_variables_2 if version == 2 else _variables_3)(root, subject.slots, is_sampled=subject.period is not None)
-    return _text(root)
+    return xml_text(root)
 
 
-def describe_build(subject: Subject, options: tuple[str, ...]) -> bytes:
-    """buildDescription.xml, by which an FMI 3.0 importer compiles ``sources/`` itself."""
+def describe_sources(identifier: str, files: Iterable[str], include_folder: str, options: Iterable[str]) -> bytes:
+    """buildDescription.xml, by which an FMI 3.0 importer compiles the *files* in ``sources/`` itself."""
     root = ET.Element("fmiBuildDescription", fmiVersion="3.0")
-    configuration = ET.SubElement(root, "BuildConfiguration", modelIdentifier=subject.identifier)
-    files = ET.SubElement(configuration, "SourceFileSet", language="C11", compilerOptions=" ".join(options))
-    for name in subject.files:
-        ET.SubElement(files, "SourceFile", name=name)
-    ET.SubElement(files, "IncludeDirectory", name=subject.include_folder)
-    return _text(root)
+    configuration = ET.SubElement(root, "BuildConfiguration", modelIdentifier=identifier)
+    listed = ET.SubElement(configuration, "SourceFileSet", language="C11", compilerOptions=" ".join(options))
+    for name in files:
+        ET.SubElement(listed, "SourceFile", name=name)
+    ET.SubElement(listed, "IncludeDirectory", name=include_folder)
+    return xml_text(root)
 
 
-def _text(root: ET.Element) -> bytes:
+def identifier(name: str) -> str:
+    """*name* as an identifier of C, for ``modelIdentifier``."""
+    plain = re.sub(r"[^0-9A-Za-z_]", "_", name)
+    return plain if re.match(r"[A-Za-z_]", plain) else f"_{plain}"
+
+
+def xml_text(root: ET.Element) -> bytes:
+    """The document as it is written to a file."""
     ET.indent(root)
     text: bytes = ET.tostring(root, encoding="utf-8", xml_declaration=True)
     return text + b"\n"
@@ -94,14 +103,14 @@ def _add_units(root: ET.Element, slots: tuple[Slot, ...]) -> None:
         return
     definitions = ET.SubElement(root, "UnitDefinitions")
     for symbol, unit in sorted(units.items()):
-        _add_base_unit(ET.SubElement(definitions, "Unit", name=symbol), unit)
+        add_base_unit(ET.SubElement(definitions, "Unit", name=symbol), unit)
 
 
 def _has_unit(slot: Slot) -> bool:
     return slot.type.kind is Kind.REAL and bool(slot.type.unit.symbol)
 
 
-def _add_base_unit(parent: ET.Element, unit: Unit) -> None:
+def add_base_unit(parent: ET.Element, unit: Unit) -> None:
     """Exponents, factor and offset to SI; nothing if FMI's base units cannot say the dimension, as for EUR."""
     if any(name not in SI_SYMBOLS or exponent.denominator != 1 for name, exponent in unit.dimension):
         return

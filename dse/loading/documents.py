@@ -35,6 +35,10 @@ class SourceSection(Section):
     step: Plain | None = None
     file: str | None = None
     model: str | None = None
+    modelica_path: list[str] = []
+    compiler: str | None = None
+    solver: str | None = None
+    tolerance: Plain | None = None
 
 
 class ParameterSection(Section):

@@ -43,10 +43,49 @@ def wire(
     With the interfaces of a bench's *test_components* and the bench's *connections* those are resolved too.
     Stable in the order of the files. Raises DseError with every end that cannot be found or has two sources.
     """
-    root = with_bench(_chosen(space.root, "", choices), test_components or {}, connections)
+    onward, components = _joined(with_bench(_chosen(space.root, "", choices), test_components or {}, connections))
+    return tuple(
+        Connection(".".join(source), ".".join(target), connection.where)
+        for source in onward
+        if source[0] in components
+        for target, connection in _ends(source, onward, components)
+    )
+
+
+def faces(space: DesignSpace, choices: Choices) -> dict[str, str]:
+    """The output of a component behind each output of an architecture with an interface, by their dotted paths.
+
+    ``powertrain.co2`` is ``powertrain.engine.co2`` where the chosen powertrain is a compound. Raises DseError like
+    `wire`.
+    """
+    root = _chosen(space.root, "", choices)
+    onward, components = _joined(root)
+    outputs = {
+        (place.path, port.name)
+        for _, place in _levels(root, 0)
+        if place.interface is not None and not place.is_component
+        for port in place.interface.ports
+        if port.causality is Causality.OUTPUT
+    }
+    found: dict[str, str] = {}
+    for source in onward:
+        pending = [target for target, _, _ in onward[source]] if source[0] in components else []
+        while pending:
+            here = pending.pop()
+            if here in outputs:
+                found[".".join(here)] = ".".join(source)
+            pending += [target for target, _, _ in onward.get(here, [])] if here[0] not in components else []
+    return found
+
+
+_Onward = dict[PortOf, list[tuple[PortOf, int, Connection]]]
+
+
+def _joined(root: Place) -> tuple[_Onward, set[str]]:
+    """Where each port's signal goes next, with the depth of the connection; and the paths of all components."""
     problems: list[Problem] = []
     drivers: dict[PortOf, Connection] = {}
-    onward: dict[PortOf, list[tuple[PortOf, int, Connection]]] = {}
+    onward: _Onward = {}
     components: set[str] = set()
     for depth, place in _levels(root, 0):
         if place.is_component:
@@ -63,12 +102,7 @@ def wire(
                     problems.append(two_sources(target, first, connection))
                 onward.setdefault(source, []).append((target, depth, connection))
     raise_if_any(problems)
-    return tuple(
-        Connection(".".join(source), ".".join(target), connection.where)
-        for source in onward
-        if source[0] in components
-        for target, connection in _ends(source, onward, components)
-    )
+    return onward, components
 
 
 def with_bench(root: Place, test_components: Mapping[str, Interface], connections: Iterable[Connection]) -> Place:

@@ -4,7 +4,18 @@ from __future__ import annotations
 
 from collections.abc import Collection, Iterable, Mapping
 
-from dse.domain.component import Causality, Component, FmuSource, Kind, Type, Value, as_number, same_signal
+from dse.domain.component import (
+    Causality,
+    Component,
+    FmuSource,
+    Kind,
+    ModelicaSource,
+    Parameter,
+    Type,
+    Value,
+    as_number,
+    same_signal,
+)
 from dse.domain.design import Connection
 from dse.domain.fmu import FmuModel, Variable
 from dse.domain.system import Element, SystemStructure, Wire
@@ -154,6 +165,14 @@ def _element(
         elif end in values:
             start[variable.name] = as_number(values[end], port.type)
     for parameter in component.parameters:
+        if _is_built_in(component, parameter, model):
+            given = values.get(f"{part}.{parameter.name}", parameter.start)
+            if given != parameter.start:
+                what = (
+                    f"'{parameter.name}' of {component.name} is {parameter.start} by the way it is built, not {given}"
+                )
+                problems.append(Problem(what, parameter.where or component.where, "change it in the component's file"))
+            continue
         try:
             causes = ("parameter", "structuralParameter", "input")
             variable = _variable(component, parameter.name, parameter.type, model, causes)
@@ -162,6 +181,13 @@ def _element(
             continue
         start[variable.name] = as_number(values.get(f"{part}.{parameter.name}", parameter.start), parameter.type)
     return Element(part, model, tuple(inputs), tuple(outputs), start)
+
+
+def _is_built_in(component: Component, parameter: Parameter, model: FmuModel) -> bool:
+    """Whether the parameter's value went into the FMU when it was built, as that of a structural one does."""
+    variable = model.variables.get(component.variable(parameter.name))
+    is_fixed = isinstance(component.source, ModelicaSource) and not parameter.tunable
+    return is_fixed and variable is not None and variable.causality == "local"
 
 
 def _variable(component: Component, name: str, type_: Type, model: FmuModel, causalities: tuple[str, ...]) -> Variable:

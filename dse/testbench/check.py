@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import ParamSpec
 
-from dse.domain.component import FmuSource
+from dse.domain.component import FmuSource, ModelicaSource
 from dse.errors import DseError, Problem
 from dse.fmu.unpack import open_fmu
 from dse.loading.workspace import Workspace
@@ -60,9 +60,14 @@ def _design(workspace: Workspace, path: str) -> None:
 
 
 def _component(workspace: Workspace, name: str) -> None:
-    source = workspace.component(name).source
-    if isinstance(source, FmuSource):
-        open_fmu(source.file)
+    component = workspace.component(name)
+    match component.source:
+        case FmuSource(file):
+            open_fmu(file)
+        case ModelicaSource() as source:
+            from dse.fmu.modelica.build import check_modelica
+
+            check_modelica(component, source)
 
 
 def _bench(workspace: Workspace, path: str) -> None:

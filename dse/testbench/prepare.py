@@ -14,7 +14,7 @@ from dse.errors import DseError, Problem
 from dse.fmu.build import build_all
 from dse.fmu.unpack import open_fmu
 from dse.metrics.program import compile_metrics
-from dse.space.wiring import wire
+from dse.space.wiring import faces, wire
 from dse.system.assemble import assemble, check_wiring
 from dse.testbench.prepared import PreparedBench, Setting
 from dse.testbench.timing import sampling_problems, stepping_problems
@@ -47,7 +47,8 @@ def check_bench(bench: TestBench, configuration: Configuration) -> None:
     parts, connections = parts_and_wiring(bench, configuration)
     problems: list[Problem] = []
     joined = check_wiring(parts, connections, _values(bench, parts), problems)
-    types, signals = _names(parts, {connection.target for connection in joined})
+    behind = faces(bench.design, configuration.choices)
+    types, signals = _names(parts, {connection.target for connection in joined}, behind)
     try:
         compile_metrics(bench.metrics, bench.requirements, types, signals)
     except DseError as error:
@@ -82,7 +83,8 @@ def _prepare(
 ) -> PreparedBench:
     values = _values(bench, parts)
     connected = {connection.target for connection in connections}
-    types, signals = _names(parts, connected)
+    behind = faces(bench.design, configuration.choices)
+    types, signals = _names(parts, connected, behind)
     problems = [
         *_record_problems(bench, parts, signals),
         *sampling_problems(bench, parts),
@@ -93,7 +95,8 @@ def _prepare(
     program = compile_metrics(bench.metrics, bench.requirements, types, signals)
     kept = _kept(bench, signals)
     columns = tuple(dict.fromkeys((*program.signals, *kept)))
-    system = assemble(configuration.id, parts, connections, models, values, columns)
+    sources = [behind.get(name, name) for name in columns]
+    system = assemble(configuration.id, parts, connections, models, values, sources)
     settings, constants = _settings(parts, connected, values)
     return PreparedBench(
         configuration,
@@ -102,7 +105,7 @@ def _prepare(
         program,
         bench.requirements,
         columns,
-        tuple(_system_name(name, parts) for name in columns),
+        tuple(_system_name(name, parts) for name in sources),
         kept,
         settings,
         constants,
@@ -121,8 +124,10 @@ def _values(bench: TestBench, parts: Mapping[str, Component]) -> dict[str, Value
     return values
 
 
-def _names(parts: Mapping[str, Component], connected: Iterable[str]) -> tuple[dict[str, Type], frozenset[str]]:
-    """Every name a metric may use with its type, and which of them are waveforms."""
+def _names(
+    parts: Mapping[str, Component], connected: Iterable[str], behind: Mapping[str, str]
+) -> tuple[dict[str, Type], frozenset[str]]:
+    """Every name a metric may use with its type, and which of them are waveforms; *behind* is that of `faces`."""
     types: dict[str, Type] = {}
     signals = set()
     inputs = set(connected)
@@ -135,19 +140,22 @@ def _names(parts: Mapping[str, Component], connected: Iterable[str]) -> tuple[di
             elif name not in inputs:
                 types[name] = port.type
         types |= {f"{path}.{parameter.name}": parameter.type for parameter in component.parameters}
-    return types, frozenset(signals)
+    types |= {face: types[source] for face, source in behind.items() if source in signals and face not in types}
+    return types, frozenset(signals) | frozenset(face for face, source in behind.items() if source in signals)
 
 
 def _record_problems(bench: TestBench, parts: Mapping[str, Component], signals: frozenset[str]) -> list[Problem]:
     """Recorded names that are no output of a part that is there."""
     problems = []
     for name in bench.simulation.record:
+        if name in signals:
+            continue
         split = split_path(name, parts)
-        if split and name not in signals:
+        if split:
             known = sorted(signal for signal in signals if signal.startswith(f"{split[0]}."))
             hint = f"outputs: {', '.join(known)}"
             problems.append(Problem(f"cannot record '{name}': no such output", bench.simulation.where, hint))
-        elif not split and name.split(".")[0] not in bench.design.root.parts:
+        elif name.split(".")[0] not in bench.design.root.parts:
             problems.append(Problem(f"cannot record '{name}': no such part", bench.simulation.where))
     return problems
 

@@ -70,9 +70,9 @@ def test_a_table_of_many_stops_and_says_so(dse, tmp_path, example):
     try:
         shown = dse("enumerate", "free").stdout.splitlines()
         assert len(shown) == 1 + 100 + 2
-        assert shown[-2] == "the first 100; 288 in total before the static constraints"
+        assert shown[-2] == "the first 100; 624 in total before the static constraints"
         assert "--limit" in shown[-1]
-        assert len(dse("enumerate", "free", "--format", "csv").stdout.splitlines()) == 1 + 288
+        assert len(dse("enumerate", "free", "--format", "csv").stdout.splitlines()) == 1 + 624
         assert len(dse("enumerate", "free", "--limit", "150").stdout.splitlines()) == 1 + 150 + 1
     finally:
         free.unlink()

@@ -58,41 +58,20 @@ def test_drawn_power_is_mechanical_power_over_efficiency_plus_what_is_drawn_at_r
     part["torque_demand"] = 1000.0
     part["wheel_speed.front"], part["wheel_speed.rear"] = 40.0, 42.0
     part.init()
-    assert part["power"] == 400.0
+    assert part["battery_power"] == 400.0
     part.step()
-    assert part["power"] == pytest.approx(400 + (250 * 40 + 750 * 42) / 0.8, rel=EXACT)
+    assert part["battery_power"] == pytest.approx(400 + (250 * 40 + 750 * 42) / 0.8, rel=EXACT)
+    assert part["fuel_power"] == part["co2"] == 0.0
 
 
-def test_a_machine_recuperates_and_an_engine_does_not(new_part: NewPart) -> None:
-    machine = new_part("pmsm_60kw_ideal", lag=0.0, efficiency=0.9, auxiliary_power=0.0)
-    engine = new_part("otto_1l0_ideal", lag=0.0)
-    for part in (machine, engine):
-        part["torque_demand"] = -500.0
-        part["wheel_speed.front"] = part["wheel_speed.rear"] = 50.0
-        part.init()
-        part.step()
-    assert machine["torque"] == -500.0
-    assert machine["power"] == pytest.approx(-500 * 50 * 0.9, rel=EXACT)
-    assert engine["torque"] == 0
-
-
-def test_the_machine_of_a_hybrid_fills_what_the_engine_lags_behind(new_part: NewPart) -> None:
-    split, engine = new_part("torque_split", engine_share=0.6), new_part("otto_1l0_ideal", lag=0.5)
-    machine = new_part("pmsm_60kw_ideal", lag=0.0)
-    for part in (split, engine, machine):
-        part.init()
-    split["torque_demand"] = 900.0
-    for _ in range(400):
-        for unit, name in ((engine, "engine"), (machine, "machine")):
-            split[f"{name}.torque"], split[f"{name}.power"] = unit["torque"], unit["power"]
-            unit["torque_demand"] = split[f"{name}_demand"]
-        for part in (split, engine, machine):
-            part.step()
-    # Signals pass between the parts with one step of delay each, hence the wait; then the shares are as set.
-    assert split["wheels.front"] == pytest.approx(900.0, rel=1e-3)
-    assert engine["torque"] == pytest.approx(540.0, rel=1e-3)
-    assert machine["torque"] == pytest.approx(360.0, rel=2e-3)
-    assert split["power"] == pytest.approx(engine["power"] + machine["power"], rel=EXACT)
+def test_the_exhaust_carries_what_the_drawn_fuel_contains(new_part: NewPart) -> None:
+    part = new_part("combustion_ideal", lag=0.0, efficiency=0.3, auxiliary_power=6000.0)
+    part["torque_demand"], part["wheel_speed.front"] = 900.0, 30.0
+    part.init()
+    part.step()
+    assert part["fuel_power"] == pytest.approx(6000 + 27e3 / 0.3, rel=EXACT)
+    assert part["co2"] == pytest.approx(part["fuel_power"] * 73.4e-9, rel=EXACT)
+    assert part["battery_power"] == 0.0
 
 
 @pytest.mark.parametrize("dead_time", [0.0, 0.08, 0.025, 0.613])

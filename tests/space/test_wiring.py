@@ -9,7 +9,7 @@ from dse.domain.design import Alternative, Compound, Connection, DesignSpace, Op
 from dse.errors import DseError, Location
 from dse.space.check import check, check_bench_connections
 from dse.space.enumerate import configurations
-from dse.space.wiring import wire
+from dse.space.wiring import faces, wire
 
 REAL = Type(Kind.REAL)
 
@@ -121,6 +121,21 @@ def test_architectures_nest_and_a_compound_without_interface_shows_its_parts():
         "front.motor.e.shaft.torque -> box.side.torque",
     ]
     assert check(space) == []
+
+
+def test_an_architecture_shows_the_outputs_of_the_parts_behind_it():
+    choices = {"sensor": "radar", "powertrain": "hybrid"}
+    assert faces(CAR, choices) == {"powertrain.wheels.torque": "powertrain.box.out.torque"}
+    assert faces(CAR, {"sensor": "radar", "powertrain": "simple"}) == {}
+
+
+def test_an_output_is_seen_through_nested_architectures():
+    inner = Compound("inner", {"e": part("otto", ENGINE)}, wires("drive -> e.drive", "e.shaft -> shaft"), ENGINE)
+    outer = Compound("outer", {"m": inner}, wires("drive -> m.drive", "m.shaft -> shaft"), ENGINE)
+    assert faces(car({"drive": outer, "box": part("dct", GEARBOX)}, "drive.shaft -> box.side"), {}) == {
+        "drive.m.shaft.torque": "drive.m.e.shaft.torque",
+        "drive.shaft.torque": "drive.m.e.shaft.torque",
+    }
 
 
 def test_the_example_has_no_problems():

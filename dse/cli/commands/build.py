@@ -28,14 +28,14 @@ def build(
 
     What was built before is taken from the cache (its folder is $DSE_CACHE, else the user's cache folder).
     """
-    from dse.domain.component import CSource, FmuSource
+    from dse.domain.component import CSource, FmuSource, ModelicaSource
     from dse.fmu.build import build_all
     from dse.loading.workspace import Workspace
 
     space = Workspace.around(workspace)
     found = [space.component(name) for name in names or space.component_files]
     if not names:
-        found = [component for component in found if isinstance(component.source, CSource | FmuSource)]
+        found = [component for component in found if isinstance(component.source, CSource | FmuSource | ModelicaSource)]
     archives = build_all(found, version=version)
     if validate:
         _validate(archives)

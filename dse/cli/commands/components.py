@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from dse.cli.app import app, print_json, print_table
+from dse.cli.app import app, console, print_json, print_table
 from dse.cli.arguments import Format, Output
 
 if TYPE_CHECKING:
@@ -18,15 +18,23 @@ if TYPE_CHECKING:
 def components(
     workspace: Annotated[Path, typer.Argument(help="A folder or file in the workspace.")] = Path(),
     output: Format = Output.TABLE,
+    graph: Annotated[
+        Path | None,
+        typer.Option("--graph", metavar="FOLDER", help="Draw each component into FOLDER, as NAME.svg."),
+    ] = None,
 ) -> None:
-    """List the component library.
+    """List the component library, or draw it.
 
-    Shows each component with its interface, source, properties and parameters.
+    Shows each component with its interface, source, properties and parameters; a picture shows its ports and, of a
+    Modelica model, the parts it is made of.
     """
     from dse.loading.workspace import Workspace
 
     space = Workspace.around(workspace)
     found = sorted((space.component(name) for name in space.component_files), key=lambda c: (c.interface.name, c.name))
+    if graph is not None:
+        _draw(found, graph)
+        return
     if output is Output.JSON:
         print_json([_data(component) for component in found])
         return
@@ -41,14 +49,26 @@ def components(
     print_table(table)
 
 
+def _draw(components: list[Component], folder: Path) -> None:
+    from dse.report.component_picture import draw, pictured
+
+    folder.mkdir(parents=True, exist_ok=True)
+    for component in components:
+        target = folder / f"{component.name}.svg"
+        target.write_text(draw(component, pictured(component)), encoding="utf-8", newline="\n")
+        console().print(f"{target}: {component.title or component.name}", soft_wrap=True)
+
+
 def _kind(component: Component) -> str:
-    from dse.domain.component import CSource, FmuSource, UnsupportedSource
+    from dse.domain.component import CSource, FmuSource, ModelicaSource, UnsupportedSource
 
     match component.source:
         case CSource():
             return "C"
         case FmuSource():
             return "FMU"
+        case ModelicaSource():
+            return "Modelica"
         case UnsupportedSource():
             return component.source.kind
         case None:

@@ -1,4 +1,4 @@
-/* The functions of FMI 2.0 co-simulation over one component. */
+/* The functions of FMI 2.0 over one component: co-simulation, and of a model from Modelica model exchange too. */
 #include "fmi2_abi.h"
 #include "value.h"
 
@@ -14,9 +14,11 @@
         return fmi2Error;                                                                                              \
     } while (0)
 
-static void tell(struct dse_instance *instance, const char *message) {
+static void tell(struct dse_instance *instance, int is_warning, const char *message) {
     const fmi2Logger logger = (fmi2Logger)instance->callback;
-    if (logger) {
+    if (logger && is_warning) {
+        logger(instance->environment, instance->name, fmi2Warning, "logStatusWarning", message);
+    } else if (logger) {
         logger(instance->environment, instance->name, fmi2Error, "logStatusError", message);
     }
 }
@@ -47,9 +49,14 @@ DSE_EXPORT fmi2Component fmi2Instantiate(fmi2String name, fmi2Type type, fmi2Str
         reason = "the instance has no name";
     } else if (!guid || strcmp(guid, DSE_TOKEN) != 0) {
         reason = "the GUID is not that of this FMU; modelDescription.xml and library belong to different builds";
-    } else if (type != fmi2CoSimulation) {
+    }
+#ifdef DSE_MODEL
+    instance->is_exchange = type == fmi2ModelExchange;
+#else
+    if (!reason && type != fmi2CoSimulation) {
         reason = "only co-simulation is supported";
     }
+#endif
     if (reason) {
         dse_refuse(instance, __func__, "%s", reason);
         dse_destroy(instance);
@@ -62,7 +69,8 @@ DSE_EXPORT void fmi2FreeInstance(fmi2Component c) { dse_destroy(c); }
 
 DSE_EXPORT fmi2Status fmi2SetupExperiment(fmi2Component c, fmi2Boolean has_tolerance, fmi2Real tolerance,
     fmi2Real start_time, fmi2Boolean has_stop_time, fmi2Real stop_time) {
-    return STATUS(dse_is_allowed(c, __func__, DSE_INSTANTIATED) && dse_set_up(c, __func__, start_time));
+    return STATUS(dse_is_allowed(c, __func__, DSE_INSTANTIATED)
+                  && dse_set_up(c, __func__, start_time, has_tolerance ? tolerance : 0.0));
 }
 
 DSE_EXPORT fmi2Status fmi2EnterInitializationMode(fmi2Component c) {
@@ -81,8 +89,7 @@ DSE_EXPORT fmi2Status fmi2ExitInitializationMode(fmi2Component c) {
     if (!dse_is_allowed(c, __func__, DSE_INITIALIZING)) {
         return fmi2Error;
     }
-    dse_exit_initialization(c);
-    return fmi2OK;
+    return STATUS(dse_exit_initialization(c, __func__));
 }
 
 DSE_EXPORT fmi2Status fmi2Terminate(fmi2Component c) {
@@ -103,7 +110,7 @@ DSE_EXPORT fmi2Status fmi2Reset(fmi2Component c) {
 }
 
 DSE_EXPORT fmi2Status fmi2DoStep(fmi2Component c, fmi2Real time, fmi2Real step, fmi2Boolean never_back) {
-    return STATUS(dse_do_step(c, __func__, time, step));
+    return dse_do_step(c, __func__, time, step) ? fmi2OK : DSE_HAS_ENDED(c) ? fmi2Discard : fmi2Error;
 }
 
 DSE_EXPORT fmi2Status fmi2CancelStep(fmi2Component c) { REFUSE(c, "no step is ever pending"); }
@@ -221,9 +228,19 @@ DSE_EXPORT fmi2Status fmi2GetIntegerStatus(fmi2Component c, const fmi2StatusKind
 }
 
 DSE_EXPORT fmi2Status fmi2GetBooleanStatus(fmi2Component c, const fmi2StatusKind kind, fmi2Boolean *value) {
+#ifdef DSE_MODEL
+    if (c && kind == fmi2Terminated) {
+        *value = DSE_HAS_ENDED(c);
+        return fmi2OK;
+    }
+#endif
     return fmi2Discard;
 }
 
 DSE_EXPORT fmi2Status fmi2GetStringStatus(fmi2Component c, const fmi2StatusKind kind, fmi2String *value) {
     return fmi2Discard;
 }
+
+#ifdef DSE_MODEL
+#include "fmi2_exchange.h"
+#endif

@@ -1,4 +1,4 @@
-/* The binary interface of FMI 2.0 co-simulation, in our own words: the types that cross the border. */
+/* The binary interface of FMI 2.0, in our own words: the types that cross the border. */
 #ifndef DSE_FMI2_ABI_H
 #define DSE_FMI2_ABI_H
 
@@ -16,6 +16,15 @@ typedef char fmi2Byte;
 typedef enum { fmi2OK, fmi2Warning, fmi2Discard, fmi2Error, fmi2Fatal, fmi2Pending } fmi2Status;
 typedef enum { fmi2ModelExchange, fmi2CoSimulation } fmi2Type;
 typedef enum { fmi2DoStepStatus, fmi2PendingStatus, fmi2LastSuccessfulTime, fmi2Terminated } fmi2StatusKind;
+
+typedef struct {
+    fmi2Boolean newDiscreteStatesNeeded;
+    fmi2Boolean terminateSimulation;
+    fmi2Boolean nominalsOfContinuousStatesChanged;
+    fmi2Boolean valuesOfContinuousStatesChanged;
+    fmi2Boolean nextEventTimeDefined;
+    fmi2Real nextEventTime;
+} fmi2EventInfo;
 
 typedef void (*fmi2Logger)(
     void *environment, fmi2String instance, fmi2Status status, fmi2String category, fmi2String message, ...);

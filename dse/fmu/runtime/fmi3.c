@@ -1,4 +1,5 @@
-/* The functions of FMI 3.0 over one component; what is not co-simulation is in fmi3_refused.h. */
+/* The functions of FMI 3.0 over one component. Those of model exchange are in fmi3_exchange.h; those that are
+ * refused in fmi3_refused.h. */
 #include "fmi3_abi.h"
 #include "model.h"
 /* In FMI 3.0 time is a variable; it comes after the component's own. */
@@ -17,12 +18,19 @@
         return fmi3Error;                                                                                              \
     } while (0)
 
-static void tell(struct dse_instance *instance, const char *message) {
+static void tell(struct dse_instance *instance, int is_warning, const char *message) {
     const fmi3Logger logger = (fmi3Logger)instance->callback;
-    if (logger) {
+    if (logger && is_warning) {
+        logger(instance->environment, fmi3Warning, "logStatusWarning", message);
+    } else if (logger) {
         logger(instance->environment, fmi3Error, "logStatusError", message);
     }
 }
+
+#define REFUSED(name, reason, ...)                                                                                     \
+    DSE_EXPORT fmi3Status name(fmi3Instance c, __VA_ARGS__) { REFUSE(c, reason); }
+#define REFUSED_PLAIN(name, reason)                                                                                    \
+    DSE_EXPORT fmi3Status name(fmi3Instance c) { REFUSE(c, reason); }
 
 /* NULL after telling why, if *reason* is given or the token is not ours. */
 static fmi3Instance create(
@@ -71,7 +79,8 @@ DSE_EXPORT void fmi3FreeInstance(fmi3Instance c) { dse_destroy(c); }
 
 DSE_EXPORT fmi3Status fmi3EnterInitializationMode(fmi3Instance c, fmi3Boolean has_tolerance, fmi3Float64 tolerance,
     fmi3Float64 start_time, fmi3Boolean has_stop_time, fmi3Float64 stop_time) {
-    if (!dse_is_allowed(c, __func__, DSE_INSTANTIATED) || !dse_set_up(c, __func__, start_time)) {
+    if (!dse_is_allowed(c, __func__, DSE_INSTANTIATED)
+        || !dse_set_up(c, __func__, start_time, has_tolerance ? tolerance : 0.0)) {
         return fmi3Error;
     }
     dse_enter_initialization(c);
@@ -82,8 +91,7 @@ DSE_EXPORT fmi3Status fmi3ExitInitializationMode(fmi3Instance c) {
     if (!dse_is_allowed(c, __func__, DSE_INITIALIZING)) {
         return fmi3Error;
     }
-    dse_exit_initialization(c);
-    return fmi3OK;
+    return STATUS(dse_exit_initialization(c, __func__));
 }
 
 DSE_EXPORT fmi3Status fmi3Terminate(fmi3Instance c) {
@@ -110,8 +118,9 @@ DSE_EXPORT fmi3Status fmi3DoStep(fmi3Instance c, fmi3Float64 time, fmi3Float64 s
     *event = *terminate = *early = false;
     if (instance) {
         *last_time = instance->at.time;
+        *terminate = !is_ok && DSE_HAS_ENDED(instance);
     }
-    return STATUS(is_ok);
+    return STATUS(is_ok || *terminate);
 }
 
 /* Values */
@@ -206,4 +215,7 @@ DSE_EXPORT fmi3Status fmi3DeserializeFMUState(
     return STATUS(dse_is_allowed(c, __func__, DSE_ANY_STATE) && dse_deserialize(c, __func__, bytes, size, state));
 }
 
+#ifdef DSE_MODEL
+#include "fmi3_exchange.h"
+#endif
 #include "fmi3_refused.h"

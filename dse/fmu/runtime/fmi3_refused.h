@@ -1,23 +1,19 @@
 /* FMI 3.0 asks every FMU to export every function. These are refused with a message: this FMU has no strings, no
- * clocks, no events, no structural parameters, and does co-simulation only. Included by fmi3.c.
+ * clocks, no structural parameters, no scheduled execution; without a model from Modelica no events and no model
+ * exchange either. Included by fmi3.c.
  */
+#ifdef DSE_MODEL
+#define DSE_NO_SCHEDULE "only co-simulation and model exchange are supported"
+#else
+#define DSE_NO_SCHEDULE "only co-simulation is supported"
+#endif
 #define REFERENCES const fmi3ValueReference references[], size_t count
-
-DSE_EXPORT fmi3Instance fmi3InstantiateModelExchange(fmi3String name, fmi3String token, fmi3String resources,
-    fmi3Boolean visible, fmi3Boolean logging, void *environment, fmi3Logger logger) {
-    return create(__func__, name, token, environment, logger, "only co-simulation is supported");
-}
 
 DSE_EXPORT fmi3Instance fmi3InstantiateScheduledExecution(fmi3String name, fmi3String token, fmi3String resources,
     fmi3Boolean visible, fmi3Boolean logging, void *environment, fmi3Logger logger, fmi3ClockUpdate update,
     fmi3Preemption lock, fmi3Preemption unlock) {
-    return create(__func__, name, token, environment, logger, "only co-simulation is supported");
+    return create(__func__, name, token, environment, logger, DSE_NO_SCHEDULE);
 }
-
-#define REFUSED(name, reason, ...)                                                                                     \
-    DSE_EXPORT fmi3Status name(fmi3Instance c, __VA_ARGS__) { REFUSE(c, reason); }
-#define REFUSED_PLAIN(name, reason)                                                                                    \
-    DSE_EXPORT fmi3Status name(fmi3Instance c) { REFUSE(c, reason); }
 
 REFUSED(fmi3GetString, "there are no strings", REFERENCES, fmi3String values[], size_t value_count)
 REFUSED(fmi3SetString, "there are no strings", REFERENCES, const fmi3String values[], size_t value_count)
@@ -56,6 +52,13 @@ REFUSED(fmi3GetOutputDerivatives, "derivatives are not provided", REFERENCES, co
 
 REFUSED_PLAIN(fmi3EnterConfigurationMode, "there are no structural parameters")
 REFUSED_PLAIN(fmi3ExitConfigurationMode, "there are no structural parameters")
+
+#ifndef DSE_MODEL
+DSE_EXPORT fmi3Instance fmi3InstantiateModelExchange(fmi3String name, fmi3String token, fmi3String resources,
+    fmi3Boolean visible, fmi3Boolean logging, void *environment, fmi3Logger logger) {
+    return create(__func__, name, token, environment, logger, DSE_NO_SCHEDULE);
+}
+
 REFUSED_PLAIN(fmi3EnterEventMode, "there is no event mode")
 REFUSED_PLAIN(fmi3EnterStepMode, "there is no event mode to come from")
 REFUSED_PLAIN(fmi3EvaluateDiscreteStates, "there is no event mode")
@@ -73,3 +76,4 @@ REFUSED(fmi3GetEventIndicators, "only co-simulation is supported", fmi3Float64 i
 REFUSED(fmi3GetNominalsOfContinuousStates, "only co-simulation is supported", fmi3Float64 nominals[], size_t count)
 REFUSED(fmi3GetNumberOfEventIndicators, "only co-simulation is supported", size_t *count)
 REFUSED(fmi3GetNumberOfContinuousStates, "only co-simulation is supported", size_t *count)
+#endif

@@ -1,8 +1,8 @@
 /* One instance of a component: its life, its time, its saved states. Knows nothing of an FMI version.
  *
- * Until the initialization is over, inputs and parameters are collected in *start*, whose other members stay
- * zero. The component's own struct *now* is made from it by init, as often as values change and an output is
- * asked for, so init always sees the same: values as set, all else zero.
+ * Until the initialization is over, inputs and parameters are collected in *start*. What the component is, *now*, is
+ * made from it as often as values change and an output is asked for, so the initialization always sees the same. How
+ * that is done, and how a step is made, is told by c_component.h for C and by simulation.h for Modelica (DSE_MODEL).
  */
 #ifndef DSE_INSTANCE_H
 #define DSE_INSTANCE_H
@@ -24,28 +24,37 @@
 #endif
 /* Kept out of the many accessors that call it: compiling copies of it is what a build would take its time for. */
 #define DSE_APART __attribute__((noinline))
+#define DSE_LIKELY(condition) __builtin_expect(!!(condition), 1)
 #define DSE_UNLIKELY(condition) __builtin_expect(!!(condition), 0)
 #define DSE_ANY_STATE (DSE_INSTANTIATED | DSE_INITIALIZING | DSE_STEPPING | DSE_TERMINATED)
 #define DSE_VALUES_KNOWN (DSE_INITIALIZING | DSE_STEPPING | DSE_TERMINATED)
 
+#ifndef DSE_MODEL
+typedef dse_component dse_settings;
+#endif
+
 /* All that a saved state holds: numbers only, so that it can be copied and written to a file. */
 struct dse_snapshot {
     uint32_t state;
-    uint32_t is_stale; /* *now* is older than *start* */
-    uint64_t is_set_up;
-    int64_t hits; /* sample hits that have run */
+    uint32_t is_stale; /* *now* is older than *start*; of a model more, see DSE_STALE_... */
+    uint32_t is_set_up;
+    uint16_t is_changed;       /* of a model: something was set since the last step */
+    uint16_t is_in_event_mode; /* of a model for model exchange */
+    int64_t hits;              /* sample hits that have run */
     double start_time;
     double time;
-    dse_component start;
+    double tolerance; /* the importer's; 0 if it has none */
+    dse_settings start;
     dse_component now;
 };
 
 struct dse_instance {
     struct dse_snapshot at;
-    void (*tell)(struct dse_instance *instance, const char *message);
+    void (*tell)(struct dse_instance *instance, int is_warning, const char *message);
     void (*callback)(void); /* the importer's logger; only *tell* knows its type */
     void *environment;
     char *name;
+    bool is_exchange; /* the importer has the solver */
 };
 
 static const char *dse_state_name(uint32_t state) {
@@ -68,7 +77,7 @@ static DSE_APART bool dse_refuse(struct dse_instance *instance, const char *func
         vsnprintf(text + used, sizeof text - (size_t)used, format, arguments);
     }
     va_end(arguments);
-    instance->tell(instance, text);
+    instance->tell(instance, 0, text);
     return false;
 }
 
@@ -86,7 +95,11 @@ static inline bool dse_is_allowed(struct dse_instance *instance, const char *fun
 static void dse_rewind(struct dse_instance *instance) {
     memset(&instance->at, 0, sizeof instance->at);
     instance->at.state = DSE_INSTANTIATED;
+#ifdef DSE_MODEL
+    memcpy(instance->at.start.v, dse_starts, DSE_VALUES * sizeof *dse_starts);
+#else
     dse_component_start(&instance->at.start);
+#endif
 }
 
 static struct dse_instance *dse_create(const char *name) {
@@ -112,10 +125,15 @@ static void dse_destroy(struct dse_instance *instance) {
     }
 }
 
-static bool dse_set_up(struct dse_instance *instance, const char *function, double start_time) {
+/* *tolerance*: 0 if the importer has none. */
+static bool dse_set_up(struct dse_instance *instance, const char *function, double start_time, double tolerance) {
     if (!isfinite(start_time)) {
         return dse_refuse(instance, function, "the start time is not a finite number");
     }
+    if (!(tolerance >= 0.0 && tolerance < 1.0)) {
+        return dse_refuse(instance, function, "the tolerance of %g is not between 0 and 1", tolerance);
+    }
+    instance->at.tolerance = tolerance;
     instance->at.start_time = instance->at.time = start_time;
     instance->at.is_set_up = 1;
     return true;
@@ -126,24 +144,9 @@ static void dse_enter_initialization(struct dse_instance *instance) {
     instance->at.is_stale = 1;
 }
 
-static DSE_APART void dse_initialize(struct dse_instance *instance) {
-    memcpy(&instance->at.now, &instance->at.start, sizeof instance->at.now);
-    dse_component_init(&instance->at.now);
-    instance->at.is_stale = 0;
-}
-
-static void dse_exit_initialization(struct dse_instance *instance) {
-    if (instance->at.is_stale) {
-        dse_initialize(instance);
-    }
-    instance->at.state = DSE_STEPPING;
-}
-
-/* Advance from *time* by *step*, both in seconds. A sampled component runs at every hit start_time + k * period in
- * [time, time + step); k is counted, never summed up, and a hit is told from its neighbours with 1e-4 of the period
- * to spare, so that an importer whose clock drifts by rounding neither loses nor doubles one. */
-static inline bool dse_do_step(struct dse_instance *instance, const char *function, double time, double step) {
-    struct dse_snapshot *at;
+/* Whether a step of *step* seconds may be made from *time*. */
+static inline bool dse_is_step_possible(struct dse_instance *instance, const char *function, double time, double step) {
+    const struct dse_snapshot *at;
     if (DSE_UNLIKELY(!dse_is_allowed(instance, function, DSE_STEPPING))) {
         return false;
     }
@@ -154,16 +157,6 @@ static inline bool dse_do_step(struct dse_instance *instance, const char *functi
     if (DSE_UNLIKELY(!(fabs(time - at->time) <= 1e-6 * step + 1e-12 * fabs(time)))) {
         return dse_refuse(instance, function, "starts at %.17g s, but the instance stands at %.17g s", time, at->time);
     }
-#ifdef DSE_PERIOD
-    const double end = (time - at->start_time) + step - 1e-4 * DSE_PERIOD;
-    while ((double)at->hits * DSE_PERIOD < end) {
-        dse_component_step(&at->now);
-        at->hits++;
-    }
-#else
-    dse_component_step(&at->now, step);
-#endif
-    at->time = time + step;
     return true;
 }
 

@@ -23,7 +23,8 @@ enum {
     DSE_U8,
     DSE_U16,
     DSE_U32,
-    DSE_U64
+    DSE_U64,
+    DSE_WHOLE /* a double that holds whole numbers only */
 };
 
 /* What the variable is to the outside; the values are bits, so that an accessor can serve two kinds. */
@@ -32,10 +33,11 @@ enum { DSE_REAL = 1, DSE_INTEGER = 2, DSE_BOOLEAN = 4, DSE_ENUMERATION = 8 };
 /* Where an instance stands in its life; the values are bits, so that a set of states is a number. */
 enum { DSE_INSTANTIATED = 1, DSE_INITIALIZING = 2, DSE_STEPPING = 4, DSE_TERMINATED = 8 };
 
-/* The states in which a variable may be set. */
+/* The states in which a variable may be set. One more bit tells a parameter from an input. */
 enum {
+    DSE_OF_PARAMETER = 16,
     DSE_INPUT = DSE_INSTANTIATED | DSE_INITIALIZING | DSE_STEPPING,
-    DSE_TUNABLE = DSE_INSTANTIATED | DSE_INITIALIZING | DSE_STEPPING,
+    DSE_TUNABLE = DSE_INPUT | DSE_OF_PARAMETER,
     DSE_FIXED = DSE_INSTANTIATED | DSE_INITIALIZING,
     DSE_OUTPUT = 0
 };
@@ -81,6 +83,7 @@ struct dse_slot {
     ((type) == DSE_I8    ? INT8_MIN                                                                                    \
      : (type) == DSE_I16 ? INT16_MIN                                                                                   \
      : (type) == DSE_I32 ? INT32_MIN                                                                                   \
+     : (type) == DSE_WHOLE ? INT32_MIN                                                                                 \
      : (type) == DSE_I64 ? INT64_MIN                                                                                   \
                          : 0)
 /* Clipped to what an int64_t can say: values arrive as int64_t. */
@@ -91,6 +94,7 @@ struct dse_slot {
      : (type) == DSE_U8  ? UINT8_MAX                                                                                   \
      : (type) == DSE_U16 ? UINT16_MAX                                                                                  \
      : (type) == DSE_U32 ? (int64_t)UINT32_MAX                                                                         \
+     : (type) == DSE_WHOLE ? INT32_MAX                                                                                 \
      : (type) == DSE_BOOL ? 1                                                                                          \
                           : INT64_MAX)
 #define DSE_FITS(member, value)                                                                                        \

@@ -5,14 +5,26 @@
 #define DSE_VALUE_H
 
 #include "instance.h"
+#ifdef DSE_MODEL
+#include "simulation.h"
+#define DSE_FIRST_ITEM 1
+/* Values set from outside wait for the next step, or the next evaluation. */
+#define DSE_IS_SET(slot) ((slot)->settable & DSE_STEPPING)
+#define DSE_HAS_ENDED(instance) dse_has_ended(instance)
+#else
+#include "c_component.h"
+#define DSE_FIRST_ITEM 0
+#define DSE_IS_SET(slot) 0
+#define DSE_HAS_ENDED(instance) false
+#endif
 
 static inline const char *dse_source(const struct dse_instance *instance, const struct dse_slot *slot) {
-    return (const char *)&instance->at.now + slot->offset;
+    return (DSE_IS_SET(slot) ? (const char *)&instance->at.start : (const char *)&instance->at.now) + slot->offset;
 }
 
 static inline char *dse_target(struct dse_instance *instance, const struct dse_slot *slot) {
-    dse_component *component = instance->at.state == DSE_STEPPING ? &instance->at.now : &instance->at.start;
-    return (char *)component + slot->offset;
+    const bool is_now = instance->at.state == DSE_STEPPING && !DSE_IS_SET(slot);
+    return (is_now ? (char *)&instance->at.now : (char *)&instance->at.start) + slot->offset;
 }
 
 static const char *dse_kind_name(int kinds) {
@@ -54,10 +66,7 @@ static inline bool dse_begin_get(struct dse_instance *instance, const char *func
     if (DSE_UNLIKELY(!dse_is_allowed(instance, function, DSE_VALUES_KNOWN))) {
         return false;
     }
-    if (DSE_UNLIKELY(instance->at.is_stale)) {
-        dse_initialize(instance);
-    }
-    return true;
+    return DSE_LIKELY(!instance->at.is_stale) || dse_refresh(instance, function);
 }
 
 /* To be called before any variable is written. */
@@ -65,9 +74,21 @@ static inline bool dse_begin_set(struct dse_instance *instance, const char *func
     if (DSE_UNLIKELY(!dse_is_allowed(instance, function, DSE_INPUT))) {
         return false;
     }
+#ifdef DSE_MODEL
+    instance->at.is_changed = 1;
+    instance->at.is_stale = dse_staleness(instance);
+#else
     instance->at.is_stale = instance->at.state != DSE_STEPPING;
+#endif
     return true;
 }
+
+#ifdef DSE_MODEL
+static DSE_APART bool dse_refuse_nan(struct dse_instance *instance, const char *function, uint32_t reference) {
+    return dse_refuse(instance, function, "at %.12g s: variable '%s' is not a number", instance->at.now.time,
+        dse_names[reference]);
+}
+#endif
 
 /* The way for all that is not a double of the component; refuses what is not real. */
 static DSE_APART bool dse_get_float(
@@ -79,6 +100,18 @@ static DSE_APART bool dse_get_float(
         *value = instance->at.time;
         return true;
     }
+#ifdef DSE_MODEL
+    const int64_t relation = (int64_t)reference - (int64_t)DSE_TIME - 1;
+    if (relation >= 0 && relation < DSE_RELATIONS) {
+        double crossing[DSE_ROOM(DSE_RELATIONS)];
+        uint8_t truth[DSE_ROOM(DSE_RELATIONS)];
+        if (!dse_look(&instance->at.now, crossing, truth)) {
+            return dse_tell_trouble(instance, function);
+        }
+        *value = dse_indicator(&instance->at.now, (uint32_t)relation, crossing, truth);
+        return true;
+    }
+#endif
 #endif
     slot = dse_find(instance, function, reference, DSE_REAL);
     if (!slot) {
@@ -114,6 +147,9 @@ static inline bool dse_get_reals(
         const uint32_t reference = references[k];
         if (reference < DSE_SLOT_COUNT && dse_slots[reference].type == DSE_F64) {
             memcpy(&values[k], dse_source(instance, &dse_slots[reference]), sizeof values[k]);
+#ifdef DSE_MODEL
+            is_ok = values[k] == values[k] || dse_refuse_nan(instance, function, reference);
+#endif
         } else {
             is_ok = dse_get_float(instance, function, reference, &values[k]);
         }
@@ -161,6 +197,13 @@ static inline bool dse_load(const char *from, int type, int64_t *value) {
         DSE_LOAD(DSE_U8, uint8_t)
         DSE_LOAD(DSE_U16, uint16_t)
         DSE_LOAD(DSE_U32, uint32_t)
+    case DSE_WHOLE: {
+        double typed;
+        memcpy(&typed, from, sizeof typed);
+        const bool is_whole = typed >= -0x1p62 && typed <= 0x1p62 && typed == floor(typed);
+        *value = is_whole ? (int64_t)typed : 0;
+        return is_whole;
+    }
     default: {
         uint64_t typed;
         memcpy(&typed, from, sizeof typed);
@@ -181,6 +224,7 @@ static inline void dse_store(char *to, int type, int64_t value) {
         DSE_STORE(DSE_U16, uint16_t)
         DSE_STORE(DSE_U32, uint32_t)
         DSE_STORE(DSE_U64, uint64_t)
+        DSE_STORE(DSE_WHOLE, double)
     default: return;
     }
 }
@@ -193,14 +237,17 @@ static DSE_APART bool dse_get_whole(struct dse_instance *instance, const char *f
         return false;
     }
     if (DSE_UNLIKELY(!dse_load(dse_source(instance, slot), slot->type, value))) {
-        return dse_refuse(instance, function, "the value of '%s' is beyond 64 bits with sign", dse_names[reference]);
+        return dse_refuse(instance, function,
+            slot->type == DSE_WHOLE ? "the value of '%s' is not a whole number"
+                                    : "the value of '%s' is beyond 64 bits with sign",
+            dse_names[reference]);
     }
     if (slot->kind == DSE_BOOLEAN) {
         *value = *value != 0;
     }
     if (slot->kind == DSE_ENUMERATION) {
-        lowest = 0;
-        highest = slot->items - 1;
+        lowest = DSE_FIRST_ITEM;
+        highest = DSE_FIRST_ITEM + slot->items - 1;
     }
     if (DSE_UNLIKELY(*value < lowest || *value > highest)) {
         return dse_refuse(instance, function, "the value %lld of '%s' is not in %lld … %lld", (long long)*value,
@@ -222,8 +269,8 @@ static DSE_APART bool dse_set_whole(
         value = value != 0;
     }
     if (slot->kind == DSE_ENUMERATION) {
-        lowest = 0;
-        highest = slot->items - 1;
+        lowest = DSE_FIRST_ITEM;
+        highest = DSE_FIRST_ITEM + slot->items - 1;
     }
     if (DSE_UNLIKELY(value < lowest || value > highest)) {
         return dse_refuse(instance, function, "%lld does not fit '%s', which takes %lld … %lld", (long long)value,

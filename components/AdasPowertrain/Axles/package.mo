@@ -1,0 +1,3 @@
+within AdasPowertrain;
+package Axles "Driven axles with fixed reduction"
+end Axles;

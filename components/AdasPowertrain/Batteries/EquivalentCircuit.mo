@@ -1,0 +1,51 @@
+within AdasPowertrain.Batteries;
+block EquivalentCircuit
+  "Battery of equal cells: open-circuit voltage over state of charge, resistance and two resistor-capacitor pairs in
+   series. Circuit, open-circuit voltage and all six of its values: Chen and Rincon-Mora, IEEE Trans. Energy Convers.
+   21 (2006), eq. 2 to 7 at high state of charge, for a cell of 0.85 Ah; resistances are scaled by capacity, so that a
+   cell's drop depends on its C-rate alone. The table is their eq. 2, rounded to 0.1 mV. Losses are those of the
+   resistors; nothing is lost by storing charge."
+  parameter Integer series_cells(min=1, max=2000) = 108 "Cells in series";
+  parameter Real capacity(unit="C", min=3600, max=3.6e6) = 561600 "Of the whole battery, from full to empty; 3600 C = 1 Ah";
+  parameter Real initial_soc(min=0, max=1) = 0.8 "State of charge at the start";
+  parameter Real specific_resistance(unit="Ohm.C", min=0) = 227.8 "A cell's series resistance times its capacity";
+  parameter Real fast_resistance(unit="Ohm.C", min=1e-3) = 142.9 "Of the fast pair, times capacity";
+  parameter Real slow_resistance(unit="Ohm.C", min=1e-3) = 152.5 "Of the slow pair, times capacity";
+  parameter Real fast_time(unit="s", min=0.1) = 32.85 "Time constant of the fast pair";
+  parameter Real slow_time(unit="s", min=0.1) = 223.0 "Time constant of the slow pair";
+  parameter Real soc_axis[13] = {0, 0.02, 0.05, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 1} "State of charge of the points";
+  parameter Real cell_voltage[13](each unit="V") = {2.6540, 3.1773, 3.5164, 3.6746, 3.7250, 3.7477, 3.7729, 3.8034, 3.8411, 3.8880, 3.9460, 4.0170, 4.1029}
+    "Open-circuit voltage of a cell there";
+  input Real electric_power(unit="W") "Given at the poles";
+  output Real voltage(unit="V") "At the poles";
+  output Real soc(start=0.8) "State of charge";
+  output Real battery_power(unit="W") "Drawn from the cells: open-circuit voltage times current";
+  output Real loss(unit="W");
+  output Real stored_energy(unit="J") "In the capacitors";
+  Real current(unit="A") "Out of the battery";
+  Real open_circuit_voltage(unit="V");
+protected
+  parameter Real resistance(unit="Ohm") = specific_resistance * series_cells / capacity;
+  parameter Real first_resistance(unit="Ohm") = fast_resistance * series_cells / capacity;
+  parameter Real second_resistance(unit="Ohm") = slow_resistance * series_cells / capacity;
+  Real charge(unit="C", start=initial_soc * capacity, fixed=true, nominal=1e5);
+  Real fast_voltage(unit="V", start=0, fixed=true);
+  Real slow_voltage(unit="V", start=0, fixed=true);
+  Real inner_voltage(unit="V") "Behind the series resistance";
+  Real discriminant(unit="V2");
+equation
+  soc = charge / capacity;
+  der(charge) = -current;
+  open_circuit_voltage = series_cells * Tables.smooth1D(soc, soc_axis, cell_voltage, Tables.Extrapolation.linear);
+  inner_voltage = open_circuit_voltage - fast_voltage - slow_voltage;
+  /* power = (inner_voltage - resistance current) current; of its two roots the one that vanishes with the power. */
+  discriminant = inner_voltage ^ 2 - 4 * resistance * electric_power;
+  assert(discriminant > 0, "more power is asked than the battery can give");
+  current = 2 * electric_power / (inner_voltage + sqrt(noEvent(max(discriminant, 0))));
+  voltage = inner_voltage - resistance * current;
+  fast_time * der(fast_voltage) = first_resistance * current - fast_voltage;
+  slow_time * der(slow_voltage) = second_resistance * current - slow_voltage;
+  battery_power = open_circuit_voltage * current;
+  loss = resistance * current ^ 2 + fast_voltage ^ 2 / first_resistance + slow_voltage ^ 2 / second_resistance;
+  stored_energy = 0.5 * (fast_time / first_resistance * fast_voltage ^ 2 + slow_time / second_resistance * slow_voltage ^ 2);
+end EquivalentCircuit;

@@ -1,0 +1,3 @@
+within AdasPowertrain;
+package Batteries "Batteries"
+end Batteries;

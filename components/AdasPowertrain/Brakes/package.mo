@@ -1,0 +1,3 @@
+within AdasPowertrain;
+package Brakes "Friction brakes"
+end Brakes;

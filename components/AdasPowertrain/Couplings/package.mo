@@ -1,0 +1,3 @@
+within AdasPowertrain;
+package Couplings "Clutches and torque converters"
+end Couplings;

@@ -1,0 +1,3 @@
+within AdasPowertrain;
+package Driveline "Shafts, differential and inertias"
+end Driveline;

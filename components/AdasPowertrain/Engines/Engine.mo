@@ -1,0 +1,36 @@
+within AdasPowertrain.Engines;
+partial model Engine "What all combustion engines share: friction, full load, fuel by Willans lines"
+  parameter Vehicles.EngineData data;
+  parameter Real scale(min = 0) = 1 "Displacement, torque and what the auxiliaries take, against the data";
+  parameter Vehicles.Fuel fuel;
+  Interfaces.RealInput torque_demand(unit = "N.m", start = 0) "On the crankshaft, beyond what the auxiliaries take; >= 0";
+  Real speed(unit = "rad/s") "Of the crankshaft";
+  Interfaces.RealOutput torque(unit = "N.m") "On the crankshaft, before its inertia";
+  Interfaces.RealOutput fuel_power(unit = "W");
+  Interfaces.RealOutput co2(unit = "kg/s");
+  Real loss_power(unit = "W") "To exhaust and coolant, by friction and for the auxiliaries";
+protected
+  constant Real pi = 3.14159265358979;
+  constant Real standing(unit = "rad/s") = 5 "Friction falls to zero below";
+  constant Real light(unit = "N.m") = 10 "Demands below this lead over to overrun";
+  constant Real rounding(unit = "N.m") = 2 "Of limits";
+  Real friction(unit = "N.m");
+  Real auxiliaries(unit = "N.m");
+  Real drag(unit = "N.m") "Both";
+  Real highest(unit = "N.m") "Torque of the combustion at full load";
+  Real wanted(unit = "N.m") "Torque of the combustion for the demand";
+  Real combustion(unit = "N.m") "Torque of the combustion, >= 0";
+  Real slope "Of the Willans line";
+equation
+  friction = scale*data.displacement/(4*pi)*(data.friction_pressure + data.friction_pressure_1*abs(speed)
+    + data.friction_pressure_2*speed*speed)*Smooth.direction(speed, standing);
+  auxiliaries = scale*data.auxiliary_power*speed/(speed*speed + 400);
+  drag = friction + auxiliaries;
+  highest = max(0, scale*Tables.smooth1D(speed, data.speeds, data.full_load) + drag);
+  wanted = max(0, torque_demand) + drag*Smooth.direction(max(0, torque_demand), light);
+  torque = combustion - drag;
+  slope = Tables.smooth1D(speed, data.speeds, data.efficiency);
+  fuel_power = combustion*max(0, speed)/slope;
+  co2 = fuel.co2_per_energy*fuel_power;
+  loss_power = (1 - slope)*fuel_power + drag*speed;
+end Engine;

@@ -1,0 +1,3 @@
+within AdasPowertrain;
+package Engines "Combustion engines"
+end Engines;

@@ -1,0 +1,3 @@
+within AdasPowertrain;
+package Gearboxes "Gears and when to change them"
+end Gearboxes;

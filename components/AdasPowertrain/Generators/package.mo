@@ -1,0 +1,3 @@
+within AdasPowertrain;
+package Generators "Engines with generators, without a path to the wheels"
+end Generators;

@@ -1,0 +1,2 @@
+within AdasPowertrain.Interfaces;
+connector RealInput = input Real "Signal in";

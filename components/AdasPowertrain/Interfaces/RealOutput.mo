@@ -1,0 +1,2 @@
+within AdasPowertrain.Interfaces;
+connector RealOutput = output Real "Signal out";

@@ -1,0 +1,3 @@
+within AdasPowertrain;
+package Interfaces "Connectors and what alternatives share"
+end Interfaces;

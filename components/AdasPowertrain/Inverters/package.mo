@@ -1,0 +1,3 @@
+within AdasPowertrain;
+package Inverters "Inverters"
+end Inverters;

@@ -1,0 +1,3 @@
+within AdasPowertrain;
+package Machines "Electric machines"
+end Machines;

@@ -1,0 +1,5 @@
+within AdasPowertrain.Parts;
+model Engine10 "Three-cylinder petrol engine, 1.0 l, 85 kW"
+  extends Engine(data = petrol);
+  parameter Vehicles.TurboPetrol10 petrol;
+end Engine10;

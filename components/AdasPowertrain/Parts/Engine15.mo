@@ -1,0 +1,5 @@
+within AdasPowertrain.Parts;
+model Engine15 "Four-cylinder petrol engine, 1.5 l, 110 kW"
+  extends Engine(data = petrol);
+  parameter Vehicles.TurboPetrol15 petrol;
+end Engine15;

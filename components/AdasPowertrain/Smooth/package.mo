@@ -1,0 +1,3 @@
+within AdasPowertrain;
+package Smooth "Limits without corners, so that a solver need not search for them"
+end Smooth;

@@ -1,0 +1,3 @@
+within AdasPowertrain;
+package Tables "Interpolation in one and two dimensions"
+end Tables;

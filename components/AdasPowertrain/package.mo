@@ -1,0 +1,2 @@
+package AdasPowertrain "Powertrains of passenger cars: engines, machines, batteries, couplings, gearboxes and shafts"
+end AdasPowertrain;

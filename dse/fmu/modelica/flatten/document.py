@@ -1,0 +1,197 @@
+"""The front-end's JSON as a table of checked nodes: every kind and every key is known here, or the model is refused."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any, Protocol
+
+from dse.errors import DseError, Location, fail
+
+SCHEMA = 43
+"""The one version of the front-end's system that is understood."""
+
+Record = Mapping[str, Any]
+
+
+class FrontEndResult(Protocol):
+    """What the front-end gives: the system, the flat model it came from, and places in the model's files."""
+
+    @property
+    def model(self) -> str:
+        """The model's full name."""
+
+    @property
+    def dae(self) -> Record:
+        """The system of equations."""
+
+    @property
+    def flat(self) -> Record:
+        """The flat model before it; read for what the system does not say."""
+
+    @property
+    def structural(self) -> frozenset[str]:
+        """Names of parameters whose values the front-end used."""
+
+    def location(self, source: int, offset: int) -> Location | None:
+        """The place *offset* bytes into source number *source*, if that is a file of the user's."""
+
+
+@dataclass(frozen=True, slots=True)
+class Subscript:
+    """One subscript: ``index`` or ``slice`` with the node that gives it, or ``whole``."""
+
+    kind: str
+    node: int = -1
+
+
+@dataclass(frozen=True, slots=True)
+class Node:
+    """One expression node: its *kind*, own *data*, the numbers of its operands, its subscripts."""
+
+    kind: str
+    data: Any
+    operands: tuple[int, ...]
+    subscripts: tuple[Subscript, ...]
+    place: int
+    """Position in the file; differs from the node's number behind a quotient."""
+
+
+# fmt: off
+_NODE_KEYS: Mapping[str, frozenset[str]] = {kind: frozenset(keys.split()) for kind, keys in {
+    "unary": "operator operand", "binary": "operator lhs rhs", "conditional": "operand_count",
+    "builtin": "builtin operand_count", "array": "operand_count value_type", "record": "operand_count value_type",
+    "field": "base field", "range": "start_expression explicit_step_expression stop_expression",
+    "comprehension": "domain body", "index": "base subscript_count", "array_update": "base value subscript_count",
+    "call": "owner function output operand_count derivative", "function_value": "function value definition_ordinal",
+    "runtime_quotient_owner": "kind builtin lhs rhs",
+    "string_conversion": "declaration value minimum_length left_justified significant_digits format",
+}.items()}
+_FREE = frozenset({"literal", "coordinate", "function_fold_parameter", "function_fold_output"})
+_EMPTY = {
+    "previous_values": "previous() of a clocked partition", "delays": "delay()", "terminals": "terminal()",
+}
+_LISTS = frozenset({
+    "value_types", "variables", "functions", "domains", "continuous_equation_operations", "conditions", "relations",
+    "initialization_equation_operations", "initial_discrete_values", "initial_parameter_values", "event_actions",
+    "discrete_real_equations", "discrete_value_owners", "clocks", "model_event_transactions",
+})
+_IGNORED = frozenset({
+    "predefined_string_declaration", "flat_type_ids", "value_type_provenance", "roots", "structured_roots",
+    "time_events", "clock_ownerships", "expressions",
+})
+# fmt: on
+_PLACES = {"provenance", "declaration"}
+_QUOTIENT_NUMBERS = 7
+"""A quotient of the model takes this many numbers (itself and what it is made of); only its own is referred to."""
+
+
+@dataclass(frozen=True, slots=True)
+class Document:
+    """The checked tables. *nodes* by number; everything else by position, still in the front-end's words."""
+
+    result: FrontEndResult
+    nodes: Mapping[int, Node]
+    provenance: Sequence[Record]
+    lists: Mapping[str, Sequence[Record]]
+    flat: Record
+
+    def where(self, provenance: Record | None) -> Location | None:
+        """The place *provenance* names, if it names one."""
+        span = (provenance or {}).get("span")
+        return self.result.location(span["source"], span["start"]) if span else None
+
+    def at(self, node: int) -> Location | None:
+        """Where expression number *node* stands."""
+        found = self.nodes.get(node)
+        return self.where(self.provenance[found.place]) if found else None
+
+    def refused(self, what: str, node: int, hint: str = "") -> DseError:
+        """*what* is not supported, at *node*."""
+        return fail(f"{what} is not supported", self.at(node), hint)
+
+
+def read(result: FrontEndResult) -> Document:
+    """*result* as checked tables. Raises DseError for another schema, unknown constructs and counts that do not fit."""
+    dae = result.dae
+    if dae.get("schema_version") != SCHEMA:
+        raise fail(f"the Modelica front-end speaks schema {dae.get('schema_version')}, this version knows {SCHEMA}")
+    storage = dae["storage"]
+    unknown = sorted(set(storage) - _LISTS - _IGNORED - set(_EMPTY))
+    if unknown:
+        raise fail(f"the front-end's system has an unknown part '{unknown[0]}'")
+    lists = {name: storage.get(name) or [] for name in sorted(_LISTS)}
+    expressions = storage["expressions"]
+    nodes = _numbered(expressions)
+    document = Document(result, nodes, expressions["provenance"], lists, result.flat)
+    for name, what in _EMPTY.items():
+        if storage.get(name):
+            first = storage[name][0]
+            place = document.where(first.get("provenance")) if isinstance(first, dict) else None
+            raise fail(f"{what} is not supported", place or _first_delay(document, name, first))
+    _check_references(document)
+    return document
+
+
+def fields(record: Any, keys: str, what: str, where: Location | None = None) -> None:
+    """Raise DseError unless *record* has exactly the *keys* (and possibly says where it stands)."""
+    expected = set(keys.split())
+    found = set(record) - (_PLACES - expected) if isinstance(record, dict) else {str(record)}
+    if found != expected:
+        odd = ", ".join(sorted(found ^ expected))
+        raise fail(f"{what} in an unknown form is not supported (front-end: {odd})", where)
+
+
+def single(record: Any, what: str, where: Location | None = None) -> tuple[str, Any]:
+    """Kind and data of *record*, which is a word or a mapping of one key (besides provenance)."""
+    if isinstance(record, str):
+        return record, None
+    kinds = [key for key in record if key != "provenance"]
+    if len(kinds) != 1:
+        raise fail(f"{what} in an unknown form is not supported", where)
+    return kinds[0], record[kinds[0]]
+
+
+def _first_delay(document: Document, name: str, first: Any) -> Location | None:
+    return document.at(first["source"]) if name == "delays" and isinstance(first, dict) and "source" in first else None
+
+
+def _numbered(expressions: Record) -> Mapping[int, Node]:
+    operands, subscripts = expressions["operands"], expressions["subscripts"]
+    nodes: dict[int, Node] = {}
+    number = operand = subscript = 0
+    for place, raw in enumerate(expressions["nodes"]):
+        kind, data = single(raw, "an expression")
+        if kind in _NODE_KEYS:
+            fields(data, " ".join(_NODE_KEYS[kind]), f"an expression of kind '{kind}'")
+        elif kind not in _FREE:
+            raise fail(f"an expression of kind '{kind}' is not supported")
+        counts = data if kind in _NODE_KEYS else {}
+        last_operand = operand + counts.get("operand_count", 0)
+        last_subscript = subscript + counts.get("subscript_count", 0)
+        own = tuple(_subscript(record) for record in subscripts[subscript:last_subscript])
+        nodes[number] = Node(kind, data, tuple(operands[operand:last_operand]), own, place)
+        operand, subscript = last_operand, last_subscript
+        number += _QUOTIENT_NUMBERS if kind == "runtime_quotient_owner" and "model" in data["kind"] else 1
+    if operand != len(operands) or subscript != len(subscripts) or len(nodes) != len(expressions["provenance"]):
+        raise fail("the front-end's expression table does not fit together (operand, subscript or provenance counts)")
+    return nodes
+
+
+def _subscript(record: Record) -> Subscript:
+    kind, node = single(record["kind"], "a subscript")
+    if kind not in ("index", "slice", "whole"):
+        raise fail(f"a subscript of kind '{kind}' is not supported")
+    return Subscript(kind, -1 if node is None else node)
+
+
+def _check_references(document: Document) -> None:
+    """Every expression refers to earlier ones that exist; with a wrong numbering this could not hold."""
+    for number, node in document.nodes.items():
+        refers = [*node.operands, *(item.node for item in node.subscripts if item.kind != "whole")]
+        if isinstance(node.data, dict):
+            names = ("lhs", "rhs", "operand", "base", "body", "start_expression", "stop_expression")
+            refers += [node.data[name] for name in names if isinstance(node.data.get(name), int)]
+        for other in refers:
+            if other not in document.nodes or other >= number:
+                raise document.refused(f"the front-end's numbering of expressions ({number} refers to {other})", number)

@@ -1,0 +1,46 @@
+/* An instance of a component written in C: its initialization and its steps. Its members in *start* that are neither
+ * inputs nor parameters stay zero, so init sees values as set, all else zero. */
+#ifndef DSE_C_COMPONENT_H
+#define DSE_C_COMPONENT_H
+
+#include "instance.h"
+
+static DSE_APART bool dse_refresh(struct dse_instance *instance, const char *function) {
+    (void)function;
+    memcpy(&instance->at.now, &instance->at.start, sizeof instance->at.now);
+    dse_component_init(&instance->at.now);
+    instance->at.is_stale = 0;
+    return true;
+}
+
+static bool dse_exit_initialization(struct dse_instance *instance, const char *function) {
+    if (instance->at.is_stale) {
+        (void)dse_refresh(instance, function);
+    }
+    instance->at.state = DSE_STEPPING;
+    return true;
+}
+
+/* Advance from *time* by *step*, both in seconds. A sampled component runs at every hit start_time + k * period in
+ * [time, time + step); k is counted, never summed up, and a hit is told from its neighbours with 1e-4 of the period
+ * to spare, so that an importer whose clock drifts by rounding neither loses nor doubles one. */
+static inline bool dse_do_step(struct dse_instance *instance, const char *function, double time, double step) {
+    struct dse_snapshot *at;
+    if (DSE_UNLIKELY(!dse_is_step_possible(instance, function, time, step))) {
+        return false;
+    }
+    at = &instance->at;
+#ifdef DSE_PERIOD
+    const double end = (time - at->start_time) + step - 1e-4 * DSE_PERIOD;
+    while ((double)at->hits * DSE_PERIOD < end) {
+        dse_component_step(&at->now);
+        at->hits++;
+    }
+#else
+    dse_component_step(&at->now, step);
+#endif
+    at->time = time + step;
+    return true;
+}
+
+#endif

@@ -1,0 +1,109 @@
+/* From one communication point to the next: inputs are held, the solver goes as far as it takes, events are in time. */
+#ifndef DSE_CO_SIMULATION_H
+#define DSE_CO_SIMULATION_H
+
+#include "events.h"
+
+#define DSE_MOST_STEPS 1000000
+
+/* Where an importer's clock may differ from a model's by rounding; part of a communication step. */
+#define DSE_SPARE 1e-6
+
+/* The asserts, with everything in v as it is now. */
+static bool dse_check_all(dse_component *m, dse_tell *tell) {
+    if (DSE_CHECKS == 0) {
+        return true;
+    }
+    if (!dse_is_done(m, model_outputs(m))) {
+        return false;
+    }
+    model_aliases(m);
+    return dse_is_checked(m, model_check(m, tell));
+}
+
+/* An event at m->time, then ready to integrate again. v stands at m->time, derivatives included. */
+static bool dse_event_and_restart(dse_component *m, dse_tell *tell, double spare) {
+    return dse_event(m, tell, spare) && dse_check_all(m, tell) && dse_restart(m);
+}
+
+/* At the beginning of a communication step: events of new inputs or parameters, and ticks that are due. */
+static bool dse_begin_step(dse_component *m, dse_tell *tell, bool is_changed, double spare) {
+    if (!is_changed && dse_next_tick(m) > m->time + spare) {
+        return true;
+    }
+    dse_get_states(m, m->solver.trial);
+    if (!dse_place(m, m->time, m->solver.trial)) {
+        return false;
+    }
+    if (!DSE_HAS_EVENTS) {
+        return dse_restart(m);
+    }
+    return dse_event_and_restart(m, tell, spare);
+}
+
+/* Make v that of the end of the last step, unless it is. */
+static inline bool dse_stand_at_end(dse_component *m) {
+    return m->solver.is_at_end || dse_place(m, m->solver.end, m->solver.to);
+}
+
+/* A state event at the end of the last step, which is now. */
+static bool dse_meet_event(dse_component *m, dse_tell *tell) {
+    struct dse_solver *s = &m->solver;
+    uint8_t truth[DSE_ROOM(DSE_RELATIONS)];
+    double crossing[DSE_ROOM(DSE_RELATIONS)];
+    if (!dse_place(m, s->end, s->to) && !s->is_at_border) {
+        return false;
+    }
+    s->is_at_border = 0;
+    dse_forgive(m);
+    if (!dse_look(m, crossing, truth)) {
+        return false;
+    }
+    if (dse_chatters(m)) {
+        uint32_t which = 0;
+        for (int k = DSE_RELATIONS; k-- > 0;) {
+            which = truth[k] != m->held[k] ? (uint32_t)k : which;
+        }
+        return dse_trouble(m, DSE_CHATTERS, which);
+    }
+    s->next_width = 0.0; /* what the solver has learnt is of the time before */
+    return dse_event_and_restart(m, tell, 0.0);
+}
+
+/* From m->time to *target* with the inputs as they are. *is_steady*: they have not changed, so the solver may look
+ * ahead; its dense output then gives the states at *target*. False on trouble, which is noted. */
+static bool dse_advance(dse_component *m, dse_tell *tell, double target, bool is_steady, double spare) {
+    struct dse_solver *s = &m->solver;
+    const double ahead = !is_steady ? 0.0 : DSE_RELATIONS > 0 ? s->span : 1000.0 * s->span;
+    const int64_t most = s->steps + DSE_MOST_STEPS;
+    while (s->end <= target) {
+        const double tick = dse_next_tick(m);
+        const bool ticks_before = tick < target - spare;
+        if (s->has_event) {
+            if (!dse_meet_event(m, tell)) {
+                return false;
+            }
+        } else if (ticks_before && s->end >= tick) {
+            if (!dse_stand_at_end(m) || !dse_event_and_restart(m, tell, 0.0)) {
+                return false;
+            }
+        } else if (s->end == target) {
+            return dse_stand_at_end(m) && dse_check_all(m, tell);
+        } else {
+            if (DSE_CHECKS > 0 && s->has_step && !(dse_stand_at_end(m) && dse_check_all(m, tell))) {
+                return false;
+            }
+            if (s->steps == most) {
+                m->time = s->end;
+                return dse_trouble(m, DSE_TOO_MANY_STEPS, 0);
+            }
+            if (!dse_take_step(m, ticks_before ? tick : fmin(target + ahead, fmax(tick, target)))) {
+                return false;
+            }
+        }
+    }
+    dse_dense_states(m, (target - s->start) / s->width, s->trial);
+    return dse_place(m, target, s->trial) && dse_check_all(m, tell);
+}
+
+#endif

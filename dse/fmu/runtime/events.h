@@ -1,0 +1,158 @@
+/* What happens at an instant: clocks, the event iteration (Modelica 3.6, 8.6), reinit, the initialization. */
+#ifndef DSE_EVENTS_H
+#define DSE_EVENTS_H
+
+#include "integrate.h"
+
+#define DSE_HAS_EVENTS (DSE_RELATIONS + DSE_CONDITIONS + DSE_TRIGGERS + DSE_CLOCKS + DSE_PRE + DSE_DISCRETES > 0)
+#define DSE_MOST_PASSES 100
+
+/* A model that has no end of events in no time: so many in a row, each so close to the one before. */
+#define DSE_CLOSE_EVENTS 16
+
+static inline double dse_tick_time(uint32_t clock, int64_t tick) {
+    const struct dse_clock *at = &dse_clocks[clock];
+    return (double)(at->phase + tick * at->period) / (double)at->denominator;
+}
+
+/* When the next clock ticks; infinite if there is none. */
+static inline double dse_next_tick(const dse_component *m) {
+    double next = INFINITY;
+    for (int k = 0; k < DSE_CLOCKS; k++) {
+        next = fmin(next, dse_tick_time(k, m->next_tick[k]));
+    }
+    return next;
+}
+
+/* Set each clock to its first tick not before *time* - *spare*. */
+static void dse_wind_clocks(dse_component *m, double time, double spare) {
+    for (int k = 0; k < DSE_CLOCKS; k++) {
+        const struct dse_clock *at = &dse_clocks[k];
+        const double ticks = ceil(((time - spare) * (double)at->denominator - (double)at->phase) / (double)at->period);
+        int64_t tick = ticks > 0.0 ? (int64_t)ticks : 0;
+        while (tick > 0 && dse_tick_time(k, tick - 1) >= time - spare) {
+            tick--;
+        }
+        while (dse_tick_time(k, tick) < time - spare) {
+            tick++;
+        }
+        m->next_tick[k] = tick;
+    }
+}
+
+/* Whether a model's function has come to its end with what *code* says. */
+static bool dse_is_done(dse_component *m, int code) { return code == 0 || dse_trouble(m, code, 0); }
+
+static bool dse_is_checked(dse_component *m, int answer) {
+    return answer == 0 || dse_trouble(m, answer == 2 ? DSE_TERMINATED_BY_MODEL : DSE_VIOLATED, 0);
+}
+
+/* Whether discretes and conditions are what they were before the pass. */
+static bool dse_is_settled(const dse_component *m) {
+    for (int k = 0; k < DSE_PRE; k++) {
+        const double now = m->v[dse_discrete[k]], before = m->pre[k];
+        if (now != before && (now == now || before == before)) {
+            return false;
+        }
+    }
+    return DSE_CONDITIONS == 0 || memcmp(m->is_true, m->was_true, DSE_CONDITIONS) == 0;
+}
+
+/* Hold the relations as they are by what stands in v and pre; *is_old*: whether that is nothing new. */
+static bool dse_hold(dse_component *m, bool *is_old) {
+    double crossing[DSE_ROOM(DSE_RELATIONS)];
+    uint8_t truth[DSE_ROOM(DSE_RELATIONS)];
+    if (!dse_look(m, crossing, truth)) {
+        return false;
+    }
+    *is_old = !dse_differs(m, truth);
+    memcpy(m->held, truth, DSE_RELATIONS);
+    return true;
+}
+
+static void dse_keep_before(dse_component *m) {
+    for (int k = 0; k < DSE_PRE; k++) {
+        m->pre[k] = m->v[dse_discrete[k]];
+    }
+    memcpy(m->was_true, m->is_true, sizeof m->was_true);
+}
+
+/* One pass of the event iteration; *has_jumped*: whether a state was set anew. */
+static bool dse_pass(dse_component *m, dse_tell *tell, bool *has_jumped) {
+    memset(m->is_active, 0, sizeof m->is_active);
+    if (!dse_is_done(m, model_event(m)) || !dse_is_checked(m, model_event_check(m, tell))) {
+        return false;
+    }
+    memset(m->ticks, 0, sizeof m->ticks);
+    const int answer = model_reinitialize(m);
+    *has_jumped = answer > 0;
+    return answer >= 0 || dse_trouble(m, -answer, 0);
+}
+
+/* The event iteration, from v as it is at m->time before the event; clocks tick that are due until m->time + *spare*.
+ * Relations may look at pre, so they are held anew after it has moved. Afterwards v is complete, and the integration
+ * can be restarted. */
+static bool dse_event(dse_component *m, dse_tell *tell, double spare) {
+    bool is_settled = false;
+    for (int k = 0; k < DSE_CLOCKS; k++) {
+        m->ticks[k] = dse_tick_time((uint32_t)k, m->next_tick[k]) <= m->time + spare;
+        m->next_tick[k] += m->ticks[k];
+    }
+    m->solver.events++;
+    for (int pass = 0; pass <= DSE_MOST_PASSES; pass++) {
+        bool has_jumped, is_held;
+        dse_keep_before(m);
+        if (!dse_hold(m, &is_held)) {
+            return false;
+        }
+        if (is_settled && is_held) {
+            memset(m->is_active, 0, sizeof m->is_active);
+            return true;
+        }
+        if (!dse_pass(m, tell, &has_jumped)) {
+            return false;
+        }
+        is_settled = !has_jumped && dse_is_settled(m);
+    }
+    return dse_trouble(m, DSE_UNSETTLED, 0);
+}
+
+/* Everything at the start, from v as set and m->time. */
+static bool dse_solve_initial(dse_component *m, dse_tell *tell) {
+    const double spare = 1e-9 * fmax(1.0, fabs(m->time));
+    bool is_held = false;
+    if (!dse_is_done(m, model_parameters(m)) || !dse_is_done(m, model_guess(m))) {
+        return false;
+    }
+    dse_wind_clocks(m, m->time, spare);
+    for (int k = 0; k < DSE_PRE; k++) {
+        m->pre[k] = m->v[dse_discrete[k]];
+    }
+    if (!dse_hold(m, &is_held)) {
+        dse_forgive(m); /* of guesses, not of values: the first pass will tell */
+    }
+    is_held = false;
+    for (int pass = 0; !is_held && pass < DSE_MOST_PASSES; pass++) {
+        memset(m->is_active, 0, sizeof m->is_active);
+        if (!dse_is_done(m, model_initial(m)) || !dse_is_checked(m, model_event_check(m, tell))
+            || !dse_hold(m, &is_held)) {
+            return false;
+        }
+    }
+    if (!is_held) {
+        return dse_trouble(m, DSE_UNSETTLED, 0);
+    }
+    /* Parameters that are not fixed are known only now. */
+    return dse_is_done(m, model_parameters(m)) && dse_event(m, tell, spare);
+}
+
+/* Whether the state event at m->time is one of too many with next to no time between them. */
+static bool dse_chatters(dse_component *m) {
+    struct dse_solver *s = &m->solver;
+    const bool is_close = s->events_close > 0 && m->time - s->last_event <= fmin(1e-8, 1e-6 * s->span);
+    s->events_close = is_close ? s->events_close + 1 : 1;
+    s->last_event = m->time;
+    return s->events_close >= DSE_CLOSE_EVENTS;
+}
+
+#endif

@@ -1,0 +1,119 @@
+/* What a model made from Modelica and this runtime owe each other. Generated model.h reads, in this order:
+ *
+ *   the sizes   #define DSE_MODEL 1
+ *               DSE_VALUES      variables, parameters, derivatives: doubles in v; Boolean 0/1, an enumeration from 1
+ *               DSE_STATES      continuous states
+ *               DSE_RELATIONS   event-generating comparisons
+ *               DSE_CONDITIONS  conditions of when-clauses
+ *               DSE_TRIGGERS    when-clauses
+ *               DSE_CLOCKS      sample(phase, period)
+ *               DSE_PRE         discrete variables of which pre is used
+ *               DSE_DISCRETES   discrete variables; may be left out if all are in DSE_PRE
+ *               DSE_CHECKS      asserts and terminates
+ *               DSE_DATA        doubles of tables that are made from parameters: m->data
+ *               DSE_LARGEST_SYSTEM     unknowns of the largest Newton or linear system
+ *               DSE_SOLVER             DSE_AUTO_SOLVER, DSE_EXPLICIT_SOLVER or DSE_STIFF_SOLVER
+ *               DSE_DEFAULT_TOLERANCE  relative; the absolute one of a state is this times its nominal value
+ *               Any size may be 0; an array then has one element that nobody looks at.
+ *   #include "modelica.h"
+ *   the data    static const uint32_t dse_state[], dse_derivative[];      places in v, one each a state
+ *               static const char *const dse_state_names[];
+ *               static const uint32_t dse_discrete[];                     place in v of pre[k]
+ *               static const char *const dse_failure[];    what is told when a function returns 1 + index
+ *               static const char *const dse_relations[];  "file:line: h <= 0", one each a relation
+ *               static const struct dse_clock dse_clocks[];
+ *               #define DSE_SLOT_COUNT ...u
+ *               static const struct dse_slot dse_slots[] = {DSE_VALUE(place, kind, role, items), ...};
+ *               static const char *const dse_names[];      the position is the value reference
+ *   the functions, all static; int: 0, or 1 + index into dse_failure:
+ *     int model_parameters(m)    dependent parameters and m->data from the set ones; checks the tables' axes
+ *     int model_guess(m)         unknowns, states and discretes before the initialization
+ *     int model_initial(m)       one pass of the initial blocks, discretes and conditions (is_true) included
+ *     int model_derivatives(m)   from time, states, inputs, parameters, discretes, held: what states and relations need
+ *     int model_outputs(m)       the rest, after model_derivatives
+ *     void model_aliases(m)      negated aliases into their places, after model_outputs
+ *     int model_event(m)         one pass of the event blocks, given pre, held, was_true, ticks: all values, continuous
+ *                                and discrete; is_true and is_active
+ *     int model_reinitialize(m)  after each pass: reinit of active triggers; 1 if a state was written, else 0; what
+ *                                fails is negative. All values are computed before the first is written
+ *     int model_relations(m, double crossing[], uint8_t truth[])     left - right, and the comparisons themselves
+ *     int model_check(m, tell)        asserts, at accepted points, after model_outputs; 0 ok, 1 error, 2 terminate
+ *     int model_event_check(m, tell)  the same of those under a trigger, after each pass
+ *
+ * A second file, start.c, sees nothing of this. It holds what may change without compiling the model again:
+ *     const char dse_token[80] = "{...}";  const double dse_starts[] = {...};  const double dse_nominals[] = {...};
+ */
+#ifndef DSE_MODELICA_H
+#define DSE_MODELICA_H
+
+#include <float.h>
+#include <math.h>
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <string.h>
+
+#include "slot.h"
+
+#ifndef DSE_DISCRETES
+#define DSE_DISCRETES DSE_PRE
+#endif
+
+#define DSE_AUTO_SOLVER 0
+#define DSE_EXPLICIT_SOLVER 1
+#define DSE_STIFF_SOLVER 2
+
+#define DSE_TOKEN dse_token
+#define DSE_TOKEN_SIZE 80
+extern const char dse_token[DSE_TOKEN_SIZE];
+extern const double dse_starts[];   /* of everything in v */
+extern const double dse_nominals[]; /* of the states */
+
+/* Tick k = 0, 1, ... is at (phase + k * period) / denominator seconds, never summed up. Each number is less than 2^31,
+ * so the sum is exact for 2^32 ticks. */
+struct dse_clock {
+    int64_t period, phase, denominator;
+};
+
+/* kind: REAL, INTEGER, BOOLEAN or ENUMERATION. role: INPUT, TUNABLE, FIXED (a parameter that is not tunable, or the
+ * start of a state) or OUTPUT (whatever cannot be set). */
+#define DSE_VALUE(place, kind, role, items)                                                                            \
+    { 8u * (place), DSE_TYPE_OF_##kind, DSE_##kind, DSE_##role, items }
+#define DSE_TYPE_OF_REAL DSE_F64
+#define DSE_TYPE_OF_INTEGER DSE_WHOLE
+#define DSE_TYPE_OF_BOOLEAN DSE_WHOLE
+#define DSE_TYPE_OF_ENUMERATION DSE_WHOLE
+
+/* C knows no empty array. */
+#define DSE_ROOM(size) ((size) > 0 ? (size) : 1)
+
+#include "solver_memory.h"
+
+/* Numbers only, so that a copy is a saved state. */
+typedef struct {
+    double v[DSE_ROOM(DSE_VALUES)]; /* first, so a slot's offset is 8 * place */
+    double pre[DSE_ROOM(DSE_PRE)];
+    double data[DSE_ROOM(DSE_DATA)];
+    double time;
+    int64_t next_tick[DSE_ROOM(DSE_CLOCKS)];
+    uint8_t held[DSE_ROOM(DSE_RELATIONS)];      /* truth of the relations as the equations see it */
+    uint8_t is_true[DSE_ROOM(DSE_CONDITIONS)];  /* in this iteration */
+    uint8_t was_true[DSE_ROOM(DSE_CONDITIONS)]; /* in the iteration before */
+    uint8_t is_active[DSE_ROOM(DSE_TRIGGERS)];  /* in this iteration */
+    uint8_t ticks[DSE_ROOM(DSE_CLOCKS)];        /* in this iteration */
+    uint8_t has_told[DSE_ROOM(DSE_CHECKS)];     /* a warning is told once */
+    struct dse_solver solver;
+} dse_component;
+
+typedef void dse_tell(dse_component *m, int check, int is_warning, const char *text);
+
+/* Values as set from outside: all of v, of which only what can be set is ever read. */
+typedef struct {
+    double v[DSE_ROOM(DSE_VALUES)];
+} dse_settings;
+
+#include "linear.h"
+#include "newton.h"
+#include "tables.h"
+
+#endif

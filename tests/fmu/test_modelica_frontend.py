@@ -1,0 +1,265 @@
+"""The Modelica front-end: what is read, what is told when it fails, and which parameters it uses itself."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from dse.errors import DseError, Location
+from dse.fmu.modelica.frontend import process
+from dse.fmu.modelica.frontend.compile import compile_model
+from dse.fmu.modelica.frontend.literal import literal, wrapper
+from dse.fmu.modelica.frontend.process import FrontEnd, FrontEndDied
+from dse.fmu.modelica.frontend.sources import SourceText, read_sources
+from dse.fmu.modelica.frontend.structural import compile_probed
+
+LIBRARY = {
+    "Lib/package.mo": 'package Lib "Größe"\nend Lib;\n',
+    "Lib/package.order": "A\n",
+    "Lib/A.mo": 'within Lib;\nmodel A "ä – test"\n  parameter Real a = 2 "ö"; parameter Integer n = 3;\n'
+    "  input Real u;\n  output Real y;\n  Real z[n];\nequation\n  for i in 1:n loop z[i] = i*u; end for;\n"
+    "  y = Part.f(z[n])*a;\nend A;\n",
+    "Lib/Part/package.mo": "within Lib;\npackage Part\n"
+    "  function f input Real x; output Real y; algorithm y := x*x; end f;\nend Part;\n",
+}
+
+
+def written(folder: Path, files: dict[str, str]) -> Path:
+    for name, text in files.items():
+        path = folder / name
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text(text, encoding="utf-8")
+    return folder
+
+
+def refusal(folder: Path, text: str, model: str = "M") -> str:
+    path = written(folder, {"m.mo": text}) / "m.mo"
+    with pytest.raises(DseError) as caught:
+        compile_probed(read_sources("part", model, [path], where=Location("component.yaml", 3, 1)))
+    return str(caught.value)
+
+
+def structural(folder: Path, text: str, model: str = "M") -> list[str]:
+    path = written(folder, {"m.mo": text}) / "m.mo"
+    return sorted(compile_probed(read_sources("part", model, [path])).structural)
+
+
+def test_a_package_folder_is_read_and_every_variable_has_its_line(tmp_path: Path) -> None:
+    folder = written(tmp_path, LIBRARY) / "Lib"
+    result = compile_model(read_sources("part", "Lib.A", [folder]))
+    places = {
+        variable["name"]: result.location(*(variable["declaration"]["span"][key] for key in ("source", "start")))
+        for variable in result.dae["storage"]["variables"]
+    }
+    assert places["n"] == Location(str(folder / "A.mo"), 3, 39)
+    assert places["u"] == Location(str(folder / "A.mo"), 4, 9)
+    assert result.description == "ä – test"
+
+
+def test_a_package_is_found_by_its_package_file_and_below_a_library_folder(tmp_path: Path) -> None:
+    written(tmp_path, LIBRARY)
+    by_file = compile_model(read_sources("part", "Lib.A", [tmp_path / "Lib" / "package.mo"]))
+    by_root = compile_model(read_sources("part", "Lib.A", [], [tmp_path]))
+    names = [[v["name"] for v in result.dae["storage"]["variables"]] for result in (by_file, by_root)]
+    assert names[0] == names[1] == ["a", "n", "u", "y", "z"]
+
+
+def test_a_model_of_ones_own_uses_a_package_beside_it(tmp_path: Path) -> None:
+    own = "package Own\n  model X Lib.A a; output Real y = a.y; equation a.u = time; end X;\nend Own;\n"
+    written(tmp_path, {**LIBRARY, "Own.mo": own})
+    result = compile_model(read_sources("part", "Own.X", [tmp_path / "Own.mo", tmp_path / "Lib"]))
+    assert "a.z" in {variable["name"] for variable in result.dae["storage"]["variables"]}
+
+
+def test_the_same_files_elsewhere_give_the_same_system(tmp_path: Path) -> None:
+    one, other = (compile_model(read_sources("p", "Lib.A", [written(tmp_path / n, LIBRARY) / "Lib"])) for n in "ab")
+    assert one.dae == other.dae
+
+
+@pytest.mark.parametrize(
+    ("text", "expected"),
+    [
+        ("model M\n  Real x\n  Real y;\nend M;\n", ("m.mo:2:8: ", "unexpected `x`", "expected one of")),
+        (
+            "model M\n  Real x;\nequation\n  x = zz;\nend M;\n",
+            ("m.mo:4:7: ", "M: unresolved component reference: 'zz'"),
+        ),
+        ("model M\n  Real x[2];\nequation\n  x = {1, 2, 3};\nend M;\n", ("m.mo:4:3: ", "array dimension mismatch")),
+        ("model M\n  Real x;\nend M;\n", ("m.mo:1:7: ", "unbalanced model: 0 equations, 1 unknowns")),
+        ("package M\nend M;\n", ("m.mo:1:9: ", "it is a package, not a model", "name a model")),
+        ("partial model M\n  Real x = 1;\nend M;\n", ("m.mo:1:15: ", "M is partial", "name a model that is complete")),
+        ("model Other\n  Real x = 1;\nend Other;\n", ("component.yaml:3:1: ", "no file or library holds", "full name")),
+        ("model M\n  output Real y = " + "+".join(["1"] * 20_000) + ";\nend M;\n", ("component.yaml:3:1: ", "crashed")),
+    ],
+)
+def test_what_the_front_end_refuses_is_told_at_its_place(tmp_path: Path, text: str, expected: tuple[str, ...]) -> None:
+    message = refusal(tmp_path, text)
+    assert "Traceback" not in message
+    for part in expected:
+        assert part in message
+
+
+def test_files_that_cannot_be_used_are_all_told(tmp_path: Path) -> None:
+    (tmp_path / "latin.mo").write_bytes("model M \xe4 end M;".encode("latin-1"))
+    (tmp_path / "empty").mkdir()
+    files = [tmp_path / name for name in ("latin.mo", "empty", "gone.mo")]
+    with pytest.raises(DseError) as caught:
+        read_sources("part", "M", files, [tmp_path / "nowhere"])
+    said = str(caught.value)
+    for part in ("no UTF-8", "holds no Modelica", "there is no such file", "no folder"):
+        assert part in said
+
+
+REDECLARED = """package P
+  block Gain "k times u" parameter Real k = 1; input Real u; output Real y = k*u; end Gain;
+  model Base replaceable block B = Gain; B b; output Real y = b.y; equation b.u = 1; end Base;
+  model M extends Base(redeclare block B = Gain(k = 0.5)); end M;
+end P;
+"""
+TWO_FUNCTIONS = """package P
+  model A function f input Real x; output Real y; algorithm y := x; end f; output Real y = f(1); end A;
+  model B function f input Real x; output Real y; algorithm y := 10*x; end f; output Real y = f(1); end B;
+  model M A a; B b; output Real y = a.y + b.y; end M;
+end P;
+"""
+CHANGED_CONSTANT = """package P
+  package Q constant Real k = 1; function f output Real y; algorithm y := k; end f; end Q;
+  package R extends Q(k = 3); end R;
+  model M output Real y = Q.f() + R.f(); end M;
+end P;
+"""
+
+
+@pytest.mark.parametrize(
+    ("text", "where", "what"),
+    [
+        (REDECLARED, "m.mo:4:40: ", "redeclaration of class 'B'"),
+        (TWO_FUNCTIONS, "m.mo:2:20: ", "the function 'f' may be one of 2"),
+        (CHANGED_CONSTANT, "m.mo:3:23: ", "constant 'k' is changed here and read by a function"),
+    ],
+)
+def test_what_the_front_end_would_misread_is_refused(tmp_path: Path, text: str, where: str, what: str) -> None:
+    message = refusal(tmp_path, text, "P.M")
+    assert where in message
+    assert what in message
+
+
+def test_the_words_of_a_comment_are_no_redeclaration(tmp_path: Path) -> None:
+    text = 'model M "redeclare model X = Y(k = 1)"\n  // redeclare model X = Y(k = 1)\n  output Real y = 1;\nend M;\n'
+    assert structural(tmp_path, text) == []
+
+
+@pytest.mark.parametrize(
+    ("text", "expected"),
+    [
+        ("parameter Integer n = 3; Real z[n]; output Real y = z[n]; equation z = ones(n);", ["n"]),
+        ("parameter Real T = 1; output Real y(start = 0); equation when sample(0, T) then y = time; end when;", ["T"]),
+        ("parameter Real a = 2; Real z, y; equation if a > 5 then y = 1; z = y; else y = z; z = 3; end if;", ["a"]),
+        ("parameter Real a = 2 annotation(Evaluate = true); output Real y = a;", ["a"]),
+        ("parameter Real a = 2; parameter Real b = 2*a; output Real y = a*b;", []),
+        ("parameter Real a = -2; parameter Real b(start = 3); parameter Real c; output Real y = a*b*c;", []),
+        ("parameter Boolean k = true; parameter Real q[3] = {1, 2, 3}; output Real y = if k then q[2] else time;", []),
+        ("parameter Integer i = 2; parameter Real q[3] = {1, 2, 3}; output Real y = q[i];", []),
+    ],
+)  # fmt: skip
+def test_a_parameter_the_front_end_uses_is_structural(tmp_path: Path, text: str, expected: list[str]) -> None:
+    declarations, _, equations = text.partition("equation")
+    model = f"model M {declarations}" + (f"equation {equations}" if equations else "") + " end M;"
+    assert structural(tmp_path, model) == expected
+
+
+def test_instances_of_one_class_keep_their_parameters(tmp_path: Path) -> None:
+    text = """package P
+  model L parameter Real k = 2; output Real y = k; end L;
+  model M L a; L b; L c[2](each k = 3); output Real y = a.y + b.y + c[1].y; end M;
+end P;"""
+    assert structural(tmp_path, text, "P.M") == []
+
+
+def test_a_value_put_in_place_of_a_name_is_another_parameters(tmp_path: Path) -> None:
+    text = """package P
+  record Point Real x; Real y; end Point;
+  record Line Point from; Point to; end Line;
+  function length input Line l; output Real s; algorithm s := l.to.x - l.from.x; end length;
+  model M parameter Real k = 3; parameter Point a(x = k, y = 0); parameter Line l(from = a, to(x = 0, y = 4));
+    output Real y = length(l); end M;
+end P;"""
+    assert {"k", "l.from.x"} <= set(structural(tmp_path, text, "P.M"))
+
+
+def test_structural_values_are_given_and_must_take_effect(tmp_path: Path) -> None:
+    folder = written(tmp_path, LIBRARY) / "Lib"
+    result = compile_probed(read_sources("part", "Lib.A", [folder]), {"n": 5})
+    types = result.dae["storage"]["value_types"]
+    sizes = {v["name"]: types[v["value_type"]]["dimensions"] for v in result.dae["storage"]["variables"]}
+    assert sizes["z"] == [5]
+    assert result.structural == {"n"}
+    with pytest.raises(DseError, match=r"'m' of Lib\.A cannot be given the value 5"):
+        compile_probed(read_sources("part", "Lib.A", [folder]), {"m": 5})
+
+
+@pytest.mark.parametrize(
+    ("value", "text"),
+    [(True, "true"), (3, "3"), (1e-300, "1e-300"), (-0.1, "-0.1"), ((1.0, 2.5), "{1.0, 2.5}"), ("A.b", "A.b")],
+)  # fmt: skip
+def test_values_are_written_as_modelica_reads_them(value: object, text: str) -> None:
+    assert literal(value) == text  # type: ignore[arg-type]  # one test for all types
+
+
+@pytest.mark.parametrize("value", [float("nan"), float("inf"), "1); end M; model X", ""])
+def test_what_is_no_value_is_not_written(value: object) -> None:
+    with pytest.raises(ValueError, match="Modelica"):
+        literal(value)  # type: ignore[arg-type]  # same
+
+
+def test_dotted_names_become_nested_modifications() -> None:
+    text = wrapper("W", "P.M", {"a.b.c": "1", "a.d": "2", "e": "true"}, ["Q"])
+    assert text == "// Q\nmodel W\n  extends P.M(a(b(c=1), d=2), e=true);\nend W;\n"
+
+
+@pytest.mark.parametrize(("offset", "line", "column"), [(0, 1, 1), (2, 1, 2), (5, 2, 1), (9, 2, 3)])
+def test_offsets_count_bytes_and_columns_count_characters(offset: int, line: int, column: int) -> None:
+    assert SourceText("x.mo", "öab\näöü\n").location(offset) == Location("x.mo", line, column)
+
+
+def child(folder: Path, text: str, monkeypatch: pytest.MonkeyPatch) -> FrontEnd:
+    script = folder / "child.py"
+    script.write_text(text, encoding="utf-8")
+    monkeypatch.setattr(process, "_CHILD", script)
+    return FrontEnd(folder, (), folder, seconds=2.0)
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("import time\ntime.sleep(60)\n", "took longer than 2 s"),
+        ("raise SystemExit(3)\n", "crashed"),
+        ("import sys\nsys.stdin.readline()\nprint('hello')\n", "answered what cannot be read"),
+        ("import sys\nsys.stdin.readline()\nprint('[1]')\n", "answered what cannot be read"),
+        ("input()\nprint('{\"version\": \"0.9.0\"}')\n", "is rumoca 0.9.0, but only 0.10.2 is known"),
+        ("input()\nprint('{\"error\": {\"kind\": \"ImportError\", \"message\": \"\"}}')\n", "not installed"),
+    ],
+)  # fmt: skip
+def test_a_front_end_that_misbehaves_is_told_by_name(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, text: str, message: str
+) -> None:
+    with child(tmp_path, text, monkeypatch) as front_end, pytest.raises(FrontEndDied, match=message):
+        front_end.ask({"wrapper": "", "model": ""})
+
+
+def test_after_a_crash_the_next_request_is_answered(tmp_path: Path) -> None:
+    crash = "model M output Real y = " + "+".join(["1"] * 20_000) + "; end M;"
+    (tmp_path / "files").mkdir()
+    with FrontEnd(tmp_path, ("files",), tmp_path) as front_end:
+        request = {"model": "M", "filename": "w.mo", "folder": str(tmp_path)}
+        with pytest.raises(FrontEndDied):
+            front_end.ask({**request, "wrapper": crash})
+        assert front_end.ask({**request, "wrapper": "model M output Real y = 1; end M;"})["dae"]["schema_version"] == 43
+
+
+def test_another_layout_is_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    from dse.fmu.modelica.frontend import compile as compiling
+
+    monkeypatch.setattr(compiling, "SCHEMA", 44)
+    assert "writes layout 43, not 44" in refusal(tmp_path, "model M output Real y = 1; end M;")

@@ -1,0 +1,227 @@
+"""What is not translated with certainty is refused, by name and with its place in the model's file."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import pytest
+from modelica_text import compiled, flattened
+
+from dse.errors import DseError
+from dse.fmu.modelica.flatten import flatten
+
+STATE = "model M Real x(start = 0, fixed = true); "
+TABLE = (
+    "function t input Real x; input Real xs[:]; input Real ys[:]; input Integer e; output Real y; "
+    'external "C" y = dse_table1(x, xs, size(xs, 1), ys, 0, e); end t; '
+)
+
+REFUSED = [
+    ("model M input Real u; Real y = delay(u, 0.1); end M;", "delay()"),
+    (STATE + "discrete Real d; equation der(x) = 1; when terminal() then d = 1; end when; end M;", "terminal()"),
+    ("model M input String s; Real y = 1; end M;", "'s' of type string"),
+    (
+        'function f input Real x; output Real y; external "C" y = my_sine(x); end f; model M Real y = f(time); end M;',
+        "the external function 'my_sine'",
+    ),
+    (
+        (
+            "function f input Real x; output Integer n; algorithm n := integer(x); end f; model M Integer k; equation "
+            "k = f(time); end M;"
+        ),
+        "'k', a discrete variable whose value changes without an event,",
+    ),
+    ("model M input Real u; Boolean b = noEvent(u > 0); end M;", "'b', a discrete variable whose value changes"),
+    (
+        STATE + "discrete Real d; equation der(x) = 1; when noEvent(x > 1) then d = 1; end when; end M;",
+        "a when-condition that changes without an event",
+    ),
+    (TABLE + "model M Real y = t(time, {0, 1, 1}, {1, 2, 3}, 1); end M;", "a table's axis that does not increase"),
+    (TABLE + "model M Real y = t(time, {0, 1}, {1, 2, 3}, 1); end M;", "other than one value a point"),
+    (TABLE + "model M Real y = t(time, {0, 1}, {1, time}, 1); end M;", "a table whose data change"),
+    (
+        TABLE + "model M input Integer e; Real y = t(time, {0, 1}, {1, 2}, e); end M;",
+        "a table whose interpolation changes",
+    ),
+    (
+        STATE
+        + 'discrete Real d; equation der(x) = 1; when x > 1 then d = 1; elsewhen x > 2 then d = 2; terminate("end"); '
+        "end when; end M;",
+        "a terminate in an elsewhen",
+    ),
+    (
+        STATE
+        + "discrete Real d; equation der(x) = 1; algorithm when x > 1 then d := 1; end when; when x > 2 then d := 2; "
+        "end when; end M;",
+        "'d' assigned under several conditions that are not one when-clause",
+    ),
+    ("model M input Boolean b = true; Real y = if b then 1 else 2; end M;", "the input 'b' with a default value"),
+    ("model M Real y(start = time) = 2; end M;", "'start' of 'y' that depends on more than parameters"),
+    (
+        STATE + "Integer n; initial equation n = if x > 0 then 1 else 2; equation der(x) = 1; when x > 1 then n = 2; "
+        "end when; end M;",
+        "an initial value of 'n' that depends on more than parameters",
+    ),
+    (
+        (
+            "function f input Real x; output Real y; algorithm y := x; for i in 1:100000 loop y := y * x + i; "
+            "end for; end f; "
+            "model M Real y = f(time); end M;"
+        ),
+        "which unrolls to more than",
+    ),
+    (
+        (
+            "function f input Real x; input Integer n; output Real y; algorithm y := if n <= 0 then x else f(x, "
+            "n - 1); end f; "
+            "model M input Integer n; Real y = f(time, n); end M;"
+        ),
+        "nested more than",
+    ),
+    (
+        (
+            "model P function k input Real x; output Real y; algorithm y := 5 * x; end k; Real y = k(1); end P; "
+            "model N function k input Real x; output Real y; algorithm y := 7 * x; end k; Real y = k(1); end N; "
+            "model M P p; N n; end M;"
+        ),
+        "'k', a function with the name of another one",
+    ),
+    (
+        (
+            "function f input Real x; output Real y; protected Real a; algorithm if x > 0 then a := x; end if; y "
+            ":= a; end f; "
+            "model M Real y = f(time); end M;"
+        ),
+        "function 'f': `a` is used without a value",
+    ),
+    ("model M Real y = if time == 2 then 1 else 0; end M;", "for equality"),
+]
+
+
+@pytest.mark.parametrize(("text", "what"), REFUSED)
+def test_a_construct_is_refused_by_name_and_place(text: str, what: str) -> None:
+    try:
+        result = compiled(text)
+    except Exception as refusal:  # noqa: BLE001 - the front-end's own refusal is as good, but the case is then idle
+        pytest.fail(f"the front-end refuses it already: {refusal}")
+    with pytest.raises(DseError) as caught:
+        flatten(result)
+    (problem,) = caught.value.problems
+    assert what in problem.what
+    assert problem.where is not None
+    assert (problem.where.file, problem.where.line) == ("m.mo", 2)
+
+
+def test_the_place_is_the_line_and_column_of_the_construct() -> None:
+    with pytest.raises(DseError) as caught:
+        flattened("model M\n  input Real u;\n  Real y;\nequation\n  y = 3 + delay(u, 0.1);\nend M;")
+    (problem,) = caught.value.problems
+    assert str(problem.where) == "m.mo:6:11"
+
+
+PLAIN = "model M input Real u; Real x(start = 1, fixed = true); Real y; equation der(x) = -x; y = sin(u) + x; end M;"
+
+
+def _storage(change: Any) -> None:
+    """*change* the front-end's storage of a plain model and see that it is refused."""
+    result = compiled(PLAIN)
+    flatten(result)
+    change(result.dae["storage"])
+    with pytest.raises(DseError):
+        flatten(result)
+
+
+def test_another_schema_is_refused() -> None:
+    result = compiled(PLAIN)
+    assert isinstance(result.dae, dict)
+    result.dae["schema_version"] = 44
+    with pytest.raises(DseError, match="schema 44"):
+        flatten(result)
+
+
+def test_an_unknown_part_of_the_system_is_refused() -> None:
+    _storage(lambda storage: storage.update(brand_new=[1]))
+
+
+def test_an_unknown_kind_of_expression_is_refused() -> None:
+    _storage(lambda storage: storage["expressions"]["nodes"].__setitem__(-1, {"riddle": {"lhs": 0, "rhs": 1}}))
+
+
+def test_an_unknown_key_of_an_expression_is_refused() -> None:
+    _storage(lambda storage: storage["expressions"]["nodes"][-1]["binary"].update(mode="strange"))
+
+
+def test_an_unknown_operator_is_refused() -> None:
+    _storage(lambda storage: storage["expressions"]["nodes"][-1]["binary"].update(operator="xor"))
+
+
+def test_an_unknown_function_is_refused() -> None:
+    def change(storage: Any) -> None:
+        for node in storage["expressions"]["nodes"]:
+            if "builtin" in node:
+                node["builtin"]["builtin"] = "gamma"
+
+    _storage(change)
+
+
+def test_an_unknown_role_of_a_variable_is_refused() -> None:
+    _storage(lambda storage: storage["variables"][0].update(role="oracle"))
+
+
+def test_an_unknown_attribute_of_a_variable_is_refused() -> None:
+    _storage(lambda storage: storage["variables"][0]["attributes"].update(colour="red"))
+
+
+def test_operands_left_over_are_refused() -> None:
+    _storage(lambda storage: storage["expressions"]["operands"].append(0))
+
+
+def test_a_reference_to_a_later_expression_is_refused() -> None:
+    def change(storage: Any) -> None:
+        nodes = storage["expressions"]["nodes"]
+        nodes[-1]["binary"]["lhs"] = len(nodes) + 3
+
+    _storage(change)
+
+
+def test_a_missing_equation_is_refused() -> None:
+    _storage(lambda storage: storage["continuous_equation_operations"].pop())
+
+
+def test_an_unknown_kind_of_equation_is_refused() -> None:
+    _storage(lambda storage: storage["continuous_equation_operations"].append({"inequality": {"residual": 0}}))
+
+
+@pytest.mark.parametrize("part", ["delays", "previous_values", "terminals"])
+def test_parts_that_are_not_translated_must_be_empty(part: str) -> None:
+    _storage(lambda storage: storage.update({part: [{"unknown": 1}]}))
+
+
+def test_an_unknown_statement_of_a_function_is_refused() -> None:
+    result = compiled(
+        "function f input Real x; output Real y; algorithm y := 2 * x; end f; model M Real y = f(time); end M;"
+    )
+    result.dae["storage"]["functions"][0]["statements"].insert(0, {"pray": {}})
+    with pytest.raises(DseError, match="a statement of kind 'pray'"):
+        flatten(result)
+
+
+def test_a_reading_of_an_outdated_value_is_refused() -> None:
+    result = compiled(
+        "function f input Real x; output Real y; algorithm y := x; y := y + 1; y := y * 2; end f; "
+        "model M Real y = f(time); end M;"
+    )
+    readings = [
+        node["function_value"] for node in result.dae["storage"]["expressions"]["nodes"] if "function_value" in node
+    ]
+    assert readings[-1]["definition_ordinal"] == 1
+    readings[-1]["definition_ordinal"] = 0
+    with pytest.raises(DseError, match="a value that no statement before has given"):
+        flatten(result)
+
+
+def test_an_unknown_condition_is_refused() -> None:
+    result = compiled(STATE + "discrete Real d; equation der(x) = 1; when x > 1 then d = 1; end when; end M;")
+    result.dae["storage"]["conditions"][0]["node"] = {"omen": 3}
+    with pytest.raises(DseError, match="a condition of kind 'omen'"):
+        flatten(result)

@@ -1,0 +1,3 @@
+within Tiny;
+package Blocks "Signals"
+end Blocks;

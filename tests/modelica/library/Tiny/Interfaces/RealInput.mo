@@ -1,0 +1,2 @@
+within Tiny.Interfaces;
+connector RealInput = input Real "'input Real' as connector";

@@ -1,0 +1,2 @@
+within Tiny.Interfaces;
+connector RealOutput = output Real "'output Real' as connector";

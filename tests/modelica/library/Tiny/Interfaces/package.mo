@@ -1,0 +1,3 @@
+within Tiny;
+package Interfaces "Connectors and partial models"
+end Interfaces;

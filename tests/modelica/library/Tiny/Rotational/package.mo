@@ -1,0 +1,3 @@
+within Tiny;
+package Rotational "One-dimensional rotation"
+end Rotational;

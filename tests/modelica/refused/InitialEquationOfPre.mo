@@ -1,0 +1,19 @@
+model InitialEquationOfPre
+  discrete Real a(start = 3, fixed = true);
+  discrete Real b;
+  discrete Real c(start = 0);
+  Integer n(start = 5, fixed = true);
+  output Real y[4];
+initial equation
+  pre(b) = 2 * a; // refused: pre(b)
+equation
+  when time > 0.5 then
+    a = pre(a) + 1;
+    b = pre(b) * 10;
+    n = pre(n) + 2;
+  end when;
+  when {initial(), time > 0.25} then
+    c = 7 + time;
+  end when;
+  y = {a, b, c, n};
+end InitialEquationOfPre;

@@ -1,0 +1,6 @@
+model IteratorOverValues // refused: range
+  input Real u(start = 1);
+  output Real y;
+equation
+  y = sum(u * i for i in {3, 1, 2});
+end IteratorOverValues;

@@ -1,0 +1,5 @@
+partial model PartialModel // refused: partial
+  output Real y;
+equation
+  y = time;
+end PartialModel;

@@ -1,0 +1,5 @@
+model SyntaxError
+  output Real y;
+equation
+  y = 2 * * time; // refused: *
+end SyntaxError;

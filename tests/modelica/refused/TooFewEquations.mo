@@ -1,0 +1,6 @@
+model TooFewEquations // refused: equations
+  Real x;
+  output Real y;
+equation
+  y = x;
+end TooFewEquations;

@@ -1,0 +1,146 @@
+"""Every language case, built for both FMI versions and run in every way, against its independent solution."""
+
+from __future__ import annotations
+
+import math
+import struct
+from collections.abc import Mapping
+
+import pytest
+from language_case import CASES as FOLDER
+from language_case import Case
+from modelica_components import Built
+from slaves import numbers, run_cs, run_master, run_me
+from solutions_of_classes import CASES as OF_CLASSES
+from solutions_of_dynamics import CASES as OF_DYNAMICS
+from solutions_of_events import CASES as OF_EVENTS
+from solutions_of_expressions import CASES as OF_EXPRESSIONS
+
+from dse.domain.fmu import FmuModel
+
+ALL = [*OF_EXPRESSIONS, *OF_CLASSES, *OF_DYNAMICS, *OF_EVENTS]
+TIGHT = 1e-9
+every_case = pytest.mark.parametrize("case", ALL, ids=lambda case: case.model)
+both_versions = pytest.mark.parametrize("version", [2, 3], ids=["fmi2", "fmi3"])
+
+
+def test_every_model_of_the_folder_has_a_solution() -> None:
+    assert sorted(case.model for case in ALL) == sorted(file.stem for file in FOLDER.glob("*.mo"))
+    assert len(ALL) >= 70
+
+
+def test_every_model_says_which_situation_it_is() -> None:
+    assert all(case.file.read_text(encoding="utf-8").startswith("// ") for case in ALL)
+
+
+def deviation(got: Mapping[str, float], wanted: Mapping[str, float]) -> float:
+    """Largest difference: absolute up to 1, relative beyond; infinite if a value is no number."""
+    errors = [abs(got[name] - want) / max(1.0, abs(want)) for name, want in wanted.items()]
+    return math.inf if any(map(math.isnan, errors)) else max(errors)
+
+
+def check(case: Case, rows: list[tuple[float, dict[str, float]]], variant: Mapping[str, float], bound: float) -> None:
+    compared = 0
+    for time, got in rows:
+        if not case.is_compared(time):
+            continue
+        wanted = case.expected(time, variant)
+        wrong = {name: (got[name], want) for name, want in wanted.items() if deviation(got, {name: want}) > bound}
+        assert not wrong, f"{case.model} at {time:g} s with {dict(variant)}: (got, wanted) = {wrong}"
+        compared += 1
+    assert compared >= min(3, len(rows))
+
+
+def timed(case: Case, rows: list[dict[str, float]], step: float) -> list[tuple[float, dict[str, float]]]:
+    return [(k * step, row) for k, row in enumerate(rows)]
+
+
+def names_of(case: Case) -> list[str]:
+    return list(case.expected(0.0))
+
+
+def steps_of(case: Case, step: float) -> int:
+    return int(case.stop / step + 1e-6)
+
+
+@every_case
+@both_versions
+def test_co_simulation_follows_the_solution(case: Case, version: int, built: Built) -> None:
+    model = built(case.file, version)
+    for variant in ({}, *case.variants):
+        if not_settable(model, variant):
+            continue
+        rows = run_cs(model, names_of(case), steps_of(case, case.step), case.step, variant, case.moved, TIGHT)
+        check(case, timed(case, rows, case.step), variant, case.error)
+
+
+@every_case
+def test_a_structural_parameter_is_built_in(case: Case, built: Built) -> None:
+    model = built(case.file, 2)
+    for variant in case.variants:
+        if not not_settable(model, variant):
+            continue
+        other = built(case.file, 2, variant)
+        rows = run_cs(other, names_of(case), steps_of(case, case.step), case.step, {}, case.moved, TIGHT)
+        check(case, timed(case, rows, case.step), variant, case.error)
+
+
+@every_case
+def test_other_communication_steps_and_tolerances_tell_the_same(case: Case, built: Built) -> None:
+    model = built(case.file, 2)
+    factors = (1 / 7,) if case.moved else (1 / 7, 3.1)
+    for factor in factors:
+        step = case.step * factor
+        rows = run_cs(model, names_of(case), steps_of(case, step), step, {}, case.moved, TIGHT)
+        check(case, timed(case, rows, step), {}, case.error)
+    rows = run_cs(model, names_of(case), steps_of(case, case.step), case.step, {}, case.moved, 1e-5)
+    check(case, timed(case, rows, case.step), {}, max(1e4 * case.error, 1e-12))
+
+
+@pytest.mark.parametrize("case", [case for case in ALL if case.exchanged], ids=lambda case: case.model)
+@both_versions
+def test_model_exchange_follows_the_solution(case: Case, version: int, built: Built) -> None:
+    model = built(case.file, version)
+    rows = run_me(model, names_of(case), steps_of(case, case.step), case.step, {}, case.inputs, 1e-8)
+    jumps = {t for signal in case.inputs.values() for t in signal.times}
+    quiet = [(t, row) for t, row in rows if all(abs(t - jump) > 1e-6 for jump in jumps if jump > 0)]
+    check(case, quiet, {}, max(1000 * case.error, 1e-9))
+
+
+@every_case
+@both_versions
+def test_the_master_and_fmpy_agree_bit_for_bit(case: Case, version: int, built: Built) -> None:
+    model = built(case.file, version)
+    outputs = [name for name in names_of(case) if model.variables[name].causality == "output"]
+    steps = min(steps_of(case, case.step), 12)
+    own = run_master(model, outputs, steps, case.step, {})
+    theirs = run_cs(model, outputs, steps, case.step, {}, {}, None)
+    assert [bits(row) for row in own] == [bits(row) for row in theirs]
+
+
+@pytest.mark.parametrize("case", [case for case in ALL if case.residuals], ids=lambda case: case.model)
+def test_all_variables_satisfy_the_equations_of_the_file(case: Case, built: Built) -> None:
+    assert case.residuals
+    model = built(case.file, 2)
+    steps = steps_of(case, case.step)
+    for row in run_cs(model, numbers(model), steps, case.step, {}, case.moved, TIGHT):
+        assert max(map(abs, case.residuals(row))) < case.error
+
+
+@every_case
+@both_versions
+def test_the_archive_is_valid(case: Case, version: int, built: Built) -> None:
+    from fmpy.validation import validate_fmu
+
+    assert validate_fmu(str(built(case.file, version).archive)) == []
+
+
+def not_settable(model: FmuModel, variant: Mapping[str, float]) -> bool:
+    """Whether *variant* names a parameter that has its value built in."""
+    return any(
+        name not in model.variables or model.variables[name].causality not in ("parameter", "input") for name in variant
+    )
+
+
+def bits(row: Mapping[str, float]) -> dict[str, bytes]:
+    return {name: struct.pack("<d", value) for name, value in row.items()}

@@ -1,0 +1,207 @@
+package Electric "Electric drives of the library in a small car: test models, compared with independent references"
+
+
+  model Car "Road loads on rigid wheels; a brake takes what the powertrain does not"
+    parameter Real mass = 1880;
+    parameter Real wheel_radius = 0.335;
+    parameter Real drag_area = 0.63;
+    parameter Real air_density = 1.2;
+    parameter Real rolling_resistance = 0.009;
+    parameter Real initial_speed = 0;
+    Real drive_torque;
+    Real brake_torque;
+    Real wheel_speed;
+    Real speed(start=initial_speed, fixed=true);
+    Real distance(start=0, fixed=true);
+  equation
+    wheel_speed = speed / wheel_radius;
+    der(distance) = speed;
+    mass * der(speed) = (drive_torque - brake_torque) / wheel_radius - rolling_resistance * mass * 9.81 * tanh(speed / 0.1)
+      - 0.5 * air_density * drag_area * speed * abs(speed);
+  end Car;
+
+  model Driver "Torque over time: away, full load, cruise, recuperation, cruise"
+    output Real torque_demand;
+  equation
+    torque_demand = if time < 0.5 then 0 elseif time < 3 then 1200 elseif time < 14 then 4000 elseif time < 18 then 300 elseif time < 26 then -2500 else 100;
+  end Driver;
+
+  partial model InCar "A powertrain and its car"
+    Real torque_demand;
+    replaceable AdasPowertrain.Interfaces.Powertrain powertrain;
+    Car car;
+    output Real speed = car.speed;
+    output Real soc;
+  equation
+    powertrain.torque_demand = torque_demand;
+    powertrain.wheel_speed_front = car.wheel_speed;
+    powertrain.wheel_speed_rear = car.wheel_speed;
+    car.drive_torque = powertrain.torque_front + powertrain.torque_rear;
+  end InCar;
+
+  model BatteryElectricInCar
+    extends InCar(redeclare AdasPowertrain.Powertrains.BatteryElectric powertrain);
+    Driver driver;
+  equation
+    soc = powertrain.soc;
+    torque_demand = driver.torque_demand;
+    car.brake_torque = 0;
+  end BatteryElectricInCar;
+
+  model QuasiStaticInCar
+    extends InCar(redeclare AdasPowertrain.Powertrains.BatteryElectricQuasiStatic powertrain);
+    Driver driver;
+  equation
+    soc = powertrain.soc;
+    torque_demand = driver.torque_demand;
+    car.brake_torque = 0;
+  end QuasiStaticInCar;
+
+  model BatteryElectricOnCycle
+    extends InCar(redeclare AdasPowertrain.Powertrains.BatteryElectric powertrain);
+    extends Chase(mass=1880, wheel_radius=0.335, drag_area=0.63);
+  equation
+    soc = powertrain.soc;
+    torque_demand = wanted;
+    car.brake_torque = brake;
+    actual = car.speed;
+    delivered = car.drive_torque;
+  end BatteryElectricOnCycle;
+
+  model QuasiStaticOnCycle
+    extends InCar(redeclare AdasPowertrain.Powertrains.BatteryElectricQuasiStatic powertrain);
+    extends Chase(mass=1880, wheel_radius=0.335, drag_area=0.63);
+  equation
+    soc = powertrain.soc;
+    torque_demand = wanted;
+    car.brake_torque = brake;
+    actual = car.speed;
+    delivered = car.drive_torque;
+  end QuasiStaticOnCycle;
+
+  partial model RangeExtenderParts "The parts of the range extender, coupled without delay"
+    Real torque_demand;
+    Car car(mass=1500, wheel_radius=0.34, drag_area=0.70);
+    AdasPowertrain.Parts.Machine machine;
+    AdasPowertrain.Parts.Battery battery;
+    AdasPowertrain.Parts.GeneratorSet generator;
+    AdasPowertrain.Parts.SeriesControl control;
+    AdasPowertrain.Parts.SingleSpeedAxle axle;
+    output Real speed = car.speed;
+    output Real soc = battery.soc;
+    output Real energy_in = battery.energy_in + generator.energy_in;
+    output Real energy_out = axle.energy_out;
+    output Real energy_loss = battery.energy_loss + generator.energy_loss + machine.energy_loss + axle.energy_loss;
+    output Real energy_stored = battery.energy_stored + generator.energy_stored + axle.energy_stored;
+  equation
+    control.torque_demand = torque_demand;
+    control.motor_speed = axle.machine_speed;
+    control.soc = battery.soc;
+    machine.torque_demand = control.machine_torque_demand;
+    machine.shaft_speed = axle.machine_speed;
+    machine.voltage = battery.voltage;
+    generator.power_demand = control.generator_power_demand;
+    battery.electric_power = machine.electric_power;
+    battery.charging_power = generator.electric_power;
+    axle.machine_torque = machine.torque;
+    axle.wheel_speed_front = car.wheel_speed;
+    axle.wheel_speed_rear = car.wheel_speed;
+    car.drive_torque = axle.torque_front + axle.torque_rear;
+  end RangeExtenderParts;
+
+  partial model HybridParts "The parts of the P2 hybrid, coupled without delay"
+    Real torque_demand;
+    Car car(mass=1550, wheel_radius=0.32, drag_area=0.66);
+    AdasPowertrain.Parts.Engine15 engine;
+    AdasPowertrain.Parts.Machine machine;
+    AdasPowertrain.Parts.Battery battery(capacity=18000, resistance_share=0.12);
+    AdasPowertrain.Parts.HybridGearbox gearbox;
+    AdasPowertrain.Parts.HybridControl control;
+    output Real speed = car.speed;
+    output Real soc = battery.soc;
+    output Real energy_in;
+    output Real energy_out = gearbox.energy_out;
+    output Real energy_loss;
+    output Real energy_stored = battery.energy_stored + gearbox.energy_stored;
+  protected
+    Real fuel_energy(start=0, fixed=true);
+    Real engine_loss(start=0, fixed=true);
+  equation
+    der(fuel_energy) = engine.fuel_power;
+    der(engine_loss) = engine.loss_power;
+    energy_in = battery.energy_in + fuel_energy;
+    energy_loss = battery.energy_loss + machine.energy_loss + gearbox.energy_loss + engine_loss;
+    control.torque_demand = torque_demand;
+    control.ratio = gearbox.ratio;
+    control.engine_speed = gearbox.engine_speed;
+    control.machine_speed = gearbox.machine_speed;
+    control.soc = battery.soc;
+    engine.torque_demand = control.engine_torque_demand;
+    engine.shaft_speed = gearbox.engine_speed;
+    engine.on = true;
+    machine.torque_demand = control.machine_torque_demand;
+    machine.shaft_speed = gearbox.machine_speed;
+    machine.voltage = battery.voltage;
+    battery.electric_power = machine.electric_power;
+    battery.charging_power = 0;
+    gearbox.engine_torque = engine.torque;
+    gearbox.machine_torque = machine.torque;
+    gearbox.clutch = control.clutch;
+    gearbox.wheel_speed_front = car.wheel_speed;
+    gearbox.wheel_speed_rear = car.wheel_speed;
+    car.drive_torque = gearbox.torque_front + gearbox.torque_rear;
+  end HybridParts;
+
+  model RangeExtenderInCar
+    extends RangeExtenderParts(battery(initial_soc=0.4805), control(start_soc=0.475, stop_soc=0.4755, averaging=5));
+    Driver driver;
+  equation
+    torque_demand = driver.torque_demand;
+    car.brake_torque = 0;
+  end RangeExtenderInCar;
+
+  model HybridInCar
+    extends HybridParts(battery(capacity=111600, resistance_share=0.4));
+    Driver driver;
+  equation
+    torque_demand = 0.5 * driver.torque_demand;
+    car.brake_torque = 0;
+  end HybridInCar;
+
+  partial model Chase "Follows a speed given from outside with its acceleration; brakes take what recuperation leaves"
+    input Real target(start=0);
+    input Real target_acceleration(start=0);
+    parameter Real gain = 2000;
+    parameter Real mass;
+    parameter Real wheel_radius;
+    parameter Real drag_area;
+    Real actual;
+    Real delivered "Torque of the powertrain on the wheels";
+    Real wanted;
+    Real brake;
+  equation
+    wanted = wheel_radius * (mass * target_acceleration + 0.009 * mass * 9.81 * tanh(actual / 0.1) + 0.6 * drag_area * actual * abs(actual))
+      + gain * (target - actual);
+    brake = noEvent(max(0, delivered - wanted)) * tanh(actual / 0.1);
+  end Chase;
+
+  model RangeExtenderOnCycle
+    extends RangeExtenderParts;
+    extends Chase(mass=1500, wheel_radius=0.34, drag_area=0.70);
+  equation
+    torque_demand = wanted;
+    car.brake_torque = brake;
+    actual = car.speed;
+    delivered = car.drive_torque;
+  end RangeExtenderOnCycle;
+
+  model HybridOnCycle
+    extends HybridParts;
+    extends Chase(mass=1550, wheel_radius=0.32, drag_area=0.66);
+  equation
+    torque_demand = wanted;
+    car.brake_torque = brake;
+    actual = car.speed;
+    delivered = car.drive_torque;
+  end HybridOnCycle;
+end Electric;

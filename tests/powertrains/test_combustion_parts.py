@@ -1,0 +1,143 @@
+"""Shafts, clutch, gears, converter, brake and engines of the library against closed forms and scipy."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+
+import numpy as np
+import pytest
+from bench import Bench, opened, run
+from combustion import Petrol
+from scipy.integrate import solve_ivp
+from scipy.linalg import expm
+
+
+@pytest.fixture(scope="session")
+def cache(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return tmp_path_factory.mktemp("parts")
+
+
+def test_a_shaft_between_two_inertias_swings_as_the_matrix_exponential_says(cache: Path) -> None:
+    times = np.linspace(0.0, 2.0, 81)
+    names = ("first.speed", "second.speed", "twist", "loss", "energy")
+    found = run(opened("Combustion.ShaftBench", cache), names, times, 1e-9)
+    stiffness, damping, ratio = 8000.0, 120.0, 4.0
+    slip = np.array([1 / ratio, -1.0, 0.0, 0.0])
+    torque = damping * slip + np.array([0.0, 0.0, stiffness, 0.0])
+    system = np.array([-torque / ratio / 0.2, torque / 5.0, slip, np.zeros(4)])
+    system[0, 3] = 30.0 / 0.2
+    expected = np.array([expm(system * t) @ np.array([0.0, 2.0, 0.0, 1.0]) for t in times])
+    assert np.abs(found[:, :3] - expected[:, :3]).max() < 1e-6
+    work = 30.0 * run(opened("Combustion.ShaftBench", cache), ("angle_first",), times, 1e-9)[:, 0]
+    balance = work - found[:, 3] - (found[:, 4] - found[0, 4])
+    assert np.abs(balance).max() < 1e-6 * work[-1]
+
+
+def test_a_clutch_slips_holds_and_lets_go_when_coulomb_says_so(cache: Path) -> None:
+    bench = Bench(opened("Combustion.ClutchBench", cache), 1e-9)
+    caught, released = 0.5, 7.75  # 100 - 620/3 t + 40/3 t2 = 0; 120 - 10 t = 20 + 1.5 * (50 - 20)/2
+
+    def first(t: float) -> float:
+        if t < caught:
+            return 100 + (50 * t - 120 * t + 5 * t * t) / 0.5
+        if t < released:
+            return first(caught - 1e-15) + 15 * (t - caught)
+        since, fades = t - released, 42.5
+        return first(released - 1e-12) + (50 * since - fades * since + 5 * since**2) / 0.5
+
+    def second(t: float) -> float:
+        if t < released:
+            return first(t) if t >= caught else (100 * t - 5 * t * t) / 1.5
+        since, fades = t - released, 42.5
+        return first(released - 1e-12) + ((fades - 20) * since - 5 * since**2) / 1.5
+
+    modes = []
+    for k in range(40):
+        bench.step(0.25 * k, 0.25)
+        t = 0.25 * (k + 1)
+        assert bench.get(("first.speed", "second.speed")) == pytest.approx([first(t), second(t)], abs=1e-6)
+        modes.append(bench.whole("mode"))
+    assert modes[0] == 1
+    assert set(modes[2:30]) == {0}
+    assert set(modes[31:]) == {1}
+    lost, one, other, start = *bench.get(("loss", "first.speed", "second.speed")), 0.5 * 0.5 * 100**2
+    bench.close()
+    moved = solve_ivp(lambda t, y: [50 * first(t) - 20 * second(t)], (0, 10), [0.0], max_step=0.05, rtol=1e-10).y[0, -1]
+    assert lost == pytest.approx(start + moved - 0.25 * one**2 - 0.75 * other**2, rel=1e-6)
+
+
+def test_a_pair_of_gears_loses_a_part_of_its_torque_either_way_it_turns(cache: Path) -> None:
+    times = np.linspace(0.0, 3.0, 61)
+    found = run(opened("Combustion.FixedRatioBench", cache), ("gear.speed", "loss"), times, 1e-9)
+
+    def derivative(t: float, y: np.ndarray) -> list[float]:
+        lost = 0.04 * y[0] / math.hypot(y[0], 1.0)
+        torque = 60 / 9 / (1 - lost)
+        return [(40 * math.cos(t) - torque) / 0.05, lost * torque * y[0]]
+
+    expected = solve_ivp(derivative, (0, 3), [50.0, 0.0], "DOP853", t_eval=times, rtol=1e-12, atol=1e-12).y.T
+    assert found[-1, 0] < 0 < found[0, 0]
+    assert np.abs(found - expected).max() < 1e-5
+    assert (np.diff(found[:, 1]) > 0).all()
+
+
+@pytest.mark.parametrize(("pump", "turbine"), [(200.0, 0.0), (200.0, 80.0), (250.0, 200.0), (300.0, 285.0)])
+def test_the_converter_follows_the_published_curves(pump: float, turbine: float, cache: Path) -> None:
+    bench = Bench(opened("Combustion.ConverterBench", cache), 1e-8, {"pump_speed": pump, "turbine_speed": turbine})
+    taken, given, heat = bench.get(("pump_torque", "turbine_torque", "heat"))
+    bench.close()
+    if turbine < 0.9 * pump:
+        expected = 3.4325e-3 * pump**2 + 2.2210e-3 * pump * turbine - 4.6041e-3 * turbine**2
+        driven = 5.7656e-3 * pump**2 + 0.3107e-3 * pump * turbine - 5.4323e-3 * turbine**2
+    else:
+        expected = driven = -6.7644e-3 * pump**2 + 32.0024e-3 * pump * turbine - 25.2441e-3 * turbine**2
+    assert [taken, given] == pytest.approx([expected, driven], rel=1e-3)
+    assert heat == pytest.approx(taken * pump - given * turbine, rel=1e-12)
+
+
+def test_in_overrun_the_converter_drives_the_engine(cache: Path) -> None:
+    bench = Bench(opened("Combustion.ConverterBench", cache), 1e-8, {"pump_speed": 200.0, "turbine_speed": 240.0})
+    taken, given, heat = bench.get(("pump_torque", "turbine_torque", "heat"))
+    bench.close()
+    assert taken == given < 0
+    assert heat == pytest.approx(-40.0 * given)
+
+
+def test_the_brake_follows_its_demand_with_a_lag_and_within_its_limit(cache: Path) -> None:
+    bench = Bench(
+        opened("AdasPowertrain.Brakes.FrictionBrake", cache), 1e-9,
+        {"torque_demand": 9000.0, "wheel_speed_front": 40.0, "wheel_speed_rear": 41.0},
+    )  # fmt: skip
+    bench.step(0.0, 0.25)
+    front, rear, power = bench.get(("torque_front", "torque_rear", "power"))
+    bench.close()
+    reached = 5000 * (1 - math.exp(-2.5))
+    assert [front, rear] == pytest.approx([0.65 * reached, 0.35 * reached], rel=1e-7)
+    assert power == pytest.approx(front * 40 + rear * 41)
+
+
+@pytest.mark.parametrize(("demand", "speed"), [(0.0, 200.0), (80.0, 200.0), (400.0, 400.0), (5.0, 95.0), (50.0, 30.0)])
+def test_the_engine_part_gives_what_the_map_allows(demand: float, speed: float, cache: Path) -> None:
+    bench = Bench(opened("AdasPowertrain.Parts.Engine15", cache), 1e-9, {"torque_demand": demand, "shaft_speed": speed})
+    bench.step(0.0, 0.3)
+    torque, fuel, co2 = bench.get(("torque", "fuel_power", "co2"))
+    bench.close()
+    petrol = Petrol()
+    burning = min(1.0, max(0.0, (speed - 40) / 20)) if demand > 0 else 0.0
+    combustion = burning * max(0.0, petrol.target(speed, demand)) * (1 - math.exp(-0.3 / 0.12))
+    assert torque == pytest.approx(combustion - petrol.drag(speed), abs=1e-6)
+    assert fuel == pytest.approx(combustion * speed / petrol.slope(speed), abs=1e-3)
+    assert co2 == pytest.approx(73.4e-9 * fuel)
+
+
+@pytest.mark.parametrize(
+    ("engine", "speed", "power"), [("Engine15", 523.6, 110e3), ("Engine15", 628.3, 110e3), ("Engine10", 576.0, 85e3)]
+)
+def test_engines_reach_their_rated_power(engine: str, speed: float, power: float, cache: Path) -> None:
+    starts = {"torque_demand": 400.0, "shaft_speed": speed}
+    bench = Bench(opened(f"AdasPowertrain.Parts.{engine}", cache), 1e-8, starts)
+    bench.step(0.0, 3.0)
+    torque = bench.get(("torque",))[0]
+    bench.close()
+    assert torque * speed == pytest.approx(power, rel=0.005)

@@ -1,0 +1,148 @@
+"""Range extender and P2 hybrid: their parts coupled without delay against the physics, and as FMUs at 10 ms steps."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+
+import numpy as np
+import pytest
+from bench import Bench, opened, run
+from combustion_hybrid import CAR
+from coupled import HYBRID, RANGE_EXTENDER, drive
+from cycle import DURATION, acceleration, speed
+from electric import Car
+from electric_drive import demand
+from hybrid_drive import CHARGE, HybridDrive
+from hybrid_system import integrate
+from range_extender import RangeExtenderCar
+
+PARTS = "AdasPowertrain.Parts."
+ENERGIES = ("energy_in", "energy_out", "energy_loss", "energy_stored")
+EXTENDED = {
+    "machine": PARTS + "Machine",
+    "battery": PARTS + "Battery",
+    "generator": PARTS + "GeneratorSet",
+    "control": PARTS + "SeriesControl",
+    "axle": PARTS + "SingleSpeedAxle",
+}
+PARALLEL = {
+    "engine": PARTS + "Engine15",
+    "machine": PARTS + "Machine",
+    "battery": PARTS + "Battery",
+    "gearbox": PARTS + "HybridGearbox",
+    "control": PARTS + "HybridControl",
+}
+STARTS: Mapping[str, Mapping[str, float]] = {
+    "battery": {"initial_soc": 0.4805},
+    "control": {"start_soc": 0.475, "stop_soc": 0.4755, "averaging": 5.0},
+}
+
+
+@pytest.fixture(scope="session")
+def cache(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return tmp_path_factory.mktemp("hybrid")
+
+
+def lacking(rows: np.ndarray) -> float:
+    """Largest part of the energy moved that columns in, out, loss and stored do not account for."""
+    entered, left, lost, stored = rows.T
+    return float(np.abs(entered - left - lost - (stored - stored[0])).max() / max(np.abs(entered).max(), left.max()))
+
+
+def test_a_car_with_range_extender_moves_as_the_physics_says(cache: Path) -> None:
+    times = np.linspace(0.0, 60.0, 241)
+    car = RangeExtenderCar()
+    states = integrate(car, car.start(), times, 1e-11, 0.05).states
+    rows = run(
+        opened("Electric.RangeExtenderInCar", cache), ("speed", "soc", "generator.speed", *ENERGIES), times, 1e-8
+    )
+    assert np.abs(rows[:, 0] - states[:, 0]).max() < 1e-6 / 10
+    assert np.abs(rows[:, 1] - states[:, 5] / car.battery.capacity).max() < 1e-9
+    assert np.abs(rows[:, 2] - states[:, 8]).max() < 1e-3
+    assert np.abs(rows[:, 3] - states[:, 11]).max() < 1e-8 * states[:, 11].max()
+    assert lacking(rows[:, 3:]) < 1e-9
+    # The generator starts at low charge and stops only after its least time, though the charge is back sooner.
+    running = states[:, 8] > 150
+    assert times[running][0] < 11
+    assert 28 < times[running & (times < 40)][-1] < 32
+    assert (states[times < 25, 5].max() / car.battery.capacity) > car.stop_soc
+
+
+def test_a_car_with_p2_hybrid_moves_as_the_physics_says(cache: Path) -> None:
+    times = np.linspace(0.0, 40.0, 161)
+    car = HybridDrive()
+    states = integrate(car, car.start(), times, 1e-11, 0.02).states
+    rows = run(opened("Electric.HybridInCar", cache), ("speed", "soc", *ENERGIES), times, 1e-8)
+    assert np.abs(rows[:, 0] - states[:, CAR]).max() < 1e-6 / 5
+    assert np.abs(rows[:, 1] - states[:, CHARGE] / car.battery.capacity).max() < 1e-8
+    assert lacking(rows[:, 2:]) < 1e-9
+    assert car.starts_of_engine == 1  # cranked by the machine …
+    assert not car.is_on  # … and stopped again
+
+
+@pytest.mark.parametrize("architecture", ["RangeExtender", "Hybrid"])
+def test_energy_is_kept_over_a_cycle_and_the_charge_comes_back(cache: Path, architecture: str) -> None:
+    bench = Bench(opened(f"Electric.{architecture}OnCycle", cache), 1e-6)
+    names = ("speed", "car.distance", "soc", *ENERGIES)
+    rows = [bench.get(names)]
+    for k in range(round(DURATION / 0.2)):
+        then = 0.2 * (k + 1)
+        bench.set({"target": speed(then), "target_acceleration": acceleration(then)})
+        bench.step(0.2 * k, 0.2)
+        rows.append(bench.get(names))
+        assert abs(rows[-1][0] - speed(then)) < 1.0
+    bench.close()
+    found = np.array(rows)
+    assert lacking(found[:, 3:]) < 1e-6
+    assert found[:, 2].min() > 0.4
+    assert found[:, 2].max() < 0.6
+    kilowatt_hours = found[-1, 3] / 3.6e6 / (found[-1, 1] / 1e5)
+    assert 35 < kilowatt_hours < 60  # 4 to 6.7 l petrol per 100 km
+
+
+def coupled(cache: Path, step: float, stop: float) -> np.ndarray:
+    """Rows of the range extender's parts, each *step* seconds until *stop*."""
+    watched = [
+        ("battery", "soc"), ("axle", "torque_rear"), ("battery", "energy_out"), ("machine", "energy_in"),
+        ("generator", "energy_out"), ("machine", "energy_out"), ("axle", "energy_in"),
+    ]  # fmt: skip
+    car = Car(mass=1500.0, wheel_radius=0.34, drag_area=0.70)
+    return drive(EXTENDED, STARTS, RANGE_EXTENDER, car, demand, watched, stop, cache, step)
+
+
+def test_parts_coupled_by_signals_at_ten_milliseconds_move_the_car_nearly_like_one_model(cache: Path) -> None:
+    rows = coupled(cache, 0.01, 40.0)
+    exact = run(opened("Electric.RangeExtenderInCar", cache), ("speed", "soc"), rows[:, 0], 1e-8)
+    apart = np.abs(rows[:, 1] - exact[:, 0])
+    assert apart.max() < 0.3  # the demand's steps of 4 kN.m arrive a few communication steps late
+    assert np.abs(rows[:, 2] - exact[:, 1]).max() < 1e-4
+    # What one part gives and what the next one takes differ by the delay of one step.
+    entered = rows[-1, 5] - rows[-1, 6]
+    assert rows[-1, 4] == pytest.approx(entered, rel=5e-3)
+    assert rows[-1, 8] == pytest.approx(rows[-1, 7], rel=5e-3)
+    finer = coupled(cache, 0.0025, 10.0)
+    exact = run(opened("Electric.RangeExtenderInCar", cache), ("speed",), finer[:, 0], 1e-8)
+    assert np.abs(finer[:, 1] - exact[:, 0]).max() < 0.5 * apart[rows[:, 0] < 10].max()
+
+
+def test_the_parts_of_the_p2_hybrid_are_stable_at_ten_milliseconds(cache: Path) -> None:
+    watched = [("gearbox", "torque_front"), ("gearbox", "engine_speed"), ("gearbox", "machine_speed")]
+    car = Car(mass=1550.0, wheel_radius=0.32, drag_area=0.66)
+    starts = {"battery": {"capacity": 111600.0, "resistance_share": 0.4}}
+    rows = drive(PARALLEL, starts, HYBRID, car, lambda time: 0.5 * demand(time), watched, 40.0, cache)
+    names = ("speed", "gearbox.torque_front", "gearbox.engine_speed")
+    exact = run(opened("Electric.HybridInCar", cache), names, rows[:, 0], 1e-8)
+    assert np.abs(rows[:, 1] - exact[:, 0]).max() < 0.3
+    calm = (rows[:, 0] > 20) & (rows[:, 0] < 26)
+    assert np.abs(np.diff(rows[calm, 2])).max() < 5  # N.m from step to step: nothing rings
+    assert abs(rows[calm, 4] - rows[calm, 3]).min() > 50  # engine off, K0 open
+
+
+def test_wheels_that_spin_freely_do_not_make_the_parts_unstable(cache: Path) -> None:
+    rows = drive(
+        EXTENDED, {}, RANGE_EXTENDER, Car(), lambda time: 100.0 if 0.5 < time < 1 else 0.0,
+        [("axle", "torque_rear")], 4.0, cache, wheel_inertia=2.0,
+    )  # fmt: skip
+    assert np.abs(rows[:, 2]).max() < 200
+    assert np.abs(rows[rows[:, 0] > 3, 2]).max() < 5
