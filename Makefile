@@ -12,7 +12,7 @@ JOBS ?= 2
 # A machine without a C compiler gets one as a wheel.
 EXTRA := $(shell command -v $${CC:-cc} >/dev/null 2>&1 || command -v gcc >/dev/null 2>&1 || command -v clang >/dev/null 2>&1 || echo "[toolchain]")
 
-.PHONY: demo test check bench setup clean lint format-check types layers web
+.PHONY: demo test test-all check bench setup clean lint format-check types layers web
 
 setup: $(VENV)/.ready
 
@@ -34,9 +34,12 @@ demo: setup
 	@echo "Open out/acc_gains/report.html"
 
 test: setup
+	$(BIN)/python -m pytest -q -n $(JOBS) -m "not thorough"
+
+test-all: setup
 	$(BIN)/python -m pytest -q -n $(JOBS)
 
-check: setup lint types layers web test
+check: setup lint types layers web test-all
 
 lint: setup
 	$(BIN)/ruff check .
@@ -55,6 +58,7 @@ bench: setup
 	$(BIN)/python benchmarks/bench_kernel.py
 	$(BIN)/python benchmarks/bench_study.py
 	$(BIN)/python benchmarks/bench_space.py
+	$(BIN)/python benchmarks/bench_modelica.py
 
 clean:
 	rm -rf out dist build dse/report/web/dist dse/report/web/node_modules dse/cosim/_kernel.* $(VENV)

@@ -26,7 +26,7 @@ from dse.testbench.prepared import PreparedBench
 ROOT = Path(__file__).parents[1]
 TURNS = 7
 BASE = "combustion_ideal"
-FIXED = {"sensor": "radar_77ghz_mid", "controller": "pd_acc", "brake": "brake_by_wire"}
+FIXED = {"sensor": "radar_77ghz_mid", "controller": "pd_acc"}
 
 
 def main() -> None:

@@ -10,6 +10,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from dse.fmu.modelica.diagram import Diagram
+from dse.space.output.layout import Box
 
 ROW = 40.0
 """Height of a part with the space to the next, in pixels."""
@@ -23,21 +24,6 @@ _TITLE_CHARACTER = 8.9
 _PADDING = 22.0
 _GAP = 46.0
 _SWEEPS = 4
-
-
-@dataclass(frozen=True, slots=True)
-class Box:
-    """A rectangle by its left edge, middle, width and height, in pixels."""
-
-    x: float
-    middle: float
-    width: float
-    height: float
-
-    @property
-    def right(self) -> float:
-        """Its right edge."""
-        return self.x + self.width
 
 
 @dataclass(frozen=True, slots=True)

@@ -7,7 +7,8 @@ from xml.sax.saxutils import escape, quoteattr
 
 from dse.domain.component import Causality, Component, ModelicaSource, Port
 from dse.fmu.modelica.diagram import Diagram, diagram
-from dse.report.component_layout import Box, Layout, lay_out
+from dse.report.component_layout import Layout, lay_out
+from dse.space.output.layout import Box
 
 _MARGIN = 20.0
 _BEND = 0.5
@@ -147,8 +148,7 @@ def _ports(labels: list[str], layout: Layout, edge: float) -> Iterator[str]:
 
 
 def _rectangle(box: Box, rounding: int, attributes: str = "") -> str:
-    top = box.middle - box.height / 2
     return (
-        f'<rect{attributes} x="{box.x:.1f}" y="{top:.1f}" width="{box.width:.1f}" height="{box.height:.1f}"'
+        f'<rect{attributes} x="{box.x:.1f}" y="{box.top:.1f}" width="{box.width:.1f}" height="{box.height:.1f}"'
         f' rx="{rounding}"/>'
     )

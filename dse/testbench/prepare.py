@@ -8,7 +8,7 @@ from pathlib import Path
 from dse.cosim.layout import kernel as load_kernel
 from dse.domain.bench import TestBench
 from dse.domain.component import Causality, Component, Type, Value, as_number
-from dse.domain.design import Configuration, Connection, split_path
+from dse.domain.design import Configuration, Connection, split_path, walk
 from dse.domain.fmu import FmuModel
 from dse.errors import DseError, Problem
 from dse.fmu.build import build_all
@@ -71,7 +71,8 @@ def parts_and_wiring(
     test_parts = {part.name: part.component for part in bench.test_components}
     interfaces = {name: component.interface for name, component in test_parts.items()}
     connections = wire(bench.design, configuration.choices, interfaces, bench.connections)
-    return {**configuration.parts, **test_parts}, connections
+    # The world comes first: its outputs at the start depend on no input, so all others see them from the first on.
+    return {**test_parts, **configuration.parts}, connections
 
 
 def _prepare(
@@ -147,16 +148,17 @@ def _names(
 def _record_problems(bench: TestBench, parts: Mapping[str, Component], signals: frozenset[str]) -> list[Problem]:
     """Recorded names that are no output of a part that is there."""
     problems = []
+    places = {path for path, _ in walk(bench.design.root)} | set(parts)
     for name in bench.simulation.record:
         if name in signals:
             continue
-        split = split_path(name, parts)
-        if split:
-            known = sorted(signal for signal in signals if signal.startswith(f"{split[0]}."))
+        standing = split_path(name, places)
+        if standing is None:
+            problems.append(Problem(f"cannot record '{name}': no such part", bench.simulation.where))
+        elif standing[0] in parts or any(part.startswith(f"{standing[0]}.") for part in parts):
+            known = sorted(signal for signal in signals if signal.startswith(f"{standing[0]}."))
             hint = f"outputs: {', '.join(known)}"
             problems.append(Problem(f"cannot record '{name}': no such output", bench.simulation.where, hint))
-        elif name.split(".")[0] not in bench.design.root.parts:
-            problems.append(Problem(f"cannot record '{name}': no such part", bench.simulation.where))
     return problems
 
 

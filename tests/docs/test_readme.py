@@ -29,6 +29,7 @@ def workspace(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder / "my-study"
 
 
+@pytest.mark.thorough
 def test_every_command_of_the_readme_succeeds(workspace, tmp_path):
     environment = {**os.environ, "DSE_CACHE": str(tmp_path)}
     commands = [shlex.split(line, comments=True) for block in blocks("sh") for line in block.splitlines()]

@@ -237,6 +237,11 @@ MISFITS: list[tuple[dict[str, Any], tuple[str, ...]]] = [
     ({"parameters": (parameter("stages", real()),)}, ("say tunable: false",)),
     ({"parameters": (parameter("stages", real(), tunable=False),)}, ("'stages' of Lib.Lag is Integer", "type: int")),
     ({"parameters": (parameter("is_on", real(), tunable=False),)}, ("'is_on' of Lib.Lag is Boolean", "type: bool")),
+    ({"parameters": (Parameter("T", real("s"), 0.5, -1.0),)}, ("'T' goes down to -1, 'T' of Lib.Lag to 0",)),
+    (
+        {"parameters": (TIME_CONSTANT, parameter("tau", real("s"))), "names": {**NAMES, "tau": "T"}},
+        ("parameter 'T' and parameter 'tau' are both the variable 'T'",),
+    ),
     ({"parameters": (parameter("mode", SPEED, "fast"),)}, ("parameter 'mode' is an enumeration that the model reads",)),
 ]  # fmt: skip
 
@@ -245,7 +250,7 @@ MISFITS: list[tuple[dict[str, Any], tuple[str, ...]]] = [
 def test_what_does_not_fit_is_told_with_its_place(
     lag: Component, tmp_path: Path, change: dict[str, Any], expected: tuple[str, ...]
 ) -> None:
-    if "tau" in str(change) or "gain" in str(change):
+    if "names" not in change and ("tau" in str(change) or "gain" in str(change)):
         change = {**change, "names": NAMES}
     with pytest.raises(DseError) as caught:
         check_modelica(replace(lag, **change), source_of(lag), tmp_path)
@@ -366,3 +371,29 @@ def test_what_omc_says_is_told_in_the_users_file(
     with_omc(tmp_path, monkeypatch, "", fails=True)
     with pytest.raises(DseError, match=r"late\.mo:1:7: omc: Too few equations"):
         build(late, cache=tmp_path)
+
+
+def test_what_was_assumed_stands_in_the_fmu(tmp_path: Path) -> None:
+    file = tmp_path / "free.mo"
+    file.write_text("model Free Real x(start = 3); output Real y = x; equation der(x) = -x; end Free;", "utf-8")
+    interface = Interface("free", (Port("y", Causality.OUTPUT, real()),))
+    component = Component("free", interface, "a < b", ModelicaSource("Free", (file,)))
+    with zipfile.ZipFile(build(component, cache=tmp_path)) as content:
+        page = content.read("documentation/index.html").decode()
+    assert "<h1>a &lt; b</h1>" in page
+    assert "<li>free.mo" in page
+    assert "start of x" in page or "x starts" in page
+    assert str(tmp_path) not in page
+
+
+def test_an_element_of_an_array_that_is_used_up_cannot_be_given(tmp_path: Path) -> None:
+    file = tmp_path / "sized.mo"
+    declared = "parameter Real T[2] = {0.5, 1}; discrete output Real y(start = 0, fixed = true);"
+    file.write_text(
+        f"model Sized {declared} equation when sample(0, T[1]) then y = pre(y) + 1; end when; end Sized;", "utf-8"
+    )
+    interface = Interface("sized", (Port("y", Causality.OUTPUT, real()),))
+    given = Parameter("T[1]", real(), 0.25, tunable=False)
+    component = Component("sized", interface, "", ModelicaSource("Sized", (file,)), (given,))
+    with pytest.raises(DseError, match="element of an array that decides how the model is built"):
+        build(component, cache=tmp_path)

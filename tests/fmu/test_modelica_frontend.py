@@ -11,6 +11,7 @@ from dse.fmu.modelica.frontend import process
 from dse.fmu.modelica.frontend.compile import compile_model
 from dse.fmu.modelica.frontend.literal import literal, wrapper
 from dse.fmu.modelica.frontend.process import FrontEnd, FrontEndDied
+from dse.fmu.modelica.frontend.reach import used
 from dse.fmu.modelica.frontend.sources import SourceText, read_sources
 from dse.fmu.modelica.frontend.structural import compile_probed
 
@@ -77,6 +78,9 @@ def test_the_same_files_elsewhere_give_the_same_system(tmp_path: Path) -> None:
     assert one.dae == other.dae
 
 
+WHILE = "function f input Real x; output Real y; algorithm y := 0; while y < x loop y := y + 1; end while; end f;"
+
+
 @pytest.mark.parametrize(
     ("text", "expected"),
     [
@@ -87,7 +91,17 @@ def test_the_same_files_elsewhere_give_the_same_system(tmp_path: Path) -> None:
         ),
         ("model M\n  Real x[2];\nequation\n  x = {1, 2, 3};\nend M;\n", ("m.mo:4:3: ", "array dimension mismatch")),
         ("model M\n  Real x;\nend M;\n", ("m.mo:1:7: ", "unbalanced model: 0 equations, 1 unknowns")),
+        (
+            "model M\n  Tiny.Blocks.Step step;\n  Real y;\nequation\n  connect(step.y, y);\nend M;\n",
+            ("m.mo:2:3: ", "unresolved type reference: 'Tiny.Blocks.Step'", "if 'Tiny' is a library", "modelica_path"),
+        ),
         ("package M\nend M;\n", ("m.mo:1:9: ", "it is a package, not a model", "name a model")),
+        ("within P.Q;\nmodel M\n  Real x = 1;\nend M;\n", ("m.mo:2:7: ", "no file", "its full name is P.Q.M")),
+        (
+            f"model M\n  {WHILE}\n  Real z = f(time);\nend M;\n",
+            ("a statement of function 'f' is not supported", "bound the loop by a counter"),
+        ),
+        ("\ufeffmodel M\n  Real x\n  Real y;\nend M;\n", ("m.mo:2:8: ", "expected one of")),
         ("partial model M\n  Real x = 1;\nend M;\n", ("m.mo:1:15: ", "M is partial", "name a model that is complete")),
         ("model Other\n  Real x = 1;\nend Other;\n", ("component.yaml:3:1: ", "no file or library holds", "full name")),
         ("model M\n  output Real y = " + "+".join(["1"] * 20_000) + ";\nend M;\n", ("component.yaml:3:1: ", "crashed")),
@@ -263,3 +277,81 @@ def test_another_layout_is_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPat
 
     monkeypatch.setattr(compiling, "SCHEMA", 44)
     assert "writes layout 43, not 44" in refusal(tmp_path, "model M output Real y = 1; end M;")
+
+
+ODD = """within Lib.Odd;
+model Case
+  replaceable block B = Gain constrainedby Gain(k = 3);
+  extends Base(redeclare block B = Gain(k = 0.5));
+  function f input Real x; output Real y; algorithm y := -x; end f;
+end Case;
+"""
+
+
+def with_a_use(text: str) -> dict[str, str]:
+    """The library with an odd class in it, and a class beside that has *text*."""
+    odd = {"Lib/Odd/package.mo": "within Lib;\npackage Odd\nend Odd;\n", "Lib/Odd/Case.mo": ODD}
+    odd["Lib/Odd/Gain.mo"] = "within Lib.Odd;\nblock Gain\n  parameter Real k = 1;\nend Gain;\n"
+    odd["Lib/Odd/Base.mo"] = "within Lib.Odd;\nmodel Base\n  replaceable block B = Gain;\nend Base;\n"
+    return {**LIBRARY, **odd, "Lib/B.mo": f"within Lib;\nmodel B\n  extends A;\n{text}end B;\n"}
+
+
+def test_what_would_be_misread_in_classes_that_the_model_does_not_use_does_no_harm(tmp_path: Path) -> None:
+    written(tmp_path, with_a_use("  // Odd.Case\n"))
+    for sources in (read_sources("part", "Lib.B", [tmp_path / "Lib"]), read_sources("p", "Lib.B", [], [tmp_path])):
+        assert "y" in compile_model(sources).flat["variables"]
+
+
+@pytest.mark.parametrize(
+    "use", ["  Odd.Case c;\n", "  import Lib.Odd.Case;\n  Case c;\n", "  model X = Odd.Case;\n  X c;\n"]
+)
+def test_what_would_be_misread_in_a_class_that_the_model_names_is_refused(tmp_path: Path, use: str) -> None:
+    written(tmp_path, with_a_use(use))
+    with pytest.raises(DseError) as caught:
+        compile_model(read_sources("part", "Lib.B", [tmp_path / "Lib"]))
+    said = [(problem.what, problem.where and Path(problem.where.file).name) for problem in caught.value.problems]
+    assert all(file == "Case.mo" for _, file in said)
+    for word in ("redeclaration of class 'B'", "'constrainedby' with modifications"):
+        assert any(word in what for what, _ in said)
+
+
+CHAIN = {
+    "a.mo": "within P;\npackage Q constant Real k = R.k; model Unused Real x = S.k; end Unused; end Q;",
+    "b.mo": "within P;\npackage R import P.T; constant Real k = 1; constant Real j = T.k; end R;",
+    "c.mo": "within P;\npackage S constant Real k = 1; end S;",
+    "d.mo": "within P;\nrecord T Real k; operator '+' function plus input U u; end plus; end '+'; end T;",
+    "e.mo": 'within P;\nrecord U Real /*S*/ k = V.k "S"; end U;\npackage V\nconstant Real k = 1; model W end W; end V;',
+    "M.mo": "within P;\nmodel M output Real y = Q.k; end M;",
+    "package.mo": "package P constant Real q = 1; model Odd end Odd; end P;",
+}
+
+
+def test_a_class_is_used_if_anything_that_is_used_names_it() -> None:
+    read = used([SourceText(name, text) for name, text in CHAIN.items()], "P.M")
+    kept = {source.path: source.text for source in read.texts}
+    for name, text in CHAIN.items():
+        assert not kept[name] or [len(line) for line in kept[name].split("\n")] == [
+            len(line) for line in text.split("\n")
+        ]
+    assert "package S" not in kept["c.mo"]
+    assert "Unused" not in kept["a.mo"]
+    assert "Odd" not in kept["package.mo"]
+    assert "W" not in kept["e.mo"]
+    assert all(word in kept[name] for name, word in [("a.mo", "Q"), ("b.mo", "R"), ("d.mo", "plus"), ("e.mo", "V.k")])
+    assert "record" not in "".join(source.text for source in read.packages)
+
+
+def test_a_text_whose_classes_do_not_end_is_kept_whole() -> None:
+    texts = [SourceText("a.mo", "model M Real x = N.k; end M;"), SourceText("b.mo", "model N model O end O; end X;")]
+    assert [source.text for source in used(texts, "M").texts] == [source.text for source in texts]
+    assert [source.text for source in used(texts, "Nowhere").texts] == [source.text for source in texts]
+
+
+def test_a_byte_order_mark_is_no_part_of_the_text(tmp_path: Path) -> None:
+    assert structural(tmp_path, "\ufeffmodel M output Real y = 1; end M;") == []
+
+
+def test_a_file_within_another_package_than_its_folder_is_told(tmp_path: Path) -> None:
+    written(tmp_path, {**LIBRARY, "Lib/C.mo": "within Other;\nmodel C\nend C;\n"})
+    with pytest.raises(DseError, match=r"C\.mo:1:1: .*says 'within Other', but lies in the folder of 'Lib'"):
+        compile_model(read_sources("part", "Lib.C", [tmp_path / "Lib"]))

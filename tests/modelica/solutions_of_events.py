@@ -338,3 +338,9 @@ def mixed_kinds(t: float, given: Given) -> Values:
         "whole": count + 3,
         "is_big": count >= 2 or given["side"] == 1,
     }
+
+
+@case("RelationsOfJumps", given={"T": 0.5}, variants=({"T": 0.31},), events=(0.5, 0.31))
+def relations_of_jumps(t: float, given: Given) -> Values:
+    late = t > given["T"]
+    return {"never": 0, "once": int(late), "never_too": 0, "caught": 10 if late else 0}

@@ -14,7 +14,9 @@ from slaves import Rows, Slave, instance, run_cs
 from dse.fmu.build import build
 from dse.fmu.unpack import open_fmu
 
-both_versions = pytest.mark.parametrize("version", [2, 3], ids=["fmi2", "fmi3"])
+both_versions = pytest.mark.parametrize(
+    "version", [2, pytest.param(3, marks=pytest.mark.thorough)], ids=["fmi2", "fmi3"]
+)
 WITH_MEMORY = ("BouncingBall", "SampledController", "StateMachine", "DiscreteFeedback", "IdealDiode", "VanDerPol")
 RUN_TWICE = ("SampledController", "IdealDiode", "MathFunctions", "Tables2D", "Pendulum", "StiffDecay")
 

@@ -21,7 +21,9 @@ from dse.domain.fmu import FmuModel
 ALL = [*OF_EXPRESSIONS, *OF_CLASSES, *OF_DYNAMICS, *OF_EVENTS]
 TIGHT = 1e-9
 every_case = pytest.mark.parametrize("case", ALL, ids=lambda case: case.model)
-both_versions = pytest.mark.parametrize("version", [2, 3], ids=["fmi2", "fmi3"])
+both_versions = pytest.mark.parametrize(
+    "version", [2, pytest.param(3, marks=pytest.mark.thorough)], ids=["fmi2", "fmi3"]
+)
 
 
 def test_every_model_of_the_folder_has_a_solution() -> None:

@@ -82,3 +82,14 @@ def test_physical_connections_are_told_from_signals() -> None:
     assert {("engine", "gearbox"), ("shaft", "wheels")} <= physical
     assert ("engine", "torque_demand") not in physical
     assert any("torque_demand" in link.ends for link in found.links)
+
+
+@pytest.mark.thorough
+def test_the_library_shows_every_component_as_it_is_drawn_today() -> None:
+    shown = (COMPONENTS / "README.md").read_text(encoding="utf-8")
+    library = Workspace.around(COMPONENTS)
+    for name in library.component_files:
+        part = library.component(name)
+        picture = (COMPONENTS / "pictures" / f"{name}.svg").read_text(encoding="utf-8")
+        assert picture == draw(part, pictured(part)), f"dse components --graph components/pictures: {name} has changed"
+        assert f"(pictures/{name}.svg)" in shown

@@ -55,6 +55,7 @@ def expected(flat: FlatSpace, lowered: FoldedObjective, most: int, largest: bool
     st.integers(1, 6),
     st.sampled_from([0, 1, regions._TRIAL]),
 )
+@pytest.mark.thorough
 def test_however_far_regions_are_parted_the_best_are_those_of_the_sorted_list(
     space: DesignSpace, data: st.DataObject, largest: bool, most: int, trial: int
 ) -> None:

@@ -14,7 +14,9 @@ from dse.fmu.cache import cache_folder, content_key, keep_file
 from dse.fmu.compilation import LANGUAGE_OPTIONS, CompilationError, compile_object, link_library, options
 from dse.fmu.describe import describe_sources, identifier
 from dse.fmu.modelica.description import Described, describe_model
+from dse.fmu.modelica.documentation import documentation
 from dse.fmu.modelica.emit.model import Settings, Solver, emit
+from dse.fmu.modelica.frontend.remembered import Memory
 from dse.fmu.modelica.frontend.sources import ModelSources, library_contents, read_sources
 from dse.fmu.modelica.omc import build_with_omc, find_omc, omc_version
 from dse.fmu.modelica.translate import Translated, TranslationError, translate
@@ -74,7 +76,7 @@ def check_modelica(component: Component, source: ModelicaSource, cache: Path | N
     if note.is_file():
         return
     try:
-        translate(component, sources)
+        translate(component, sources, _memory(cache))
     except TranslationError as refusal:
         if source.compiler is ModelicaCompiler.AUTO and find_omc() is not None:
             return
@@ -118,7 +120,7 @@ def _by_dse(
     target = cache_folder(cache) / "built" / f"{named}-{content_key([*identity, machine])}.fmu"
     if target.is_file():
         return target
-    translated = translate(component, sources)
+    translated = translate(component, sources, _memory(cache))
     contents = _contents(component, source, translated, named, token, version)
     library = platform.library(version, named)
     try:
@@ -128,6 +130,10 @@ def _by_dse(
         what = f"component '{component.name}': the C made from {source.model} does not compile: {said}"
         raise fail(what, component.where, "this is a mistake of dse: please report it with the model") from error
     return keep_file(target, pack({**contents, str(library): binary}))
+
+
+def _memory(cache: Path | None) -> Memory:
+    return Memory(cache_folder(cache) / "modelica", _implementation())
 
 
 def _read(component: Component, source: ModelicaSource) -> ModelSources:
@@ -157,6 +163,10 @@ def _contents(
         **{f"sources/runtime/{name}": content for name, content in generated.items()},
         "modelDescription.xml": describe_model(described, version),
     }
+    settings = f"solver {source.solver.value}, relative tolerance {tolerance:g}"
+    contents["documentation/index.html"] = documentation(
+        component.title or component.name, source.model, translated.files, settings, translated.solved.notes
+    )
     if version == 3:
         contents["sources/buildDescription.xml"] = describe_sources(
             named, files, "runtime", (*LANGUAGE_OPTIONS, *_EXTRA)

@@ -6,27 +6,10 @@ import math
 from collections.abc import Callable, Iterable, Mapping
 
 from dse.errors import Location, fail
-from dse.fmu.modelica.expression import Expression, Graph, Place, Symbol, shown, walk
+from dse.fmu.modelica.expression import STEPS, Expression, Graph, Place, Symbol, shown, walk
 from dse.fmu.modelica.flat import Role, Variable
 
 Rate = Callable[[Symbol], Expression]
-
-_STEPS = frozenset(
-    {
-        "sign",
-        "floor",
-        "ceil",
-        "less",
-        "less_equal",
-        "greater",
-        "greater_equal",
-        "equal",
-        "not_equal",
-        "and",
-        "or",
-        "not",
-    }
-)
 
 
 def partial(expression: Expression, symbol: Symbol) -> Expression:
@@ -82,7 +65,7 @@ def derived(roots: Iterable[Expression], rate: Rate) -> list[Expression]:
             done[node.number] = _of_call(graph, node, [done[operand.number] for operand in node.operands])
         else:
             rates = [done[operand.number] for operand in node.operands]
-            is_still = node.is_constant or node.operator in _STEPS or all(one.is_number(0) for one in rates)
+            is_still = node.is_constant or node.operator in STEPS or all(one.is_number(0) for one in rates)
             done[node.number] = graph.constant(0.0) if is_still else _of_operator(graph, node, rates)
     return [done[root.number] for root in listed]
 

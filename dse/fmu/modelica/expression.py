@@ -60,6 +60,14 @@ array it is an error at run time. ``call``: *name* is one of `PRIMITIVES`; opera
 """
 
 
+# fmt: off
+STEPS = frozenset({
+    "sign", "floor", "ceil", "less", "less_equal", "greater", "greater_equal", "equal", "not_equal", "and", "or", "not",
+})
+# fmt: on
+"""Operators whose values jump and rest between: their derivative is 0."""
+
+
 class Expression:
     """A node. *symbol* is given for leaves that are no constants, *value* for constants, *name* for calls."""
 

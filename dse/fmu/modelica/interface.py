@@ -44,6 +44,7 @@ def _problems(component: Component, model: FlatModel) -> Iterator[Problem]:
         yield from _port(component, model, port)
     for parameter in component.parameters:
         yield from _parameter(component, model, parameter)
+    yield from _shared(component)
     taken = {component.variable(port.name) for port in ports}
     free = [component.variable(port.name) for port in ports if component.variable(port.name) not in model.variables]
     for name, variable in model.variables.items():
@@ -51,6 +52,21 @@ def _problems(component: Component, model: FlatModel) -> Iterator[Problem]:
             what = f"{model.name} has an input '{name}' that is no port of {component.interface.name}"
             hint = f"map a port to it, as {free[0]}: {name}" if free else "map a port to it, or give it a start"
             yield _at(component, what, variable.where, hint)
+
+
+def _shared(component: Component) -> Iterator[Problem]:
+    """Two ports or parameters that are one variable: of their values only one could hold."""
+    first: dict[str, str] = {}
+    words: list[tuple[str, str, Location | None]] = [
+        (f"{port.causality} '{port.name}'", port.name, None) for port in component.interface.ports
+    ]
+    words += [(f"parameter '{one.name}'", one.name, one.where) for one in component.parameters]
+    for word, name, where in words:
+        variable = component.variable(name)
+        other = first.setdefault(variable, word)
+        if other is not word:
+            what = f"{other} and {word} are both the variable '{variable}'"
+            yield Problem(_named(component, what), where or component.where, "map one of them to another variable")
 
 
 def _port(component: Component, model: FlatModel, port: Port) -> Iterator[Problem]:
@@ -91,11 +107,29 @@ def _parameter(component: Component, model: FlatModel, parameter: Parameter) -> 
         # Modelica counts items from 1, our benches from 0.
         what = f"{word} is an enumeration that the model reads while it runs: such cannot be given in this version"
         yield Problem(_named(component, what), where, "use an Integer")
+    elif variable.is_structural and name.endswith("]"):
+        what = f"'{name}' of {model.name} is an element of an array that decides how the model is built"
+        yield Problem(_named(component, what), where, "set the array in a Modelica model that extends this one")
     elif variable.is_structural and parameter.tunable:
         what = f"'{name}' of {model.name} decides how the model is built, so it cannot be changed in a simulation"
         yield Problem(_named(component, what), where, "say tunable: false")
     else:
         yield from _type(component, model, word, parameter.type, variable, where)
+        yield from _limits(component, model, parameter, variable, where)
+
+
+def _limits(
+    component: Component, model: FlatModel, parameter: Parameter, variable: Variable, where: Location | None
+) -> Iterator[Problem]:
+    """Limits wider than those the model was made for."""
+    shown = f"'{variable.name}' of {model.name}"
+    low, high = variable.minimum, variable.maximum
+    if low is not None and low.is_constant and parameter.minimum is not None and parameter.minimum < low.value:
+        what = f"parameter '{parameter.name}' goes down to {parameter.minimum:g}, {shown} to {low.value:g}"
+        yield Problem(_named(component, what), where, f"narrow it; {_seen(variable.where)}")
+    if high is not None and high.is_constant and parameter.maximum is not None and parameter.maximum > high.value:
+        what = f"parameter '{parameter.name}' goes up to {parameter.maximum:g}, {shown} to {high.value:g}"
+        yield Problem(_named(component, what), where, f"narrow it; {_seen(variable.where)}")
 
 
 def _is_free(variable: Variable) -> bool:

@@ -36,7 +36,14 @@ def relocated(solved: Solved, names: Mapping[str, str]) -> Solved:
         outputs=blocks(solved.outputs),
         event=blocks(solved.event),
         initial=blocks(solved.initial),
+        notes=tuple(_with_names(note, names) for note in solved.notes),
     )
+
+
+def _with_names(text: str, names: Mapping[str, str]) -> str:
+    """*text* with the place it begins with renamed."""
+    path, colon, rest = text.partition(":")
+    return f"{names[path]}{colon}{rest}" if path in names else text
 
 
 P = TypeVar("P", Relation, Check)

@@ -9,9 +9,9 @@ from dse.errors import DseError, fail
 from dse.fmu.modelica.emit.variables import FmuVariable, Variability, variables
 from dse.fmu.modelica.flatten import flatten
 from dse.fmu.modelica.frontend.literal import Value
+from dse.fmu.modelica.frontend.remembered import Memory
 from dse.fmu.modelica.frontend.result import FrontEndResult
 from dse.fmu.modelica.frontend.sources import ModelSources
-from dse.fmu.modelica.frontend.structural import compile_probed
 from dse.fmu.modelica.interface import starts
 from dse.fmu.modelica.relocate import relocated
 from dse.fmu.modelica.solved import Solved
@@ -20,24 +20,25 @@ from dse.fmu.modelica.structure.solve import solve
 
 @dataclass(frozen=True, slots=True)
 class Translated:
-    """A model ready to become C: *starts* are the component's values for its parameters."""
+    """A model ready to become C, with the component's values for its parameters; *files* by their own names."""
 
     solved: Solved
     variables: tuple[FmuVariable, ...]
     description: str
+    files: tuple[str, ...]
 
 
 class TranslationError(DseError):
     """The model is not wrong, as far as is known, but cannot be translated."""
 
 
-def translate(component: Component, sources: ModelSources) -> Translated:
-    """The model of *sources* with the values of *component*.
+def translate(component: Component, sources: ModelSources, memory: Memory) -> Translated:
+    """The model of *sources* with the values of *component*; *memory* keeps what the front-end said.
 
     Raises TranslationError for what cannot be translated, and DseError for ports and parameters that do not fit.
     """
     try:
-        result = _instantiated(component, sources)
+        result = _instantiated(component, sources, memory)
         flat = flatten(result)
     except DseError as error:
         raise TranslationError(*error.problems) from error
@@ -49,17 +50,17 @@ def translate(component: Component, sources: ModelSources) -> Translated:
         raise TranslationError(*error.problems) from error
     # What is built must not depend on where the files lie.
     names = {path: name for name, path in sources.origins.items()}
-    return Translated(relocated(solved, names), listed, result.description)
+    return Translated(relocated(solved, names), listed, result.description, tuple(sorted(sources.contents)))
 
 
 _MOST_ROUNDS = 10
 
 
-def _instantiated(component: Component, sources: ModelSources) -> FrontEndResult:
+def _instantiated(component: Component, sources: ModelSources, memory: Memory) -> FrontEndResult:
     """The flat system with the component's values for the structural parameters, of which each may bring others."""
     values: dict[str, Value] = {}
     for _ in range(_MOST_ROUNDS):
-        result = compile_probed(sources, values)
+        result = memory.compiled(sources, values)
         wanted = {
             component.variable(parameter.name): value
             for parameter in component.parameters

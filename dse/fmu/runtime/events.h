@@ -77,10 +77,39 @@ static void dse_keep_before(dse_component *m) {
     memcpy(m->was_true, m->is_true, sizeof m->was_true);
 }
 
+/* The equations at an event, with relations and variables of one solution: relations of what jumps here are found by
+ * evaluating again from what stood before, until they are those that were used. Where none are, in a loop through a
+ * when-clause, those from before the pass are: the next pass sees the others. */
+static bool dse_solve_event(dse_component *m) {
+    uint8_t held[DSE_ROOM(DSE_RELATIONS)];
+    memcpy(held, m->held, DSE_RELATIONS);
+    memcpy(m->before_pass, m->v, DSE_RELATIONS > 0 ? sizeof m->v : 0);
+    for (int turn = 0; turn <= DSE_MOST_PASSES; turn++) {
+        bool is_held = true;
+        memset(m->is_active, 0, sizeof m->is_active);
+        if (!dse_is_done(m, model_event(m))) {
+            return false;
+        }
+        if (DSE_RELATIONS == 0 || turn == DSE_MOST_PASSES) {
+            return true;
+        }
+        if (!dse_hold(m, &is_held)) {
+            return false;
+        }
+        if (is_held) {
+            return true;
+        }
+        memcpy(m->v, m->before_pass, sizeof m->v);
+        if (turn == DSE_MOST_PASSES - 1) {
+            memcpy(m->held, held, DSE_RELATIONS);
+        }
+    }
+    return true;
+}
+
 /* One pass of the event iteration; *has_jumped*: whether a state was set anew. */
 static bool dse_pass(dse_component *m, dse_tell *tell, bool *has_jumped) {
-    memset(m->is_active, 0, sizeof m->is_active);
-    if (!dse_is_done(m, model_event(m)) || !dse_is_checked(m, model_event_check(m, tell))) {
+    if (!dse_solve_event(m) || !dse_is_checked(m, model_event_check(m, tell))) {
         return false;
     }
     memset(m->ticks, 0, sizeof m->ticks);

@@ -96,6 +96,7 @@ typedef struct {
     double data[DSE_ROOM(DSE_DATA)];
     double time;
     int64_t next_tick[DSE_ROOM(DSE_CLOCKS)];
+    double before_pass[DSE_RELATIONS > 0 ? DSE_ROOM(DSE_VALUES) : 1]; /* v as a pass of the event iteration found it */
     uint8_t held[DSE_ROOM(DSE_RELATIONS)];      /* truth of the relations as the equations see it */
     uint8_t is_true[DSE_ROOM(DSE_CONDITIONS)];  /* in this iteration */
     uint8_t was_true[DSE_ROOM(DSE_CONDITIONS)]; /* in the iteration before */

@@ -57,8 +57,12 @@ static inline bool dse_has_ended(const struct dse_instance *instance) {
     return instance && instance->at.now.solver.trouble.code == DSE_TERMINATED_BY_MODEL;
 }
 
-/* The initial values, from what is set until now. */
-static DSE_APART bool dse_initialize(struct dse_instance *instance, const char *function) {
+static void dse_tell_nothing(dse_component *m, int check, int is_warning, const char *text) {
+    (void)m, (void)check, (void)is_warning, (void)text;
+}
+
+/* The initial values, from what is set until now; false on trouble, which is noted. */
+static DSE_APART bool dse_find_initial(struct dse_instance *instance, dse_tell *tell) {
     dse_component *m = &instance->at.now;
     uint8_t told[sizeof m->has_told];
     memcpy(told, m->has_told, sizeof told);
@@ -69,12 +73,16 @@ static DSE_APART bool dse_initialize(struct dse_instance *instance, const char *
     m->solver.tolerance = instance->at.tolerance > 0.0 ? instance->at.tolerance : DSE_DEFAULT_TOLERANCE;
     m->solver.is_stiff = m->solver.will_be_stiff = DSE_SOLVER == DSE_STIFF_SOLVER;
     instance->at.is_changed = 0;
-    if (!dse_solve_initial(m, dse_tell_check) || !dse_is_done(m, model_outputs(m))) {
-        return dse_tell_trouble(instance, function);
+    if (!dse_solve_initial(m, tell) || !dse_is_done(m, model_outputs(m))) {
+        return false;
     }
     model_aliases(m);
     instance->at.is_stale = 0;
     return true;
+}
+
+static bool dse_initialize(struct dse_instance *instance, const char *function) {
+    return dse_find_initial(instance, dse_tell_check) || dse_tell_trouble(instance, function);
 }
 
 /* What at.is_stale says while stepping. */
@@ -115,7 +123,13 @@ static DSE_APART bool dse_refresh(struct dse_instance *instance, const char *fun
     dse_component *m = &instance->at.now;
     bool is_new = false;
     if (instance->at.state == DSE_INITIALIZING) {
-        return dse_initialize(instance, function);
+        /* In a loop of components the inputs are not the last ones yet. Where they have no solution the start values
+         * are shown; whether the last ones have one is told when the initialization ends. */
+        if (!dse_find_initial(instance, dse_tell_nothing)) {
+            memcpy(m->v, instance->at.start.v, sizeof m->v);
+            instance->at.is_stale = 1;
+        }
+        return true;
     }
     if (m->solver.trouble.code != DSE_NO_TROUBLE) {
         return true; /* what is left of a failed simulation is shown as it is */

@@ -68,7 +68,21 @@ REFUSED = [
             "end for; end f; "
             "model M Real y = f(time); end M;"
         ),
-        "which unrolls to more than",
+        "whose loops unroll to more than 50000 assignments",
+    ),
+    (
+        (
+            "function f input Real x; output Real y; algorithm y := x; for i in 1:1000 loop for j in 1:1000 loop "
+            "y := y * x + i; end for; end for; end f; model M Real y = f(time); end M;"
+        ),
+        "whose loops unroll to more than 50000 assignments",
+    ),
+    (
+        (
+            "function f input Real x; output Real y; algorithm y := x; for i in 1:18000 loop y := y * x + i; "
+            "end for; end f; model M Real y = f(time); end M;"
+        ),
+        "which unrolls to more than 50000 operations",
     ),
     (
         (

@@ -126,3 +126,11 @@ def test_every_variable_knows_its_place(name: str, column: int) -> None:
     assert (where.file, where.line) == ("m.mo", 2)
     assert isinstance(where, Location)
     assert where.column >= column
+
+
+def test_an_enumeration_named_by_a_part_of_its_path_has_its_items() -> None:
+    flat = flattened(
+        "package P type E = enumeration(low, high); end P; model M parameter P.E e = P.E.high; "
+        "output Boolean y = e == P.E.high; end M;"
+    )
+    assert flat.variables["e"].items == ("low", "high")

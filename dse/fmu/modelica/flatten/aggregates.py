@@ -7,7 +7,7 @@ from collections.abc import Generator, Mapping, Sequence
 from dse.fmu.modelica.expression import Expression
 from dse.fmu.modelica.flatten.builtins import indexed
 from dse.fmu.modelica.flatten.context import Rule, Steps, Visit, requested
-from dse.fmu.modelica.flatten.domains import points, shape
+from dse.fmu.modelica.flatten.domains import check_counters, points, shape
 from dse.fmu.modelica.flatten.frames import Request
 from dse.fmu.modelica.flatten.updating import updated
 from dse.fmu.modelica.flatten.values import Array, MismatchError, Structure, Value, array, only, stacked, whole
@@ -48,6 +48,7 @@ def _range(visit: Visit) -> Steps:
 
 def _comprehension(visit: Visit) -> Steps:
     domain = visit.node.data["domain"]
+    check_counters(visit.document, domain, visit.frame.function)
     values: list[Value] = []
     for point in points(visit.document, domain):
         value = yield Request(visit.frame.turn(domain, point), visit.node.data["body"])

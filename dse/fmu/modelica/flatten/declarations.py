@@ -179,6 +179,10 @@ def _items(document: Document, item: Declared) -> tuple[str, ...]:
     """Names of an enumeration's values, in order."""
     name = document.flat["variable_type_names"].get(item.name)
     ordinals: Mapping[str, Any] = document.flat["enum_literal_ordinals"]
+    owners = {literal.rpartition(".")[0] for literal in ordinals}
+    if name not in owners:  # A type may be named by a part of its path, as where it is declared.
+        ending = [owner for owner in owners if owner.endswith(f".{name}")]
+        name = ending[0] if len(ending) == 1 else name
     found = {}
     for literal, ordinal in ordinals.items():
         owner, _, word = literal.rpartition(".")

@@ -39,3 +39,19 @@ def ranges(document: Document, domain: int) -> Sequence[range]:
     if total > _MOST_POINTS:
         raise fail(f"a loop of {total} turns is not supported (at most {_MOST_POINTS})", where)
     return found
+
+
+def check_counters(document: Document, domain: int, function: int) -> None:
+    """Raise DseError if a counter of *domain* has the name of a variable of function number *function*.
+
+    The front-end takes the variable for the counter then. Negative: there is no function.
+    """
+    if function < 0:
+        return
+    record, called = document.lists["domains"][domain], document.lists["functions"][function]
+    taken = {variable["name"] for variable in (*called["outputs"], *called["locals"])}
+    for binder in record["domain"]["binders"]:
+        if binder["display_name"] in taken:
+            what = f"the loop counter '{binder['display_name']}' with the name of a variable of '{called['name']}'"
+            where = document.where(record.get("provenance")) or document.where(called.get("declaration"))
+            raise fail(f"{what} is not supported", where, "give it another name")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Generator, Mapping, Sequence
 from typing import Any
 
@@ -9,7 +10,7 @@ from dse.errors import Location, fail
 from dse.fmu.modelica.flatten import externals
 from dse.fmu.modelica.flatten.context import Visit, requested
 from dse.fmu.modelica.flatten.document import Document, Record, fields, single
-from dse.fmu.modelica.flatten.domains import points
+from dse.fmu.modelica.flatten.domains import check_counters, points, shape
 from dse.fmu.modelica.flatten.frames import Assertion, Frame, Request
 from dse.fmu.modelica.flatten.values import Array, MismatchError, Structure, Text, Value, only
 
@@ -48,6 +49,9 @@ def call(visit: Visit) -> Outputs:
         raise document.refused(what, number, "does the recursion end?")
     inside = frame.call(node.data["function"], tuple(arguments))
     before = len(visit.graph)
+    if _assignments(document, function["statements"]) > _MOST_NODES:
+        what = f"the call of '{name}', whose loops unroll to more than {_MOST_NODES} assignments,"
+        raise document.refused(what, number, "fewer turns, or an equation in place of the loop")
     if function["external"] is not None:
         outputs = yield from externals.called(document, visit.model, inside, function, number)
     else:
@@ -108,7 +112,7 @@ class _Run:
                 value = yield Request(frame, data["rhs"])
                 count = self._define(data["target"], value, count)
             elif kind == "assignment_group":
-                count = yield from self._group(data, frame, count)
+                count = yield from self._group(data, frame, count, where)
             elif kind == "for":
                 count = yield from self._loop(data, frame, count)
             elif kind == "assertion":
@@ -117,11 +121,16 @@ class _Run:
                 raise fail(f"a statement of kind '{kind}' in '{self.function['name']}' is not supported", where)
         return count
 
-    def _group(self, data: Record, frame: Frame, count: int) -> Generator[Request, Value, int]:
+    def _group(self, data: Record, frame: Frame, count: int, where: Location | None) -> Generator[Request, Value, int]:
         fields(data, "assignments conditional", "a group of assignments", self.where)
         self._check_conditional(data)
         for assignment in data["assignments"]:
             fields(assignment, "target rhs", "an assignment", self.where)
+        targets = [assignment["target"] for assignment in data["assignments"]]
+        twice = next((target for target in targets if targets.count(target) > 1), None)
+        if twice is not None:
+            what = f"several results of a function in elements of one array, '{self.variables[twice]['name']}',"
+            raise fail(f"{what} are not supported", where, "give them to variables first")
         values = yield from requested(frame, [assignment["rhs"] for assignment in data["assignments"]])
         for assignment, value in zip(data["assignments"], values, strict=True):
             count = self._define(assignment["target"], value, count)
@@ -146,6 +155,7 @@ class _Run:
     def _loop(self, data: Record, frame: Frame, count: int) -> Generator[Request, Value, int]:
         keys = "domain targets iteration_locals statements begin_provenance finish_provenance"
         fields(data, keys, "a for-loop", self.where)
+        check_counters(self.document, data["domain"], frame.function)
         targets = data["targets"]
         end = count + len(targets) + _count(data["statements"])
         for point in points(self.document, data["domain"]):
@@ -200,6 +210,21 @@ def _count(statements: Sequence[Mapping[str, Any]]) -> int:
             total += len(data["assignments"])
         elif kind == "for":
             total += 2 * len(data["targets"]) + _count(data["statements"])
+    return total
+
+
+def _assignments(document: Document, statements: Sequence[Record]) -> int:
+    """How many assignments and asserts are carried out, loops within loops counted turn by turn."""
+    total = 0
+    stack = [(statements, 1)]
+    while stack:
+        each, turns = stack.pop()
+        for statement in each:
+            kind, data = single(statement, "a statement")
+            if kind == "for":
+                stack.append((data["statements"], turns * math.prod(shape(document, data["domain"]))))
+            else:
+                total += turns * (len(data["assignments"]) if kind == "assignment_group" else 1)
     return total
 
 

@@ -17,6 +17,7 @@ from typing import Any
 
 def main() -> None:
     """Answer requests until there are no more."""
+    _limit_memory()
     answers = os.fdopen(os.dup(1), "w", encoding="utf-8", newline="\n")
     os.dup2(2, 1)
     requests = os.fdopen(os.dup(0), "r", encoding="utf-8")
@@ -35,6 +36,20 @@ def main() -> None:
             answer = {"error": {"kind": type(error).__name__, "message": str(error)}}
         answers.write(json.dumps(answer, separators=(",", ":")) + "\n")
         answers.flush()
+
+
+def _limit_memory() -> None:
+    """A model of a million variables must not take the machine down. Where there are no limits, none is set."""
+    try:
+        import resource
+    except ImportError:  # Windows
+        return
+    _, most = resource.getrlimit(resource.RLIMIT_AS)
+    wanted = _MOST_MEMORY if most == resource.RLIM_INFINITY else min(_MOST_MEMORY, most)
+    resource.setrlimit(resource.RLIMIT_AS, (wanted, most))
+
+
+_MOST_MEMORY = 4 * 1024**3
 
 
 def _version() -> dict[str, Any]:

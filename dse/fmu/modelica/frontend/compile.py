@@ -44,7 +44,7 @@ class Session:
     def compiled(self, changes: Mapping[str, str]) -> FrontEndResult:
         """The flat system of the model with the parameters in *changes* given as Modelica texts. Raises DseError."""
         try:
-            result = self._result(self._flattened(_BASE, changes))
+            result = read_answer(self.sources, self._flattened(_BASE, changes))
             self._refuse_partial(result)
         except FrontEndDied as error:
             what = f"component '{self.sources.component}': {self.sources.model}: the Modelica front-end {error}"
@@ -97,24 +97,29 @@ class Session:
             found = self.front_end.ask({"check": files, "folder": str(self.folder / _BASE)})["found"]
         return found_problems(self.sources, _FILES, found) or [refusal(self.sources, _FILES, message, _WRAPPER)]
 
-    def _result(self, answer: Mapping[str, Any]) -> FrontEndResult:
-        dae, flat = answer.get("dae"), answer.get("flat")
-        schema = dae.get("schema_version") if isinstance(dae, dict) else None
-        if not isinstance(dae, dict) or not isinstance(flat, dict) or schema != SCHEMA:
-            what = f"component '{self.sources.component}': the Modelica front-end writes layout {schema}, not {SCHEMA}"
-            raise fail(what, self.sources.where, "install the version of rumoca that dse asks for")
-        texts = {
-            number: SourceText(self._spelled(path), text)
-            for number, path, text in dae["source_map"]["files"]
-            if path != _WRAPPER_FILE
-        }
-        described = [found.description for found in declarations(texts.values(), self.sources.model)]
-        description = described[0] if len(described) == 1 else ""
-        return FrontEndResult(self.sources.model, dae, flat, texts, description=description)
 
-    def _spelled(self, path: str) -> str:
-        relative = path.replace("\\", "/").removeprefix(f"{_FILES}/")
-        return self.sources.origins.get(relative, path)
+def read_answer(
+    sources: ModelSources, answer: Mapping[str, Any], structural: frozenset[str] = frozenset()
+) -> FrontEndResult:
+    """What the front-end says of *sources*. Raises DseError for an answer in another layout."""
+    dae, flat = answer.get("dae"), answer.get("flat")
+    schema = dae.get("schema_version") if isinstance(dae, dict) else None
+    if not isinstance(dae, dict) or not isinstance(flat, dict) or schema != SCHEMA:
+        what = f"component '{sources.component}': the Modelica front-end writes layout {schema}, not {SCHEMA}"
+        raise fail(what, sources.where, "install the version of rumoca that dse asks for")
+    texts = {
+        number: SourceText(_spelled(sources, path), text)
+        for number, path, text in dae["source_map"]["files"]
+        if path != _WRAPPER_FILE
+    }
+    described = [found.description for found in declarations(texts.values(), sources.model)]
+    description = described[0] if len(described) == 1 else ""
+    return FrontEndResult(sources.model, dae, flat, texts, structural, description)
+
+
+def _spelled(sources: ModelSources, path: str) -> str:
+    relative = path.replace("\\", "/").removeprefix(f"{_FILES}/")
+    return sources.origins.get(relative, path)
 
 
 @contextlib.contextmanager

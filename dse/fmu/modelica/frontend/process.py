@@ -94,7 +94,9 @@ class FrontEnd:
             timer.cancel()
         if not line.endswith("\n"):
             self._end()
-            raise FrontEndDied(f"took longer than {self._seconds:g} s" if late.is_set() else "crashed")
+            raise FrontEndDied(
+                f"took longer than {self._seconds:g} s" if late.is_set() else "crashed, or wanted more than 4 GiB"
+            )
         return self._understood(line)
 
     def _understood(self, line: str) -> dict[str, Any]:

@@ -11,6 +11,7 @@ from dse.errors import DseError, Location, Problem, fail, raise_if_any
 
 _MAX_BYTES = 20_000_000
 _MOST_FILES = 5_000
+_BYTE_ORDER_MARK = b"\xef\xbb\xbf"  # The language allows it, the front-end does not.
 
 
 @dataclass(frozen=True, slots=True)
@@ -73,6 +74,7 @@ def read_sources(
                 continue
             try:
                 content = path.read_bytes() if path.stat().st_size <= _MAX_BYTES else None
+                content = content.removeprefix(_BYTE_ORDER_MARK) if content is not None else None
             except OSError as error:
                 problems.append(_unreadable(component, path, error, where))
                 continue

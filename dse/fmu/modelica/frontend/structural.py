@@ -1,7 +1,8 @@
 """Which parameters are structural: those whose values the front-end itself uses.
 
 No list of uses would be complete, so it is tried: the model is compiled again with other values, and if anything but
-the values changes (an array's size, a clock's period, which branch is taken), the parameter is structural.
+the values changes (an array's size, a clock's period, which branch is taken), the parameter is structural. So is what
+stands where a model gets its shape, as a trial may not cross a threshold (`shaping`).
 """
 
 from __future__ import annotations
@@ -17,6 +18,7 @@ from dse.fmu.modelica.frontend.literal import Value, literal
 from dse.fmu.modelica.frontend.process import FrontEndDied, FrontEndRefusal
 from dse.fmu.modelica.frontend.result import FrontEndResult
 from dse.fmu.modelica.frontend.sameness import changed_parameters
+from dse.fmu.modelica.frontend.shaping import shaping
 from dse.fmu.modelica.frontend.sources import ModelSources
 
 
@@ -114,6 +116,7 @@ class _Probe:
         }
         for selection in self._result.flat.get("parameter_branch_selections") or ():
             used |= {reference[0] for reference in selection["references"] if reference[0] in variables}
+        used |= {name for name in shaping(self._result) if not finals.get(name)}
         pending = list(used)
         while pending:
             made_of = {name for name in refers_to(self._result, pending.pop()) if name in variables}

@@ -2,24 +2,7 @@
 
 from __future__ import annotations
 
-from dse.fmu.modelica.expression import Expression, Symbol, walk
-
-_STEPS = frozenset(
-    {
-        "sign",
-        "floor",
-        "ceil",
-        "less",
-        "less_equal",
-        "greater",
-        "greater_equal",
-        "equal",
-        "not_equal",
-        "and",
-        "or",
-        "not",
-    }
-)
+from dse.fmu.modelica.expression import STEPS, Expression, Symbol, walk
 
 
 def occurring(*roots: Expression) -> dict[Symbol, None]:
@@ -34,7 +17,7 @@ def smooth(root: Expression) -> dict[Symbol, None]:
     stack = [root]
     while stack:
         node = stack.pop()
-        if node.number in seen or node.operator in _STEPS:
+        if node.number in seen or node.operator in STEPS:
             continue
         seen.add(node.number)
         if node.symbol is not None:
@@ -47,7 +30,7 @@ def stepping(*roots: Expression) -> dict[Symbol, None]:
     """Symbols that *roots* refer to inside steps, conditions and indices, whether elsewhere too or not."""
     inside: list[Expression] = []
     for node in walk(roots):
-        if node.operator in _STEPS:
+        if node.operator in STEPS:
             inside.append(node)
         elif node.operator == "if":
             inside.append(node.operands[0])
