@@ -20,18 +20,7 @@ def table1(
 ) -> float:
     """Value or derivative (*order* 1, 2) at *x* of the table of *ys* over strictly increasing *xs*, at least two."""
     slopes = _monotone_slopes(xs, ys) if is_smooth and len(xs) > 2 else None
-
-    def inside(order: int, x: float) -> float:
-        place = _interval(x, xs)
-        width = xs[place + 1] - xs[place]
-        if slopes is None:
-            left, right = _chord(order, (x - xs[place]) / width, width)
-            return left * ys[place] + right * ys[place + 1]
-        basis = _hermite(order, (x - xs[place]) / width, width)
-        ends = (ys[place], ys[place + 1], slopes[place], slopes[place + 1])
-        return math.fsum(a * b for a, b in zip(basis, ends, strict=True))
-
-    return _extended(inside, order, x, xs, extrapolation)
+    return _curve(order, x, xs, ys, slopes, extrapolation)
 
 
 def table2(
@@ -68,14 +57,15 @@ def _weights(order: int, x: float, xs: Sequence[float], is_smooth: bool, extrapo
     found = [0.0] * len(xs)
     for place in range(len(xs)):
         unit = [float(k == place) for k in range(len(xs))]
-        found[place] = _linear_in_values(order, x, xs, unit, is_smooth, extrapolation)
+        slopes = _parabolic_slopes(xs, unit) if is_smooth and len(xs) > 2 else None
+        found[place] = _curve(order, x, xs, unit, slopes, extrapolation)
     return found
 
 
-def _linear_in_values(
-    order: int, x: float, xs: Sequence[float], ys: Sequence[float], is_smooth: bool, extrapolation: int
+def _curve(
+    order: int, x: float, xs: Sequence[float], ys: Sequence[float], slopes: Sequence[float] | None, extrapolation: int
 ) -> float:
-    slopes = _parabolic_slopes(xs, ys) if is_smooth and len(xs) > 2 else None
+    """Through the points with the given slopes, or in straight lines without."""
 
     def inside(order: int, x: float) -> float:
         place = _interval(x, xs)
@@ -84,7 +74,8 @@ def _linear_in_values(
             left, right = _chord(order, (x - xs[place]) / width, width)
             return left * ys[place] + right * ys[place + 1]
         basis = _hermite(order, (x - xs[place]) / width, width)
-        return basis[0] * ys[place] + basis[1] * ys[place + 1] + basis[2] * slopes[place] + basis[3] * slopes[place + 1]
+        ends = (ys[place], ys[place + 1], slopes[place], slopes[place + 1])
+        return math.fsum(a * b for a, b in zip(basis, ends, strict=True))
 
     return _extended(inside, order, x, xs, extrapolation)
 
