@@ -6,8 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from bench import Bench, opened, run
-from cycle import DURATION, acceleration, speed
+from bench import Bench, on_cycle, opened, run
 from electric import SynchronousMachine
 from electric_drive import DynamicDrive, QuasiStaticDrive
 from hybrid_system import integrate
@@ -114,17 +113,8 @@ def test_a_tighter_tolerance_gives_a_smaller_error(cache: Path, dynamic: tuple[D
 
 @pytest.mark.parametrize("fidelity", ["BatteryElectric", "QuasiStatic"])
 def test_energy_is_kept_over_a_cycle_and_the_consumption_is_that_of_such_cars(cache: Path, fidelity: str) -> None:
-    bench = Bench(opened(f"Electric.{fidelity}OnCycle", cache), 1e-6)
     names = ("speed", "car.distance", *ENERGIES)
-    rows = [bench.get(names)]
-    for k in range(round(DURATION / 0.2)):
-        then = 0.2 * (k + 1)
-        bench.set({"target": speed(then), "target_acceleration": acceleration(then)})
-        bench.step(0.2 * k, 0.2)
-        rows.append(bench.get(names))
-        assert abs(rows[-1][0] - speed(then)) < 0.3
-    bench.close()
-    found = np.array(rows)
+    found = on_cycle(opened(f"Electric.{fidelity}OnCycle", cache), names, 0.3)
     assert lacking(found[:, 2:]) < 1e-6
     kilowatt_hours = found[-1, 2] / 3.6e6 / (found[-1, 1] / 1e5)
     assert (

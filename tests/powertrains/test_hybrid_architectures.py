@@ -7,10 +7,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from bench import Bench, opened, run
+from bench import on_cycle, opened, run
 from combustion_hybrid import CAR
 from coupled import HYBRID, RANGE_EXTENDER, drive
-from cycle import DURATION, acceleration, speed
 from electric import Car
 from electric_drive import demand
 from hybrid_drive import CHARGE, HybridDrive
@@ -83,17 +82,8 @@ def test_a_car_with_p2_hybrid_moves_as_the_physics_says(cache: Path) -> None:
 
 @pytest.mark.parametrize("architecture", ["RangeExtender", "Hybrid"])
 def test_energy_is_kept_over_a_cycle_and_the_charge_comes_back(cache: Path, architecture: str) -> None:
-    bench = Bench(opened(f"Electric.{architecture}OnCycle", cache), 1e-6)
     names = ("speed", "car.distance", "soc", *ENERGIES)
-    rows = [bench.get(names)]
-    for k in range(round(DURATION / 0.2)):
-        then = 0.2 * (k + 1)
-        bench.set({"target": speed(then), "target_acceleration": acceleration(then)})
-        bench.step(0.2 * k, 0.2)
-        rows.append(bench.get(names))
-        assert abs(rows[-1][0] - speed(then)) < 1.0
-    bench.close()
-    found = np.array(rows)
+    found = on_cycle(opened(f"Electric.{architecture}OnCycle", cache), names, 1.0)
     assert lacking(found[:, 3:]) < 1e-6
     assert found[:, 2].min() > 0.4
     assert found[:, 2].max() < 0.6
