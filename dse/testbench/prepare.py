@@ -71,8 +71,7 @@ def parts_and_wiring(
     test_parts = {part.name: part.component for part in bench.test_components}
     interfaces = {name: component.interface for name, component in test_parts.items()}
     connections = wire(bench.design, configuration.choices, interfaces, bench.connections)
-    # The world comes first: its outputs at the start depend on no input, so all others see them from the first on.
-    return {**test_parts, **configuration.parts}, connections
+    return {**configuration.parts, **test_parts}, connections
 
 
 def _prepare(
@@ -141,8 +140,10 @@ def _names(
             elif name not in inputs:
                 types[name] = port.type
         types |= {f"{path}.{parameter.name}": parameter.type for parameter in component.parameters}
-    types |= {face: types[source] for face, source in behind.items() if source in signals and face not in types}
-    return types, frozenset(signals) | frozenset(face for face, source in behind.items() if source in signals)
+    for face, source in behind.items():
+        types[face] = types[source]
+        signals.add(face)
+    return types, frozenset(signals)
 
 
 def _record_problems(bench: TestBench, parts: Mapping[str, Component], signals: frozenset[str]) -> list[Problem]:
