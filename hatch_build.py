@@ -53,14 +53,16 @@ def _machine_compiler() -> list[str] | None:
 def _compile_kernel(folder: Path) -> None:
     target = folder / f"_kernel{_SUFFIX}"
     sources = [folder / "kernel.c"]
-    if not _is_stale(target, [*folder.glob("*.c"), *folder.glob("*.h")]):
+    shared = (folder.parent / "fmu" / "runtime").glob("*.h")
+    if not _is_stale(target, [*folder.glob("*.c"), *folder.glob("*.h"), *shared]):
         return
     compiler = _machine_compiler() or [sys.executable, "-m", "ziglang", "cc"]
     scratch = target.with_suffix(".tmp")
     flags = ["-std=c11", "-O2", "-ffp-contract=off", "-shared", "-Wall", "-Wextra", "-Werror"]
     if sys.platform != "win32":
         flags += ["-fPIC", "-fvisibility=hidden"]
-    subprocess.run([*compiler, *flags, *map(str, sources), "-o", str(scratch)], check=True)
+    mathematics = [] if sys.platform == "win32" else ["-lm"]
+    subprocess.run([*compiler, *flags, *map(str, sources), "-o", str(scratch), *mathematics], check=True)
     scratch.replace(target)
 
 

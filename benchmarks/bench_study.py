@@ -109,6 +109,9 @@ class Nothing:
 
     definition: Mapping[str, Any]
     timeout: float = 60.0
+    memory: float = 4e9
+    thread_safe: bool = True
+    most_runs: int | None = None
 
     def describe_progress(self, block: bytes) -> str:  # noqa: ARG002  # as Bench has it
         return ""
@@ -116,6 +119,8 @@ class Nothing:
 
 class NothingExecutor:
     """Gives the same metrics at every point."""
+
+    runs_left = None
 
     def __init__(self, bench: Nothing) -> None:
         self._metrics = {entry["name"]: 1.5 for entry in bench.definition["metrics"]}

@@ -109,6 +109,27 @@ def describe(dimension: Dimension) -> str:
     return "*".join(over or ["1"]) + "".join(f"/{text}" for text in under)
 
 
+def coherent(unit: Unit) -> Unit:
+    """The coherent SI unit of the same dimension: ``m/s`` for ``km/h``, the plain number for ``%``."""
+    if unit.is_coherent:
+        return unit
+    return Unit(_symbol(unit.dimension), Fraction(1), Fraction(0), unit.dimension)
+
+
+SI_SYMBOLS = {
+    "mass": "kg",
+    "length": "m",
+    "time": "s",
+    "current": "A",
+    "temperature": "K",
+    "substance": "mol",
+    "luminosity": "cd",
+}
+"""The base units FMI can name, by dimension, in the order they are written in."""
+
+_OTHER_SYMBOLS = {"currency": "EUR", "operation": "op"}
+
+
 @lru_cache(maxsize=4096)
 def parse_unit(text: str) -> Unit:
     """Read a unit as FMI, Modelica or people write it: ``m/s2``, ``N.m``, ``km/h``, ``%``, ``EUR``.
@@ -202,3 +223,19 @@ def _combine(a: Dimension, b: Dimension, sign: int) -> Dimension:
 
 def _factor_text(name: str, exponent: Fraction) -> str:
     return name if exponent == 1 else f"{name}^{exponent}"
+
+
+def _symbol(dimension: Dimension) -> str:
+    places = {name: place for place, name in enumerate(SI_SYMBOLS)}
+    ordered = sorted(dimension, key=lambda factor: places.get(factor[0], len(places)))
+    over = [_power(name, exponent) for name, exponent in ordered if exponent > 0]
+    under = [_power(name, -exponent) for name, exponent in ordered if exponent < 0]
+    if not under:
+        return ".".join(over)
+    below = under[0] if len(under) == 1 else f"({'.'.join(under)})"
+    return f"{'.'.join(over) or '1'}/{below}"
+
+
+def _power(name: str, exponent: Fraction) -> str:
+    symbol = SI_SYMBOLS.get(name) or _OTHER_SYMBOLS.get(name, name)
+    return symbol if exponent == 1 else f"{symbol}{exponent}"

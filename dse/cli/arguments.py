@@ -25,6 +25,9 @@ StudyName = Annotated[str, typer.Argument(metavar="STUDY", help="A study (PET): 
 Folder = Annotated[Path, typer.Argument(metavar="DIR", help="A study folder, made by 'dse explore' or 'dse run'.")]
 Format = Annotated[Output, typer.Option("--format", help="For a person, or for a program.")]
 Workers = Annotated[int, typer.Option("--workers", "-j", min=0, help="Worker processes; 0: one for each processor.")]
+Threads = Annotated[
+    int, typer.Option("--threads", "-t", min=1, help="Runs at once in a worker, where FMUs bear it (dse probe).")
+]
 NewFolder = Annotated[
     Path, typer.Option("--output", "-o", metavar="DIR", help="The study folder to make or to go on with.")
 ]
@@ -52,14 +55,20 @@ Plot = Annotated[
     typer.Option("--plot", metavar="FILE", callback=_picture, help="Draw the bench's figures (.png, .svg or .pdf)."),
 ]
 FmiVersion = Annotated[int, typer.Option("--fmi", min=2, max=3, help="FMI version of the FMUs that are built.")]
+CheckStep = Annotated[
+    bool, typer.Option("--check-step", help="Simulate with half the step as well; what that changes is the error bar.")
+]
+Fuse = Annotated[
+    bool, typer.Option("--fuse", help="Compile each configuration into one library first: same results, faster runs.")
+]
 Gate = Annotated[bool, typer.Option("--gate", help="Exit with 3 also if a requirement failed, not only a run.")]
 
 
-def processes(workers: int) -> int:
-    """The number of worker processes *workers* asks for."""
+def processes(workers: int, threads: int = 1) -> int:
+    """The number of worker processes *workers* asks for if each makes *threads* runs at once."""
     import os
 
-    return workers or os.cpu_count() or 1
+    return workers or max(1, (os.cpu_count() or 1) // threads)
 
 
 def workspace_of(name: str) -> Workspace:

@@ -18,21 +18,23 @@ if TYPE_CHECKING:
     from dse.domain.run import Run
     from dse.domain.study import Study
     from dse.results.table import RunTable
+    from dse.testbench.plan import Plan
 
 _MOST_PROBLEMS = 5
 
 
-def explore_into(study: Study, folder: Path, *, workers: int, version: int, fresh: bool, gate: bool) -> None:
+def explore_into(
+    study: Study, folder: Path, *, workers: int, threads: int, version: int, fuse: bool, fresh: bool, gate: bool
+) -> None:
     """Explore *study* into *folder* with a progress bar, say what came of it, and exit as it deserves."""
     from dse.cli.progress import progress_bar
     from dse.exploration.explore import ExplorationInterruptedError, explore
     from dse.exploration.header import header_of
     from dse.results.folder import StudyFolder
     from dse.testbench.execute import make_executor
-    from dse.testbench.plan import plan
 
     with console(stderr=True).status("building FMUs, assembling configurations"):
-        planned = plan(study, version=version)
+        planned = _planned(study, version=version, fuse=fuse)
     if fresh:
         StudyFolder.discard(folder)
     with StudyFolder.resume(folder, header_of(planned)) as store:
@@ -43,7 +45,8 @@ def explore_into(study: Study, folder: Path, *, workers: int, version: int, fres
                     study,
                     planned.prepared,
                     store,
-                    workers=processes(workers),
+                    workers=processes(workers, threads),
+                    threads=threads,
                     make_executor=make_executor,
                     on_progress=show,
                 )
@@ -55,15 +58,14 @@ def explore_into(study: Study, folder: Path, *, workers: int, version: int, fres
     raise typer.Exit(exit_code(table, gate=gate))
 
 
-def run_alone(study: Study, *, version: int) -> tuple[Run, Mapping[str, Any]]:
+def run_alone(study: Study, *, version: int, fuse: bool = False) -> tuple[Run, Mapping[str, Any]]:
     """The single run of *study*, made in a process of its own, with waveforms; and the study's definition."""
     from dse.exploration.explore import explore
     from dse.exploration.header import header_of
     from dse.results.folder import StudyFolder
     from dse.testbench.execute import make_executor
-    from dse.testbench.plan import plan
 
-    planned = plan(study, version=version)
+    planned = _planned(study, version=version, fuse=fuse)
     with (
         tempfile.TemporaryDirectory(prefix="dse-") as scratch,
         StudyFolder.create(Path(scratch) / "run", header_of(planned)) as store,
@@ -71,6 +73,14 @@ def run_alone(study: Study, *, version: int) -> tuple[Run, Mapping[str, Any]]:
         explore(study, planned.prepared, store, workers=1, make_executor=make_executor, on_progress=lambda _: None)
         run = store.run(0)
     return run, planned.definition
+
+
+def _planned(study: Study, *, version: int, fuse: bool) -> Plan:
+    from dse.testbench.fuse import fused_plan
+    from dse.testbench.plan import plan
+
+    planned = plan(study, version=version)
+    return fused_plan(planned) if fuse else planned
 
 
 def exit_code(table: RunTable, *, gate: bool) -> int:

@@ -27,13 +27,17 @@ def present_run(run: Run, definition: Mapping[str, Any], output: Output, plot: P
 
 def show_run(run: Run, definition: Mapping[str, Any]) -> None:
     """The configuration, the point, and every metric with its verdicts."""
+    from dse.domain.run import Outcome
+
     screen = console()
     (configuration,) = [c for c in definition["configurations"] if c["id"] == run.request.configuration]
     chosen = ", ".join(f"{place} {choice}" for place, choice in configuration["choices"].items())
     screen.print(plain(definition["title"]), style="bold")
     screen.print(f"configuration {run.request.configuration}: {chosen}", soft_wrap=True)
-    if run.problem:
+    if run.problem and run.outcome is Outcome.FAILED:
         screen.print(plain(f"failed to run: {run.problem}"), style="bold red", soft_wrap=True)
+    elif run.problem:
+        screen.print(plain(run.problem), style="yellow", soft_wrap=True)
     print_table(metric_table(run, definition))
 
 

@@ -28,8 +28,10 @@ def run_data(run: Run) -> dict[str, Any]:
 
 
 def metric_table(run: Run, definition: Mapping[str, Any]) -> Table:
-    """Every metric in its unit, with the requirements on it."""
+    """Every metric in its unit, with its error bar if it was checked, and the requirements on it."""
     from rich.table import Table
+
+    from dse.domain.run import ERROR_BAR
 
     table = Table(box=None, pad_edge=False, header_style="bold")
     for heading, justify in (("metric", "left"), ("value", "right"), ("requirement", "left"), ("bound", "right")):
@@ -37,8 +39,13 @@ def metric_table(run: Run, definition: Mapping[str, Any]) -> Table:
     table.add_column("margin", justify="right")
     table.add_column("verdict")
     for metric in definition["metrics"]:
+        if "error_of" in metric:
+            continue
         rows = [r for r in definition["requirements"] if r["metric"] == metric["name"]] or [None]
         value = quantity(run.metrics.get(metric["name"], float("nan")), metric["unit"])
+        bar = run.metrics.get(metric["name"] + ERROR_BAR)
+        if bar is not None:
+            value += f" ± {difference(bar, metric['unit'], digits=2)}"
         for number, requirement in enumerate(rows):
             head = (metric["title"], value) if number == 0 else ("", "")
             table.add_row(*head, *_judgement(run, requirement))
@@ -54,13 +61,13 @@ def quantity(value: float, unit: str) -> str:
     return f"{parse_unit(unit).from_si(value) if abs(value) != float('inf') else value:.4g} {unit}".rstrip()
 
 
-def difference(value: float, unit: str) -> str:
+def difference(value: float, unit: str, *, digits: int = 4) -> str:
     """A difference of SI numbers in *unit*: as `quantity`, but 20 degC are 20 K apart from 0 degC, not 293 K."""
     from dse.units import parse_unit
 
     if math.isnan(value):
         return "–"
-    return f"{value / float(parse_unit(unit).factor):.4g} {unit}".rstrip()
+    return f"{value / float(parse_unit(unit).factor):.{digits}g} {unit}".rstrip()
 
 
 def _judgement(run: Run, requirement: Mapping[str, Any] | None) -> tuple[Any, ...]:

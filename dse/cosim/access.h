@@ -1,48 +1,12 @@
-/* Reading and writing variables, and what happens when an FMU call fails. */
+/* Reading and writing variables. */
 #ifndef DSE_COSIM_ACCESS_H
 #define DSE_COSIM_ACCESS_H
 
 #include "convert.h"
+#include "failing.h"
+#include "texts.h"
 
-/* The loop is as fast as it is short: what it needs is put into it, everything else is kept out of it. */
-#if defined(__GNUC__)
-#define RARE __attribute__((cold, noinline))
-#define APART __attribute__((noinline))
-#define HOT static inline __attribute__((always_inline))
-#else
-#define RARE
-#define APART
-#define HOT static inline
-#endif
-
-/* ---- failures and the place they happen at ---- */
-
-/* The block is in memory before the FMU runs: no compiler may hold a store to it back past an unknown function. */
-static inline void enter_call(System *system, int64_t element, int64_t call)
-{
-    system->progress->place = (Place){element, call};
-}
-
-RARE static bool fail(System *system, int64_t kind, int64_t status, int64_t position, double value)
-{
-    system->failure = (Failure){kind, status, *system->progress, position, value};
-    return false;
-}
-
-RARE static bool fail_status(System *system, int status)
-{
-    return fail(system, BAD_STATUS, status, 0, 0);
-}
-
-static inline bool is_good(int status)
-{
-    return (unsigned)status <= FMI_WARNING;
-}
-
-static inline bool accept(System *system, int status)
-{
-    return is_good(status) ? true : fail_status(system, status);
-}
+#include <string.h>
 
 /* ---- groups of variables ---- */
 
@@ -56,9 +20,9 @@ HOT bool call_fmi2(System *system, Progress *progress, const Group *group)
 
 HOT bool call_fmi3(System *system, Progress *progress, const Group *group)
 {
-    const size_t count = (size_t)group->count;
     progress->place = group->place;
-    const int status = ((Fmi3Access)group->access)(group->instance, group->references, count, group->room, count);
+    const int status = ((Fmi3Access)group->access)(group->instance, group->references, (size_t)group->count,
+                                                   group->room, (size_t)group->n_values);
     return is_good(status) ? true : fail_status(system, status);
 }
 
@@ -82,21 +46,28 @@ HOT bool call_all(System *system, Progress *progress, const Groups *groups)
 static bool widen_checked(System *system, const Group *group)
 {
     int64_t good = widen(group);
-    if (good == group->count)
+    if (good < group->n_values)
+        return fail_value(system, TOO_LARGE, group, good, group->values[good]);
+    if (!group->conversions)
         return true;
-    system->progress->place = group->place;
-    return fail(system, TOO_LARGE, 0, group->values + good - system->values, group->values[good]);
+    good = turn_outside(group, group->values);
+    return good == group->n_values || fail_value(system, NO_ITEM, group, good, group->values[good]);
 }
 
 static bool narrow_checked(System *system, const Group *group, int64_t unfit)
 {
-    int64_t good = narrow(group);
-    if (good == group->count)
-        return true;
-    /* The variable's position among all start values, or among the staged inputs. */
-    const double *first = unfit == UNFIT_START ? system->starts : system->staged;
-    system->progress->place = group->place;
-    return fail(system, unfit, 0, group->values + good - first, group->values[good]);
+    const double *values = group->values;
+    if (group->scratch) {
+        memcpy(group->scratch, values, (size_t)group->n_values * sizeof *values);
+        values = group->scratch;
+        carry(group, group->scratch);
+        int64_t known = turn_inside(group, group->scratch);
+        if (known < group->n_values)
+            return fail_value(system, unfit == UNFIT_START ? NO_ITEM_START : NO_ITEM_INPUT, group, known,
+                              values[known]);
+    }
+    int64_t good = narrow(group, values);
+    return good == group->n_values || fail_value(system, unfit, group, good, values[good]);
 }
 
 HOT bool read_groups(System *system, Progress *progress, const Groups *groups)
@@ -122,15 +93,15 @@ HOT bool write_groups(System *system, Progress *progress, const Groups *groups, 
     return call_all(system, progress, groups);
 }
 
-/* The same once more for the initialization, outside the loop. */
+/* The same once more outside the loop, with strings and binaries. */
 APART static bool read_some(System *system, const Groups *groups)
 {
-    return read_groups(system, system->progress, groups);
+    return read_groups(system, system->progress, groups) && read_texts(system, groups);
 }
 
 APART static bool write_some(System *system, const Groups *groups, int64_t unfit)
 {
-    return write_groups(system, system->progress, groups, unfit);
+    return write_groups(system, system->progress, groups, unfit) && write_texts(system, groups);
 }
 
 /* ---- moving values ---- */

@@ -6,10 +6,19 @@
 
 #define EXACT_INTEGER 9007199254740992.0 /* 2^53: beyond it a double no longer tells integers apart */
 
-/* Convert what the accessor returned to double; returns the first that is too large, or count. */
+/* ---- types ---- */
+
+/* Bytes of one value in the room of a group. */
+static inline size_t size_of(int64_t type)
+{
+    static const uint8_t sizes[] = {8, 4, 1, 1, 2, 2, 4, 4, 8, 8, sizeof(bool), 4, 0, 0, 1};
+    return sizes[type];
+}
+
+/* Convert what the accessor returned to double; returns the first that is too large, or n_values. */
 static int64_t widen(const Group *group)
 {
-    const int64_t count = group->count;
+    const int64_t count = group->n_values;
     double *values = group->values;
     switch (group->type) {
 #define PLAIN(TYPE, C_TYPE)                                                                                           \
@@ -31,6 +40,7 @@ static int64_t widen(const Group *group)
         for (int64_t i = 0; i < count; i++)                                                                           \
             values[i] = ((C_TYPE *)group->room)[i] = ((const C_TYPE *)group->room)[i] != 0;                           \
         break;
+        PLAIN(FLOAT64, double)
         PLAIN(FLOAT32, float)
         PLAIN(INT8, int8_t)
         PLAIN(UINT8, uint8_t)
@@ -42,16 +52,20 @@ static int64_t widen(const Group *group)
         CHECKED(UINT64, uint64_t)
         TRUTH(BOOLEAN, bool)
         TRUTH(FMI2_BOOLEAN, int32_t)
+        TRUTH(FMI1_BOOLEAN, char)
     }
     return count;
 }
 
-/* Convert a group's values to what its accessor wants; returns the first that does not fit, or count. */
-static int64_t narrow(const Group *group)
+/* Convert n_values to what the group's accessor wants; returns the first that does not fit, or n_values. */
+static int64_t narrow(const Group *group, const double *values)
 {
-    const int64_t count = group->count;
-    const double *values = group->values;
+    const int64_t count = group->n_values;
     switch (group->type) {
+    case FLOAT64:
+        for (int64_t i = 0; i < count; i++)
+            ((double *)group->room)[i] = values[i];
+        break;
     case FLOAT32:
         for (int64_t i = 0; i < count; i++)
             ((float *)group->room)[i] = (float)values[i];
@@ -83,8 +97,69 @@ static int64_t narrow(const Group *group)
         WHOLE(UINT64, uint64_t, 0, EXACT_INTEGER)
         EITHER(BOOLEAN, bool)
         EITHER(FMI2_BOOLEAN, int32_t)
+        EITHER(FMI1_BOOLEAN, char)
     }
     return count;
+}
+
+/* ---- units and items ---- */
+
+/* The value outside of the FMU; false if it is no item that is known. */
+static inline bool go_out(const Conversion *conversion, double *value)
+{
+    if (!conversion->n_pairs) {
+        *value = conversion->factor * *value + conversion->offset;
+        return true;
+    }
+    for (int64_t i = 0; i < conversion->n_pairs; i++)
+        if (conversion->pairs[2 * i] == *value) {
+            *value = conversion->pairs[2 * i + 1];
+            return true;
+        }
+    return false;
+}
+
+/* The value inside of the FMU; false if it is no item that is known. */
+static inline bool go_in(const Conversion *conversion, double *value)
+{
+    if (!conversion->n_pairs) {
+        *value = (*value - conversion->offset) / conversion->factor;
+        return true;
+    }
+    for (int64_t i = 0; i < conversion->n_pairs; i++)
+        if (conversion->pairs[2 * i + 1] == *value) {
+            *value = conversion->pairs[2 * i];
+            return true;
+        }
+    return false;
+}
+
+/* Carry values along the wires that end at a group's inputs. */
+static void carry(const Group *group, double *values)
+{
+    if (group->transforms)
+        for (int64_t i = 0; i < group->n_values; i++)
+            go_out(&group->transforms[i], &values[i]); /* a wire passes on what it has no item for */
+}
+
+/* Turn values into those inside of the FMU; returns the first that is no item, or n_values. */
+static int64_t turn_inside(const Group *group, double *values)
+{
+    if (group->conversions)
+        for (int64_t i = 0; i < group->n_values; i++)
+            if (!go_in(&group->conversions[i], &values[i]))
+                return i;
+    return group->n_values;
+}
+
+/* Turn values into those outside; returns the first that is no item, or n_values. */
+static int64_t turn_outside(const Group *group, double *values)
+{
+    if (group->conversions)
+        for (int64_t i = 0; i < group->n_values; i++)
+            if (!go_out(&group->conversions[i], &values[i]))
+                return i;
+    return group->n_values;
 }
 
 #endif

@@ -3,167 +3,279 @@
 from __future__ import annotations
 
 import ctypes
-from ctypes import POINTER, byref, c_bool, c_char_p, c_double, c_int, c_int32, c_size_t, c_uint32, c_void_p
-from typing import Any, ClassVar
+import math
+from collections.abc import Sequence
+from ctypes import POINTER, byref, c_bool, c_byte, c_char_p, c_double, c_int, c_int32, c_size_t, c_uint32, c_void_p
+from typing import Any
 
 from dse.cosim import diagnosis
-from dse.cosim.calls import C_TYPES, EXACT_INTEGER, FATAL, FLOATING, WARNING, Call, Type, function_name, type_of
+from dse.cosim.abilities import Ability
+from dse.cosim.calls import (
+    C_TYPES,
+    EXACT_INTEGER,
+    FLOATING,
+    LONGEST_TEXT,
+    MOST_EVENT_ITERATIONS,
+    TRUTHS,
+    Call,
+    Type,
+    function_name,
+    text_type_of,
+    type_of,
+)
 from dse.cosim.failure import RunFailed, place
-from dse.cosim.library import address, resources
-from dse.domain.fmu import FmuModel, Variable
+from dse.cosim.instance_handle import Handle
+from dse.cosim.library import find
+from dse.domain.fmu import FmiInterface, Variable
 
-_FMI2_CO_SIMULATION = 1
-_FMI2_LOG = ctypes.CFUNCTYPE(None, c_void_p, c_char_p, c_int, c_char_p, c_char_p)  # the values after it: unread
-_FMI3_LOG = ctypes.CFUNCTYPE(None, c_void_p, c_int, c_char_p, c_char_p)
-
-_TRUTH = frozenset({Type.BOOLEAN, Type.FMI2_BOOLEAN})
+_FMI2_TYPES = {FmiInterface.MODEL_EXCHANGE: 0, FmiInterface.CO_SIMULATION: 1}
+_MIME_TYPE = b"application/x-fmu-sharedlibrary"
 
 
-class _Fmi2Callbacks(ctypes.Structure):
-    _fields_: ClassVar[list[tuple[str, Any]]] = [
-        (name, c_void_p) for name in ("log", "allocate", "release", "step_finished", "environment")
-    ]
+class Instance(Handle):
+    """What can be done with an instance; every method raises RunFailed if the FMU reports an error."""
 
+    def reset(self) -> None:
+        """Back to what it was when it was new."""
+        self._call(Call.RESET, None)
 
-class Instance:
-    """An instance called *name* of the FMU *model*, freed at the end of a ``with`` block.
-
-    Every method raises RunFailed if the FMU reports an error.
-    """
-
-    def __init__(self, name: str, model: FmuModel, library: ctypes.CDLL) -> None:
-        self.name = name
-        self.model = model
-        self.log: tuple[str, ...] = ()
-        self.fatal = False
-        self._library = library
-        self._keep: Any = None
-        self._handle = self._instantiate()
-
-    def __enter__(self) -> Instance:
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        if not self.fatal:  # after a fatal error FMI forbids every call
-            free = self._function(function_name(Call.FREE_INSTANCE, self.model.version), (c_void_p,), None)
-            free(self._handle)
+    # ---- initialization ----
 
     def set_up(self, stop: float) -> None:
-        """fmi2SetupExperiment; FMI 3 has no such call."""
-        if self.model.version == 2:
+        """fmi2SetupExperiment; the other versions have no such call."""
+        self.next_event = math.inf
+        if self.model.version == 2:  # FMI 2
             types = (c_int, c_double, c_double, c_int, c_double)
             self._call(Call.SETUP_EXPERIMENT, None, types, 0, 0.0, 0.0, 1, stop)
 
+    def enter_configuration(self) -> None:
+        """To set structural parameters."""
+        self._call(Call.ENTER_CONFIGURATION, None)
+
+    def exit_configuration(self) -> None:
+        """After structural parameters have been set."""
+        self._call(Call.EXIT_CONFIGURATION, None)
+
     def enter_initialization(self, stop: float) -> None:
-        """EnterInitializationMode at time 0."""
-        if self.model.version == 2:
+        """EnterInitializationMode at time 0; fmiInitializeSlave in FMI 1."""
+        if self.model.version == 1:
+            self._call(Call.ENTER_INITIALIZATION, None, (c_double, c_byte, c_double), 0.0, 1, stop)
+        elif self.model.version == 2:  # FMI 2
             self._call(Call.ENTER_INITIALIZATION, None)
         else:
             types = (c_bool, c_double, c_double, c_bool, c_double)
             self._call(Call.ENTER_INITIALIZATION, None, types, False, 0.0, 0.0, True, stop)
 
     def exit_initialization(self) -> None:
-        """ExitInitializationMode."""
-        self._call(Call.EXIT_INITIALIZATION, None)
-
-    def do_step(self, time: float, step: float) -> None:
-        """DoStep from *time* over *step* (seconds)."""
-        if self.model.version == 2:
-            self._call(Call.DO_STEP, time, (c_double, c_double, c_int), time, step, 1)
+        """ExitInitializationMode of co-simulation, and the events at time 0; FMI 1 has no such call."""
+        if self.model.version == 1:
             return
-        event, ended, early, reached = c_bool(), c_bool(), c_bool(), c_double()
-        types = (c_double, c_double, c_bool, *[POINTER(c_bool)] * 3, POINTER(c_double))
-        flags = (byref(event), byref(ended), byref(early), byref(reached))
-        self._call(Call.DO_STEP, time, types, time, step, True, *flags)
-        if ended.value or early.value:
-            where = place(self.name, "fmi3DoStep", time)
-            raise self._failure("fmi3DoStep", time, diagnosis.cut_short(where, ended=ended.value))
+        self._call(Call.EXIT_INITIALIZATION, None)
+        if self.able & Ability.HAS_EVENTS:
+            self.leave_event_mode(None)
 
     def terminate(self, time: float) -> None:
         """Terminate at the end of a run."""
         self._call(Call.TERMINATE, time)
 
+    # ---- events ----
+
+    def enter_event_mode(self, time: float | None) -> None:
+        """From step mode."""
+        self._call(Call.ENTER_EVENT_MODE, time)
+
+    def leave_event_mode(self, time: float | None) -> None:
+        """Iterate until nothing changes any more, then go back to step mode."""
+        name = function_name(Call.UPDATE_DISCRETE_STATES, self.model.version)
+        for _ in range(MOST_EVENT_ITERATIONS):
+            again, ended, nominals, states, known = (c_bool() for _ in range(5))
+            event = c_double()
+            types = (*[POINTER(c_bool)] * 5, POINTER(c_double))
+            flags = [byref(flag) for flag in (again, ended, nominals, states, known)]
+            self._call(Call.UPDATE_DISCRETE_STATES, time, types, *flags, byref(event))
+            if ended.value:
+                raise self.failure(name, time, diagnosis.cut_short(place(self.name, name, time), ended=True))
+            self.next_event = event.value if known.value else math.inf
+            if not again.value:
+                self._call(Call.ENTER_STEP_MODE, time)
+                return
+        raise self.failure(name, time, diagnosis.endless_events(place(self.name, name, time)))
+
+    # ---- steps ----
+
+    def step_status(self, time: float, step: float, *, may_roll_back: bool) -> int:
+        """What DoStep of FMI 1 or 2 returns; an error is not raised."""
+        name = function_name(Call.DO_STEP, self.model.version)
+        if self.model.version == 1:
+            step_on = self._function(name, (c_void_p, c_double, c_double, c_byte), c_int32)
+            return int(step_on(self._handle, time, step, 1))
+        step_on = self._function(name, (c_void_p, c_double, c_double, c_int), c_int32)
+        return int(step_on(self._handle, time, step, 0 if may_roll_back else 1))
+
+    def fmi3_step(
+        self, start: float, time: float, step: float, target: float, *, may_roll_back: bool
+    ) -> tuple[float, bool]:
+        """One fmi3DoStep from *time* over *step* to *target*: where it ended and whether there is an event there.
+
+        *start* is the time for messages.
+        """
+        event, ended, early, reached = c_bool(), c_bool(), c_bool(), c_double(target)
+        types = (c_double, c_double, c_bool, *[POINTER(c_bool)] * 3, POINTER(c_double))
+        flags = (byref(event), byref(ended), byref(early), byref(reached))
+        self._call(Call.DO_STEP, start, types, time, step, not may_roll_back, *flags)
+        if ended.value or (early.value and not self.able & Ability.CAN_RETURN_EARLY):
+            raise self.cut_short(start, ended=ended.value)
+        is_event = event.value and bool(self.able & Ability.HAS_EVENTS)
+        return (reached.value if early.value and reached.value < target else target), is_event
+
+    def cut_short(self, time: float, *, ended: bool) -> RunFailed:
+        """The failure of a step that was not made to its end."""
+        name = function_name(Call.DO_STEP, self.model.version)
+        return self.failure(name, time, diagnosis.cut_short(place(self.name, name, time), ended=ended))
+
+    def status(self, call: Call, what: int, room: Any) -> int | None:
+        """What GetStatus and its like of FMI 1 and 2 return for *what*, the answer in *room*; None without them."""
+        name = function_name(call, self.model.version)
+        if find(self.model, self._library, name) is None:
+            return None
+        return int(self._function(name, (c_void_p, c_int, c_void_p), c_int32)(self._handle, what, byref(room)))
+
+    def set_derivatives(self, variables: Sequence[Variable], values: Sequence[float], time: float) -> None:
+        """Slopes of real inputs, per second, as they are inside (FMI 1 and 2)."""
+        n = len(variables)
+        references = (c_uint32 * n)(*(variable.reference for variable in variables))
+        types = (POINTER(c_uint32), c_size_t, POINTER(c_int32), POINTER(c_double))
+        orders = (c_int32 * n)(*[1] * n)
+        self._call(Call.SET_INPUT_DERIVATIVES, time, types, references, n, orders, (c_double * n)(*values))
+
+    # ---- states ----
+
+    def save(self, state: c_void_p, time: float | None) -> None:
+        """Keep the state it is in behind *state*, which holds None or a state kept before."""
+        self._call(Call.GET_STATE, time, (c_void_p,), byref(state))
+
+    def restore(self, state: c_void_p, time: float | None) -> None:
+        """Back to a *state* that was kept."""
+        self._call(Call.SET_STATE, time, (c_void_p,), state)
+
+    def forget(self, state: c_void_p) -> None:
+        """Free a *state* that was kept."""
+        self._call(Call.FREE_STATE, None, (c_void_p,), byref(state))
+
+    def serialized(self, state: c_void_p) -> bytes:
+        """A kept *state* as bytes (FMI 2 and 3)."""
+        size = c_size_t()
+        names = [self._state_function(verb) for verb in ("Serialized{}Size", "Serialize{}")]
+        self.call(names[0], None, (c_void_p, c_void_p), state, byref(size))
+        room = (c_byte * size.value)()
+        self.call(names[1], None, (c_void_p, c_void_p, c_size_t), state, byref(room), size.value)
+        return bytes(room)
+
+    def deserialize(self, content: bytes, state: c_void_p) -> None:
+        """Make *state* the one that *content* holds."""
+        room = (c_byte * len(content)).from_buffer_copy(content)
+        name = self._state_function("DeSerialize{}" if self.model.version == 2 else "Deserialize{}")  # FMI 2
+        self.call(name, None, (c_void_p, c_size_t, c_void_p), byref(room), len(content), byref(state))
+
+    def _state_function(self, verb: str) -> str:
+        version = self.model.version
+        return f"fmi{version}{verb.format('FMUstate' if version == 2 else 'FMUState')}"  # FMI 2
+
+    # ---- values ----
+
     def accessor(self, verb: str, variable: Variable) -> str:
         """Name of the function that gets or sets *variable*."""
-        return f"fmi{self.model.version}{verb}{variable.fmi_type}"
+        version = "" if self.model.version == 1 else str(self.model.version)
+        return f"fmi{version}{verb}{variable.fmi_type}"
 
     def get(self, variable: Variable, time: float | None) -> float:
-        """Value of *variable*; *time* is for messages."""
-        kind = self._type(variable)
-        room = C_TYPES[kind]()
-        self._access(Call.GET, variable, room, time)
-        if kind in (Type.INT64, Type.UINT64) and abs(room.value) > EXACT_INTEGER:
-            what = diagnosis.too_large(f"{self.name}.{variable.name}", time)
-            raise self._failure(self.accessor("Get", variable), time, what)
-        return float(bool(room.value)) if kind in _TRUTH else float(room.value)
+        """Value of a scalar *variable*; *time* is for messages."""
+        return self.numbers(variable, time)[0]
 
     def set(self, variable: Variable, value: float, time: float | None) -> None:
-        """Give *variable* the *value*; *time* is for messages."""
+        """Give a scalar *variable* the *value*; *time* is for messages."""
+        self.give_numbers(variable, [value], time)
+
+    def numbers(self, variable: Variable, time: float | None) -> list[float]:
+        """Values of *variable* inside of the FMU, row by row; *time* is for messages."""
         kind = self._type(variable)
-        if kind not in FLOATING and not _fits(value, kind):
-            what = diagnosis.unfit(f"{self.name}.{variable.name}", variable.fmi_type, value, time)
-            raise self._failure(self.accessor("Set", variable), time, what)
-        self._access(Call.SET, variable, C_TYPES[kind](value if kind in FLOATING else int(value)), time)
+        room = (C_TYPES[kind] * variable.size)()
+        self._access(Call.GET + kind, variable, room, time)
+        for label, value in zip(variable.labels, room, strict=True):
+            if kind in (Type.INT64, Type.UINT64) and abs(value) > EXACT_INTEGER:
+                what = diagnosis.too_large(f"{self.name}.{label}", time)
+                raise self.failure(self.accessor("Get", variable), time, what)
+        return [float(bool(value)) if kind in TRUTHS else float(value) for value in room]
 
-    def _instantiate(self) -> int:
-        name, token, where = self.name.encode(), self.model.token.encode(), resources(self.model).encode()
-        function = function_name(Call.INSTANTIATE, self.model.version)
-        if self.model.version == 2:
-            log = _FMI2_LOG(lambda _environment, _name, _status, _category, message: self._keep_line(message))
-            allocate, release = (
-                ctypes.cast(f, c_void_p) for f in (ctypes.pythonapi.PyMem_RawCalloc, ctypes.pythonapi.PyMem_RawFree)
-            )
-            callbacks = _Fmi2Callbacks(ctypes.cast(log, c_void_p), allocate, release, None, None)
-            self._keep = (log, callbacks)
-            types: tuple[Any, ...] = (c_char_p, c_int, c_char_p, c_char_p, POINTER(_Fmi2Callbacks), c_int, c_int)
-            make = self._function(function, types, c_void_p)
-            handle = make(name, _FMI2_CO_SIMULATION, token, where, byref(callbacks), 0, 0)
+    def give_numbers(self, variable: Variable, values: Sequence[float], time: float | None) -> None:
+        """Give *variable* the *values*, as they are inside; *time* is for messages."""
+        self._access(Call.SET + self._type(variable), variable, self.narrowed(variable, values, time), time)
+
+    def narrowed(self, variable: Variable, values: Sequence[float], time: float | None) -> Any:
+        """*values* as the accessor of *variable* takes them."""
+        kind = self._type(variable)
+        for label, value in zip(variable.labels, values, strict=True):
+            if kind not in FLOATING and not _fits(value, kind):
+                what = diagnosis.unfit(f"{self.name}.{label}", variable.fmi_type, value, time)
+                raise self.failure(self.accessor("Set", variable), time, what)
+        return (C_TYPES[kind] * len(values))(*(value if kind in FLOATING else int(value) for value in values))
+
+    def texts(self, variable: Variable, time: float | None) -> list[bytes]:
+        """Strings (encoded in UTF-8) or binaries of *variable*."""
+        kind, n = text_type_of(variable, self.model.version), variable.size
+        pointers, sizes = (c_void_p * n)(), (c_size_t * n)()
+        name = self.accessor("Get", variable)
+        if kind is Type.BINARY:
+            types = (POINTER(c_uint32), c_size_t, c_void_p, c_void_p, c_size_t)
+            self.call(name, time, types, (c_uint32 * 1)(variable.reference), 1, byref(sizes), byref(pointers), n)
         else:
-            log3 = _FMI3_LOG(lambda _environment, _status, _category, message: self._keep_line(message))
-            self._keep = log3
-            types = (*[c_char_p] * 3, *[c_bool] * 4, c_void_p, c_size_t, c_void_p, _FMI3_LOG, c_void_p)
-            make = self._function(function, types, c_void_p)
-            handle = make(name, token, where, False, False, False, False, None, 0, None, log3, None)
-        if not handle:
-            raise self._failure(function, None, diagnosis.no_instance(place(self.name, function, None)))
-        return int(handle)
+            self._access(Call.GET + Type.STRING, variable, pointers, time)
+        found = []
+        for label, pointer, size in zip(variable.labels, pointers, sizes, strict=True):
+            if pointer is None and (kind is Type.STRING or size):
+                raise self.failure(name, time, diagnosis.no_text(f"{self.name}.{label}", time))
+            text = b"" if pointer is None else _bytes_at(pointer, size if kind is Type.BINARY else None)
+            if text is None:
+                raise self.failure(name, time, diagnosis.long_text(f"{self.name}.{label}", time))
+            found.append(text)
+        return found
 
-    def _access(self, verb: Call, variable: Variable, room: Any, time: float | None) -> None:
-        call = verb + self._type(variable)
+    def give_texts(self, variable: Variable, texts: Sequence[bytes], time: float | None) -> None:
+        """Give *variable* strings (encoded in UTF-8) or binaries."""
+        n = len(texts)
+        values = (c_char_p * n)(*texts)
+        if text_type_of(variable, self.model.version) is Type.BINARY:
+            types = (POINTER(c_uint32), c_size_t, c_void_p, c_void_p, c_size_t)
+            sizes = (c_size_t * n)(*map(len, texts))
+            reference = (c_uint32 * 1)(variable.reference)
+            self.call(self.accessor("Set", variable), time, types, reference, 1, byref(sizes), byref(values), n)
+        else:
+            self._access(Call.SET + Type.STRING, variable, values, time)
+
+    def _access(self, call: int, variable: Variable, room: Any, time: float | None) -> None:
         references = (c_uint32 * 1)(variable.reference)
         types: tuple[Any, ...] = (POINTER(c_uint32), c_size_t, c_void_p)
-        if self.model.version == 2:
+        if self.model.version < 3:  # FMI 1 and 2 are not told how many values
             self._call(call, time, types, references, 1, byref(room))
         else:
-            self._call(call, time, (*types, c_size_t), references, 1, byref(room), 1)
-
-    def _call(self, call: int, time: float | None, types: tuple[Any, ...] = (), *arguments: Any) -> None:
-        name = function_name(call, self.model.version)
-        status = self._function(name, (c_void_p, *types), c_int32)(self._handle, *arguments)
-        if not 0 <= status <= WARNING:
-            self.fatal = status == FATAL
-            raise self._failure(name, time, diagnosis.bad_status(place(self.name, name, time), status))
-
-    def _function(self, name: str, types: tuple[Any, ...], result: Any) -> Any:
-        return ctypes.CFUNCTYPE(result, *types)(address(self.model, self._library, name))
+            self._call(call, time, (*types, c_size_t), references, 1, byref(room), len(room))
 
     def _type(self, variable: Variable) -> Type:
         kind = type_of(variable, self.model.version)
         assert kind is not None, "the wiring lets only numbers through"  # noqa: S101  # an invariant, not a check of input
         return kind
 
-    def _keep_line(self, message: bytes | None) -> None:
-        if text := (message or b"").decode("utf-8", "replace").strip():
-            self.log = (*self.log, text)
 
-    def _failure(self, call: str, time: float | None, what: str) -> RunFailed:
-        return RunFailed(self.name, call, time, self.log, what, self.fatal)
+def _bytes_at(pointer: int, size: int | None) -> bytes | None:
+    """The *size* bytes there, or those up to a zero; None if they are too many."""
+    text = ctypes.string_at(pointer) if size is None else ctypes.string_at(pointer, min(size, LONGEST_TEXT + 1))
+    return None if len(text) > LONGEST_TEXT else text
 
 
 def _fits(value: float, kind: Type) -> bool:
     if not float(value).is_integer():
         return False
-    if kind in _TRUTH:
+    if kind in TRUTHS:
         return value in (0.0, 1.0)
     bits = 8 * ctypes.sizeof(C_TYPES[kind])
     low, high = (0, 2**bits - 1) if kind.name.startswith("U") else (-(2 ** (bits - 1)), 2 ** (bits - 1) - 1)

@@ -1,44 +1,17 @@
-/* The co-simulation master's hot loop: one call per run, fixed communication step, Jacobi.
+/* The co-simulation master: one call per run. The initialization follows a plan (plan.h). What comes after it does so
+ * too, but for the plain case, which has a tight loop of its own here: fixed communication step, Jacobi.
  *
  * At t = k*step, for k = 0 … steps: read all outputs, record them, write all inputs, let every element step.
- * dse/cosim/reference.py is the same algorithm in plain Python and must agree with this one bit for bit. */
-#include "access.h"
-#include "kernel.h"
+ * dse/cosim/reference.py is the same in plain Python and must agree with this bit for bit. */
+#include "master.h"
+#include "exchange_alone.h"
+#include "fused.h"
 
-#include <stdarg.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
-
-const int64_t dse_layout[9] = {sizeof(Progress), sizeof(Log),    sizeof(Group),   sizeof(Truth),         sizeof(Element),
-                               sizeof(Failure),  sizeof(System), sizeof(Request), LOG_LINES *LOG_WIDTH};
-
-/* ---- the FMU's log ---- */
-
-static char *next_line(Log *log)
-{
-    /* FMUs log from threads of their own: a line may be overwritten, never the memory beside it. */
-    return log->lines[__atomic_fetch_add(&log->count, 1, __ATOMIC_RELAXED) % LOG_LINES];
-}
-
-static void keep_fmi2_line(void *environment, const char *name, int status, const char *category,
-                           const char *format, ...)
-{
-    (void)name, (void)status, (void)category;
-    if (!environment || !format)
-        return;
-    va_list values;
-    va_start(values, format);
-    vsnprintf(next_line(environment), LOG_WIDTH, format, values);
-    va_end(values);
-}
-
-static void keep_fmi3_line(void *environment, int status, const char *category, const char *message)
-{
-    (void)status, (void)category;
-    if (environment && message)
-        snprintf(next_line(environment), LOG_WIDTH, "%s", message);
-}
+const int64_t dse_layout[12] = {sizeof(Progress),  sizeof(Log),     sizeof(Conversion), sizeof(Group),
+                                sizeof(Text),      sizeof(TextGroup), sizeof(Truth),    sizeof(Element),
+                                sizeof(Failure),   sizeof(System),  sizeof(Request),    LOG_LINES *LOG_WIDTH};
+const int64_t dse_plan_layout[7] = {sizeof(Operation), sizeof(Walk),       sizeof(Loop), sizeof(Pace),
+                                    sizeof(Bond),      sizeof(BondColumn), sizeof(Plan)};
 
 /* ---- the beginning and the end of a call ---- */
 
@@ -47,105 +20,44 @@ static void begin(System *system)
     if (!system->progress)
         system->progress = &system->unwatched;
     system->progress->step = -1;
+    system->now = NAN;
     system->failure = (Failure){0};
+    make_floating_default();
     for (int64_t e = 0; e < system->n_elements; e++)
         system->elements[e].log->count = 0;
 }
 
 static int end(System *system, bool succeeded)
 {
+    make_floating_default();
     enter_call(system, 0, IDLE);
     return succeeded ? 0 : 1;
 }
 
 /* ---- the phases of a run ---- */
 
-static void bind_groups(const Groups *groups, const Element *elements)
-{
-    for (Group *group = groups->fmi2; group < groups->end; group++)
-        group->instance = elements[group->place.element].instance;
-}
-
-static void bind(System *system)
-{
-    const Element *elements = system->elements;
-    bind_groups(&system->outputs, elements);
-    bind_groups(&system->inputs, elements);
-    for (int64_t e = 0; e < system->n_elements; e++) {
-        bind_groups(&elements[e].starts, elements);
-        bind_groups(&elements[e].inputs, elements);
-        bind_groups(&elements[e].outputs, elements);
-    }
-}
-
 static bool start(System *system, double stop)
 {
-    for (int64_t e = 0; e < system->n_elements; e++) {
-        const Element *element = &system->elements[e];
-        bool is_fmi2 = element->version == 2;
-        if (is_fmi2) {
-            enter_call(system, e, SETUP_EXPERIMENT);
-            Fmi2SetupExperiment set_up = (Fmi2SetupExperiment)element->setup_experiment;
-            if (!accept(system, set_up(element->instance, 0, 0.0, 0.0, 1, stop)))
-                return false;
-        }
-        if (!write_some(system, &element->starts, UNFIT_START))
+    for (int64_t e = 0; e < system->n_elements; e++)
+        if (!set_up(system, e, stop) || !keeps_floating_mode(system))
             return false;
-        enter_call(system, e, ENTER_INITIALIZATION);
-        if (!accept(system, is_fmi2 ? ((FmiPlain)element->enter_initialization)(element->instance)
-                                    : ((Fmi3EnterInitialization)element->enter_initialization)(
-                                          element->instance, false, 0.0, 0.0, true, stop)))
-            return false;
-    }
     return true;
 }
 
-/* Carry values along the wires until no output changes any more, bit for bit. */
-static bool settle(System *system)
+/* Carry values along the wires, before t = 0. */
+static bool initialize(System *system)
 {
-    size_t size = (size_t)system->n_values * sizeof(double);
-    if (!read_some(system, &system->outputs))
-        return false;
-    for (int64_t sweep = 0; sweep < system->sweeps; sweep++) {
-        memcpy(system->previous, system->values, size);
-        for (const Element *element = system->elements; element < system->elements + system->n_elements; element++) {
-            stage(system, element->first_staged, element->n_staged);
-            if (!write_some(system, &element->inputs, UNFIT_INPUT) || !read_some(system, &element->outputs))
-                return false;
-        }
-        if (memcmp(system->previous, system->values, size) == 0)
-            return true;
-    }
-    return fail(system, NOT_SETTLED, 0, 0, 0);
+    Plan *plan = system->plan;
+    plan->k = 0;
+    return do_walk(system, plan->initial);
 }
 
-static bool leave_initialization(System *system)
+static bool leave_all(System *system)
 {
-    for (int64_t e = 0; e < system->n_elements; e++) {
-        enter_call(system, e, EXIT_INITIALIZATION);
-        if (!accept(system, ((FmiPlain)system->elements[e].exit_initialization)(system->elements[e].instance)))
+    for (int64_t e = 0; e < system->n_elements; e++)
+        if (!leave_initialization(system, e) || !keeps_floating_mode(system))
             return false;
-    }
     return true;
-}
-
-static bool step_fmi3(System *system, const Element *element, double time, double step)
-{
-    system->progress->place = element->stepping;
-    bool event_needed = false, terminate = false, early_return = false;
-    double reached = time + step;
-    const int status = ((Fmi3DoStep)element->do_step)(element->instance, time, step, true, &event_needed, &terminate,
-                                                      &early_return, &reached);
-    if (!is_good(status))
-        return fail_status(system, status);
-    return terminate || early_return ? fail(system, STEP_CUT_SHORT, terminate, 0, reached) : true;
-}
-
-HOT bool step_fmi2(System *system, Progress *progress, const Element *element, double time, double step)
-{
-    progress->place = element->stepping;
-    const int status = ((Fmi2DoStep)element->do_step)(element->instance, time, step, 1);
-    return is_good(status) ? true : fail_status(system, status);
 }
 
 /* Elements step in their order, whatever their version; before *mixed* all are of FMI 2. */
@@ -160,7 +72,16 @@ HOT bool step_all(System *system, Progress *progress, const Element *mixed, doub
             return false;
     for (; element < end; element++)
         if (!(element->version == 2 ? step_fmi2(system, progress, element, time, step)
-                                    : step_fmi3(system, element, time, step)))
+                                    : step_fmi3(system, (Element *)element, time, step)))
+            return false;
+    return true;
+}
+
+/* The same, to find out who changes the floating-point mode. */
+RARE static bool step_all_watched(System *system, double time, double step)
+{
+    for (int64_t e = 0; e < system->n_elements; e++)
+        if (!step_element(system, &system->elements[e], time, step) || !keeps_floating_mode(system))
             return false;
     return true;
 }
@@ -171,21 +92,6 @@ static const Element *first_not_fmi2(const System *system)
     while (element < end && element->version == 2)
         element++;
     return element;
-}
-
-RARE static void digest(const System *system, uint64_t *digests)
-{
-    for (int64_t e = 0; e < system->n_elements; e++) {
-        const Element *element = &system->elements[e];
-        uint64_t hash = 0x9E3779B97F4A7C15u;
-        for (int64_t i = element->first_value; i < element->first_value + element->n_values; i++) {
-            uint64_t bits;
-            memcpy(&bits, &system->values[i], sizeof bits);
-            hash = (hash ^ bits) * 0xD6E8FEB86659FD93u;
-            hash ^= hash >> 32;
-        }
-        digests[e] = hash;
-    }
 }
 
 APART static bool simulate(System *system, const Request *request)
@@ -199,8 +105,14 @@ APART static bool simulate(System *system, const Request *request)
     const int32_t *const sources = system->sources;
     const int64_t n_staged = system->n_staged, n_record = request->n_record, steps = request->steps;
     const double step = request->step;
-    double *row = request->out;
-    for (int64_t k = 0;; k++, row += n_record) {
+    const bool watches = system->watches;
+    int64_t k = system->fused_steps = 0;
+    if (system->fused && !request->digests && !watches) {
+        if (!simulate_fused(system, request))
+            return false;
+        k = progress->step;
+    }
+    for (double *row = request->out + k * n_record;; k++, row += n_record) {
         progress->step = k;
         if (!read_groups(system, progress, &outputs))
             return false;
@@ -216,18 +128,16 @@ APART static bool simulate(System *system, const Request *request)
             return false;
         /* Never accumulated: 6000 steps of 10 ms end at 60 s, not at 59.9999999999966 s. */
         const double time = (double)k * step;
-        if (!step_all(system, progress, mixed, time, step))
+        if (!(watches ? step_all_watched(system, time, step) : step_all(system, progress, mixed, time, step)))
             return false;
     }
 }
 
 static bool terminate_all(System *system)
 {
-    for (int64_t e = 0; e < system->n_elements; e++) {
-        enter_call(system, e, TERMINATE);
-        if (!accept(system, ((FmiPlain)system->elements[e].terminate)(system->elements[e].instance)))
+    for (int64_t e = 0; e < system->n_elements; e++)
+        if (!terminate_element(system, e) || !keeps_floating_mode(system))
             return false;
-    }
     return true;
 }
 
@@ -238,40 +148,28 @@ int dse_run(System *system, const Request *request)
     begin(system);
     bind(system);
     system->progress->run++;
-    return end(system, start(system, request->stop) && settle(system) && leave_initialization(system) &&
-                           simulate(system, request) && terminate_all(system));
+    if (!start(system, request->stop) || !initialize(system) || !leave_all(system))
+        return end(system, false);
+    set_limits(system);
+    return end(system, (system->is_plain ? simulate(system, request) : simulate_by_plan(system, request)) &&
+                           within_limits(system) && terminate_all(system));
 }
 
 int dse_instantiate(System *system)
 {
     begin(system);
-    for (int64_t e = 0; e < system->n_elements; e++) {
-        Element *element = &system->elements[e];
-        enter_call(system, e, INSTANTIATE);
-        element->callbacks = (Fmi2Callbacks){keep_fmi2_line, calloc, free, NULL, element->log};
-        element->instance =
-            element->version == 2
-                ? ((Fmi2Instantiate)element->instantiate)(element->name, FMI2_CO_SIMULATION, element->token,
-                                                          element->resources, &element->callbacks, 0, 0)
-                : ((Fmi3Instantiate)element->instantiate)(element->name, element->token, element->resources, false,
-                                                          false, false, false, NULL, 0, element->log, keep_fmi3_line,
-                                                          NULL);
-        if (!element->instance) {
-            fail(system, NO_INSTANCE, 0, 0, 0);
+    for (int64_t e = 0; e < system->n_elements; e++)
+        if (!make_instance(system, e))
             return end(system, false);
-        }
-    }
     return end(system, true);
 }
 
 int dse_reset(System *system)
 {
     begin(system);
-    for (int64_t e = 0; e < system->n_elements; e++) {
-        enter_call(system, e, RESET);
-        if (!accept(system, ((FmiPlain)system->elements[e].reset)(system->elements[e].instance)))
+    for (int64_t e = 0; e < system->n_elements; e++)
+        if (!reset_element(system, e))
             return end(system, false);
-    }
     return end(system, true);
 }
 
@@ -280,13 +178,12 @@ void dse_free(System *system)
     if (!system->progress)
         system->progress = &system->unwatched;
     system->progress->step = -1;
-    for (int64_t e = 0; e < system->n_elements; e++) {
-        Element *element = &system->elements[e];
-        if (!element->instance)
-            continue;
-        enter_call(system, e, FREE_INSTANCE);
-        ((FmiFree)element->free_instance)(element->instance);
-        element->instance = NULL;
-    }
+    for (int64_t e = 0; e < system->n_elements; e++)
+        free_instance(system, e);
     enter_call(system, 0, IDLE);
+}
+
+void dse_forget_texts(System *system)
+{
+    forget_texts(system);
 }

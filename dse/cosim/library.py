@@ -6,16 +6,32 @@ import ctypes
 import os
 import sys
 from collections import Counter
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import replace
 from pathlib import Path
 
-from dse.cosim.calls import Call, function_name
-from dse.domain.fmu import FmuModel
+from dse.cosim.calls import FUNCTIONS, Call, function_name
+from dse.domain.fmu import FmiInterface, FmuModel
 from dse.domain.system import SystemStructure
-from dse.errors import Problem, fail, raise_if_any
+from dse.errors import DseError, Problem, fail, raise_if_any
 
-LIFECYCLE = tuple(call for call in Call if Call.IDLE < call < Call.GET)
+_ALWAYS = frozenset({
+    Call.INSTANTIATE, Call.FREE_INSTANCE, Call.RESET, Call.SETUP_EXPERIMENT, Call.ENTER_INITIALIZATION,
+    Call.EXIT_INITIALIZATION, Call.DO_STEP, Call.TERMINATE,
+})  # fmt: skip
+_NOT_OF_EXCHANGE = frozenset({Call.INSTANTIATE, Call.DO_STEP, Call.ENTER_EVENT_MODE, Call.UPDATE_DISCRETE_STATES})
 
 _occupied: set[Path] = set()
+
+
+@contextmanager
+def about(element: str) -> Iterator[None]:
+    """Problems that are found inside are said to be those of *element*."""
+    try:
+        yield
+    except DseError as error:
+        raise DseError(*(replace(p, what=f"{element}: {p.what}") for p in error.problems)) from error
 
 
 def load(model: FmuModel) -> ctypes.CDLL:
@@ -30,35 +46,60 @@ def load(model: FmuModel) -> ctypes.CDLL:
                 return ctypes.CDLL(path, winmode=0)
         return ctypes.CDLL(path)
     except OSError as error:
-        raise fail(f"{model.identifier}: the FMU's library cannot be loaded: {error}") from error
+        reason = str(error).replace(f"{model.folder.resolve()}{os.sep}", "")
+        raise fail(f"{model.identifier}: the FMU's library cannot be loaded: {reason}") from error
 
 
 def address(model: FmuModel, library: ctypes.CDLL, name: str) -> int:
     """Address of the FMI function called *name*; DseError if the library does not export it."""
-    try:
-        found = ctypes.cast(getattr(library, name), ctypes.c_void_p).value
-    except AttributeError:
-        found = None
+    found = find(model, library, name)
     if found is None:
-        raise fail(f"{model.identifier}: the FMU's library lacks the function {name}")
+        raise fail(f"{model.identifier}: the FMU's library lacks the function {_prefix(model)}{name}")
     return found
 
 
+def find(model: FmuModel, library: ctypes.CDLL, name: str) -> int | None:
+    """Address of the FMI function called *name*, None if the library does not export it."""
+    try:
+        return ctypes.cast(getattr(library, _prefix(model) + name), ctypes.c_void_p).value
+    except AttributeError:
+        return None
+
+
 def lifecycle(model: FmuModel, library: ctypes.CDLL) -> dict[Call, int]:
-    """Addresses of the functions that create, initialize, step and end an instance."""
-    names = {call: function_name(call, model.version) for call in LIFECYCLE}
-    return {call: address(model, library, name) for call, name in names.items() if name}
+    """Addresses of the functions that create, initialize, step and end an instance.
+
+    What every FMU must have is looked for in vain only with a DseError; all else is left out if it is not there.
+    """
+    found = {}
+    for call in FUNCTIONS:
+        name = function_name(call, model.version)
+        if not name or (model.interface is FmiInterface.MODEL_EXCHANGE and call in _NOT_OF_EXCHANGE):
+            continue
+        where = address(model, library, name) if call in _ALWAYS else find(model, library, name)
+        if where is not None:
+            found[call] = where
+    return found
 
 
 def resources(model: FmuModel) -> str:
-    """The FMU's resources as its standard wants them: a file URI for FMI 2, a path ending in a separator for FMI 3."""
-    folder = (model.folder / "resources").resolve()
-    return folder.as_uri() if model.version == 2 else str(folder) + os.sep
+    """The FMU's resources as its standard wants them.
+
+    A file URI in FMI 2, a path ending in a separator in FMI 3; FMI 1 is told the folder of the FMU itself, as a URI.
+    """
+    folder = model.folder.resolve()
+    if model.version == 1:
+        return folder.as_uri()
+    return (folder / "resources").as_uri() if model.version == 2 else str(folder / "resources") + os.sep  # FMI 2
+
+
+def _prefix(model: FmuModel) -> str:
+    return model.prefix or (f"{model.identifier}_" if model.version == 1 else "")
 
 
 def occupy(system: SystemStructure) -> frozenset[Path]:
     """Claim the libraries that can be instantiated only once per process, until :func:`vacate`; DseError if taken."""
-    once = Counter(e.model.library for e in system.elements if e.model.once_per_process)
+    once = Counter(e.model.library for e in system.elements if e.model.capabilities.once_per_process)
     raise_if_any(
         Problem(
             f"{library.stem} can be instantiated only once per process",

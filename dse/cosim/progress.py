@@ -27,5 +27,7 @@ def describe(block: bytes, system: SystemStructure, step: float) -> str:
     if call == Call.IDLE or not 0 <= index < len(system.elements):
         return "between two FMI calls"
     element = system.elements[index]
+    if call == Call.LOAD:
+        return f"{element.name}: loading its library"
     name = function_name(call, element.model.version) or f"FMI call {call}"
     return place(element.name, name, k * step if k >= 0 else None)

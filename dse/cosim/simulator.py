@@ -11,13 +11,20 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dse.cosim import layout
+from dse.cosim.check import check_wired, is_plain, own_steps
 from dse.cosim.clock import end_of, steps_in
-from dse.cosim.diagnosis import diagnose
+from dse.cosim.diagnosis import Kind, diagnose
 from dse.cosim.failure import RunFailed
+from dse.cosim.fused import fitted, loop_of
 from dse.cosim.library import occupy, vacate
+from dse.cosim.plan import Plan, columns_of
 from dse.cosim.tables import Tables
+from dse.cosim.trust import NOTHING_KNOWN, Facts, Wear, never_reset, refusals
 from dse.cosim.wiring import wire_up
+from dse.domain.fused import FusedLibrary
+from dse.domain.method import PLAIN, Method
 from dse.domain.system import SystemStructure
+from dse.errors import raise_if_any
 
 __all__ = ["RunFailed", "Simulator"]
 
@@ -43,20 +50,48 @@ class Simulator:
     *reset_differs* names the elements whose outputs were the first to differ. *progress* is a writable buffer of
     :data:`dse.cosim.progress.PROGRESS_BYTES` in which the kernel keeps note of the FMI call it is in.
 
+    *method* is the co-simulation algorithm. With bonds in it, *record* may name their residual energies as
+    ``bonds.NAME``. A run that diverges fails: if a wired output is not finite at a communication point, or larger at
+    the end than 2^53 times its nominal value and its first one.
+
+    *facts* tell what is known of FMUs: those that lie about their reset are never reset, and *runs_left* counts down
+    where a process bears only so many instances.
+
+    *fused* is the library that `dse.fmu.fusion` compiled for this system, record and the plain method: it takes the
+    place of the FMUs and of the loop over FMI calls, with the same results and failures.
+
     Raises DseError if the system cannot be simulated (a library that does not load, a wire to a string, …).
     One simulator must not be used from two threads at a time.
     """
 
-    def __init__(self, system: SystemStructure, record: Sequence[str], *, progress: memoryview | None = None) -> None:
-        self.system = system
-        self.reset_is_trusted: bool | None = None
-        self.reset_differs: tuple[str, ...] = ()
+    def __init__(
+        self,
+        system: SystemStructure,
+        record: Sequence[str],
+        *,
+        method: Method = PLAIN,
+        progress: memoryview | None = None,
+        facts: Facts = NOTHING_KNOWN,
+        fused: FusedLibrary | None = None,
+    ) -> None:
+        raise_if_any(refusals(system, method, facts))
+        self.system = system = system if fused is None else fitted(fused, system, record, method)
+        self.method = method
+        self.reset_differs = never_reset(facts)
+        self.reset_is_trusted: bool | None = False if self.reset_differs else None
+        self._wear = Wear(system, facts)
         wiring = wire_up(system)
-        self._record = np.array(wiring.record(record), np.int32)
+        check_wired(wiring, method)
+        positions, bond_columns = columns_of(wiring, method, record)
+        self._record = np.array(positions, np.int32)
         self._kernel = layout.kernel()
-        self._tables = Tables(wiring, progress)
+        self._tables = Tables(wiring, progress, plain=is_plain(method))
+        self._plan = Plan(self._tables, method, bond_columns)
+        self._tables.system.plan = ctypes.addressof(self._plan.structure)
+        self._tables.system.fused = None if fused is None else loop_of(fused)
         self._system = ctypes.byref(self._tables.system)
         self._request = layout.Request(record=self._record.ctypes.data, n_record=self._record.size)
+        self._fitted = (0.0, 0.0)
         self._occupied = occupy(system)
         self._can_reset = False
         self._lost: RunFailed | None = None
@@ -83,6 +118,9 @@ class Simulator:
         if self._lost:
             raise self._lost
         steps = steps_in(stop, step)
+        if (stop, step) != self._fitted:
+            self._plan.fit(own_steps(self.system, self.method, stop=stop, step=step))
+            self._fitted = (stop, step)
         out = self._rows(steps, out)
         starts = self._tables.starts
         if not starts.covers(start):
@@ -97,6 +135,16 @@ class Simulator:
             return self._simulate(run)
         self._renew()
         return self._simulate(run)
+
+    @property
+    def runs_left(self) -> int | None:
+        """How many more runs this process may make of the system; None for any number."""
+        return 0 if self._lost else self._wear.runs_left
+
+    @property
+    def fused_steps(self) -> int:
+        """How many steps of the last run were made by the loop of the fused library."""
+        return int(self._tables.system.fused_steps)
 
     def close(self) -> None:
         """Free the instances and let go of the progress block. Safe to call twice."""
@@ -130,10 +178,22 @@ class Simulator:
         request.out = run.out.__array_interface__["data"][0]
         request.digests = None if digests is None else digests.ctypes.data
         self._can_reset = False
-        if self._kernel.dse_run(self._system, ctypes.byref(request)):
+        failed = self._kernel.dse_run(self._system, ctypes.byref(request))
+        if failed and self._tables.system.failure.kind == Kind.FLOATING_CHANGED:
+            # The loop looks once, at the end of a run: which FMU it was shows when each step is looked at.
+            failed = self._simulate_watched()
+        if failed:
             raise self._failure(run.step)
         self._can_reset = True
         return run.out
+
+    def _simulate_watched(self) -> int:
+        self._renew()
+        self._tables.system.watches = 1
+        try:
+            return int(self._kernel.dse_run(self._system, ctypes.byref(self._request)))
+        finally:
+            self._tables.system.watches = 0
 
     def _reset(self) -> bool:
         if not self._kernel.dse_reset(self._system):
@@ -146,6 +206,7 @@ class Simulator:
 
     def _renew(self) -> None:
         self._kernel.dse_free(self._system)
+        self._wear.note()
         if self._kernel.dse_instantiate(self._system):
             raise self._failure(0.0)
 
@@ -170,7 +231,7 @@ class Simulator:
         return out
 
     def _failure(self, step: float) -> RunFailed:
-        failure = diagnose(self._tables, step)
+        failure = self._plan.failure(step) or diagnose(self._tables, step)
         if failure.fatal:
             self._abandon(failure)
         return failure

@@ -3,239 +3,258 @@
 from __future__ import annotations
 
 import ctypes
-from collections.abc import Mapping, Sequence
-from typing import Any, NamedTuple
+from collections.abc import Collection, Mapping, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
 
 from dse.cosim import layout
-from dse.cosim.calls import C_TYPES, FLOATING, Call, Type, function_name
-from dse.cosim.library import address, lifecycle, load, resources
-from dse.cosim.wiring import Group, Wiring, start_groups
-from dse.domain.fmu import FmuModel
+from dse.cosim.abilities import Ability, abilities_of, takes_slopes
+from dse.cosim.calls import Call
+from dse.cosim.groups import GroupMaker, Place, Slot, in_place, parts_of, slots_of
+from dse.cosim.integration import Integration
+from dse.cosim.library import about, lifecycle, load, resources
+from dse.cosim.log import expanded
+from dse.cosim.start_table import StartTable
+from dse.cosim.wiring import Group, Wiring
+from dse.domain.fmu import FmiInterface, FmuModel
+from dse.domain.system import Element
+
+_VALUE = ctypes.sizeof(ctypes.c_double)
 
 
 class Tables:
     """The kernel's view of a system; owns all memory that *system* points into.
 
-    *staged_groups* are those input groups, element by element, whose values are staged on their way from the outputs.
-    Libraries are loaded here, each once. There are no instances yet.
+    *plain* is set if the loop of kernel.c is enough: numbers only, and no element that has to be asked what it wants.
+    Otherwise, or if the caller says so, every input is staged: *staged_at* says where. *slopes* lie beside the staged
+    values, per second. *labels* names the values of the group with each id. Libraries are loaded here, each once.
+    There are no instances yet.
     """
 
-    def __init__(self, wiring: Wiring, progress: memoryview | None) -> None:
+    def __init__(self, wiring: Wiring, progress: memoryview | None, *, plain: bool = True) -> None:
         self.wiring = wiring
+        elements = wiring.system.elements
         self.values = np.zeros(len(wiring.values), np.float64)
-        self._previous = np.zeros(len(wiring.values), np.float64)
-        self._libraries: dict[str, ctypes.CDLL] = {}
-        self._logs = [layout.Log() for _ in wiring.system.elements]
+        self._logs = [layout.Log() for _ in elements]
         self._block = _block(progress)
-        self.elements = (layout.Element * len(wiring.system.elements))()
-        self._outputs = GroupTable(self, wiring.outputs, Call.GET, self.values)
-        slots = self._outputs.slots
-        self.staged_groups = tuple(tuple(g for g in part if in_place(g, slots) is None) for part in wiring.inputs)
-        self._sources = np.array(
-            [at for part in self.staged_groups for group in part for at in group.positions], np.int32
+        self.libraries = {str(e.model.library): self._load(index, e) for index, e in enumerate(elements)}
+        self.elements = (layout.Element * len(elements))()
+        self.abilities = tuple(abilities_of(e.model, self.libraries[str(e.model.library)]) for e in elements)
+        are_plain = (_is_plain(e.model, able) for e, able in zip(elements, self.abilities, strict=True))
+        self.plain = plain and not wiring.texts and all(are_plain)
+        self._integrations: list[Integration] = []
+        self._intermediate: list[NDArray[np.uint32]] = []
+        self._texts = (layout.Text * max(1, len(wiring.texts)))()
+        self._maker = GroupMaker(elements, self.libraries)
+        self.labels = self._maker.labels
+        outputs = [self._outputs(index, wiring.outputs[index]) for index in range(len(elements))]
+        self.sources, self.staged_at, self._spans = self._stage(
+            [slot for part in outputs for g in part for slot in slots_of(g)]
         )
-        self._staged = np.zeros(self._sources.size, np.float64)
-        self._inputs = GroupTable(self, wiring.inputs, Call.SET, self._staged, slots)
-        for index in range(len(self.elements)):
+        self.staged = np.zeros(self.sources.size, np.float64)
+        self.slopes = np.zeros(self.sources.size, np.float64)
+        inputs = [self._inputs(index) for index in range(len(elements))]
+        text_outputs = [self._text_groups(i, wiring.text_outputs[i], Call.GET) for i in range(len(elements))]
+        text_inputs = [self._text_groups(i, wiring.text_inputs[i], Call.SET) for i in range(len(elements))]
+        for index, element in enumerate(self.elements):
+            element.outputs = self._maker.together(outputs[index], text_outputs[index])
+            element.inputs = self._maker.together(inputs[index], text_inputs[index])
             self._fill(index)
+        together = self._maker.together
         self.system = layout.System(
             elements=ctypes.addressof(self.elements),
-            outputs=self._outputs.all,
-            inputs=self._inputs.all,
+            outputs=together([g for part in outputs for g in part], [g for part in text_outputs for g in part]),
+            inputs=together([g for part in inputs for g in part], [g for part in text_inputs for g in part]),
             values=self.values.ctypes.data,
-            previous=self._previous.ctypes.data,
-            staged=self._staged.ctypes.data,
-            sources=self._sources.ctypes.data,
+            staged=self.staged.ctypes.data,
+            slopes=self.slopes.ctypes.data,
+            sources=self.sources.ctypes.data,
+            texts=ctypes.addressof(self._texts),
+            n_texts=len(wiring.texts),
             n_elements=len(self.elements),
             n_values=self.values.size,
-            n_staged=self._staged.size,
-            sweeps=wiring.sweeps,
+            n_staged=self.staged.size,
+            is_plain=self.plain,
             progress=ctypes.addressof(self._block) if self._block else None,
         )
         self.starts = StartTable(self, ())
 
+    def reading(self, index: int, names: Collection[str]) -> layout.Groups:
+        """Groups that read the outputs called *names* (variables, not labels) of an element, texts too."""
+        groups = []
+        for group in self.wiring.outputs[index]:
+            for part in parts_of(group, names, neighbours=True):
+                where = Place(self.values.ctypes.data + _VALUE * part.positions[0])
+                groups.append(self._maker.number_group(index, part, Call.GET, where))
+        return self._known(groups, self._text_parts(index, self.wiring.text_outputs[index], names, Call.GET))
+
+    def writing(
+        self,
+        index: int,
+        names: Collection[str],
+        staged: NDArray[np.float64],
+        first: int,
+        slopes: NDArray[np.float64] | None = None,
+    ) -> tuple[layout.Groups, tuple[int, ...]]:
+        """Groups that write the inputs called *names* of an element, texts too, from *staged* values of the caller's.
+
+        The numbers lie one after another from position *first* on; their *slopes* in a table beside. Returns besides
+        the positions in the table of values that they come from, in that order.
+        """
+        groups: list[layout.Group] = []
+        sources: list[int] = []
+        for group in self.wiring.inputs[index]:
+            for part in parts_of(group, names, neighbours=False):
+                at = _VALUE * (first + len(sources))
+                moves = slopes is not None and self._moves(index, part)
+                slope = slopes.ctypes.data + at if slopes is not None and moves else None
+                where = Place(staged.ctypes.data + at, slopes=slope)
+                groups.append(self._maker.number_group(index, part, Call.SET, where))
+                sources += part.positions
+        texts = self._text_parts(index, self.wiring.text_inputs[index], names, Call.SET)
+        return self._known(groups, texts), tuple(sources)
+
     def log(self, index: int) -> tuple[str, ...]:
         """What the element with this *index* has logged since the last call into the kernel began."""
-        return self._logs[index].read()
-
-    def still_changing(self) -> tuple[str, ...]:
-        """The outputs that the last sweep of an initialization changed."""
-        changed = self.values.view(np.uint64) != self._previous.view(np.uint64)
-        return tuple(name for name, moved in zip(self.wiring.values, changed, strict=True) if moved)
+        return expanded(self._logs[index].read(), self.wiring.system.elements[index].model)
 
     def add_starts(self, extra: Sequence[str]) -> None:
         """Make room for start values the system does not set itself; DseError for unknown names."""
         self.starts = StartTable(self, extra)
 
     def release(self) -> None:
-        """Let go of the progress block, so that its memory can be closed."""
+        """Free what the kernel keeps, and let go of the progress block, so that its memory can be closed."""
+        layout.kernel().dse_forget_texts(ctypes.byref(self.system))
         self.system.progress = None
         self._block = None
 
-    def library(self, model: FmuModel) -> ctypes.CDLL:
-        """The loaded library of *model*."""
-        key = str(model.library)
-        if key not in self._libraries:
-            self._libraries[key] = load(model)
-        return self._libraries[key]
+    def publish(self, starts: Sequence[layout.Groups]) -> None:
+        """Let the kernel know of all groups that have been made, and of those of start values."""
+        self._start_groups = tuple(starts)
+        made = [*self._maker.made, *self._start_groups]
+        self._published = (layout.Groups * (2 * len(made)))(*made)
+        self.system.tables = ctypes.addressof(self._published)
+        self.system.n_tables = len(made)
+
+    def text(self, position: int) -> bytes:
+        """The string or binary at that *position* of ``wiring.texts`` as it was read last."""
+        text = self._texts[position]
+        return ctypes.string_at(text.bytes, text.size) if text.bytes else b""
+
+    def _known(self, groups: Sequence[layout.Group], texts: Sequence[layout.TextGroup]) -> layout.Groups:
+        made = self._maker.together(groups, texts)
+        if self.system.n_tables < len(self._published):
+            self._published[self.system.n_tables] = made
+            self.system.n_tables += 1
+        else:
+            self.publish(self._start_groups)
+        return made
+
+    def _outputs(self, index: int, groups: Sequence[Group]) -> list[layout.Group]:
+        base = self.values.ctypes.data
+        return [
+            self._maker.number_group(index, group, Call.GET, Place(base + _VALUE * group.positions[0]))
+            for group in groups
+        ]
+
+    def _stage(self, slots: Sequence[Slot]) -> tuple[NDArray[np.int32], Mapping[str, int], Sequence[tuple[int, int]]]:
+        sources: list[int] = []
+        staged_at: dict[str, int] = {}
+        spans: list[tuple[int, int]] = []
+        self._ready: list[list[int | None]] = []
+        for element, part in zip(self.wiring.system.elements, self.wiring.inputs, strict=True):
+            began = len(sources)
+            ready = [in_place(group, slots, element.conversions) if self.plain else None for group in part]
+            for group, where in zip(part, ready, strict=True):
+                if where is None:
+                    staged_at |= {f"{element.name}.{label}": len(sources) + i for i, label in enumerate(group.labels)}
+                    sources += group.positions
+            self._ready.append(ready)
+            spans.append((began, len(sources) - began))
+        return np.array(sources, np.int32), staged_at, spans
+
+    def _inputs(self, index: int) -> list[layout.Group]:
+        groups = []
+        position = self._spans[index][0]
+        for group, ready in zip(self.wiring.inputs[index], self._ready[index], strict=True):
+            if ready is None:
+                slope = self.slopes.ctypes.data + _VALUE * position if self._moves(index, group) else None
+                where = Place(self.staged.ctypes.data + _VALUE * position, slopes=slope)
+                position += len(group.positions)
+            else:
+                where = Place(ready, is_ready=True)
+            groups.append(self._maker.number_group(index, group, Call.SET, where))
+        return groups
+
+    def _moves(self, index: int, group: Group) -> bool:
+        """Whether the inputs of *group* can follow slopes."""
+        able = self.abilities[index]
+        if self.plain or not group.moves:
+            return False
+        element = self.wiring.system.elements[index]
+        if any(element.conversions[v.name].items for v in group.variables if v.name in element.conversions):
+            return False
+        if any(transform is not None and transform.items for transform in group.transforms):
+            return False
+        return takes_slopes(element.model, able)
+
+    def _text_groups(self, index: int, groups: Sequence[Group], verb: Call) -> list[layout.TextGroup]:
+        return [self._maker.text_group(index, group, verb, ctypes.addressof(self._texts)) for group in groups]
+
+    def _text_parts(
+        self, index: int, groups: Sequence[Group], names: Collection[str], verb: Call
+    ) -> list[layout.TextGroup]:
+        parts = [part for group in groups for part in parts_of(group, names, neighbours=False)]
+        return self._text_groups(index, parts, verb)
+
+    def _load(self, index: int, element: Element) -> ctypes.CDLL:
+        # Noted, as a library may already crash when it is loaded.
+        if self._block:
+            self._block.element, self._block.call, self._block.step = index, Call.LOAD, -1
+        with about(element.name):
+            library = load(element.model)
+        if self._block:
+            self._block.call = Call.IDLE
+        return library
 
     def _fill(self, index: int) -> None:
         element, target = self.wiring.system.elements[index], self.elements[index]
-        model = element.model
-        target.version = model.version
+        model, able = element.model, self.abilities[index]
+        target.version, target.abilities = model.version, able
         target.name = element.name.encode()
         target.token = model.token.encode()
         target.resources = resources(model).encode()
-        for call, where in lifecycle(model, self.library(model)).items():
+        with about(element.name):
+            functions = lifecycle(model, self.libraries[str(model.library)])
+        for call, where in functions.items():
             setattr(target, call.name.lower(), where)
+        if _is_exchange(model):
+            integration = Integration(model, self.libraries[str(model.library)], has_inputs=bool(element.inputs))
+            self._integrations.append(integration)
+            target.exchange = integration.pointer
         target.stepping_element, target.stepping_call = index, Call.DO_STEP
         target.log = ctypes.addressof(self._logs[index])
-        target.outputs, target.inputs = self._outputs.of_element[index], self._inputs.of_element[index]
-        target.first_value, target.n_values = self._outputs.spans[index]
-        target.first_staged, target.n_staged = self._inputs.spans[index]
+        target.first_value, target.n_values = _span(self.wiring.outputs, index)
+        target.first_staged, target.n_staged = self._spans[index]
+        target.takes_slopes = takes_slopes(model, able)
+        if able & Ability.ASKS_BETWEEN:
+            moving = [v.reference for g in self.wiring.inputs[index] if self._moves(index, g) for v in g.variables]
+            self._intermediate.append(np.array(moving, np.uint32))
+            target.intermediate, target.n_intermediate = self._intermediate[-1].ctypes.data, len(moving)
 
 
-class Slot(NamedTuple):
-    """Where an output lies as its accessor left it."""
-
-    type: Type
-    address: int
+def _span(parts: Sequence[Sequence[Group]], index: int) -> tuple[int, int]:
+    sizes = [sum(len(group.positions) for group in part) for part in parts]
+    return sum(sizes[:index]), sizes[index]
 
 
-def in_place(group: Group, slots: Sequence[Slot]) -> int | None:
-    """Where the input *group* finds its values ready to be passed on, one after another; None if nowhere.
-
-    Floating-point values are never passed on in place: the kernel looks at them on the way.
-    """
-    if group.type in FLOATING:
-        return None
-    first, size = slots[group.positions[0]].address, ctypes.sizeof(C_TYPES[group.type])
-    wanted = [Slot(group.type, first + size * number) for number in range(len(group.positions))]
-    return first if [slots[position] for position in group.positions] == wanted else None
+def _is_plain(model: FmuModel, able: Ability) -> bool:
+    return model.version > 1 and Ability.HAS_EVENTS not in able and not _is_exchange(model)
 
 
-class GroupTable:
-    """The kernel's structures for each element's *groups*, whose values lie in *values* one after another.
-
-    Groups that find their values in one of the *slots* take them from there and have no place in *values*.
-    *of_element* holds the structures element by element, *all* those of the whole system; *spans* says at which
-    position each element's values begin and how many they are; *slots* where the accessors leave each value.
-    """
-
-    def __init__(
-        self,
-        tables: Tables,
-        groups: Sequence[Sequence[Group]],
-        verb: Call,
-        values: NDArray[np.float64],
-        sources: Sequence[Slot] = (),
-    ) -> None:
-        self._kept: list[Any] = [values]
-        self.of_element: list[layout.Groups] = []
-        self.spans: list[tuple[int, int]] = []
-        self.slots: list[Slot] = []
-        everything: list[layout.Group] = []
-        position = 0
-        for index, part in enumerate(groups):
-            structures = []
-            began = position
-            for group in part:
-                ready = in_place(group, sources) if sources else None
-                where = values.ctypes.data + position * values.itemsize if ready is None else ready
-                structures.append(self._structure(tables, index, group, verb, where, is_ready=ready is not None))
-                position += len(group.variables) if ready is None else 0
-            self.spans.append((began, position - began))
-            self.of_element.append(self._in_order(structures))
-            everything += structures
-        self.all = self._in_order(everything)
-
-    def _structure(
-        self, tables: Tables, index: int, group: Group, verb: Call, values: int, *, is_ready: bool
-    ) -> layout.Group:
-        model = tables.wiring.system.elements[index].model
-        references = np.array([variable.reference for variable in group.variables], np.uint32)
-        self._kept.append(references)
-        room = values
-        if not is_ready and group.type is not Type.FLOAT64:
-            own = (C_TYPES[group.type] * len(group.variables))()
-            self._kept.append(own)
-            room = ctypes.addressof(own)
-        size = ctypes.sizeof(C_TYPES[group.type])
-        self.slots += [Slot(group.type, room + size * number) for number in range(len(group.variables))]
-        call = verb + group.type
-        return layout.Group(
-            access=address(model, tables.library(model), function_name(call, model.version)),
-            references=references.ctypes.data,
-            room=room,
-            values=values,
-            count=len(group.variables),
-            version=model.version,
-            type=group.type,
-            element=index,
-            call=call,
-        )
-
-    def _in_order(self, structures: Sequence[layout.Group]) -> layout.Groups:
-        ordered = sorted(structures, key=lambda structure: structure.version)
-        array = (layout.Group * len(ordered))(*ordered)
-        first, size = ctypes.addressof(array), ctypes.sizeof(layout.Group)
-        where = [first + size * number for number in range(len(ordered) + 1)]
-        truths = [truth for structure in ordered if _is_truth(structure) for truth in _truths(structure)]
-        single = (layout.Truth * len(truths))(*truths)
-        converted = [
-            where[number]
-            for number, structure in enumerate(ordered)
-            if structure.room != structure.values and not _is_truth(structure)
-        ]
-        pointers = (ctypes.c_void_p * (len(converted) + 1))(*converted)
-        self._kept += [array, single, pointers]
-        begin = ctypes.addressof(single)
-        return layout.Groups(
-            fmi2=first,
-            fmi3=where[sum(structure.version == 2 for structure in ordered)],
-            end=where[-1],
-            converted=ctypes.addressof(pointers),
-            truths=begin,
-            no_truths=begin + ctypes.sizeof(single),
-        )
-
-
-class StartTable:
-    """Where start values lie, and the system's own; creating one makes *tables* use it."""
-
-    def __init__(self, tables: Tables, extra: Sequence[str]) -> None:
-        self.positions, own, self.groups = start_groups(tables.wiring.system, extra)
-        self._extra = frozenset(extra)
-        self._own = np.array(own, np.float64)
-        self._values = self._own.copy()
-        # Built before it is put to use: a missing accessor must leave the tables as they were.
-        self._table = GroupTable(tables, self.groups, Call.SET, self._values)
-        tables.system.starts = self._values.ctypes.data
-        for element, groups in zip(tables.elements, self._table.of_element, strict=True):
-            element.starts = groups
-
-    def covers(self, start: Mapping[str, float]) -> bool:
-        """Whether *start* gives values to exactly the extra names and otherwise to names the system sets itself."""
-        return start.keys() <= self.positions.keys() and self._extra <= start.keys()
-
-    def take(self, start: Mapping[str, float]) -> None:
-        """Use the values in *start* from now on, and the system's own for all other names."""
-        self._values[:] = self._own
-        for name, value in start.items():
-            self._values[self.positions[name]] = value
-
-
-def _is_truth(structure: layout.Group) -> bool:
-    return bool(structure.call == Call.GET + Type.FMI2_BOOLEAN)
-
-
-def _truths(structure: layout.Group) -> list[layout.Truth]:
-    room, value = (ctypes.sizeof(C_TYPES[kind]) for kind in (Type.FMI2_BOOLEAN, Type.FLOAT64))
-    numbers = range(structure.count)
-    return [layout.Truth(structure.room + room * n, structure.values + value * n) for n in numbers]
+def _is_exchange(model: FmuModel) -> bool:
+    return model.interface is FmiInterface.MODEL_EXCHANGE
 
 
 def _block(progress: memoryview | None) -> layout.Progress | None:

@@ -9,6 +9,7 @@ from enum import StrEnum
 from dse.domain.component import Component, Value
 from dse.domain.design import Connection, DesignSpace
 from dse.domain.expression import Expression
+from dse.domain.method import PLAIN, Method
 from dse.errors import Location
 from dse.units import DIMENSIONLESS, Unit
 
@@ -27,7 +28,14 @@ class TestComponent:
 
 @dataclass(frozen=True, slots=True)
 class Simulation:
-    """How long, how fine, and what is kept. All times in seconds; *record* names ports as ``part.port``."""
+    """How long, how fine, by what algorithm, and what is kept. All times in seconds.
+
+    *timeout* is how long a single run may take, *memory* how many bytes its process may hold.
+
+    *record* names ports as ``part.port``, and bonds of the *method* as ``bonds.NAME``. The method speaks of parts and
+    ports; what a configuration does not have is left out there. With *check_step* every run is made with half the step
+    as well, and the difference is each metric's error bar.
+    """
 
     stop: float
     step: float
@@ -35,6 +43,9 @@ class Simulation:
     record_every: float
     timeout: float = 60.0
     where: Location | None = None
+    method: Method = PLAIN
+    check_step: bool = False
+    memory: float = 4e9
 
     @property
     def steps(self) -> int:

@@ -11,7 +11,7 @@ from dse.errors import Location
 from dse.units import DIMENSIONLESS, Quantity, Unit
 
 Value = float | int | bool | str
-"""A value of a port or parameter: SI number, truth value, or the name of an enumeration item."""
+"""A value of a port or parameter: SI number, truth value, the name of an enumeration item, or a text."""
 
 
 class Causality(StrEnum):
@@ -28,6 +28,8 @@ class Kind(StrEnum):
     INTEGER = "int"
     BOOLEAN = "bool"
     ENUMERATION = "enum"
+    TEXT = "string"
+    """Of parameters only; a text is the same for all runs of a study."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -58,7 +60,7 @@ def same_signal(source: Type, target: Type) -> str:
 
 
 def as_number(value: Value, type_: Type) -> float:
-    """*value* as an FMU is given it: 0/1 for truth values, an item's number for items."""
+    """*value* as an FMU is given it: 0/1 for truth values, an item's number for items. Not for texts."""
     if type_.kind is Kind.ENUMERATION:
         return float(type_.items.index(str(value)))
     return float(value)

@@ -3,20 +3,39 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from enum import StrEnum
+from itertools import product
+from math import prod
 from pathlib import Path
 
 from dse.domain.component import Kind
 
 
+class FmiInterface(StrEnum):
+    """How an FMU is simulated, as FMI spells it."""
+
+    CO_SIMULATION = "CoSimulation"
+    MODEL_EXCHANGE = "ModelExchange"
+
+
 @dataclass(frozen=True, slots=True)
 class Variable:
-    """One scalar variable of an FMU: how it is addressed and typed.
+    """One variable of an FMU: how it is addressed and typed.
 
-    *fmi_type* names the accessor: ``Real``, ``Integer``, ``Boolean``, ``String`` (FMI 2; enumerations are
-    ``Integer``) or ``Float64``, ``Float32``, ``Int8`` … ``UInt64``, ``Boolean``, ``String`` (FMI 3;
-    enumerations are ``Int64``). *causality* is FMI's word: input, output, parameter, calculatedParameter,
-    structuralParameter, local, independent. *unit* is as the FMU spells it, "" for none.
+    *fmi_type* names the accessor: ``Real``, ``Integer``, ``Boolean``, ``String`` (FMI 1 and 2; enumerations are
+    ``Integer``) or ``Float64``, ``Float32``, ``Int8`` … ``UInt64``, ``Boolean``, ``String``, ``Binary``, ``Clock``
+    (FMI 3; enumerations are ``Int64``). *kind* is None for strings, binaries and clocks. *causality* and *variability*
+    are FMI's words (input, output, parameter, calculatedParameter, structuralParameter, local, independent; constant,
+    fixed, tunable, discrete, continuous), "" for what is not said. *unit* is as the FMU spells it, "" for none.
+
+    *shape* holds the sizes of an array's dimensions, () for a scalar; *sized_by* names the structural parameter behind
+    each of them, "" for a fixed one. *items* are an enumeration's items with the values the FMU gives them. *start*
+    holds one text per value (Binary: hexadecimal digits), or a single one for all, or none.
+
+    *alias_of* names the variable this is another name of (FMI 1 and 3; FMI 2 does not say). *is_negated*: the value is
+    the opposite of that behind the reference (FMI 1). *is_relative*: a difference, to which a unit's offset does
+    not apply. *is_clocked*: it belongs to a clock. *is_intermediate*: it may be used while a step is computed (FMI 3).
     """
 
     name: str
@@ -25,12 +44,110 @@ class Variable:
     causality: str
     kind: Kind | None
     unit: str = ""
-    start: str | None = None
+    start: tuple[str, ...] = ()
+    variability: str = ""
+    shape: tuple[int, ...] = ()
+    sized_by: tuple[str, ...] = ()
+    items: Mapping[str, int] = field(default_factory=dict)
+    minimum: float | None = None
+    maximum: float | None = None
+    nominal: float | None = None
+    description: str = ""
+    alias_of: str = ""
+    is_negated: bool = False
+    is_relative: bool = False
+    is_clocked: bool = False
+    is_intermediate: bool = False
+
+    @property
+    def size(self) -> int:
+        """Number of values."""
+        return prod(self.shape)
+
+    @property
+    def is_structural(self) -> bool:
+        """Whether the variable is a parameter that sets sizes of arrays."""
+        return self.causality == "structuralParameter"
+
+    @property
+    def labels(self) -> tuple[str, ...]:
+        """A name for each value, row by row: the variable's own, or ``name[2]``, ``name[1,3]``, counted from 1."""
+        if not self.shape:
+            return (self.name,)
+        ranges = (range(1, size + 1) for size in self.shape)
+        return tuple(f"{self.name}[{','.join(map(str, index))}]" for index in product(*ranges))
+
+
+@dataclass(frozen=True, slots=True)
+class UnitDefinition:
+    """A unit as an FMU defines it: ``factor * value + offset`` is in the coherent SI unit with these *exponents*.
+
+    *exponents* are those of kg, m, s, A, K, mol, cd and rad, zeros left out.
+    """
+
+    factor: float = 1.0
+    offset: float = 0.0
+    exponents: Mapping[str, int] = field(default_factory=dict)
+
+
+@dataclass(frozen=True, slots=True)
+class Capabilities:
+    """What an FMU says it can do, in FMI's words; what its version does not know is False.
+
+    In model exchange every step is possible, as the solver is ours. *can_return_early*: it may end a step before the
+    time it was asked for, if that is allowed. *needs_tool*: it cannot do without another program (FMI's
+    needsExecutionTool), which may be there or not.
+    """
+
+    can_handle_variable_step: bool = False
+    can_save_state: bool = False
+    can_interpolate_inputs: bool = False
+    can_run_asynchronously: bool = False
+    has_event_mode: bool = False
+    can_return_early: bool = False
+    provides_intermediate_update: bool = False
+    provides_directional_derivatives: bool = False
+    once_per_process: bool = False
+    needs_tool: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class Exchange:
+    """What a solver has to know of an FMU for model exchange.
+
+    *states* and *derivatives* are value references, one pair per variable (an array counts once), in the order of the
+    model structure; *n_states* and *n_event_indicators* count values. *event_indicators* are those of FMI 3 by value
+    reference: arrays among them change their size with structural parameters, as states do.
+    """
+
+    states: tuple[int, ...]
+    derivatives: tuple[int, ...]
+    n_states: int
+    n_event_indicators: int
+    needs_completed_step: bool = True
+    event_indicators: tuple[int, ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class Experiment:
+    """The FMU's default experiment; None for what it does not say. Times in seconds."""
+
+    start: float | None = None
+    stop: float | None = None
+    step: float | None = None
+    tolerance: float | None = None
 
 
 @dataclass(frozen=True, slots=True)
 class FmuModel:
-    """An unpacked co-simulation FMU for this platform."""
+    """An unpacked FMU for this platform.
+
+    *interface* is the one it is simulated by; *exchange* is there for model exchange. *depends* maps each output to
+    the inputs (and, for *initially*, also parameters) it depends on directly, by name; an output that is missing there
+    depends on all of them. *units* are the FMU's own definitions by the names its variables use. *fixed_step* is set
+    if steps must be whole multiples of it (seconds). *prefix* is what stands before the names of the FMI functions in the library (FMI 1.0:
+    "" means the identifier and an underscore, as the standard has it).
+    """
 
     archive: Path
     folder: Path
@@ -39,8 +156,14 @@ class FmuModel:
     identifier: str
     token: str
     variables: Mapping[str, Variable]
-    can_handle_variable_step: bool
-    can_save_state: bool
-    once_per_process: bool
+    capabilities: Capabilities = field(default_factory=Capabilities)
     fixed_step: float | None = None
     content_hash: str = ""
+    interface: FmiInterface = FmiInterface.CO_SIMULATION
+    exchange: Exchange | None = None
+    depends: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
+    initially_depends: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
+    units: Mapping[str, UnitDefinition] = field(default_factory=dict)
+    experiment: Experiment = field(default_factory=Experiment)
+    title: str = ""
+    prefix: str = ""

@@ -12,6 +12,9 @@ from numpy.typing import NDArray
 from dse.domain.bench import Judgement
 from dse.domain.component import Value
 
+ERROR_BAR = ".error"
+"""What a metric's name ends in that is another's error bar: how much that one changes with half the step."""
+
 
 class Outcome(StrEnum):
     """Whether a run came to its end."""

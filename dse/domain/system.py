@@ -3,18 +3,33 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 from dse.domain.fmu import FmuModel, Variable
+
+
+@dataclass(frozen=True, slots=True)
+class Conversion:
+    """From a value inside an FMU to the same value outside of it: ``outside = factor * inside + offset``.
+
+    With *items*, pairs (inside, outside), the values are those of an enumeration: one that is not among them is an
+    error, and factor and offset are not used.
+    """
+
+    factor: float = 1.0
+    offset: float = 0.0
+    items: tuple[tuple[float, float], ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
 class Element:
     """One FMU instance in a system.
 
-    *inputs* are the connected inputs, *outputs* those that are wired or recorded. *start* sets unconnected
-    inputs and parameters before initialization, by FMU variable name: SI numbers, 0/1 for Booleans, the
-    number of an enumeration's item.
+    *inputs* are the connected inputs, *outputs* those that are wired or recorded. *start* sets unconnected inputs and
+    parameters before initialization, by the label of one value (``name`` or ``name[2]``): numbers as they are outside
+    of the FMU (SI), 0/1 for Booleans, the number of an enumeration's item. *texts* does so for strings and binaries.
+    *conversions* are by variable name; a variable without one has the same value inside and outside. Structural
+    parameters in *start* have gone into the shapes of *model*'s variables already (``dse.system.shapes.resized``).
     """
 
     name: str
@@ -22,16 +37,26 @@ class Element:
     inputs: tuple[Variable, ...]
     outputs: tuple[Variable, ...]
     start: Mapping[str, float]
+    texts: Mapping[str, str | bytes] = field(default_factory=dict)
+    conversions: Mapping[str, Conversion] = field(default_factory=dict)
 
 
 @dataclass(frozen=True, slots=True)
 class Wire:
-    """From FMU variable *source_variable* of element *source* to *target_variable* of element *target*."""
+    """From output *source_variable* of element *source* to input *target_variable* of element *target*.
+
+    Both ends are labels of one value (``name``, ``name[2]``), or both are whole arrays of equal shape, by name. The
+    target is given ``factor * source + offset``, both in outside values; with *items*, pairs (source, target).
+    Strings and binaries go over wires of their own kind, without any change.
+    """
 
     source: str
     source_variable: str
     target: str
     target_variable: str
+    factor: float = 1.0
+    offset: float = 0.0
+    items: tuple[tuple[float, float], ...] = ()
 
 
 @dataclass(frozen=True, slots=True)

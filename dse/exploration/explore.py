@@ -29,8 +29,8 @@ class Summary:
     """What came of an exploration.
 
     *runs* the study has, of which *failed*; *simulated* were made by this call, for the first time or again for
-    their waveforms. *kept* have waveforms. *retried* were tried twice because their worker was killed from
-    outside, *irreproducible* gave another result the second time.
+    their waveforms. *kept* have waveforms. *retried* were tried twice because their worker was killed from outside
+    or grew too large over several runs, *irreproducible* gave another result the second time.
     """
 
     runs: int
@@ -60,8 +60,12 @@ def explore(
     workers: int,
     make_executor: MakeExecutor,
     on_progress: Callable[[Progress], None],
+    threads: int = 1,
 ) -> Summary:
     """Simulate what is missing in *folder* with *workers* processes; *prepared* holds each configuration's bench.
+
+    Each makes *threads* runs at once; where FMUs do not bear that, there are as many more processes instead. The
+    results are the same, bit for bit.
 
     First every run that has no row. Waveforms are kept with them (`Keep.ALL`) or, for the runs near a boundary,
     by simulating these again, which must give the same bits. A finished folder is left as it is and no worker is
@@ -71,7 +75,8 @@ def explore(
     if len(asked) != folder.header.runs:
         raise fail(f"the folder is for {folder.header.runs} runs, the study has {len(asked)}")
     header = folder.header
-    setup = Setup(make_executor, Path(), folder.waveform_folder, header.metrics, header.requirements)
+    setup = Setup(make_executor, Path(), folder.waveform_folder, header.metrics, header.requirements, threads)
+    most = {name: bench.most_runs for name, bench in prepared.items() if bench.most_runs is not None}
     sink = _Sink(folder, on_progress)
     try:
         with Supervisor(setup, prepared, sink, workers) as supervisor:
@@ -79,14 +84,14 @@ def explore(
             if study.keep is Keep.ALL:
                 wanted = every - folder.failed()
                 sink.begin(Stage.RUNS, every, sink.finished & (folder.failed() | set(folder.kept())))
-                supervisor.work_off(missing_waveforms(asked, wanted, folder.kept()))
+                supervisor.work_off(missing_waveforms(asked, wanted, folder.kept(), most))
             else:
                 sink.begin(Stage.RUNS, every, sink.finished)
-                supervisor.work_off(missing_runs(asked, sink.finished))
+                supervisor.work_off(missing_runs(asked, sink.finished, most))
             if study.keep is Keep.NEAR_BOUNDARY:
                 near, kept = near_boundary(study, folder.table()), folder.kept()
                 sink.begin(Stage.WAVEFORMS, near, near & kept.keys())
-                supervisor.work_off(missing_waveforms(asked, near, kept))
+                supervisor.work_off(missing_waveforms(asked, near, kept, most))
     except KeyboardInterrupt:
         raise ExplorationInterruptedError(len(folder.finished()), len(asked)) from None
     finally:

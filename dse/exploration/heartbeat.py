@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import mmap
+import os
 import struct
 from dataclasses import dataclass
 from enum import IntEnum
@@ -11,7 +12,8 @@ from pathlib import Path
 PROGRESS_BYTES = 64
 """Size of the block the simulation itself writes to."""
 
-_STATE = struct.Struct("=4q")
+_STATE = struct.Struct("=5q")
+_SEAT = PROGRESS_BYTES + _STATE.size
 
 
 class Phase(IntEnum):
@@ -22,49 +24,57 @@ class Phase(IntEnum):
     LOADING = 2
     RUNNING = 3
     WRITING = 4
+    LEAVING = 5
+    """The configuration before is freed."""
 
 
 @dataclass(frozen=True, slots=True)
 class State:
-    """*beats* counts the changes of state; *batch* and *number* name the run at hand, if there is one."""
+    """*beats* counts the changes of state; *batch* and *number* name the run at hand, if there is one.
+
+    *printed* is how many bytes of output there were before.
+    """
 
     beats: int
     phase: Phase
     batch: int
     number: int
+    printed: int
 
 
 class Heartbeat:
-    """One worker's file: the simulation's progress block, then the worker's state."""
+    """One seat in a worker's file: its simulation's progress block, then its state. A thread has a seat of its own."""
 
-    def __init__(self, file: Path) -> None:
+    def __init__(self, file: Path, seat: int = 0) -> None:
         with file.open("r+b") as stream:
-            self._map = mmap.mmap(stream.fileno(), PROGRESS_BYTES + _STATE.size)
+            self._map = mmap.mmap(stream.fileno(), 0)
+        self._begin = seat * _SEAT
         self._beats = 0
 
     @staticmethod
-    def lay_out(file: Path) -> None:
+    def lay_out(file: Path, seats: int = 1) -> None:
         """Make the file, all zero."""
-        file.write_bytes(bytes(PROGRESS_BYTES + _STATE.size))
+        file.write_bytes(bytes(seats * _SEAT))
 
     @property
     def block(self) -> memoryview:
         """The progress block, to be written by the simulation; the file stays mapped as long as this view lives."""
-        return memoryview(self._map)[:PROGRESS_BYTES]
+        return memoryview(self._map)[self._begin : self._begin + PROGRESS_BYTES]
 
     def beat(self, phase: Phase, batch: int = -1, number: int = -1) -> None:
-        """Tell that the worker is in *phase* now."""
+        """Tell that the seat is in *phase* now."""
         self._beats += 1
-        _STATE.pack_into(self._map, PROGRESS_BYTES, self._beats, phase, batch, number)
+        printed = os.fstat(2).st_size
+        _STATE.pack_into(self._map, self._begin + PROGRESS_BYTES, self._beats, phase, batch, number, printed)
 
     def state(self) -> State:
-        """What the worker told last."""
-        beats, phase, batch, number = _STATE.unpack_from(self._map, PROGRESS_BYTES)
-        return State(beats, Phase(phase), batch, number)
+        """What was told last."""
+        beats, phase, *rest = _STATE.unpack_from(self._map, self._begin + PROGRESS_BYTES)
+        return State(beats, Phase(phase), *rest)
 
     def progress(self) -> bytes:
         """A copy of the progress block."""
-        return self._map[:PROGRESS_BYTES]
+        return self._map[self._begin : self._begin + PROGRESS_BYTES]
 
     def close(self) -> None:
         """Unmap the file; BufferError while a view of the block is alive."""

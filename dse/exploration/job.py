@@ -19,12 +19,28 @@ class Bench(Protocol):
     def timeout(self) -> float:
         """Seconds a single run may take."""
 
+    @property
+    def memory(self) -> float:
+        """Bytes a worker may be resident with."""
+
+    @property
+    def thread_safe(self) -> bool:
+        """Whether several runs may be simulated at once in threads of one process."""
+
+    @property
+    def most_runs(self) -> int | None:
+        """How many runs one process may make; None for any number."""
+
     def describe_progress(self, block: bytes) -> str:
         """Where a simulation was, from the progress block it left."""
 
 
 class Executor(Protocol):
     """Simulates one configuration again and again in a worker process."""
+
+    @property
+    def runs_left(self) -> int | None:
+        """How many more runs this process may make of the configuration; None for any number."""
 
     def run(self, request: RunRequest, *, keep: bool) -> Run:
         """The run of *request*, with waveforms only if *keep*; a run that fails is a result."""
@@ -42,7 +58,7 @@ class Batch:
     """Runs of one configuration that go to one worker together.
 
     *numbers* are sorted; *points* has a row per number and a column per entry of *names*. If *file* is not "",
-    waveforms are kept in the file of that name.
+    waveforms are kept in the file of that name. *alone* has its runs made one at a time.
     """
 
     identity: int
@@ -51,6 +67,7 @@ class Batch:
     numbers: tuple[int, ...]
     points: tuple[tuple[Value, ...], ...]
     file: str = ""
+    alone: bool = False
 
     @property
     def keep(self) -> bool:
@@ -73,25 +90,31 @@ class Batch:
 
 @dataclass(frozen=True, slots=True)
 class Setup:
-    """What every worker of an exploration needs; *benches* holds a pickled bench per configuration."""
+    """What every worker of an exploration needs; *benches* holds a pickled bench per configuration.
+
+    A worker makes *threads* runs at a time.
+    """
 
     make_executor: MakeExecutor
     benches: Path
     waveforms: Path
     metrics: tuple[str, ...]
     requirements: tuple[str, ...]
+    threads: int = 1
 
 
 @dataclass(frozen=True, slots=True)
 class Report:
     """From a worker: runs of the batch *identity* that are finished.
 
-    *ended* with the last of them; then *kept* are the numbers whose waveforms are in the batch's file. *broken*
-    says why the worker cannot go on at all, as when the disk is full.
+    *ended* with the last of them; then *kept* are the numbers whose waveforms are in the batch's file. *retired*
+    comes last: the process is worn out and leaves, runs that are still to be made go to another. *broken* says why the
+    worker cannot go on at all, as when the disk is full.
     """
 
     identity: int
     block: RowBlock | None = None
     ended: bool = False
     kept: tuple[int, ...] = ()
+    retired: bool = False
     broken: str = ""

@@ -4,51 +4,59 @@ from __future__ import annotations
 
 import contextlib
 import multiprocessing
-import sys
+import os
 import time
 from collections import deque
 from dataclasses import dataclass, field
 from multiprocessing.connection import Connection
-from multiprocessing.context import SpawnProcess
 from pathlib import Path
-from types import ModuleType
 
-from dse.exploration.heartbeat import Heartbeat, State
+import psutil
+
+from dse.cosim.spawn import start
+from dse.exploration.heartbeat import Heartbeat, Phase, State
 from dse.exploration.job import Batch, Report, Setup
 from dse.exploration.worker import work
 
 _TAIL = 2000
+_LARGEST_LOG = 4_000_000
 _PATIENCE = 5.0
 
 
 @dataclass(slots=True)
 class Assignment:
-    """A batch a worker has been given, and the runs of it that have come back."""
+    """A batch a worker has been given, and the runs of it that have come back, of which some *failed*."""
 
     batch: Batch
     received: set[int] = field(default_factory=set)
+    failed: set[int] = field(default_factory=set)
 
     def rest(self) -> Batch:
         """What is to be done again if the worker dies: with waveforms all of it, as they were still in the worker."""
-        return self.batch if self.batch.keep else self.batch.without(self.received)
+        return self.batch.without(self.failed if self.batch.keep else self.received)
 
 
 class WorkerProcess:
-    """One worker: its process, its pipe, its heartbeat, and the batches it has, the one at hand first."""
+    """One worker: its process, its pipe, its heartbeats, and the batches it has, the one at hand first.
+
+    *useful* tells that it has finished a run, *retired* that it has taken its leave.
+    """
 
     def __init__(self, setup: Setup, folder: Path, index: int) -> None:
         heartbeat, self._log = folder / f"worker{index}.beat", folder / f"worker{index}.log"
-        Heartbeat.lay_out(heartbeat)
+        Heartbeat.lay_out(heartbeat, setup.threads)
         self._log.touch()
-        self._heart = Heartbeat(heartbeat)
-        self._beats, self._since = 0, time.monotonic()
+        self._hearts = [Heartbeat(heartbeat, seat) for seat in range(setup.threads)]
+        self._beats, self._since = [0] * setup.threads, [time.monotonic()] * setup.threads
         context = multiprocessing.get_context("spawn")
         self.connection: Connection[Batch | None, Report]
         self.connection, far = context.Pipe()
         self._process = context.Process(target=work, args=(far, setup, heartbeat, self._log), daemon=True)
-        _start(self._process)
+        start(self._process)
         far.close()
+        self._memory = psutil.Process(self._process.pid)
         self.assignments: deque[Assignment] = deque()
+        self.useful = self.retired = False
 
     @property
     def sentinel(self) -> int:
@@ -58,7 +66,7 @@ class WorkerProcess:
     def give(self, batch: Batch) -> bool:
         """Hand over *batch*; False if the worker is no longer there to take it."""
         if not self.assignments:
-            self._since = time.monotonic()
+            self._since = [time.monotonic()] * len(self._hearts)
         self.assignments.append(Assignment(batch))
         try:
             self.connection.send(batch)
@@ -66,24 +74,48 @@ class WorkerProcess:
             return False
         return True
 
-    def state(self) -> State:
-        """What the worker does now, or did when it died."""
-        return self._heart.state()
+    def states(self) -> list[State]:
+        """What each thread of the worker does now, or did when it died."""
+        return [heart.state() for heart in self._hearts]
 
-    def progress(self) -> bytes:
-        """The simulation's progress block."""
-        return self._heart.progress()
+    def progress(self, seat: int) -> bytes:
+        """The progress block of the simulation in a thread."""
+        return self._hearts[seat].progress()
 
-    def silence(self) -> float:
-        """Seconds since the worker told of something new or was given something to do."""
-        beats, now = self.state().beats, time.monotonic()
-        if beats != self._beats:
-            self._beats, self._since = beats, now
-        return now - self._since
+    def silence(self) -> dict[Phase, float]:
+        """Longest time in seconds that a thread has been in a phase without telling of anything new.
 
-    def last_words(self) -> str:
-        """The end of what the process printed."""
-        return self._log.read_text(encoding="utf-8", errors="replace")[-_TAIL:].strip()
+        Waiting counts only if all do, from when the last began to or the worker was given something to do.
+        """
+        now = time.monotonic()
+        longest: dict[Phase, float] = {}
+        states = self.states()
+        for seat, state in enumerate(states):
+            if state.beats != self._beats[seat]:
+                self._beats[seat], self._since[seat] = state.beats, now
+            if state.phase is not Phase.WAITING:
+                longest[state.phase] = max(longest.get(state.phase, 0.0), now - self._since[seat])
+        return longest or {Phase.WAITING: now - max(self._since)}
+
+    def resident(self) -> int:
+        """Bytes of memory the process holds; 0 if it is no more."""
+        try:
+            return self._memory.memory_info().rss
+        except psutil.Error:
+            return 0
+
+    def last_words(self, since: int = 0) -> str:
+        """The end of what the process printed, after so many bytes."""
+        with self._log.open("rb") as log:
+            size = log.seek(0, os.SEEK_END)
+            # A log that was cut in the meantime is new from its beginning on.
+            log.seek(max(size - _TAIL, since if since <= size else 0))
+            return log.read().decode("utf-8", errors="replace").strip()
+
+    def shorten_log(self) -> None:
+        """Forget what the process printed, if that is a lot."""
+        if self._log.stat().st_size > _LARGEST_LOG:
+            os.truncate(self._log, 0)
 
     def dismiss(self) -> None:
         """Tell the worker to end."""
@@ -103,19 +135,6 @@ class WorkerProcess:
         code = self._process.exitcode or 0
         self._process.close()
         self.connection.close()
-        self._heart.close()
+        for heart in self._hearts:
+            heart.close()
         return code
-
-
-def _start(process: SpawnProcess) -> None:
-    """Start *process* without the parent's main module, which spawn would otherwise import again in the child.
-
-    A console script would cost each worker the whole command line, and a script without a main guard would start
-    an exploration of its own.
-    """
-    main = sys.modules["__main__"]
-    sys.modules["__main__"] = ModuleType("__main__")
-    try:
-        process.start()
-    finally:
-        sys.modules["__main__"] = main

@@ -1,9 +1,10 @@
 """Worker processes and the one that watches them: no finished run is lost, no dead or hanging worker holds up a study.
 
 Each worker has a pipe of its own, so a worker that dies can only take with it what it had not sent yet. What killed it
-is recorded as the result of the run at hand, the rest of its batch goes to a fresh worker. One exception: a worker that
-was killed from outside (SIGKILL, as the kernel does when memory runs out) says nothing about the run, which is tried
-once more; the second time it is recorded.
+is recorded as the result of the run at hand, the rest of its batch goes to a fresh worker. Exceptions: a worker that
+was killed from outside (SIGKILL, as the kernel does when memory runs out), or that grew too large over several runs,
+says nothing about the run at hand, which is tried once more; the second time it is recorded. And where several runs
+were at hand, in threads, nobody knows which of them it was: they are made again, one at a time.
 """
 
 from __future__ import annotations
@@ -12,6 +13,7 @@ import pickle
 import signal
 import sys
 import tempfile
+import time
 from collections import deque
 from collections.abc import Iterable, Mapping
 from contextlib import ExitStack, suppress
@@ -24,13 +26,17 @@ from typing import Protocol
 from dse.domain.run import RunRequest
 from dse.errors import DseError, fail
 from dse.exploration.heartbeat import Phase
+from dse.exploration.inquest import Traces, cause_of, outside_of_runs, told, traces_of
 from dse.exploration.job import Batch, Bench, Report, Setup
-from dse.exploration.process import Assignment, WorkerProcess
-from dse.exploration.worker import bench_file, failed_run
+from dse.exploration.process import WorkerProcess
+from dse.exploration.seat import bench_file, failed_run
 from dse.results.rows import RowBlock, block_of
 
 START_TIMEOUT = 60.0
 """Seconds a worker may take to start, to load a configuration or to write a file."""
+
+MOST_DEADLY_LOADS = 2
+"""Workers that may die of loading one configuration before its runs are given up; the first may have been unlucky."""
 
 MOST_FRUITLESS_DEATHS = 3
 """Workers that may die in a row outside of any run before the exploration is given up."""
@@ -52,12 +58,16 @@ class Sink(Protocol):
 
 
 class Supervisor:
-    """Works off batches with up to *workers* processes. Leaving its with block ends them, on an exception at once."""
+    """Works off batches with up to *workers* processes. Leaving its with block ends them, on an exception at once.
+
+    With several threads in a worker (`Setup.threads`), configurations that do not bear them have as many more workers
+    instead.
+    """
 
     def __init__(self, setup: Setup, benches: Mapping[str, Bench], sink: Sink, workers: int) -> None:
         self._benches = benches
         self._sink = sink
-        self._most = workers
+        self._workers_wanted = self._most = workers
         self._folder = tempfile.TemporaryDirectory(prefix="dse-", ignore_cleanup_errors=True)
         self._setup = replace(setup, benches=Path(self._folder.name))
         self._workers: list[WorkerProcess] = []
@@ -65,10 +75,12 @@ class Supervisor:
         self._hired = 0
         self._fruitless = 0
         self._retried: set[int] = set()
+        self._deadly: dict[str, list[str]] = {}
+        self._looked = 0.0
 
     @property
     def retried(self) -> int:
-        """Runs that were tried again because their worker was killed from outside."""
+        """Runs that were tried again because their worker was killed from outside or had grown too large before."""
         return len(self._retried)
 
     def work_off(self, batches: Iterable[Batch]) -> None:
@@ -76,12 +88,24 @@ class Supervisor:
 
         DseError if workers die one after the other without getting as far as a run, or cannot store waveforms.
         """
+        threads = self._setup.threads
+        if threads == 1:
+            self._work_off(batches, self._workers_wanted)
+            return
+        every = list(batches)
+        self._work_off([b for b in every if self._benches[b.configuration].thread_safe], self._workers_wanted)
+        others = [replace(b, alone=True) for b in every if not self._benches[b.configuration].thread_safe]
+        self._work_off(others, self._workers_wanted * threads)
+
+    def _work_off(self, batches: Iterable[Batch], workers: int) -> None:
+        self._most = workers
         self._pending.extend(batches)
         while self._pending or any(worker.assignments for worker in self._workers):
             self._hire()
             self._assign()
             self._listen()
             self._look_for_hanging()
+            self._look_for_growth()
             self._sink.tick()
 
     def __enter__(self) -> Supervisor:
@@ -116,9 +140,20 @@ class Supervisor:
             for worker in list(self._workers):
                 if self._pending and len(worker.assignments) == turn:
                     batch = self._pending.popleft()
+                    if self._cannot_be_loaded(batch):
+                        continue
                     self._store_bench(batch.configuration)
                     if not worker.give(batch):
                         self._bury(worker)
+
+    def _cannot_be_loaded(self, batch: Batch) -> bool:
+        """Whether workers died of the configuration before they got to a run of it; then its runs are failures."""
+        causes = self._deadly.get(batch.configuration, [])
+        if len(causes) < MOST_DEADLY_LOADS:
+            return False
+        self._fail(batch, batch.numbers, causes[-1])
+        self._sink.ended(batch, ())
+        return True
 
     def _store_bench(self, configuration: str) -> None:
         file = bench_file(self._setup, configuration)
@@ -148,77 +183,97 @@ class Supervisor:
             raise fail(report.broken, hint="finished runs are stored: the same command goes on when there is room")
         assignment = worker.assignments[0]
         if report.block is not None:
+            worker.useful = True
             assignment.received.update(report.block.numbers.tolist())
+            assignment.failed.update(report.block.numbers[~report.block.done].tolist())
             self._sink.rows(assignment.batch, report.block)
         if report.ended:
             worker.assignments.popleft()
             self._fruitless = 0
             self._sink.ended(assignment.batch, report.kept)
+        worker.retired = report.retired
 
     def _look_for_hanging(self) -> None:
         for worker in [worker for worker in self._workers if worker.assignments]:
-            running = worker.state().phase is Phase.RUNNING
-            limit = self._benches[worker.assignments[0].batch.configuration].timeout if running else START_TIMEOUT
-            if worker.silence() > limit and self._receive(worker) and worker.silence() > limit:
-                self._bury(worker, f"no answer for {limit:g} s")
+            timeout = self._benches[worker.assignments[0].batch.configuration].timeout
+            for phase, silence in worker.silence().items():
+                limit = timeout if phase is Phase.RUNNING else START_TIMEOUT
+                if silence > limit and self._receive(worker) and worker.silence().get(phase, 0.0) > limit:
+                    self._bury(worker, f"no answer for {limit:g} s")
+                    break
 
-    def _bury(self, worker: WorkerProcess, hanging: str = "") -> None:
-        """Part with a dead or hanging worker: record the run at hand, put the rest back at the front of the queue."""
+    def _look_for_growth(self) -> None:
+        now = time.monotonic()
+        if now - self._looked < _LOOK_EVERY:
+            return
+        self._looked = now
+        for worker in [worker for worker in self._workers if worker.assignments]:
+            worker.shorten_log()
+            limit = self._benches[worker.assignments[0].batch.configuration].memory
+            if worker.resident() > limit:
+                self._receive(worker)
+                self._bury(worker, f"grew beyond {limit / 1e9:.3g} GB of memory", again=worker.useful)
+
+    def _bury(self, worker: WorkerProcess, offence: str = "", *, again: bool = False) -> None:
+        """Part with a worker that is dead or, for an *offence*, is to die: record what is its run's fault.
+
+        The rest goes back to the front of the queue; with *again* also the run at hand if it was tried only once.
+        """
         self._workers.remove(worker)
-        state, progress, words = worker.state(), worker.progress(), worker.last_words()
-        if hanging:
+        traces = traces_of(worker)
+        if offence:
             worker.kill()
         code = worker.bury()
-        cause = hanging or _cause(code)
-        at_hand = next((a for a in worker.assignments if a.batch.identity == state.batch), None)
-        in_run = at_hand is not None and state.phase is Phase.RUNNING and state.number not in at_hand.received
-        self._fruitless = 0 if in_run else self._fruitless + 1
+        cause = offence or cause_of(code)
+        if traces.loading:
+            place = self._benches[traces.loading].describe_progress(traces.progress)
+            deaths = self._deadly.setdefault(traces.loading, [])
+            deaths.append(told(cause, place or "while its FMUs were loaded", traces.words))
+        fruitful = traces.unfinished or traces.loading or (worker.useful and (worker.retired or again))
+        self._fruitless = 0 if fruitful else self._fruitless + 1
         if self._fruitless >= MOST_FRUITLESS_DEATHS:
-            raise _given_up(cause, state.phase, words)
+            raise _given_up(cause, traces)
+        again = again or (not offence and sys.platform != "win32" and code == -signal.SIGKILL)
         for assignment in reversed(worker.assignments):
             rest = assignment.rest()
-            if in_run and assignment is at_hand and not self._is_worth_another_try(state.number, code, hanging):
-                self._record(assignment, state.number, cause, progress)
-                rest = rest.without({state.number})
+            if traces.unfinished and assignment is traces.at_hand and not worker.retired:
+                rest = self._judge(rest, traces, cause, again=again)
             if rest.numbers:
                 self._pending.appendleft(rest)
             else:
                 self._sink.ended(assignment.batch, ())
 
-    def _is_worth_another_try(self, number: int, code: int, hanging: str) -> bool:
-        if hanging or sys.platform == "win32" or code != -signal.SIGKILL or number in self._retried:
-            return False
-        self._retried.add(number)
-        return True
-
-    def _record(self, assignment: Assignment, number: int, cause: str, progress: bytes) -> None:
-        batch = assignment.batch
-        place = self._benches[batch.configuration].describe_progress(progress)
+    def _judge(self, rest: Batch, traces: Traces, cause: str, *, again: bool) -> Batch:
+        """Record the run at hand if it is at fault; what of *rest* is to be made."""
+        number = traces.unfinished[0]
+        if self._in_threads(rest):
+            return replace(rest, alone=True)
+        if again and number not in self._retried:
+            self._retried.add(number)
+            return rest
+        place = self._benches[rest.configuration].describe_progress(traces.progress)
         if number in self._retried:
             cause += " for the second time"
-        request = RunRequest(number, batch.configuration, dict(zip(batch.names, batch.point(number), strict=True)))
-        run = failed_run(request, f"{cause} in {place}" if place else cause)
-        self._sink.rows(batch, block_of((run,), (float("nan"),), self._setup.metrics, self._setup.requirements))
+        self._fail(rest, [number], told(cause, place, traces.words))
+        return rest.without({number})
+
+    def _in_threads(self, batch: Batch) -> bool:
+        return self._setup.threads > 1 and not batch.alone and len(batch.numbers) > 1
+
+    def _fail(self, batch: Batch, numbers: Iterable[int], problem: str) -> None:
+        """Give the sink runs of *batch* that came to nothing."""
+        runs = [
+            failed_run(RunRequest(n, batch.configuration, dict(zip(batch.names, batch.point(n), strict=True))), problem)
+            for n in numbers
+        ]
+        block = block_of(runs, [float("nan")] * len(runs), self._setup.metrics, self._setup.requirements)
+        self._sink.rows(batch, block)
 
 
-def _given_up(cause: str, phase: Phase, words: str) -> DseError:
-    doing = {
-        Phase.STARTING: "while starting",
-        Phase.LOADING: "while loading a configuration",
-        Phase.WRITING: "while writing waveforms",
-    }
-    where = doing.get(phase, "between two")
+def _given_up(cause: str, traces: Traces) -> DseError:
+    where = outside_of_runs(traces)
     return fail(
         f"{MOST_FRUITLESS_DEATHS} workers in a row ended outside of any run, the last {where}: {cause}"
-        + (f"\n{words}" if words else ""),
+        + (f"\n{traces.words}" if traces.words else ""),
         hint="finished runs are stored: mend what the workers say and give the same command again",
     )
-
-
-def _cause(code: int) -> str:
-    if code == -9:
-        return "killed from outside (signal 9)"
-    if code < 0:
-        return f"crashed (signal {-code})"
-    # Windows gives the exception that ended a process as a large exit code.
-    return f"crashed (exit code {code:#x})" if code > 255 else f"ended by itself (exit code {code})"

@@ -9,8 +9,8 @@ from dataclasses import dataclass
 from fractions import Fraction
 
 from dse.domain.component import Kind, Type
-from dse.fmu.slots import SI_SYMBOLS, Role, Slot
-from dse.units import Unit
+from dse.fmu.slots import Role, Slot
+from dse.units import SI_SYMBOLS, Unit
 
 
 @dataclass(frozen=True, slots=True)
@@ -28,7 +28,11 @@ class Subject:
 
 
 def describe(subject: Subject, version: int) -> bytes:
-    """modelDescription.xml. The dependencies of outputs are left out, which says: on everything."""
+    """modelDescription.xml.
+
+    Outputs are computed by the step, so between two steps they depend on nothing; what they depend on initially is left
+    out, which says: on everything.
+    """
     root = ET.Element("fmiModelDescription", fmiVersion="2.0" if version == 2 else "3.0", modelName=subject.name)
     root.set("guid" if version == 2 else "instantiationToken", subject.token)
     if subject.title:
@@ -150,7 +154,9 @@ def _variables_2(root: ET.Element, slots: tuple[Slot, ...], is_sampled: bool) ->
     for name in ("Outputs", "InitialUnknowns") if outputs else ():
         group = ET.SubElement(structure, name)
         for slot in outputs:
-            ET.SubElement(group, "Unknown", index=str(slot.reference + 1))
+            unknown = ET.SubElement(group, "Unknown", index=str(slot.reference + 1))
+            if name == "Outputs":
+                unknown.set("dependencies", "")
 
 
 def _variables_3(root: ET.Element, slots: tuple[Slot, ...], is_sampled: bool) -> None:
@@ -174,7 +180,9 @@ def _variables_3(root: ET.Element, slots: tuple[Slot, ...], is_sampled: bool) ->
     for name in ("Output", "InitialUnknown"):
         for slot in slots:
             if slot.role is Role.OUTPUT:
-                ET.SubElement(structure, name, valueReference=str(slot.reference))
+                unknown = ET.SubElement(structure, name, valueReference=str(slot.reference))
+                if name == "Output":
+                    unknown.set("dependencies", "")
 
 
 _TYPES_2 = {

@@ -1,6 +1,6 @@
-"""modelDescription.xml as it comes, in FMI 2.0 or 3.0: every variable, and what the FMU can do.
+"""modelDescription.xml as it comes, in FMI 1.0, 2.0 or 3.0: every variable, and what the FMU can do.
 
-What this program cannot simulate is refused here, by name and all at once.
+What this program cannot simulate, and what the file lacks or contradicts, is told by line and all at once.
 """
 
 from __future__ import annotations
@@ -9,195 +9,176 @@ import re
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING
 
-from dse.domain.component import Kind
-from dse.domain.fmu import Variable
+from dse.domain.fmu import Capabilities, Exchange, Experiment, FmiInterface, UnitDefinition, Variable
 from dse.errors import DseError, Location, Problem, fail
-
-if TYPE_CHECKING:
-    from xml.etree.ElementTree import Element
+from dse.fmu.declared_types import read_types
+from dse.fmu.description_fmi1 import direct_dependencies, read_implementation, read_variables_1
+from dse.fmu.fmu_units import read_units
+from dse.fmu.interfaces import Offered, choose_interface, read_experiment, read_identifier
+from dse.fmu.model_structure import Structure, catalog, read_exchange, read_structure
+from dse.fmu.variables import Listed, read_variables
+from dse.loading.xml import XmlElement, read_xml_file
+from dse.loading.xml_values import shortened
+from dse.loading.yaml import shown
 
 _FILE = "modelDescription.xml"
-_MAXIMUM_SIZE = 256 * 2**20
+_MOST_TOLD = 20
+_MOST_VALUES = 50_000_000
 
 
 @dataclass(frozen=True, slots=True)
 class Description:
-    """What modelDescription.xml says of a co-simulation FMU. *fixed_step* is set if no other step is possible."""
+    """What modelDescription.xml says of one interface of an FMU; the fields are those of FmuModel.
+
+    *source_files* are the files to compile, if FMI 2.0's description lists them; *where* is the file.
+    """
 
     version: int
     identifier: str
     token: str
     variables: Mapping[str, Variable]
-    can_handle_variable_step: bool
-    can_save_state: bool
-    once_per_process: bool
+    capabilities: Capabilities
     fixed_step: float | None
+    interface: FmiInterface
+    exchange: Exchange | None
+    depends: Mapping[str, tuple[str, ...]]
+    initially_depends: Mapping[str, tuple[str, ...]]
+    units: Mapping[str, UnitDefinition]
+    experiment: Experiment
+    title: str
+    source_files: tuple[str, ...]
+    where: Location
 
 
-def read_description(folder: Path, where: Location | None = None) -> Description:
-    """Read ``modelDescription.xml`` in *folder*.
+def read_description(folder: Path, name: str | None = None, *, interface: FmiInterface | None = None) -> Description:
+    """Read ``modelDescription.xml`` in *folder*, which messages call *name*.
 
-    Raises DseError, located at *where* or at the file: not XML, with a document type or entities, FMI 1.0, no
-    co-simulation, needs a tool, has arrays, or does not say what FMI requires.
+    *interface* is the one that is asked for; without, co-simulation comes before model exchange. Raises DseError,
+    located in the file: not XML, with a document type or entities, an unknown version, without an interface that can
+    be used, or with anything missing, doubled or contradictory that a simulation depends on.
     """
-    path = folder / _FILE
-    where = where or Location(str(path))
-    root = _parse(path, where)
-    version = _version(root, where)
+    name = shown(folder) if name is None else name
+    file = f"{name}/{_FILE}"
+    if not (folder / _FILE).is_file():
+        inner = sorted(path.parent.name for path in folder.glob(f"*/{_FILE}"))
+        hint = f"there is one in its folder '{inner[0]}': zip what is in that folder" if inner else ""
+        raise fail(f"there is no {_FILE} in it, so it is not an FMU", Location(name), hint)
+    root = read_xml_file(folder / _FILE, file)
+    if root.tag != "fmiModelDescription":
+        what = f"it does not describe an FMU: its root is <{shortened(root.tag)}>, not <fmiModelDescription>"
+        raise fail(what, root.where)
+    version = _version(root)
+    if version == 1 and interface is FmiInterface.MODEL_EXCHANGE:
+        raise fail("model exchange of FMI 1.0 is not supported", root.where)
     problems: list[Problem] = []
-    interface = root.find("CoSimulation")
-    if interface is None:
-        raise fail(_no_co_simulation(root), where, "export the model as an FMU for co-simulation")
-    identifier = interface.get("modelIdentifier", "")
-    if not re.fullmatch(r"\w[\w.\-]*", identifier):
-        problems.append(Problem(f"{_FILE}: '{identifier}' is not a modelIdentifier", where))
-    if _flag(interface, "needsExecutionTool"):
-        hint = "export it so that it runs by itself"
-        problems.append(Problem(f"the FMU needs an execution tool: it only connects to '{_tool(root)}'", where, hint))
-    token = root.get("guid" if version == 2 else "instantiationToken")
-    if token is None:
-        problems.append(Problem(f"{_FILE}: there is no {'guid' if version == 2 else 'instantiationToken'}", where))
-    variables: dict[str, Variable] = {}
-    for found in _variables(root, version, where):
-        if isinstance(found, Problem):
-            problems.append(found)
-        elif found.name in variables:
-            problems.append(Problem(f"{_FILE}: variable '{found.name}' is there twice", where))
-        else:
-            variables[found.name] = found
-    if problems:
-        raise DseError(*problems)
-    can_handle_variable_step = _flag(interface, "canHandleVariableCommunicationStepSize")
+    experiment = read_experiment(root, problems)
+    offered = (
+        _interface_1(root, experiment, problems)
+        if version == 1
+        else choose_interface(root, version, interface, experiment, problems)
+    )
+    token = _token(root, version, problems)
+    units = read_units(root, problems) if version > 1 else {}
+    types = read_types(root, version, problems)
+    listed = read_variables_1(root, types, problems) if version == 1 else read_variables(root, version, types, problems)
+    problems += _contradictions(listed, version, file)
+    _raise_some(problems, file)
+    structure, exchange = _structure(root, version, listed, offered, problems)
+    _raise_some(problems, file)
     return Description(
         version=version,
-        identifier=identifier,
-        token=token or "",
-        variables=variables,
-        can_handle_variable_step=can_handle_variable_step,
-        can_save_state=_flag(interface, "canGetAndSetFMUstate" if version == 2 else "canGetAndSetFMUState"),
-        once_per_process=_flag(interface, "canBeInstantiatedOnlyOncePerProcess"),
-        fixed_step=None if can_handle_variable_step else _fixed_step(root, interface),
+        identifier=offered.identifier,
+        token=token,
+        variables={one.variable.name: one.variable for one in listed if one is not None},
+        capabilities=offered.capabilities,
+        fixed_step=offered.fixed_step,
+        interface=offered.interface,
+        exchange=exchange,
+        depends=structure.depends,
+        initially_depends=structure.initially_depends,
+        units=units,
+        experiment=experiment,
+        title=root.get("description") or root.get("modelName"),
+        source_files=tuple(file.get("name") for file in offered.element.below("SourceFiles", "File")),
+        where=Location(file),
     )
 
 
-def _parse(path: Path, where: Location) -> Element:
-    # Here, because no command but those that open FMUs needs it.
-    import defusedxml
-    import defusedxml.ElementTree as DefusedTree
-
-    try:
-        if path.stat().st_size > _MAXIMUM_SIZE:
-            raise fail(f"{_FILE} is larger than {_MAXIMUM_SIZE // 2**20} MiB", where)
-        root: Element | None = DefusedTree.fromstring(path.read_bytes(), forbid_dtd=True)
-    except FileNotFoundError as error:
-        raise fail(f"there is no {_FILE} in it, so it is not an FMU", where) from error
-    except OSError as error:
-        raise fail(f"{_FILE} cannot be read: {error.strerror}", where) from error
-    except defusedxml.DefusedXmlException as error:
-        raise fail(f"{_FILE} declares a document type or entities, which is refused as unsafe", where) from error
-    except (DefusedTree.ParseError, ValueError, LookupError) as error:
-        raise fail(f"{_FILE} is not XML: {error}", where) from error
-    if root is None or root.tag != "fmiModelDescription":
-        raise fail(f"{_FILE} does not describe an FMU: its root is not fmiModelDescription", where)
-    return root
-
-
-def _version(root: Element, where: Location) -> int:
-    text = root.get("fmiVersion", "")
+def _version(root: XmlElement) -> int:
+    text = root.get("fmiVersion").strip()
+    if re.fullmatch(r"1\.0(\.\d+)?", text):
+        return 1
     if re.fullmatch(r"2\.0(\.\d+)?", text):
         return 2
     if re.fullmatch(r"3\.\d+(\.\d+)?", text):
         return 3
-    if text == "1.0":
-        raise fail("the FMU is of FMI 1.0, which is not supported", where, "export it for FMI 2.0 or 3.0")
-    raise fail(f"the FMU is of the unknown FMI version '{text}'", where, "export it for FMI 2.0 or 3.0")
+    what = f"the FMU is of the unknown FMI version '{shortened(text)}'" if text else "it does not say its fmiVersion"
+    raise fail(what, root.where, "export it for FMI 2.0 or 3.0")
 
 
-def _no_co_simulation(root: Element) -> str:
-    if root.find("ModelExchange") is not None:
-        return "the FMU is for model exchange only, which is not supported"
-    if root.find("ScheduledExecution") is not None:
-        return "the FMU is for scheduled execution only, which is not supported"
-    return f"{_FILE} has no CoSimulation element"
+def _token(root: XmlElement, version: int, problems: list[Problem]) -> str:
+    """The text by which a library and a description know that they belong together; it may be empty."""
+    name = "instantiationToken" if version == 3 else "guid"
+    if name not in root.attributes:
+        problems.append(Problem(f"there is no {name}", root.where))
+    return root.get(name)
 
 
-def _flag(element: Element, name: str) -> bool:
-    return element.get(name, "false").strip() in ("true", "1")
+def _interface_1(root: XmlElement, experiment: Experiment, problems: list[Problem]) -> Offered:
+    capabilities = read_implementation(root, problems)
+    return Offered(
+        interface=FmiInterface.CO_SIMULATION,
+        element=root,
+        identifier=read_identifier(root, problems),
+        capabilities=capabilities,
+        fixed_step=None if capabilities.can_handle_variable_step else experiment.step,
+    )
 
 
-def _tool(root: Element) -> str:
-    return root.get("generationTool", "its tool")
+def _structure(
+    root: XmlElement, version: int, listed: list[Listed | None], offered: Offered, problems: list[Problem]
+) -> tuple[Structure, Exchange | None]:
+    if version == 1:
+        return direct_dependencies(listed), None
+    variables = catalog(listed, version)
+    structure = read_structure(root, variables)
+    if offered.interface is FmiInterface.CO_SIMULATION:
+        return structure, None
+    needs = offered.needs_completed_step
+    return structure, read_exchange(root, variables, needs_completed_step=needs, problems=problems)
 
 
-def _fixed_step(root: Element, interface: Element) -> float | None:
-    experiment = root.find("DefaultExperiment")
-    text = interface.get("fixedInternalStepSize") or (experiment.get("stepSize") if experiment is not None else None)
-    try:
-        step = float(text or "nan")
-    except ValueError:
-        return None
-    return step if 0.0 < step < float("inf") else None
-
-
-_KINDS_2: Mapping[str, tuple[str, Kind | None]] = {
-    "Real": ("Real", Kind.REAL),
-    "Integer": ("Integer", Kind.INTEGER),
-    "Boolean": ("Boolean", Kind.BOOLEAN),
-    "Enumeration": ("Integer", Kind.ENUMERATION),
-    "String": ("String", None),
-}
-_WHOLE_3 = tuple(f"{sign}Int{bits}" for sign in ("", "U") for bits in (8, 16, 32, 64))
-_KINDS_3: Mapping[str, tuple[str, Kind | None]] = {
-    "Float32": ("Float32", Kind.REAL),
-    "Float64": ("Float64", Kind.REAL),
-    **{name: (name, Kind.INTEGER) for name in _WHOLE_3},
-    "Boolean": ("Boolean", Kind.BOOLEAN),
-    "Enumeration": ("Int64", Kind.ENUMERATION),
-    "String": ("String", None),
-    "Binary": ("Binary", None),
-    "Clock": ("Clock", None),
-}
-
-
-def _variables(root: Element, version: int, where: Location) -> Iterator[Variable | Problem]:
-    units = dict(_type_units(root, version))
-    for element in root.iterfind("ModelVariables/*"):
-        name = element.get("name", "")
-        typed = next((child for child in element if child.tag in _KINDS_2), None) if version == 2 else element
-        kinds = _KINDS_2 if version == 2 else _KINDS_3
-        if typed is None or typed.tag not in kinds:
-            yield Problem(f"{_FILE}: variable '{name}' has no type this program knows", where)
+def _contradictions(listed: Iterable[Listed | None], version: int, file: str) -> Iterator[Problem]:
+    """What no variable is to blame for alone: names and references that are taken."""
+    names: set[str] = set()
+    references: dict[tuple[str, int], str] = {}
+    values = 0
+    for one in listed:
+        if one is None:
             continue
-        if version == 3 and element.find("Dimension") is not None:
-            hint = "export it with one scalar variable per element"
-            yield Problem(f"variable '{name}' is an array, which is not supported", where, hint)
+        variable, where = one.variable, one.element.where
+        if variable.name in names:
+            yield Problem(f"variable '{shortened(variable.name)}' is there twice", where)
+        names.add(variable.name)
+        values += variable.size
+        # Up to FMI 2.0 variables share references by being aliases, but nothing can have two inputs; from FMI 3.0
+        # on aliases are written otherwise.
+        if variable.alias_of or (version < 3 and variable.causality != "input"):
             continue
-        reference = element.get("valueReference", "")
-        if not name or not re.fullmatch(r"\s*\d{1,10}\s*", reference) or int(reference) >= 2**32:
-            yield Problem(f"{_FILE}: variable '{name}' has no name or no proper value reference", where)
-            continue
-        fmi_type, kind = kinds[typed.tag]
-        yield Variable(
-            name=name,
-            reference=int(reference),
-            fmi_type=fmi_type,
-            causality=element.get("causality", "local"),
-            kind=kind,
-            unit=typed.get("unit") or units.get(typed.get("declaredType", ""), ""),
-            start=_start(typed),
-        )
+        key = ("" if version == 3 else variable.fmi_type, variable.reference)
+        if key in references:
+            what = f"variable '{variable.name}' has the value reference {key[1]}, which is that of '{references[key]}'"
+            yield Problem(what, where)
+        references.setdefault(key, variable.name)
+    if values > _MOST_VALUES:
+        yield Problem(f"all arrays together have more than {_MOST_VALUES:,} elements", Location(file))
 
 
-def _start(typed: Element) -> str | None:
-    child = typed.find("Start")
-    return child.get("value") if child is not None else typed.get("start")
-
-
-def _type_units(root: Element, version: int) -> Iterable[tuple[str, str]]:
-    """The units of declared types, by the type's name."""
-    for element in root.iterfind("TypeDefinitions/*"):
-        typed = element.find("Real") if version == 2 else element
-        if typed is not None and typed.get("unit"):
-            yield element.get("name", ""), typed.get("unit", "")
+def _raise_some(problems: list[Problem], file: str) -> None:
+    """Raise what there is; of a flood only the beginning, and how much it is."""
+    if len(problems) > _MOST_TOLD:
+        head = Problem(f"{len(problems)} problems, of which these are the first {_MOST_TOLD}", Location(file))
+        raise DseError(head, *problems[:_MOST_TOLD])
+    if problems:
+        raise DseError(*problems)

@@ -18,12 +18,12 @@ class Platform:
 
     def library(self, version: int, identifier: str) -> PurePosixPath:
         """Where an FMU of this FMI version that we write keeps the library, relative to its root."""
-        folder = self.short_name if version == 2 else self.name
+        folder = self.name if version == 3 else self.short_name
         return PurePosixPath("binaries", folder, identifier + self.suffix)
 
     def candidates(self, version: int, identifier: str) -> tuple[PurePosixPath, ...]:
-        """Where to look for the library in an FMU of this FMI version; some FMI 2.0 FMUs use FMI 3.0's names."""
-        folders = (self.short_name, self.name) if version == 2 else (self.name,)
+        """Where to look for the library in an FMU of this FMI version; some older FMUs use FMI 3.0's names."""
+        folders = (self.name,) if version == 3 else (self.short_name, self.name)
         return tuple(PurePosixPath("binaries", folder, identifier + self.suffix) for folder in folders)
 
 

@@ -7,11 +7,10 @@ import re
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from enum import StrEnum
-from fractions import Fraction
 
 from dse.domain.component import Causality, Component, Kind, Parameter, Port, Type, Value
 from dse.errors import Location, Problem, raise_if_any
-from dse.units import Dimension, Unit
+from dse.units import coherent
 
 
 class Role(StrEnum):
@@ -124,40 +123,3 @@ def _problems(component: Component, found: Iterable[Slot]) -> Iterable[Problem]:
 
 
 _C_PATH = re.compile(r"[A-Za-z_]\w*(\.[A-Za-z_]\w*)*", re.ASCII)
-
-
-def coherent(unit: Unit) -> Unit:
-    """The coherent SI unit of the same dimension: ``m/s`` for ``km/h``, the plain number for ``%``."""
-    if unit.is_coherent:
-        return unit
-    return Unit(_symbol(unit.dimension), Fraction(1), Fraction(0), unit.dimension)
-
-
-SI_SYMBOLS = {
-    "mass": "kg",
-    "length": "m",
-    "time": "s",
-    "current": "A",
-    "temperature": "K",
-    "substance": "mol",
-    "luminosity": "cd",
-}
-"""The base units FMI can name, by dimension, in the order they are written in."""
-
-_OTHER_SYMBOLS = {"currency": "EUR", "operation": "op"}
-
-
-def _symbol(dimension: Dimension) -> str:
-    places = {name: place for place, name in enumerate(SI_SYMBOLS)}
-    ordered = sorted(dimension, key=lambda factor: places.get(factor[0], len(places)))
-    over = [_power(name, exponent) for name, exponent in ordered if exponent > 0]
-    under = [_power(name, -exponent) for name, exponent in ordered if exponent < 0]
-    if not under:
-        return ".".join(over)
-    below = under[0] if len(under) == 1 else f"({'.'.join(under)})"
-    return f"{'.'.join(over) or '1'}/{below}"
-
-
-def _power(name: str, exponent: Fraction) -> str:
-    symbol = SI_SYMBOLS.get(name) or _OTHER_SYMBOLS.get(name, name)
-    return symbol if exponent == 1 else f"{symbol}{exponent}"

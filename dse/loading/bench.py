@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
+from dataclasses import replace
 from pathlib import Path
 
 from dse.domain.bench import Figure, Metric, Requirement, TestBench, TestComponent
 from dse.domain.component import Causality, Component, Value
 from dse.domain.design import DesignSpace
+from dse.domain.method import BONDS
 from dse.errors import DseError, Location, Problem, closest, raise_if_any
 from dse.loading.design_connections import read_connections
 from dse.loading.design_tree import FindComponent
@@ -15,6 +17,7 @@ from dse.loading.documents import BenchFile, FigureSection, RequirementSection
 from dse.loading.expression import parse_expression
 from dse.loading.fields import read_section
 from dse.loading.include import read_document
+from dse.loading.method import read_method
 from dse.loading.names import check_name
 from dse.loading.places import candidates, is_output, settable, split_name, types_of
 from dse.loading.simulation import read_simulation
@@ -48,9 +51,16 @@ def read_bench(
         except DseError as error:
             problems += error.problems
     simulation = read_simulation(document, file.simulation, problems)
+    if not unread:
+        method = read_method(document, file.simulation, simulation.step, components, problems)
+        simulation = replace(simulation, method=method, check_step=file.simulation.check_step)
+    bonds = {f"{BONDS}.{name}" for name in file.simulation.bonds}
     for number, name in enumerate(file.simulation.record):
-        if name.split(".")[0] not in unread:
+        if name.split(".")[0] not in unread and name not in bonds:
             problems += _recording(name, components, document.place(("simulation", "record", number)))
+    if bonds and BONDS in {place.split(".")[0] for place in components}:
+        what = f"a part is called '{BONDS}', so bonds cannot be told from its ports"
+        problems.append(Problem(what, document.key(("simulation", "bonds")), "rename the part"))
     metrics = _metrics(document, file, problems)
     requirements = []
     for name, section in file.requirements.items():

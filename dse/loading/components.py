@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from pathlib import Path
 
-from dse.domain.component import NO_INTERFACE, Component, Interface, Kind, Parameter, Source, Type
+from dse.domain.component import NO_INTERFACE, Component, FmuSource, Interface, Kind, Parameter, Source, Type
 from dse.errors import DseError, Problem, closest, fail, raise_if_any
 from dse.loading.documents import CollectionFile, ComponentFile, FactsSection, ParameterSection
 from dse.loading.fields import read_section
@@ -45,6 +45,10 @@ def read_component(path: Path, interfaces: Mapping[str, Interface], inside: Path
             source = read_source(document, file, file.source, inside)
         except DseError as error:
             problems += error.problems
+    if source is not None and not isinstance(source, FmuSource):
+        texts = [parameter for parameter in parameters if parameter.type.kind is Kind.TEXT]
+        what = "is a text: only finished FMUs (kind fmu) have parameters that are texts"
+        problems += [Problem(f"'{text.name}' {what}", text.where, "make it a number, or an enum") for text in texts]
     raise_if_any(problems)
     where = document.place(("component",))
     return Component(file.component, interface, file.title, source, parameters, properties, file.map, where)
@@ -133,14 +137,17 @@ def _parameter(document: Document, at: Path_, section: ParameterSection, interfa
     return Parameter(name, type_, start, low, high, section.tunable, section.title, document.key(at))
 
 
+_TYPES = {"int": Kind.INTEGER, "bool": Kind.BOOLEAN, "real": Kind.REAL, "string": Kind.TEXT}
+
+
 def _parameter_type(document: Document, at: Path_, section: ParameterSection) -> Type:
     if section.enum is not None:
         return read_type(f"enum[{', '.join(section.enum)}]", document.place((*at, "enum")))
     if section.type is not None:
-        if section.type not in ("int", "bool", "real"):
-            raise fail(f"unknown type '{section.type}'", document.place((*at, "type")), "int, bool or real")
+        if section.type not in _TYPES:
+            raise fail(f"unknown type '{section.type}'", document.place((*at, "type")), "int, bool, real or string")
         if section.type != "real":
-            return Type(Kind.INTEGER if section.type == "int" else Kind.BOOLEAN)
+            return Type(_TYPES[section.type])
     if isinstance(section.start, bool):
         return Type(Kind.BOOLEAN)
     if section.unit is not None:

@@ -6,19 +6,16 @@ was given in another form than ``require``, is written out as what is required.
 
 from __future__ import annotations
 
-import json
-import math
 import re
 from collections.abc import Iterable, Iterator
-from fractions import Fraction
 
-from dse.domain.component import NO_INTERFACE, Component, Kind, Parameter
+from dse.domain.component import NO_INTERFACE, Component
 from dse.domain.design import Alternative, Compound, Constraint, DesignSpace, Node, Optional, Part
-from dse.errors import Location, fail
+from dse.errors import fail
 from dse.loading.design_scope import Spot, constraint_name
 from dse.loading.design_unscope import relative_rule
 from dse.loading.expression_text import text_of
-from dse.units import Unit
+from dse.loading.yaml_text import write_name, write_parameter, write_text
 
 
 def write_design(space: DesignSpace) -> str:
@@ -27,14 +24,14 @@ def write_design(space: DesignSpace) -> str:
     Raises DseError for a compound that is called otherwise than its place, which no file can say.
     """
     writer = _TreeWriter(space)
-    lines = [f"design: {_name(space.name)}"]
+    lines = [f"design: {write_name(space.name)}"]
     if space.title:
-        lines.append(f"title: {_text(space.title)}")
+        lines.append(f"title: {write_text(space.title)}")
     if space.sets:
         lines.append("constraint_sets:")
         for one in space.sets:
-            title = f", title: {_text(one.title)}" if one.title else ""
-            lines.append(f"  {_name(one.name)}: {{on: {str(one.on).lower()}{title}}}")
+            title = f", title: {write_text(one.title)}" if one.title else ""
+            lines.append(f"  {write_name(one.name)}: {{on: {str(one.on).lower()}{title}}}")
     lines += ["root:", *writer.compound(space.root, Spot(), 1)]
     rest = [constraint for constraint in space.all_constraints if constraint.name not in writer.written]
     taken = {constraint.name for constraint in rest}
@@ -54,24 +51,23 @@ def write_components(components: Iterable[Component]) -> str:
     for component in {component.name: component for component in components}.values():
         if component.source is not None:
             raise fail(f"component '{component.name}' has a source", component.where, "copy its folder instead")
-        entries = [f"title: {_text(component.title)}"] if component.title else []
+        entries = [f"title: {write_text(component.title)}"] if component.title else []
         if component.interface != NO_INTERFACE:
-            entries.append(f"implements: {_name(component.interface.name)}")
+            entries.append(f"implements: {write_name(component.interface.name)}")
         if component.parameters:
-            stated = (f"{_name(parameter.name)}: {_parameter(parameter)}" for parameter in component.parameters)
+            stated = (
+                f"{write_name(parameter.name)}: {write_parameter(parameter)}" for parameter in component.parameters
+            )
             entries.append(f"parameters: {{{', '.join(stated)}}}")
         if component.properties:
-            stated = (f"{_name(name)}: {_quantity(quantity.text)}" for name, quantity in component.properties.items())
+            stated = (
+                f"{write_name(name)}: {_quantity(quantity.text)}" for name, quantity in component.properties.items()
+            )
             entries.append(f"properties: {{{', '.join(stated)}}}")
-        lines.append(f"  {_name(component.name)}: {{{', '.join(entries)}}}")
+        lines.append(f"  {write_name(component.name)}: {{{', '.join(entries)}}}")
     return "\n".join(lines) + "\n"
 
 
-_PLAIN = re.compile(r"[A-Za-z_][A-Za-z0-9_.]*")
-_PLAIN_TEXT = re.compile(r"[A-Za-z_][A-Za-z0-9_ ./<>=+*^%()-]*")
-_OTHERS = frozenset({"null", "true", "false"})
-# What ends a line in YAML, and not in JSON.
-_ENDS_OF_LINES = {0x85: "\\N", 0x2028: "\\L", 0x2029: "\\P", 0xFEFF: "\\uFEFF"}
 _NUMBER = re.compile(r"-?(?:0|[1-9][0-9]{0,14})(?:\.[0-9]{1,9})?")
 
 
@@ -86,9 +82,9 @@ class _TreeWriter:
         pad = "  " * level
         yield f"{pad}compound:{'' if compound.parts else ' {}'}"
         for name, node in compound.parts.items():
-            yield from self.node(node, spot.part(name), f"{pad}  {_name(name)}:", level + 1)
+            yield from self.node(node, spot.part(name), f"{pad}  {write_name(name)}:", level + 1)
         if compound.interface is not None:
-            yield f"{pad}implements: {_name(compound.interface.name)}"
+            yield f"{pad}implements: {write_name(compound.interface.name)}"
         if compound.connections:
             yield f"{pad}connections:"
             yield from (f"{pad}  - {connection}" for connection in compound.connections)
@@ -113,7 +109,7 @@ class _TreeWriter:
         pad = "  " * (level + 1)
         match node:
             case Part():
-                yield f"{head} {_name(node.name)}"
+                yield f"{head} {write_name(node.name)}"
             case Compound():
                 place = spot.path.rpartition(".")[2]
                 if node.name != place:
@@ -129,20 +125,20 @@ class _TreeWriter:
                 yield f"{pad}alternatives:"
                 for option in node.options:
                     if isinstance(option, Part):
-                        yield f"{pad}  - {_name(option.name)}"
+                        yield f"{pad}  - {write_name(option.name)}"
                     else:
-                        yield f"{pad}  - {_name(option.name)}:"
+                        yield f"{pad}  - {write_name(option.name)}:"
                         yield from self.compound(option, spot.option(option.name), level + 4)
 
 
 def _constraint(name: str, constraint: Constraint, text: str, level: int) -> Iterator[str]:
     pad = "  " * level
-    yield f"{pad}{_name(name)}:"
-    yield f"{pad}  require: {_text(text)}"
+    yield f"{pad}{write_name(name)}:"
+    yield f"{pad}  require: {write_text(text)}"
     if constraint.because:
-        yield f"{pad}  because: {_text(constraint.because)}"
+        yield f"{pad}  because: {write_text(constraint.because)}"
     if constraint.set:
-        yield f"{pad}  set: {_name(constraint.set)}"
+        yield f"{pad}  set: {write_name(constraint.set)}"
 
 
 def _free(name: str, taken: set[str]) -> str:
@@ -157,51 +153,10 @@ def _free(name: str, taken: set[str]) -> str:
     return plain
 
 
-def _parameter(parameter: Parameter) -> str:
-    type_ = parameter.type
-    start = parameter.start
-    entries = [f"start: {_value(start, type_.unit, parameter.where)}"]
-    for key, bound in (("min", parameter.minimum), ("max", parameter.maximum)):
-        if bound is not None:
-            entries.append(f"{key}: {_value(bound, type_.unit, parameter.where)}")
-    if type_.kind is Kind.ENUMERATION:
-        entries.append(f"enum: [{', '.join(map(_name, type_.items))}]")
-    elif type_.kind is Kind.REAL:
-        entries.append(f"unit: {_text(type_.unit.symbol or '1')}")
-    else:
-        entries.append(f"type: {type_.kind}")
-    if not parameter.tunable:
-        entries.append("tunable: false")
-    if parameter.title:
-        entries.append(f"title: {_text(parameter.title)}")
-    return f"{{{', '.join(entries)}}}"
-
-
-def _value(value: float | int | bool | str, unit: Unit, where: Location | None) -> str:
-    if isinstance(value, bool):
-        return str(value).lower()
-    if isinstance(value, str):
-        return _text(value)
-    if isinstance(value, int):
-        return str(value)
-    near = unit.from_si(value)
-    for number in (near, math.nextafter(near, math.inf), math.nextafter(near, -math.inf)):
-        if float(Fraction(repr(number)) * unit.factor + unit.offset) == value:
-            return repr(number)
-    raise fail(f"{value} in SI is no floating-point number of {unit}", where, "give it in an SI unit")
-
-
-def _name(name: str) -> str:
-    return name if _PLAIN.fullmatch(name) and name.lower() not in _OTHERS else json.dumps(name)
-
-
 def _quantity(text: str) -> str:
     """A number as it is if it keeps its spelling when read, else as text."""
-    return text if _NUMBER.fullmatch(text) and repr(float(text) if "." in text else int(text)) == text else _text(text)
-
-
-def _text(text: str) -> str:
-    """A YAML scalar that reads as *text*: as it is if it looks like nothing else, in double quotes otherwise."""
-    if _PLAIN_TEXT.fullmatch(text) and not text.endswith(" ") and text.lower() not in _OTHERS:
-        return text
-    return json.dumps(text, ensure_ascii=False).translate(_ENDS_OF_LINES)
+    return (
+        text
+        if _NUMBER.fullmatch(text) and repr(float(text) if "." in text else int(text)) == text
+        else write_text(text)
+    )

@@ -116,14 +116,37 @@ class TestComponentSection(Section):
     parameters: dict[str, Scalar] = {}
 
 
+class AdaptiveSection(Section):
+    """Error control of the communication step."""
+
+    tolerance: Plain = 1e-4
+    absolute: Plain = 1e-6
+    smallest: Plain = "1 us"
+
+
+class BondSection(Section):
+    """A power bond: two ports whose product is a power."""
+
+    effort: str
+    flow: str
+
+
 class SimulationSection(Section):
-    """How long, how fine, what is kept."""
+    """How long, how fine, by what algorithm, what is kept."""
 
     stop: Plain
     step: Plain
     record: list[str] = []
     record_every: Plain | None = None
     timeout: Plain = "60 s"
+    memory: Plain = "4 GB"
+    algorithm: str = "jacobi"
+    coupling: str = "none"
+    extrapolation: str | dict[str, str] = "hold"
+    steps: dict[str, Plain] = {}
+    adaptive: AdaptiveSection | None = None
+    bonds: dict[str, BondSection] = {}
+    check_step: bool = False
 
 
 class MetricSection(Section):

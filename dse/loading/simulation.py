@@ -8,6 +8,7 @@ from collections.abc import Mapping
 from dse.domain.bench import Simulation
 from dse.errors import DseError, Problem
 from dse.loading.documents import SimulationSection
+from dse.loading.memory import read_memory
 from dse.loading.values import Raw, read_number, read_unit
 from dse.loading.yaml import Document
 
@@ -38,6 +39,7 @@ def read_simulation(document: Document, section: SimulationSection, problems: li
         times.get("record_every", times.get("step", 1.0)),
         times.get("timeout", 1.0),
         document.key(("simulation",)),
+        memory=read_memory(section.memory, document.place(("simulation", "memory")), problems),
     )
 
 

@@ -53,7 +53,7 @@ def read_number(raw: Raw, unit: Unit, where: Location) -> float:
 
 
 def read_value(raw: Raw, type_: Type, where: Location) -> Value:
-    """A value of *type_*: SI number, whole number, truth value or item. Raises DseError."""
+    """A value of *type_*: SI number, whole number, truth value, item or text. Raises DseError."""
     match type_.kind:
         case Kind.REAL:
             return read_number(raw, type_.unit, where)
@@ -69,6 +69,10 @@ def read_value(raw: Raw, type_: Type, where: Location) -> Value:
             if isinstance(raw, str) and raw in type_.items:
                 return raw
             raise fail(f"'{raw}' is not one of {type_}", where, closest(str(raw), type_.items))
+        case Kind.TEXT:
+            if isinstance(raw, str):
+                return raw
+            raise fail(f"expected text, found {raw}", where, "quote it")
 
 
 def read_type(text: str, where: Location) -> Type:

@@ -38,12 +38,16 @@ class Variable:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class MetricColumn:
-    """A metric; *values* holds one number per run in the unit shown, NaN where it is undefined."""
+    """A metric; *values* holds one number per run in the unit shown, NaN where it is undefined.
+
+    *error* is what each changes with half the step, if the study checked that.
+    """
 
     name: str
     title: str
     unit_symbol: str
     values: Floats
+    error: Floats | None = None
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -59,7 +59,10 @@ def _document(content: ReportContent) -> Json:
             }
             for v in content.variables
         ],
-        "metrics": [{"name": m.name, "title": m.title or m.name, "unit": m.unit_symbol} for m in content.metrics],
+        "metrics": [
+            {"name": m.name, "title": m.title or m.name, "unit": m.unit_symbol, "checked": m.error is not None}
+            for m in content.metrics
+        ],
         "requirements": [
             {
                 "name": r.name,
@@ -88,6 +91,8 @@ def _add_runs(content: ReportContent, block: Block) -> None:
         block.add(f"variable.{index}", "f8", variable.values)
     for index, metric in enumerate(content.metrics):
         block.add(f"metric.{index}", "f8", metric.values)
+        if metric.error is not None:
+            block.add(f"error.{index}", "f8", metric.error)
     for index, requirement in enumerate(content.requirements):
         block.add(f"exercised.{index}", "u1", requirement.exercised)
 

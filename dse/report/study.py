@@ -84,10 +84,7 @@ def _content(folder: StudyFolder, table: RunTable, shown_as: str, chosen: list[i
         Runs(table.numbers, table.configurations, table.done, table.problems),
         tuple(_configuration(entry, definition) for entry in definition["configurations"]),
         tuple(_variable(entry, table) for entry in definition["variables"]),
-        tuple(
-            MetricColumn(m["name"], m["title"], m["unit"], _shown(table.metric(m["name"]), units[m["name"]]))
-            for m in definition["metrics"]
-        ),
+        tuple(_metric(m, definition, table) for m in definition["metrics"] if "error_of" not in m),
         tuple(_requirement(entry, table, units[entry["metric"]]) for entry in definition["requirements"]),
         figures,
         tuple(tuple(names) for names in definition["sampler"].get("slices", ())),
@@ -117,6 +114,14 @@ def _sampler(definition: Mapping[str, Any]) -> SamplerKind:
     if sampler["kind"] == "full_factorial":
         return SamplerKind.SLICED if sampler["slices"] else SamplerKind.FULL_FACTORIAL
     return SamplerKind.SCATTERED
+
+
+def _metric(entry: Mapping[str, Any], definition: Mapping[str, Any], table: RunTable) -> MetricColumn:
+    unit = parse_unit(entry["unit"])
+    bars = [other["name"] for other in definition["metrics"] if other.get("error_of") == entry["name"]]
+    # A difference has no offset: 20 K apart are 20 degC apart.
+    error = table.metric(bars[0]) / float(unit.factor) if bars else None
+    return MetricColumn(entry["name"], entry["title"], entry["unit"], _shown(table.metric(entry["name"]), unit), error)
 
 
 def _shown(values: NDArray[np.float64], unit: Unit) -> Floats:

@@ -7,7 +7,6 @@ from collections.abc import Collection, Iterable, Mapping
 from dse.domain.component import (
     Causality,
     Component,
-    FmuSource,
     Kind,
     ModelicaSource,
     Parameter,
@@ -18,9 +17,12 @@ from dse.domain.component import (
 )
 from dse.domain.design import Connection
 from dse.domain.fmu import FmuModel, Variable
-from dse.domain.system import Element, SystemStructure, Wire
-from dse.errors import DseError, Location, Problem, raise_if_any
+from dse.domain.system import Conversion, Element, SystemStructure, Wire
+from dse.errors import DseError, Problem, raise_if_any
+from dse.system.binding import IDENTITY, Binding, bind
+from dse.system.order import along_the_flow
 from dse.system.ports import find_port
+from dse.system.shapes import resized
 
 
 def assemble(
@@ -52,7 +54,7 @@ def assemble(
         source, source_port, _ = find_port(connection.source, parts)
         target, target_port, _ = find_port(connection.target, parts)
         wires.append(Wire(source, parts[source].variable(source_port), target, parts[target].variable(target_port)))
-    return SystemStructure(name, tuple(elements[part] for part in _order(parts, wires)), tuple(wires))
+    return SystemStructure(name, tuple(elements[part] for part in along_the_flow(tuple(parts), wires)), tuple(wires))
 
 
 def check_wiring(
@@ -147,40 +149,83 @@ def _element(
     values: Mapping[str, Value],
     problems: list[Problem],
 ) -> Element:
+    try:
+        model = resized(model, _sizes(part, component, model, values))
+    except DseError as error:
+        problems += error.problems
     connected = {connection.target for connection in joined}
-    inputs, outputs = [], []
-    start: dict[str, float] = {}
+    element = _Parts(component, model, problems)
     for port in component.interface.ports:
         end = f"{part}.{port.name}"
-        try:
-            variable = _variable(component, port.name, port.type, model, (str(port.causality),))
-        except DseError as error:
-            problems += error.problems
+        bound = element.bind(port.name, port.type, str(port.causality))
+        if bound is None:
             continue
         if port.causality is Causality.OUTPUT:
             if end in wanted:
-                outputs.append(variable)
+                element.outputs[bound.variable.name] = bound.variable
         elif end in connected:
-            inputs.append(variable)
+            element.inputs[bound.variable.name] = bound.variable
         elif end in values:
-            start[variable.name] = as_number(values[end], port.type)
+            element.give(bound, port.type, values[end])
     for parameter in component.parameters:
+        given = values.get(f"{part}.{parameter.name}", parameter.start)
         if _is_built_in(component, parameter, model):
-            given = values.get(f"{part}.{parameter.name}", parameter.start)
             if given != parameter.start:
                 what = (
                     f"'{parameter.name}' of {component.name} is {parameter.start} by the way it is built, not {given}"
                 )
                 problems.append(Problem(what, parameter.where or component.where, "change it in the component's file"))
             continue
+        bound = element.bind(parameter.name, parameter.type, "parameter", "structuralParameter", "input")
+        if bound is not None:
+            element.give(bound, parameter.type, given)
+    inputs, outputs = tuple(element.inputs.values()), tuple(element.outputs.values())
+    return Element(part, model, inputs, outputs, element.start, element.texts, element.conversions)
+
+
+class _Parts:
+    """What an element is made of, gathered port by port and parameter by parameter."""
+
+    def __init__(self, component: Component, model: FmuModel, problems: list[Problem]) -> None:
+        self._component, self._model, self._problems = component, model, problems
+        self.inputs: dict[str, Variable] = {}
+        self.outputs: dict[str, Variable] = {}
+        self.start: dict[str, float] = {}
+        self.texts: dict[str, str | bytes] = {}
+        self.conversions: dict[str, Conversion] = {}
+
+    def bind(self, name: str, type_: Type, *causalities: str) -> Binding | None:
+        """The value behind *name*, its conversion noted; None if there is a problem with it."""
         try:
-            causes = ("parameter", "structuralParameter", "input")
-            variable = _variable(component, parameter.name, parameter.type, model, causes)
+            bound = bind(self._component, name, type_, self._model, causalities)
         except DseError as error:
-            problems += error.problems
-            continue
-        start[variable.name] = as_number(values.get(f"{part}.{parameter.name}", parameter.start), parameter.type)
-    return Element(part, model, tuple(inputs), tuple(outputs), start)
+            self._problems += error.problems
+            return None
+        if bound.conversion != IDENTITY:
+            known = self.conversions.setdefault(bound.variable.name, bound.conversion)
+            if known != bound.conversion:
+                what = (
+                    f"the values of '{bound.variable.name}' in the FMU of {self._component.name} have different items"
+                )
+                self._problems.append(Problem(what, self._component.where, "give their ports the same type"))
+        return bound
+
+    def give(self, bound: Binding, type_: Type, value: Value) -> None:
+        """Note the start *value*."""
+        if type_.kind is Kind.TEXT:
+            self.texts[bound.label] = str(value)
+        else:
+            self.start[bound.label] = as_number(value, type_)
+
+
+def _sizes(part: str, component: Component, model: FmuModel, values: Mapping[str, Value]) -> dict[str, float]:
+    """The values of structural parameters that size arrays, by variable."""
+    found = {}
+    for parameter in component.parameters:
+        variable = model.variables.get(component.variable(parameter.name))
+        if variable is not None and variable.is_structural and parameter.type.kind is Kind.INTEGER:
+            found[variable.name] = float(values.get(f"{part}.{parameter.name}", parameter.start))
+    return found
 
 
 def _is_built_in(component: Component, parameter: Parameter, model: FmuModel) -> bool:
@@ -188,66 +233,3 @@ def _is_built_in(component: Component, parameter: Parameter, model: FmuModel) ->
     variable = model.variables.get(component.variable(parameter.name))
     is_fixed = isinstance(component.source, ModelicaSource) and not parameter.tunable
     return is_fixed and variable is not None and variable.causality == "local"
-
-
-def _variable(component: Component, name: str, type_: Type, model: FmuModel, causalities: tuple[str, ...]) -> Variable:
-    variable = model.variables.get(component.variable(name))
-    where = component.where
-    if type_.kind is Kind.ENUMERATION and isinstance(component.source, FmuSource):
-        what = (
-            f"'{name}' of {component.name} is an enumeration: those of finished FMUs are not supported in this version"
-        )
-        raise DseError(Problem(what, where, "their items may have any number; use a port of type int"))
-    if variable is None:
-        near = [v.name for v in model.variables.values() if v.causality in causalities]
-        hint = f"map it: 'map: {{{name}: …}}'; the FMU has {', '.join(near[:8])}" if near else ""
-        raise DseError(
-            Problem(f"the FMU of {component.name} has no variable '{component.variable(name)}'", where, hint)
-        )
-    if variable.causality not in causalities:
-        raise DseError(
-            Problem(
-                f"'{variable.name}' in the FMU of {component.name} is {variable.causality}, not {causalities[0]}", where
-            )
-        )
-    fits = variable.kind is type_.kind or {variable.kind, type_.kind} == {Kind.ENUMERATION, Kind.INTEGER}
-    if not fits:
-        raise DseError(
-            Problem(f"'{variable.name}' in the FMU of {component.name} is {variable.kind}, not {type_}", where)
-        )
-    if variable.unit and type_.kind is Kind.REAL:
-        _check_unit(component, variable, type_, where)
-    return variable
-
-
-def _check_unit(component: Component, variable: Variable, type_: Type, where: Location | None) -> None:
-    from dse.units import UnitError, parse_unit
-
-    try:
-        unit = parse_unit(variable.unit)
-    except UnitError:
-        raise DseError(
-            Problem(f"'{variable.name}' in the FMU of {component.name} has the unknown unit '{variable.unit}'", where)
-        ) from None
-    if unit.dimension != type_.unit.dimension or not unit.is_coherent:
-        raise DseError(
-            Problem(
-                f"'{variable.name}' in the FMU of {component.name} is in {variable.unit}, expected {type_}",
-                where,
-                "FMU variables must be in coherent SI units in this version",
-            )
-        )
-
-
-def _order(parts: Mapping[str, Component], wires: Iterable[Wire]) -> list[str]:
-    """Parts along the flow of signals, loops cut where the file's order says: few sweeps at initialization."""
-    import networkx as nx
-
-    graph = nx.DiGraph()
-    graph.add_nodes_from(parts)
-    graph.add_edges_from((wire.source, wire.target) for wire in wires)
-    rank = {part: number for number, part in enumerate(parts)}
-    condensed = nx.condensation(graph)
-    members = {node: sorted(data["members"], key=rank.__getitem__) for node, data in condensed.nodes(data=True)}
-    order = nx.lexicographical_topological_sort(condensed, key=lambda node: rank[members[node][0]])
-    return [part for node in order for part in members[node]]

@@ -5,13 +5,17 @@ from __future__ import annotations
 import hashlib
 import json
 from collections.abc import Mapping
+from dataclasses import asdict
 from fractions import Fraction
 from typing import Any
 
 from dse import __version__
-from dse.domain.bench import Figure, Metric, Requirement
+from dse.domain.bench import Figure, Metric, Requirement, Simulation, TestBench
 from dse.domain.design import Configuration, DesignSpace
+from dse.domain.method import PLAIN
+from dse.domain.run import ERROR_BAR
 from dse.domain.study import FullFactorial, LatinHypercube, Sampler, Study
+from dse.domain.system import Element
 from dse.space.decisions import decisions, flat
 from dse.space.output.totals import summed_properties
 from dse.testbench.prepared import PreparedBench
@@ -43,7 +47,7 @@ def define(study: Study, prepared: Mapping[str, PreparedBench]) -> dict[str, Any
         "sampler": _sampler(study.sampler),
         "keep_waveforms": str(study.keep),
         "seed": study.seed,
-        "metrics": [_metric(metric, bench.requirements, prepared) for metric in bench.metrics],
+        "metrics": _metrics(bench, prepared),
         "requirements": [_requirement(requirement) for requirement in bench.requirements],
         "figures": [_figure(figure) for figure in bench.figures],
         "simulation": {
@@ -51,6 +55,7 @@ def define(study: Study, prepared: Mapping[str, PreparedBench]) -> dict[str, Any
             "step": simulation.step,
             "record_every": simulation.record_every,
             "steps": simulation.steps,
+            **_method(simulation),
         },
         "configurations": [_configuration(p, bench.design) for p in prepared.values()],
         "fmus": _fmus(prepared),
@@ -96,13 +101,21 @@ def describe_configuration(configuration: Configuration, space: DesignSpace) -> 
 def _configuration(prepared: PreparedBench, space: DesignSpace) -> dict[str, Any]:
     elements = {element.name: sorted(element.start.items()) for element in prepared.system.elements}
     wires = [f"{w.source}.{w.source_variable} -> {w.target}.{w.target_variable}" for w in prepared.system.wires]
+    inside = {e.name: _inside(e) for e in prepared.system.elements if e.texts or e.conversions}
     return {
         **describe_configuration(prepared.configuration, space),
         "start": elements,
+        **({"inside": inside} if inside else {}),
         "wires": wires,
         "columns": list(prepared.columns),
         "constants": dict(sorted(prepared.constants.items())),
     }
+
+
+def _inside(element: Element) -> dict[str, Any]:
+    """Texts an element is given, and how its numbers are converted."""
+    conversions = {name: asdict(conversion) for name, conversion in sorted(element.conversions.items())}
+    return {"texts": dict(sorted(element.texts.items())), "conversions": conversions}
 
 
 def _fmus(prepared: Mapping[str, PreparedBench]) -> dict[str, str]:
@@ -117,6 +130,27 @@ def _sampler(sampler: Sampler) -> dict[str, Any]:
             return {"kind": "full_factorial", "slices": [list(entry) for entry in sampler.slices]}
         case LatinHypercube():
             return {"kind": "latin_hypercube", "samples": sampler.samples}
+
+
+def _method(simulation: Simulation) -> dict[str, Any]:
+    """What is not plain about the algorithm; nothing if all is."""
+    return {} if simulation.method == PLAIN else {"method": asdict(simulation.method)}
+
+
+def _metrics(bench: TestBench, prepared: Mapping[str, PreparedBench]) -> list[dict[str, Any]]:
+    metrics = [_metric(metric, bench.requirements, prepared) for metric in bench.metrics]
+    if not bench.simulation.check_step:
+        return metrics
+    bars = [
+        {
+            **metric,
+            "name": f"{metric['name']}{ERROR_BAR}",
+            "title": f"{metric['title']}, error bar",
+            "error_of": metric["name"],
+        }
+        for metric in metrics
+    ]
+    return [*metrics, *bars]
 
 
 def _metric(

@@ -11,6 +11,7 @@ from dse.cosim.simulator import RunFailed, Simulator
 from dse.domain.component import as_number
 from dse.domain.run import Outcome, Run, RunRequest, Waveforms
 from dse.metrics.program import judge_failed
+from dse.testbench.halved import Halved
 from dse.testbench.prepared import PreparedBench
 
 
@@ -19,10 +20,24 @@ class Executor:
 
     def __init__(self, prepared: PreparedBench, *, progress: memoryview | None = None) -> None:
         self.prepared = prepared
-        self._simulator = Simulator(prepared.system, prepared.system_columns, progress=progress)
+        self._simulator = Simulator(
+            prepared.system,
+            prepared.system_columns,
+            method=prepared.method,
+            progress=progress,
+            facts=prepared.facts,
+            fused=prepared.fused,
+        )
         simulation = prepared.simulation
         self._time: NDArray[np.float64] = np.arange(simulation.steps + 1, dtype=np.float64) * simulation.step
+        self._halved = Halved(prepared, self._simulator, progress) if simulation.check_step else None
         self._kept = [prepared.columns.index(name) for name in prepared.kept]
+
+    @property
+    def runs_left(self) -> int | None:
+        """How many more runs this process may make of the configuration; None for any number."""
+        left = self._simulator.runs_left
+        return left if left is None or self._halved is None else (left + 1) // 2
 
     def run(self, request: RunRequest, *, keep: bool) -> Run:
         """Simulate *request*; a run that fails is a result, not an exception. Waveforms come only with *keep*."""
@@ -39,11 +54,17 @@ class Executor:
         rows = np.ascontiguousarray(table.T)
         columns = dict(zip(prepared.columns, rows, strict=True))
         metrics, judgements = prepared.program.evaluate(self._time, columns, constants)
+        problem = ""
+        if self._halved is not None:
+            bars, problem = self._halved.error_bars(metrics, constants, start)
+            metrics = {**metrics, **bars}
         waveforms = self._waveforms(table) if keep else None
-        return Run(request, Outcome.DONE, metrics, judgements, "", waveforms)
+        return Run(request, Outcome.DONE, metrics, judgements, problem, waveforms)
 
     def close(self) -> None:
         """Free the FMU instances."""
+        if self._halved is not None:
+            self._halved.close()
         self._simulator.close()
 
     def __enter__(self) -> Executor:

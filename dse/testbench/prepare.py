@@ -5,19 +5,26 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 
+from dse.cosim.check import check_system, own_steps
 from dse.cosim.layout import kernel as load_kernel
-from dse.domain.bench import TestBench
-from dse.domain.component import Causality, Component, Type, Value, as_number
+from dse.cosim.trust import refusals
+from dse.domain.bench import Simulation, TestBench
+from dse.domain.component import Causality, Component, Kind, Type, Value, as_number
 from dse.domain.design import Configuration, Connection, split_path, walk
 from dse.domain.fmu import FmuModel
-from dse.errors import DseError, Problem
+from dse.domain.method import BONDS, Method
+from dse.domain.system import SystemStructure
+from dse.errors import DseError, Problem, raise_if_any
 from dse.fmu.build import build_all
 from dse.fmu.unpack import open_fmu
 from dse.metrics.program import compile_metrics
 from dse.space.wiring import faces, wire
 from dse.system.assemble import assemble, check_wiring
+from dse.testbench.method import method_of, signal_name
 from dse.testbench.prepared import PreparedBench, Setting
 from dse.testbench.timing import sampling_problems, stepping_problems
+from dse.testbench.trust import facts_of, is_thread_safe
+from dse.units import parse_unit
 
 
 def prepare(
@@ -28,13 +35,19 @@ def prepare(
     wired = {configuration.id: parts_and_wiring(bench, configuration) for configuration in configurations}
     components = {c.name: c for parts, _ in wired.values() for c in parts.values()}
     archives = build_all(components.values(), version=version, cache=cache)
-    models = {name: open_fmu(archive, cache=cache) for name, archive in archives.items()}
-    prepared: dict[str, PreparedBench] = {}
+    models: dict[str, FmuModel] = {}
     problems: list[Problem] = []
+    for name, archive in archives.items():
+        try:
+            models[name] = open_fmu(archive, cache=cache)
+        except DseError as error:
+            problems += error.problems
+    raise_if_any(problems)
+    prepared: dict[str, PreparedBench] = {}
     for configuration in configurations:
         parts, connections = wired[configuration.id]
         try:
-            prepared[configuration.id] = _prepare(bench, configuration, parts, connections, models)
+            prepared[configuration.id] = _prepare(bench, configuration, parts, connections, models, cache)
         except DseError as error:
             problems += [p for p in error.problems if p not in problems]
     if problems:
@@ -49,11 +62,14 @@ def check_bench(bench: TestBench, configuration: Configuration) -> None:
     joined = check_wiring(parts, connections, _values(bench, parts), problems)
     behind = faces(bench.design, configuration.choices)
     types, signals = _names(parts, {connection.target for connection in joined}, behind)
+    method = method_of(bench.simulation.method, parts, joined, behind, bench.simulation.where, problems)
+    energies = _energies(method)
+    types, signals = types | energies, signals | energies.keys()
     try:
         compile_metrics(bench.metrics, bench.requirements, types, signals)
     except DseError as error:
         problems += error.problems
-    problems += [*_record_problems(bench, parts, signals), *sampling_problems(bench, parts)]
+    problems += [*_record_problems(bench, parts, signals), *sampling_problems(bench, parts, method)]
     if problems:
         raise DseError(*problems)
 
@@ -80,15 +96,20 @@ def _prepare(
     parts: Mapping[str, Component],
     connections: Sequence[Connection],
     models: Mapping[str, FmuModel],
+    cache: Path | None,
 ) -> PreparedBench:
     values = _values(bench, parts)
     connected = {connection.target for connection in connections}
     behind = faces(bench.design, configuration.choices)
     types, signals = _names(parts, connected, behind)
-    problems = [
+    problems: list[Problem] = []
+    method = method_of(bench.simulation.method, parts, connections, behind, bench.simulation.where, problems)
+    energies = _energies(method)
+    types, signals = types | energies, signals | energies.keys()
+    problems += [
         *_record_problems(bench, parts, signals),
-        *sampling_problems(bench, parts),
-        *stepping_problems(bench, parts, models),
+        *sampling_problems(bench, parts, method),
+        *stepping_problems(bench, parts, models, method),
     ]
     if problems:
         raise DseError(*problems)
@@ -98,6 +119,11 @@ def _prepare(
     sources = [behind.get(name, name) for name in columns]
     system = assemble(configuration.id, parts, connections, models, values, sources)
     settings, constants = _settings(parts, connected, values)
+    facts = facts_of(system, cache=cache)
+    raise_if_any(
+        Problem(p.what, p.where or bench.simulation.where, p.hint)
+        for p in [*_unfit(bench.simulation, system, method), *refusals(system, method, facts)]
+    )
     return PreparedBench(
         configuration,
         system,
@@ -105,10 +131,13 @@ def _prepare(
         program,
         bench.requirements,
         columns,
-        tuple(_system_name(name, parts) for name in sources),
+        tuple(name if name.startswith(f"{BONDS}.") else signal_name(name, parts) for name in sources),
         kept,
         settings,
         constants,
+        method,
+        facts,
+        is_thread_safe(system, facts, parts),
     )
 
 
@@ -139,11 +168,26 @@ def _names(
                 signals.add(name)
             elif name not in inputs:
                 types[name] = port.type
-        types |= {f"{path}.{parameter.name}": parameter.type for parameter in component.parameters}
+        types |= {f"{path}.{p.name}": p.type for p in component.parameters if p.type.kind is not Kind.TEXT}
     for face, source in behind.items():
         types[face] = types[source]
         signals.add(face)
     return types, frozenset(signals)
+
+
+def _unfit(simulation: Simulation, system: SystemStructure, method: Method) -> tuple[Problem, ...]:
+    """Why *system* cannot be simulated by *method*."""
+    try:
+        check_system(system, method)
+        own_steps(system, method, stop=simulation.stop, step=simulation.step)
+    except DseError as error:
+        return error.problems
+    return ()
+
+
+def _energies(method: Method) -> dict[str, Type]:
+    """The residual energies of bonds, as signals."""
+    return {f"{BONDS}.{bond.name}": Type(Kind.REAL, parse_unit("J")) for bond in method.bonds}
 
 
 def _record_problems(bench: TestBench, parts: Mapping[str, Component], signals: frozenset[str]) -> list[Problem]:
@@ -151,7 +195,7 @@ def _record_problems(bench: TestBench, parts: Mapping[str, Component], signals: 
     problems = []
     places = {path for path, _ in walk(bench.design.root)} | set(parts)
     for name in bench.simulation.record:
-        if name in signals:
+        if name in signals or name.startswith(f"{BONDS}."):
             continue
         standing = split_path(name, places)
         if standing is None:
@@ -176,6 +220,8 @@ def _settings(
     inputs = set(connected)
     for path, component in parts.items():
         for parameter in component.parameters:
+            if parameter.type.kind is Kind.TEXT:
+                continue
             name = f"{path}.{parameter.name}"
             settings[name] = Setting(f"{path}.{component.variable(parameter.name)}", parameter.type)
             constants[name] = as_number(values.get(name, parameter.start), parameter.type)
@@ -185,9 +231,3 @@ def _settings(
                 settings[name] = Setting(f"{path}.{component.variable(port.name)}", port.type)
                 constants[name] = as_number(values[name], port.type)
     return settings, constants
-
-
-def _system_name(name: str, parts: Mapping[str, Component]) -> str:
-    split = split_path(name, parts)
-    assert split is not None  # noqa: S101  # the name was taken from the parts
-    return f"{split[0]}.{parts[split[0]].variable(split[1])}"

@@ -7,25 +7,25 @@ from collections.abc import Mapping
 from dse.domain.bench import TestBench
 from dse.domain.component import Component, CSource
 from dse.domain.fmu import FmuModel
+from dse.domain.method import Method
 from dse.errors import Problem
 
 _EQUAL = 1e-9
 """Relative difference up to which two times are the same."""
 
 
-def sampling_problems(bench: TestBench, parts: Mapping[str, Component]) -> list[Problem]:
-    """Sampled parts whose sample time is not a whole number of the bench's steps.
+def sampling_problems(bench: TestBench, parts: Mapping[str, Component], method: Method) -> list[Problem]:
+    """Sampled parts whose sample time is not a whole number of their steps: their own by *method*, or the bench's.
 
     With a coarser step they would see each input several times (and a derivative of zero), with an uneven one they
     would run up to a step late.
     """
-    step, problems = bench.simulation.step, []
+    problems = []
     for path, component in parts.items():
-        source = component.source
+        source, step = component.source, method.steps.get(path, bench.simulation.step)
         if not isinstance(source, CSource) or source.step is None:
             continue
-        ratio = source.step / step
-        if ratio < 1 - _EQUAL or abs(ratio - round(ratio)) > _EQUAL * ratio:
+        if not _is_multiple(source.step, step):
             what = f"{path} ({component.name}) samples every {source.step:g} s, no multiple of the step {step:g} s"
             hint = "choose a step of which all sample times are multiples"
             problems.append(Problem(what, bench.simulation.where, hint))
@@ -33,13 +33,28 @@ def sampling_problems(bench: TestBench, parts: Mapping[str, Component]) -> list[
 
 
 def stepping_problems(
-    bench: TestBench, parts: Mapping[str, Component], models: Mapping[str, FmuModel]
+    bench: TestBench, parts: Mapping[str, Component], models: Mapping[str, FmuModel], method: Method
 ) -> list[Problem]:
-    """FMUs that can only step by another step than the bench's."""
-    step, problems = bench.simulation.step, []
+    """FMUs whose step, their own by *method* or the bench's, is no whole multiple of what they can do.
+
+    With ``check_step`` the same is asked of half the step.
+    """
+    problems = []
     for path, component in parts.items():
         fixed = models[component.name].fixed_step
-        if fixed is not None and abs(fixed - step) > _EQUAL * step:
-            what = f"{path} ({component.name}) can only step by {fixed:g} s, the bench steps by {step:g} s"
-            problems.append(Problem(what, bench.simulation.where, f"step: {fixed:g} s"))
+        step = method.steps.get(path, bench.simulation.step)
+        if fixed is None:
+            continue
+        if not _is_multiple(step, fixed):
+            what = f"{path} ({component.name}) steps by {fixed:g} s, and {step:g} s is no multiple of that"
+            hint = f"step: {fixed:g} s, or for this part alone steps: {{{path}: {fixed:g} s}}"
+            problems.append(Problem(what, bench.simulation.where, hint))
+        elif bench.simulation.check_step and not _is_multiple(step / 2, fixed):
+            what = f"{path} ({component.name}) steps by {fixed:g} s, so it cannot be checked with half the step"
+            problems.append(Problem(what, bench.simulation.where, "leave out check_step, or double the step"))
     return problems
+
+
+def _is_multiple(step: float, fixed: float) -> bool:
+    ratio = step / fixed
+    return ratio >= 1 - _EQUAL and abs(ratio - round(ratio)) <= _EQUAL * ratio

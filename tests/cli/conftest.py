@@ -57,6 +57,12 @@ def dse(example: Path, cache: Path) -> Dse:
 
 
 @pytest.fixture(scope="session")
+def dse_in(cache: Path) -> Dse:
+    """Runs ``dse`` in the folder that comes first."""
+    return lambda folder, *arguments: run_dse(folder, cache, *arguments)
+
+
+@pytest.fixture(scope="session")
 def explored(dse: Dse, tmp_path_factory: pytest.TempPathFactory) -> Path:
     """The study folder of the small study."""
     folder = tmp_path_factory.mktemp("explored") / "small"

@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 from dse.domain.component import Kind
-from dse.domain.fmu import FmuModel, Variable
+from dse.domain.fmu import Capabilities, FmuModel, Variable
 from dse.domain.system import Element, SystemStructure, Wire
 from dse.fmu.toolchain import find_compiler
 
@@ -37,9 +37,23 @@ VARIABLES = {
     "gain": {"u": REAL, "k": REAL, "c": REAL, "y": REAL},
     "counter": {"enable": TRUTH, "increment": WHOLE, "count": WHOLE, "odd": TRUTH},
     "liar": {"u": REAL, "y": REAL},
+    "stepper": dict.fromkeys(("mode", "most", "u", "y", "steps", "sum"), REAL),
+    "eventful": {
+        **dict.fromkeys(("u",), REAL),
+        **dict.fromkeys(("d",), WHOLE),
+        **dict.fromkeys(("period", "announces", "y"), REAL),
+        **dict.fromkeys(("seen", "events", "updates", "steps"), WHOLE),
+        **dict.fromkeys(("mode",), REAL),
+    },
+    "speaker": {
+        **dict.fromkeys(("mode", "size", "heard"), REAL),
+        **dict.fromkeys(("said", "given"), ("String", "String")),
+        **dict.fromkeys(("bytes", "taken"), ("Binary", "Binary")),
+    },
     "faulty": {"mode": WHOLE, "at": REAL, "y": REAL, "n": ("Integer", "Int64"), "u": REAL},
 }
-OUTPUTS = {"y", "count", "odd", "n"}
+INPUTS = {"speaker": {"given", "taken"}, "stepper": {"u"}, "eventful": {"u", "d"}}
+OUTPUTS = {"y", "count", "odd", "n", "steps", "sum", "seen", "events", "updates", "heard", "said", "bytes"}
 
 
 @dataclass(frozen=True)
@@ -56,7 +70,18 @@ class Shelf:
             source = str(SOURCES / f"{name}.c")
             command = [*find_compiler().command, "-std=c11", "-O1", "-ffp-contract=off", "-Wall", "-Werror"]
             subprocess.run(
-                [*command, *fpic, "-shared", f"-DFMI={version}", *flags, source, "-o", str(library)], check=True
+                [
+                    *command,
+                    *fpic,
+                    "-shared",
+                    f"-DFMI={version}",
+                    f"-DIDENTIFIER={name}",
+                    *flags,
+                    source,
+                    "-o",
+                    str(library),
+                ],
+                check=True,
             )
         return FmuModel(
             archive=library,
@@ -66,9 +91,7 @@ class Shelf:
             identifier=name,
             token="the token",  # noqa: S106  # FMI's word for an identity
             variables={v.name: v for v in variables(name, version)},
-            can_handle_variable_step=True,
-            can_save_state=False,
-            once_per_process="-DONCE" in flags,
+            capabilities=Capabilities(can_handle_variable_step=True, once_per_process="-DONCE" in flags),
         )
 
     def system(
@@ -104,9 +127,15 @@ def variables(name: str, version: int) -> list[Variable]:
             for side, offset, causality in (("from", 0, "input"), ("to", 16, "output"))
         ]
     return [
-        Variable(v, number, types[version - 2], "output" if v in OUTPUTS else "parameter", Kind.REAL)
+        Variable(v, number, types[version > 2], causality(name, v), Kind.REAL, is_intermediate=v == "u")
         for number, (v, types) in enumerate(VARIABLES[name].items())
     ]
+
+
+def causality(name: str, variable: str) -> str:
+    if variable in INPUTS.get(name, ()):
+        return "input"
+    return "output" if variable in OUTPUTS else "parameter"
 
 
 @pytest.fixture(scope="session")

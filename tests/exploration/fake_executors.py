@@ -7,6 +7,7 @@ import os
 import signal
 import struct
 import sys
+import threading
 import time
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -36,10 +37,17 @@ class FakeBench:
     timeout: float = 60.0
     file: Path | None = None
     seconds: float = 0.0
+    memory: float = 4e9
+    thread_safe: bool = True
+    most_runs: int | None = None
 
     def describe_progress(self, block: bytes) -> str:
         (number,) = struct.unpack_from("=q", block)
         return f"fake: fmi2DoStep of run {number - 1}" if number else ""
+
+
+hoard: list[bytearray] = []
+"""Memory that is never freed."""
 
 
 class FakeExecutor:
@@ -54,18 +62,30 @@ class FakeExecutor:
             sys.stderr.write("cannot open libfake.so\n")
             sys.stderr.flush()
             os._exit(7)
+        self.left = bench.most_runs
+
+    @property
+    def runs_left(self) -> int | None:
+        return self.left
 
     def run(self, request: RunRequest, *, keep: bool) -> Run:
         bench = self.bench
+        if self.left is not None:
+            self.left -= 1
         struct.pack_into("=q", self.progress, 0, request.number + 1)
         if bench.seconds:
             time.sleep(bench.seconds)
-        first = bench.file is None or not bench.file.exists()
+        if bench.mischief == "leaks":
+            hoard.append(bytearray(os.urandom(1)) * 50_000_000)
+        if bench.mischief == "tells its process":
+            with (bench.file or Path()).open("a", encoding="utf-8") as file:
+                file.write(f"{os.getpid()} {threading.get_ident()}\n")
+        first = bench.file is None or bench.mischief == "tells its process" or not bench.file.exists()
         if request.number in bench.when and first:
             if bench.file is not None:
                 bench.file.touch()
             self._misbehave(request.number)
-        if bench.mischief == "fails" and request.number in bench.when:
+        if bench.mischief in ("fails", "is fatal") and request.number in bench.when:
             return Run(request, Outcome.FAILED, problem="world: fmi2DoStep at t = 3.21 s returned error")
         values = [value for value in request.point.values() if isinstance(value, float)]
         total = sum(values)
@@ -85,14 +105,27 @@ class FakeExecutor:
         match self.bench.mischief:
             case "exits":
                 os._exit(3)
+            case "prints and exits":
+                sys.stderr.write(f"oil is low in run {number}\n")
+                sys.stderr.flush()
+                os._exit(3)
             case "crashes":
-                os.kill(os.getpid(), signal.SIGSEGV)
+                signal.raise_signal(signal.SIGSEGV)  # in this very thread
             case "is killed":
                 os.kill(os.getpid(), signal.SIGKILL)
+            case "prints for a second":
+                for _ in range(100):
+                    sys.stderr.write("x" * 100_000 + "\n")
+                    time.sleep(0.01)
             case "hangs":
                 time.sleep(3600)
             case "raises":
                 raise ValueError(f"bad run {number}")
+            case "is fatal":
+                self.left = 0
+            case "grows":
+                hoard.append(bytearray(os.urandom(1)) * 2**30)
+                time.sleep(3600)
             case "eats memory":
                 import resource
 

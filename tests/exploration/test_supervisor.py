@@ -8,6 +8,7 @@ import sys
 from pathlib import Path
 from typing import Any
 
+import deadly_when_imported
 import pytest
 from fake_executors import METRICS, benches, header_of, make_fake, study_of
 
@@ -114,15 +115,45 @@ def test_a_configuration_that_cannot_be_loaded_fails_in_each_of_its_runs(tmp_pat
     assert problems[0].startswith("sensor.gap -> controller.speed: units differ")
 
 
-def test_workers_that_die_before_any_run_end_the_exploration_with_their_last_words(tmp_path: Path) -> None:
-    expected = (
-        r"3 workers in a row ended outside of any run, the last while loading[\s\S]*code 7[\s\S]*cannot open libfake"
-    )
-    with pytest.raises(DseError, match=expected):
-        explored(tmp_path, study_of(), mischief="dies loading")
+def test_workers_that_die_before_any_run_end_the_exploration(tmp_path: Path) -> None:
+    study = study_of()
+    with (
+        StudyFolder.create(tmp_path, header_of(study, 25)) as folder,
+        pytest.raises(DseError, match=r"3 workers in a row ended outside of any run, the last while starting.*code 7"),
+    ):
+        explore(
+            study, benches("a"), folder, workers=2, make_executor=deadly_when_imported.make, on_progress=lambda p: None
+        )
     with StudyFolder.open(tmp_path) as folder:
         assert folder.finished() == set()
     assert multiprocessing.active_children() == []
+
+
+@pytest.mark.parametrize("workers", [1, 2])
+def test_a_configuration_that_kills_workers_while_it_is_loaded_fails_alone(workers: int, tmp_path: Path) -> None:
+    study = study_of(levels=5)
+    with StudyFolder.create(tmp_path, header_of(study, 75, ("a", "b", "c"))) as folder:
+        prepared = {
+            **benches("a", mischief="dies loading"),
+            **benches("b"),
+            **benches("c", mischief="dies loading"),
+        }
+        explore(study, prepared, folder, workers=workers, make_executor=make_fake, on_progress=lambda p: None)
+        problems = failures(folder.table())
+        assert folder.finished() == set(range(75))
+    assert set(problems) == {*range(25), *range(50, 75)}
+    assert set(problems.values()) == {
+        "ended by itself (exit code 7) while its FMUs were loaded; printed last: cannot open libfake.so"
+    }
+
+
+def test_what_a_run_printed_before_it_ended_its_worker_is_told(tmp_path: Path) -> None:
+    _, table, _ = explored(tmp_path, study_of(), mischief="prints and exits", when=(3, 4))
+    # What another run of the same worker has printed is not told.
+    assert failures(table) == {
+        n: f"ended by itself (exit code 3) in fake: fmi2DoStep of run {n}; printed last: oil is low in run {n}"
+        for n in (3, 4)
+    }
 
 
 def test_a_worker_that_hangs_while_loading_is_not_waited_for_forever(

@@ -10,8 +10,10 @@ from typing import Any
 import pytest
 
 from dse.domain.component import Causality, Component, CSource, Interface, Kind, Parameter, Port, Type
-from dse.domain.fmu import FmuModel
+from dse.domain.fmu import FmiInterface, FmuModel
+from dse.errors import DseError
 from dse.fmu.build import build
+from dse.fmu.description import Description, read_description
 from dse.fmu.unpack import open_fmu
 from dse.units import parse_unit
 
@@ -211,3 +213,27 @@ def new_slave(cache: Path, version: int) -> Iterator[Callable[[Component], Slave
     yield make
     for slave in made:
         slave.fmu.freeInstance()
+
+
+@dataclass
+class Reader:
+    """Reads texts of modelDescription.xml, as if they were in an archive called m.fmu."""
+
+    folder: Path
+
+    def __call__(self, text: str | bytes, interface: FmiInterface | None = None) -> Description:
+        content = text.encode() if isinstance(text, str) else text
+        (self.folder / "modelDescription.xml").write_bytes(content)
+        return read_description(self.folder, "m.fmu", interface=interface)
+
+    def problems(self, text: str | bytes, interface: FmiInterface | None = None) -> list[str]:
+        """What is told of a description that is refused: ``LINE: what``, in the file's order."""
+        with pytest.raises(DseError) as caught:
+            self(text, interface)
+        assert {p.where.file for p in caught.value.problems if p.where} == {"m.fmu/modelDescription.xml"}
+        return [f"{problem.where.line if problem.where else 0}: {problem.what}" for problem in caught.value.problems]
+
+
+@pytest.fixture
+def described(tmp_path: Path) -> Reader:
+    return Reader(tmp_path)

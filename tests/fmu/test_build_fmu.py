@@ -121,9 +121,9 @@ def test_the_description_says_units_bounds_and_items(controller, cache, version)
 def test_open_fmu_gives_back_what_the_component_declares(controller, cache, version):
     model = open_fmu(build(controller, version=version, cache=cache), cache=cache)
     variables = model.variables
-    assert (model.version, model.identifier, model.can_save_state) == (version, "controller", True)
-    assert model.can_handle_variable_step
-    assert not model.once_per_process
+    assert (model.version, model.identifier, model.capabilities.can_save_state) == (version, "controller", True)
+    assert model.capabilities.can_handle_variable_step
+    assert not model.capabilities.once_per_process
     assert model.library.is_file()
     shown = [(v.name, v.causality, v.kind, v.unit) for v in variables.values() if v.causality != "independent"]
     assert shown[:5] == [
@@ -134,7 +134,7 @@ def test_open_fmu_gives_back_what_the_component_declares(controller, cache, vers
         ("mode", "output", Kind.ENUMERATION, ""),
     ]
     assert variables["mode"].fmi_type == ("Integer" if version == 2 else "Int64")
-    assert variables["gain"].start == "0.5"
+    assert variables["gain"].start == ("0.5",)
 
 
 def test_the_same_component_elsewhere_is_the_same_bytes(workshop, tmp_path_factory, version):

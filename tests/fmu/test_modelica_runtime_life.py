@@ -35,21 +35,33 @@ def test_a_tunable_parameter_and_what_depends_on_it_change_from_step_to_step(new
     x, v = made.get("x"), made.get("v")
     made.set("rate", 5.0)
     assert made.get("rate") == 5.0
-    assert made.get("stiffness") == 4.0  # it counts from the next step on
+    assert made.get("stiffness") == 25.0
     made.step(0.7)
     assert made.get("stiffness") == 25.0
     assert made.get("x") == pytest.approx(x * math.cos(3.5) + v / 5.0 * math.sin(3.5), abs=1e-7)
 
 
-def test_what_is_set_between_two_steps_does_not_change_the_outputs_of_the_step_before(new):
+def test_outputs_follow_what_is_set_between_two_steps(new):
     made = new(LAG).ready(u=1.0)
     made.step(0.1)
-    expected = 1.0 + made.get("x")
-    other = new(LAG).ready(u=1.0)
-    other.step(0.1)
-    other.set("u", 100.0)
-    assert other.get("through") == expected
-    assert other.get("u") == 100.0
+    x = made.get("x")
+    assert made.get("through") == 1.0 + x
+    made.set("u", 100.0)
+    assert made.get("through") == 100.0 + x
+    assert made.get("x") == x
+    made.set("u", 1.0)
+    assert made.get("through") == 1.0 + x
+
+
+def test_looking_at_the_outputs_between_setting_and_stepping_changes_no_bit_of_the_step(new):
+    looking, plain = new(LAG).ready(u=1.0), new(LAG).ready(u=1.0)
+    for k in range(5):
+        for made in (looking, plain):
+            made.set("u", 1.0 + k)
+        assert looking.get("through") == 1.0 + k + looking.get("x")
+        for made in (looking, plain):
+            made.step(0.1)
+    assert [looking.get(name) for name in ("x", "through")] == [plain.get(name) for name in ("x", "through")]
 
 
 @pytest.mark.parametrize(

@@ -9,6 +9,7 @@ import pytest
 from dse.domain.component import Causality, Component, Interface, Kind, Parameter, Port, Type
 from dse.domain.design import Connection
 from dse.domain.fmu import FmuModel, Variable
+from dse.domain.system import Conversion
 from dse.errors import DseError, Location
 from dse.system.assemble import assemble
 from dse.units import parse_unit
@@ -32,7 +33,7 @@ def model(part: Component, **changes: dict[str, object]) -> FmuModel:
         fields = {"causality": causality, "kind": type_.kind, "unit": type_.unit.symbol} | changes.get(name, {})
         variables[name] = Variable(name, reference, "Real", **fields)
     nowhere = Path("nowhere")
-    return FmuModel(nowhere, nowhere, nowhere, 2, part.name, "{}", variables, True, True, False)
+    return FmuModel(nowhere, nowhere, nowhere, 2, part.name, "{}", variables)
 
 
 SENSOR = component("radar", ("gap", OUT, METRE), ("rate", OUT, SPEED))
@@ -139,12 +140,17 @@ def test_a_variable_missing_from_the_fmu_is_named():
     smaller = model(component("radar", ("gap", OUT, METRE)))
     text = problem(models={**MODELS, "radar": smaller})
     assert "the FMU of radar has no variable 'rate'" in text
-    assert "the FMU has gap" in text
+    assert "possible: gap" in text
 
 
-def test_a_variable_in_another_unit_is_refused():
-    text = problem(models={**MODELS, "radar": model(SENSOR, gap={"unit": "km"})})
-    assert "'gap' in the FMU of radar is in km, expected m" in text
+def test_a_variable_of_another_dimension_is_refused():
+    text = problem(models={**MODELS, "radar": model(SENSOR, gap={"unit": "kg"})})
+    assert "'gap' in the FMU of radar is in kg, expected m" in text
+
+
+def test_a_variable_in_another_unit_is_converted():
+    system = assemble("s", PARTS, WIRES, {**MODELS, "radar": model(SENSOR, gap={"unit": "km"})}, {}, [])
+    assert system.element("sensor").conversions == {"gap": Conversion(1000.0, 0.0)}
 
 
 def test_a_variable_of_another_causality_is_refused():

@@ -9,6 +9,7 @@ COMMANDS = (
     "check",
     "components",
     "build",
+    "probe",
     "enumerate_",
     "space_count",
     "space_constraints",

@@ -10,7 +10,7 @@ from typing import Annotated
 import typer
 
 from dse.cli.app import app, console
-from dse.cli.arguments import FmiVersion
+from dse.cli.arguments import Configuration, FmiVersion, workspace_of
 from dse.errors import DseError, Location, Problem
 
 
@@ -22,12 +22,40 @@ def build(
     folder: Annotated[Path | None, typer.Option("--output", "-o", metavar="DIR", help="Copy the FMUs here.")] = None,
     version: FmiVersion = 2,
     validate: Annotated[bool, typer.Option("--validate", help="Check each FMU with FMPy's validation.")] = False,
+    bench: Annotated[
+        str | None,
+        typer.Option("--fuse", metavar="BENCH", help="Compile a bench's configurations into one library each."),
+    ] = None,
+    configuration: Configuration = None,
     workspace: Annotated[Path, typer.Option("--workspace", "-w", help="A folder or file in the workspace.")] = Path(),
 ) -> None:
     """Build components into FMUs.
 
     What was built before is taken from the cache (its folder is $DSE_CACHE, else the user's cache folder).
+
+    With --fuse, builds what 'dse run --fuse' needs: one library for each configuration of a test bench.
     """
+    if bench is None and configuration is not None:
+        raise typer.BadParameter("this is for a test bench: --fuse BENCH", param_hint="--configuration")
+    if bench is not None:
+        if names or validate:
+            raise typer.BadParameter("name either components or a test bench", param_hint="--fuse")
+        built = _fused(bench, configuration, version, workspace)
+    else:
+        built = _fmus(names, version, workspace)
+        if validate:
+            _validate(built)
+    screen = console()
+    for name, path in sorted(built.items()):
+        target = path
+        if folder is not None:
+            folder.mkdir(parents=True, exist_ok=True)
+            target = folder / f"{name}{path.suffix if bench else '.fmu'}"
+            shutil.copyfile(path, target)
+        screen.print(f"{name}: {target}", soft_wrap=True)
+
+
+def _fmus(names: list[str] | None, version: int, workspace: Path) -> dict[str, Path]:
     from dse.domain.component import CSource, FmuSource, ModelicaSource
     from dse.fmu.build import build_all
     from dse.loading.workspace import Workspace
@@ -36,17 +64,22 @@ def build(
     found = [space.component(name) for name in names or space.component_files]
     if not names:
         found = [component for component in found if isinstance(component.source, CSource | FmuSource | ModelicaSource)]
-    archives = build_all(found, version=version)
-    if validate:
-        _validate(archives)
-    screen = console()
-    for name, archive in sorted(archives.items()):
-        target = archive
-        if folder is not None:
-            folder.mkdir(parents=True, exist_ok=True)
-            target = folder / f"{name}.fmu"
-            shutil.copyfile(archive, target)
-        screen.print(f"{name}: {target}", soft_wrap=True)
+    return build_all(found, version=version)
+
+
+def _fused(bench: str, configuration: str | None, version: int, workspace: Path) -> dict[str, Path]:
+    from dse.domain.study import Selection
+    from dse.loading.workspace import Workspace
+    from dse.testbench.fuse import fused
+    from dse.testbench.plan import bench_study, plan
+    from dse.testbench.select import one
+
+    space = Workspace.around(workspace) if workspace != Path() else workspace_of(bench)
+    loaded = space.bench(bench)
+    chosen = None if configuration is None else Selection((one(loaded.design, configuration).id,))
+    with console(stderr=True).status("building FMUs, fusing configurations"):
+        prepared = fused(plan(bench_study(loaded, chosen), version=version).prepared)
+    return {name: each.fused.path for name, each in prepared.items() if each.fused is not None}
 
 
 def _validate(archives: Mapping[str, Path]) -> None:

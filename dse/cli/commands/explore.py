@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dse.cli.app import app
-from dse.cli.arguments import FmiVersion, Fresh, Gate, NewFolder, StudyName, Workers, workspace_of
+from dse.cli.arguments import FmiVersion, Fresh, Fuse, Gate, NewFolder, StudyName, Threads, Workers, workspace_of
 
 
 @app.command()
@@ -11,7 +11,9 @@ def explore(
     study: StudyName,
     folder: NewFolder,
     workers: Workers = 0,
+    threads: Threads = 1,
     version: FmiVersion = 2,
+    fuse: Fuse = False,
     fresh: Fresh = False,
     gate: Gate = False,
 ) -> None:
@@ -22,4 +24,4 @@ def explore(
     from dse.cli.exploring import explore_into
 
     loaded = workspace_of(study).study(study)
-    explore_into(loaded, folder, workers=workers, version=version, fresh=fresh, gate=gate)
+    explore_into(loaded, folder, workers=workers, threads=threads, version=version, fuse=fuse, fresh=fresh, gate=gate)

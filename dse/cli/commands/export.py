@@ -1,20 +1,24 @@
-"""``dse export``: design spaces for other programs."""
+"""``dse export``: design spaces, and configurations on their bench, for other programs."""
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from dse.cli.app import app, console
-from dse.cli.arguments import Design
+from dse.cli.arguments import Bench, Configuration, Design, FmiVersion, Settings, workspace_of
 from dse.cli.asking import ask
 from dse.cli.space import Choose, Off, On, Where, space_of
 
+if TYPE_CHECKING:
+    from dse.domain.bench import TestBench
+
 export_app = typer.Typer(
     name="export",
-    help="Write a design space for another program.",
+    help="Write a design space, or a configuration on its bench, for another program.",
     no_args_is_help=True,
     rich_markup_mode=None,
     context_settings={"help_option_names": ["-h", "--help"]},
@@ -63,3 +67,53 @@ def export_csv(
     question = ask(design, choose, where, on, off)
     written = save(Sheet(question.space), question.engine.blocks(), target)
     console().print(f"{target}: {written:,} configuration{'' if written == 1 else 's'}", soft_wrap=True)
+
+
+@export_app.command("ssp")
+def export_ssp(
+    bench: Bench,
+    target: Target,
+    configuration: Configuration = None,
+    settings: Settings = [],
+    version: FmiVersion = 2,
+) -> None:
+    """Write a configuration on its test bench as an SSP package.
+
+    With its FMUs, connections and parameter values, so that other programs simulate the same.
+
+    Takes the first valid configuration unless --configuration names another.
+    """
+    from dse.cli.commands.simulate import read_settings
+    from dse.system.ssp.structure import ExperimentSettings
+    from dse.system.ssp.write import write_ssp
+    from dse.testbench.plan import with_settings
+    from dse.testbench.prepare import prepare
+    from dse.testbench.select import one
+
+    if target.suffix.lower() != ".ssp":
+        raise typer.BadParameter(f"'{target.name}' must end in .ssp", param_hint="--output")
+    loaded = workspace_of(bench).bench(bench)
+    chosen = one(loaded.design, configuration)
+    changed = with_settings(loaded, read_settings(settings), chosen)
+    with console(stderr=True).status("building FMUs"):
+        prepared = prepare(changed, [chosen], version=version)[chosen.id]
+    simulation = prepared.simulation
+    times = ExperimentSettings(0.0, simulation.stop, simulation.step, simulation.record_every)
+    write_ssp(target, loaded.name, prepared.system, times)
+    screen = console(stderr=True)
+    for what in _left_behind(changed):
+        screen.print(f"note: {what}: SSP has no words for that", soft_wrap=True)
+    elements = len(prepared.system.elements)
+    console().print(f"{target}: configuration {chosen.id} of {loaded.name}, {elements} components", soft_wrap=True)
+
+
+def _left_behind(bench: TestBench) -> Iterator[str]:
+    """What of *bench* a package cannot hold."""
+    from dse.domain.method import PLAIN
+
+    counted = {"metric": bench.metrics, "requirement": bench.requirements, "figure": bench.figures}
+    kept = [f"{len(things)} {name}{'s' * (len(things) > 1)}" for name, things in counted.items() if things]
+    if kept:
+        yield f"the bench's {' and '.join(kept)} stay behind"
+    if bench.simulation.method != PLAIN:
+        yield "the bench's co-simulation algorithm stays behind"

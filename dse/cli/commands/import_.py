@@ -1,4 +1,4 @@
-"""``dse import``: design spaces from other programs' files."""
+"""``dse import``: design spaces and components from other programs' files."""
 
 from __future__ import annotations
 
@@ -7,14 +7,14 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from dse.cli.app import app, console
+from dse.cli.app import app, console, plain
 
 if TYPE_CHECKING:
     from dse.domain.design import DesignSpace
 
 import_app = typer.Typer(
     name="import",
-    help="Read a design space from another program's file.",
+    help="Read a design space, a component or a system from another program's file.",
     no_args_is_help=True,
     rich_markup_mode=None,
     context_settings={"help_option_names": ["-h", "--help"]},
@@ -47,6 +47,59 @@ def import_uvl(
         path.write_text(text, encoding="utf-8", newline="\n")
         console().print(str(path), soft_wrap=True)
     console().print(f"next: dse space count {space.name}", soft_wrap=True)
+
+
+@import_app.command("fmu")
+def import_fmu(
+    files: Annotated[list[Path], typer.Argument(metavar="FMU...", help="Finished FMUs.")],
+    folder: Annotated[
+        Path, typer.Option("--output", "-o", metavar="DIR", help="The workspace to write to; made if it is new.")
+    ] = Path(),
+    name: Annotated[
+        str | None, typer.Option("--name", metavar="NAME", help="The component's name; else that of the file.")
+    ] = None,
+) -> None:
+    """Make components of finished FMUs.
+
+    Each is copied to DIR/components/NAME with a component.yaml beside it. A component implements the interface of the
+    workspace whose ports it has; if there is none it gets one of its own, in interfaces.yaml beside it.
+    """
+    from dse.testbench.importing import import_component
+
+    if name is not None and len(files) > 1:
+        raise typer.BadParameter("only one FMU can be given a name", param_hint="--name")
+    for file in files:
+        written = import_component(file, folder, name)
+        implements = "of its own" if written.has_own_interface else "of the workspace"
+        ports, parameters = len(written.component.interface.ports), len(written.component.parameters)
+        console().print(f"{written.path}: {ports} ports, {parameters} parameters", soft_wrap=True)
+        console().print(f"  implements {written.component.interface.name}, an interface {implements}", soft_wrap=True)
+        for what in written.left_out:
+            console().print(f"  left out: {plain(what)}", soft_wrap=True)
+    console().print("next: dse check", soft_wrap=True)
+
+
+@import_app.command("ssp")
+def import_ssp(
+    package: Annotated[Path, typer.Argument(metavar="FILE", help="An SSP package (.ssp), or an unpacked one's .ssd.")],
+    folder: Annotated[Path, typer.Argument(metavar="DIR", help="The workspace to write to; made if it is new.")],
+) -> None:
+    """Make a workspace of an SSP package.
+
+    Its FMUs become components, its system a design space, and each of its variants a test bench with its parameter
+    values. Where variants have different FMUs at a place, these are alternatives of the design.
+    """
+    from dse.testbench.ssp_import import import_ssp as make
+
+    made = make(package, folder)
+    screen = console()
+    for path in made.files:
+        screen.print(str(path), soft_wrap=True)
+    for what in made.left_out:
+        screen.print(f"left out: {plain(what)}", soft_wrap=True)
+    for bench in made.benches:
+        more = f" --configuration {bench.configuration}" if bench.configuration else ""
+        screen.print(f"next: dse simulate {folder / 'testbenches' / bench.name}.yaml{more}", soft_wrap=True)
 
 
 def _files(space: DesignSpace, folder: Path) -> dict[Path, str]:

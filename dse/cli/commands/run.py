@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dse.cli.app import app
-from dse.cli.arguments import Bench, FmiVersion, Fresh, Gate, NewFolder, Workers, workspace_of
+from dse.cli.arguments import Bench, FmiVersion, Fresh, Fuse, Gate, NewFolder, Threads, Workers, workspace_of
 
 
 @app.command()
@@ -11,7 +11,9 @@ def run(
     bench: Bench,
     folder: NewFolder,
     workers: Workers = 0,
+    threads: Threads = 1,
     version: FmiVersion = 2,
+    fuse: Fuse = False,
     fresh: Fresh = False,
     gate: Gate = False,
 ) -> None:
@@ -23,4 +25,4 @@ def run(
     from dse.testbench.plan import bench_study
 
     study = bench_study(workspace_of(bench).bench(bench))
-    explore_into(study, folder, workers=workers, version=version, fresh=fresh, gate=gate)
+    explore_into(study, folder, workers=workers, threads=threads, version=version, fuse=fuse, fresh=fresh, gate=gate)

@@ -2,41 +2,110 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from dataclasses import replace
+from pathlib import Path
+from typing import Annotated
+
 import typer
 
 from dse.cli.app import DONE, RUNS_FAILED, app
-from dse.cli.arguments import Bench, Configuration, FmiVersion, Format, Gate, Output, Plot, Settings, workspace_of
+from dse.cli.arguments import (
+    CheckStep,
+    Configuration,
+    FmiVersion,
+    Format,
+    Fuse,
+    Gate,
+    Output,
+    Plot,
+    Settings,
+    workspace_of,
+)
+from dse.cli.packages import Wishes, is_package, simulate_package, waveform_file
+
+Subject = Annotated[
+    str, typer.Argument(metavar="BENCH", help="A test bench: its name, or its YAML file; or an SSP package (.ssp).")
+]
+Waveforms = Annotated[
+    Path | None,
+    typer.Option(
+        "--output", "-o", metavar="FILE", callback=waveform_file, help="Write a package's waveforms (.csv or .json)."
+    ),
+]
+Variant = Annotated[str | None, typer.Option("--variant", metavar="NAME", help="Which .ssd file of a package.")]
+Stop = Annotated[str | None, typer.Option("--stop", metavar="TIME", help="How long to simulate a package.")]
+Step = Annotated[str | None, typer.Option("--step", metavar="TIME", help="The communication step for a package.")]
+Timeout = Annotated[
+    str | None, typer.Option("--timeout", metavar="TIME", help="How long a package's run may take.  [default: 600 s]")
+]
+Record = Annotated[
+    list[str], typer.Option("--record", metavar="NAME", help="What of a package to record, instead of its outputs.")
+]
+Word = Annotated[str | None, typer.Option(metavar="WORD", help="For a package, as under 'simulation' in a bench.")]
 
 
 @app.command()
 def simulate(
-    bench: Bench,
+    bench: Subject,
     configuration: Configuration = None,
     settings: Settings = [],
     plot: Plot = None,
     output: Format = Output.TABLE,
     version: FmiVersion = 2,
+    fuse: Fuse = False,
     gate: Gate = False,
+    check_step: CheckStep = False,
+    waveforms: Waveforms = None,
+    variant: Variant = None,
+    stop: Stop = None,
+    step: Step = None,
+    record: Record = [],
+    algorithm: Word = None,
+    coupling: Word = None,
+    extrapolation: Word = None,
+    timeout: Timeout = None,
 ) -> None:
-    """Simulate one configuration once.
+    """Simulate one configuration once, or an SSP package.
 
-    Shows its metrics, and the verdicts with their margins.
+    Shows a configuration's metrics, and the verdicts with their margins.
 
     Takes the first valid configuration unless --configuration names another.
+
+    Of a package, shows where each of its outputs begins and ends; --output writes the waveforms.
     """
+    wishes = Wishes(
+        variant, stop, step, read_settings(settings), tuple(record), algorithm, coupling, extrapolation, timeout
+    )
+    if is_package(bench):
+        meant = {"--configuration": configuration, "--plot": plot, "--fuse": fuse, "--gate": gate}
+        _refuse({**meant, "--check-step": check_step}, "bench")
+        simulate_package(Path(bench), wishes, waveforms, output)
+    asked = {"--output": waveforms, "--variant": variant, "--stop": stop, "--step": step, "--record": record}
+    words = {"--algorithm": algorithm, "--coupling": coupling, "--extrapolation": extrapolation, "--timeout": timeout}
+    _refuse({**asked, **words}, "package")
     from dse.cli.exploring import run_alone
     from dse.cli.showing import present_run
+    from dse.domain.run import Outcome
     from dse.domain.study import Selection
     from dse.testbench.plan import bench_study, with_settings
     from dse.testbench.select import one
 
     loaded = workspace_of(bench).bench(bench)
     chosen = one(loaded.design, configuration)
-    changed = with_settings(loaded, read_settings(settings), chosen)
-    run, definition = run_alone(bench_study(changed, Selection((chosen.id,))), version=version)
+    changed = with_settings(loaded, dict(wishes.settings), chosen)
+    if check_step:
+        changed = replace(changed, simulation=replace(changed.simulation, check_step=True))
+    run, definition = run_alone(bench_study(changed, Selection((chosen.id,))), version=version, fuse=fuse)
     present_run(run, definition, output, plot)
-    failed = run.problem or (gate and any(str(j.verdict) == "fail" for j in run.judgements))
+    failed = run.outcome is Outcome.FAILED or (gate and any(str(j.verdict) == "fail" for j in run.judgements))
     raise typer.Exit(RUNS_FAILED if failed else DONE)
+
+
+def _refuse(options: Mapping[str, object], meant: str) -> None:
+    for option, value in options.items():
+        if value:
+            raise typer.BadParameter(f"this is for a {meant}", param_hint=option)
 
 
 def read_settings(settings: list[str]) -> dict[str, str]:

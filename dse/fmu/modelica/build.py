@@ -11,7 +11,14 @@ from dse.domain.component import Component, ModelicaCompiler, ModelicaSource
 from dse.errors import DseError, fail
 from dse.fmu.archive import pack
 from dse.fmu.cache import cache_folder, content_key, keep_file
-from dse.fmu.compilation import LANGUAGE_OPTIONS, CompilationError, compile_object, link_library, options
+from dse.fmu.compilation import (
+    LANGUAGE_OPTIONS,
+    MODEL_OPTIONS,
+    CompilationError,
+    compile_object,
+    link_library,
+    options,
+)
 from dse.fmu.describe import describe_sources, identifier
 from dse.fmu.modelica.description import Described, describe_model
 from dse.fmu.modelica.documentation import documentation
@@ -27,7 +34,8 @@ _RUNTIME = Path(__file__).parent.parent / "runtime"
 # fmt: off
 _COMMON = (
     "slot.h", "instance.h", "value.h", "modelica.h", "solver_memory.h", "arithmetic.h", "linear.h", "newton.h",
-    "tables.h", "evaluate.h", "crossings.h", "dormand_prince.h", "rosenbrock.h", "locate.h", "integrate.h", "events.h",
+    "tables.h", "evaluate.h", "crossings.h", "dormand_prince_tableau.h", "dormand_prince.h", "rosenbrock_tableau.h",
+    "rosenbrock.h", "locate.h", "integrate.h", "events.h",
     "co_simulation.h", "simulation.h", "exchange.h",
 )
 _FILES = {
@@ -36,8 +44,6 @@ _FILES = {
 }
 # fmt: on
 _DEFAULT_TOLERANCE = 1e-6
-# No errno: it is never looked at, and without it square roots are one instruction. Values stay the same.
-_EXTRA = ("-fno-math-errno",)
 
 
 def build_modelica(component: Component, source: ModelicaSource, version: int, cache: Path | None) -> Path:
@@ -115,7 +121,7 @@ def _by_dse(
     platform = this_platform()
     identity = _identity(component, source, sources, version)
     token = "{" + content_key(identity) + "}"
-    machine = ("build", repr((compiler.identity, options(compiler), _EXTRA, platform.name)).encode())
+    machine = ("build", repr((compiler.identity, options(compiler), MODEL_OPTIONS, platform.name)).encode())
     named = identifier(component.name)
     target = cache_folder(cache) / "built" / f"{named}-{content_key([*identity, machine])}.fmu"
     if target.is_file():
@@ -169,7 +175,7 @@ def _contents(
     )
     if version == 3:
         contents["sources/buildDescription.xml"] = describe_sources(
-            named, files, "runtime", (*LANGUAGE_OPTIONS, *_EXTRA)
+            named, files, "runtime", (*LANGUAGE_OPTIONS, *MODEL_OPTIONS)
         )
     return contents
 
@@ -181,10 +187,10 @@ def _compiled(
     prefix = "sources/runtime/"
     files = {name.removeprefix(prefix): text for name, text in contents.items() if name.startswith(prefix)}
     start = {"start.c": files.pop("start.c")}
-    keyed = [*sorted(files.items()), ("build", repr((compiler.identity, options(compiler), _EXTRA)).encode())]
+    keyed = [*sorted(files.items()), ("build", repr((compiler.identity, options(compiler), MODEL_OPTIONS)).encode())]
     kept = cache_folder(cache) / "objects" / f"{content_key(keyed)}.o"
     if not kept.is_file():
-        keep_file(kept, compile_object(compiler, files, f"fmi{version}.c", _EXTRA))
+        keep_file(kept, compile_object(compiler, files, f"fmi{version}.c", MODEL_OPTIONS))
     return link_library(
         compiler, {"model.o": kept.read_bytes(), "start.o": compile_object(compiler, start, "start.c")}, library
     )

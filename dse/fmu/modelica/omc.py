@@ -164,7 +164,11 @@ def _require_variables(component: Component, product: Path, folder: Path) -> Non
             (folder / "modelDescription.xml").write_bytes(archive.read("modelDescription.xml"))
     except (zipfile.BadZipFile, KeyError, OSError) as error:
         raise fail(f"component '{component.name}': what omc made is no FMU: {error}", component.where) from error
-    known = read_description(folder, component.where).variables
+    try:
+        known = read_description(folder, product.name).variables
+    except DseError as error:
+        what = f"component '{component.name}': what omc made cannot be used: {error.problems[0].what}"
+        raise fail(what, component.where) from error
     problems = list(_missing(component, known.keys()))
     if problems:
         raise DseError(*problems)

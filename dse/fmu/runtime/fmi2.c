@@ -9,7 +9,7 @@
 #define REFUSE(component, reason)                                                                                      \
     do {                                                                                                               \
         if (component) {                                                                                               \
-            dse_refuse(component, __func__, reason);                                                                   \
+            dse_refuse(component, DSE_HERE, reason);                                                                   \
         }                                                                                                              \
         return fmi2Error;                                                                                              \
     } while (0)
@@ -30,7 +30,7 @@ DSE_EXPORT const char *fmi2GetVersion(void) { return "2.0"; }
 /* Errors are always told; there is nothing else to log. */
 DSE_EXPORT fmi2Status fmi2SetDebugLogging(
     fmi2Component c, fmi2Boolean on, size_t count, const fmi2String categories[]) {
-    return STATUS(dse_is_allowed(c, __func__, DSE_ANY_STATE));
+    return STATUS(dse_is_allowed(c, DSE_HERE, DSE_ANY_STATE));
 }
 
 /* Life */
@@ -58,7 +58,7 @@ DSE_EXPORT fmi2Component fmi2Instantiate(fmi2String name, fmi2Type type, fmi2Str
     }
 #endif
     if (reason) {
-        dse_refuse(instance, __func__, "%s", reason);
+        dse_refuse(instance, DSE_HERE, "%s", reason);
         dse_destroy(instance);
         return NULL;
     }
@@ -69,13 +69,13 @@ DSE_EXPORT void fmi2FreeInstance(fmi2Component c) { dse_destroy(c); }
 
 DSE_EXPORT fmi2Status fmi2SetupExperiment(fmi2Component c, fmi2Boolean has_tolerance, fmi2Real tolerance,
     fmi2Real start_time, fmi2Boolean has_stop_time, fmi2Real stop_time) {
-    return STATUS(dse_is_allowed(c, __func__, DSE_INSTANTIATED)
-                  && dse_set_up(c, __func__, start_time, has_tolerance ? tolerance : 0.0));
+    return STATUS(dse_is_allowed(c, DSE_HERE, DSE_INSTANTIATED)
+                  && dse_set_up(c, DSE_HERE, start_time, has_tolerance ? tolerance : 0.0));
 }
 
 DSE_EXPORT fmi2Status fmi2EnterInitializationMode(fmi2Component c) {
     struct dse_instance *instance = c;
-    if (!dse_is_allowed(instance, __func__, DSE_INSTANTIATED)) {
+    if (!dse_is_allowed(instance, DSE_HERE, DSE_INSTANTIATED)) {
         return fmi2Error;
     }
     if (!instance->at.is_set_up) {
@@ -86,15 +86,15 @@ DSE_EXPORT fmi2Status fmi2EnterInitializationMode(fmi2Component c) {
 }
 
 DSE_EXPORT fmi2Status fmi2ExitInitializationMode(fmi2Component c) {
-    if (!dse_is_allowed(c, __func__, DSE_INITIALIZING)) {
+    if (!dse_is_allowed(c, DSE_HERE, DSE_INITIALIZING)) {
         return fmi2Error;
     }
-    return STATUS(dse_exit_initialization(c, __func__));
+    return STATUS(dse_exit_initialization(c, DSE_HERE));
 }
 
 DSE_EXPORT fmi2Status fmi2Terminate(fmi2Component c) {
     struct dse_instance *instance = c;
-    if (!dse_is_allowed(instance, __func__, DSE_STEPPING)) {
+    if (!dse_is_allowed(instance, DSE_HERE, DSE_STEPPING)) {
         return fmi2Error;
     }
     instance->at.state = DSE_TERMINATED;
@@ -102,7 +102,7 @@ DSE_EXPORT fmi2Status fmi2Terminate(fmi2Component c) {
 }
 
 DSE_EXPORT fmi2Status fmi2Reset(fmi2Component c) {
-    if (!dse_is_allowed(c, __func__, DSE_ANY_STATE)) {
+    if (!dse_is_allowed(c, DSE_HERE, DSE_ANY_STATE)) {
         return fmi2Error;
     }
     dse_rewind(c);
@@ -110,7 +110,7 @@ DSE_EXPORT fmi2Status fmi2Reset(fmi2Component c) {
 }
 
 DSE_EXPORT fmi2Status fmi2DoStep(fmi2Component c, fmi2Real time, fmi2Real step, fmi2Boolean never_back) {
-    return dse_do_step(c, __func__, time, step) ? fmi2OK : DSE_HAS_ENDED(c) ? fmi2Discard : fmi2Error;
+    return dse_do_step(c, DSE_HERE, time, step) ? fmi2OK : DSE_HAS_ENDED(c) ? fmi2Discard : fmi2Error;
 }
 
 DSE_EXPORT fmi2Status fmi2CancelStep(fmi2Component c) { REFUSE(c, "no step is ever pending"); }
@@ -119,30 +119,30 @@ DSE_EXPORT fmi2Status fmi2CancelStep(fmi2Component c) { REFUSE(c, "no step is ev
 
 DSE_EXPORT fmi2Status fmi2GetReal(
     fmi2Component c, const fmi2ValueReference references[], size_t count, fmi2Real values[]) {
-    return STATUS(dse_get_reals(c, __func__, references, count, values));
+    return STATUS(dse_get_reals(c, DSE_HERE, references, count, values));
 }
 
 DSE_EXPORT fmi2Status fmi2SetReal(
     fmi2Component c, const fmi2ValueReference references[], size_t count, const fmi2Real values[]) {
-    return STATUS(dse_set_reals(c, __func__, references, count, values));
+    return STATUS(dse_set_reals(c, DSE_HERE, references, count, values));
 }
 
 #define WHOLE(name, type, kinds)                                                                                       \
     DSE_EXPORT fmi2Status fmi2Get##name(                                                                               \
         fmi2Component c, const fmi2ValueReference references[], size_t count, type values[]) {                         \
-        bool is_ok = dse_begin_get(c, __func__);                                                                       \
+        bool is_ok = dse_begin_get(c, DSE_HERE);                                                                       \
         for (size_t k = 0; is_ok && k < count; k++) {                                                                  \
             int64_t value = 0;                                                                                         \
-            is_ok = dse_get_whole(c, __func__, references[k], kinds, INT_MIN, INT_MAX, &value);                        \
+            is_ok = dse_get_whole(c, DSE_HERE, references[k], kinds, INT_MIN, INT_MAX, &value);                        \
             values[k] = (type)value;                                                                                   \
         }                                                                                                              \
         return STATUS(is_ok);                                                                                          \
     }                                                                                                                  \
     DSE_EXPORT fmi2Status fmi2Set##name(                                                                               \
         fmi2Component c, const fmi2ValueReference references[], size_t count, const type values[]) {                   \
-        bool is_ok = dse_begin_set(c, __func__);                                                                       \
+        bool is_ok = dse_begin_set(c, DSE_HERE);                                                                       \
         for (size_t k = 0; is_ok && k < count; k++) {                                                                  \
-            is_ok = dse_set_whole(c, __func__, references[k], kinds, values[k]);                                       \
+            is_ok = dse_set_whole(c, DSE_HERE, references[k], kinds, values[k]);                                       \
         }                                                                                                              \
         return STATUS(is_ok);                                                                                          \
     }
@@ -164,11 +164,11 @@ DSE_EXPORT fmi2Status fmi2SetString(
 
 DSE_EXPORT fmi2Status fmi2GetFMUstate(fmi2Component c, fmi2FMUstate *state) {
     struct dse_instance *instance = c;
-    return STATUS(dse_is_allowed(c, __func__, DSE_ANY_STATE) && dse_keep(c, __func__, &instance->at, state));
+    return STATUS(dse_is_allowed(c, DSE_HERE, DSE_ANY_STATE) && dse_keep(c, DSE_HERE, &instance->at, state));
 }
 
 DSE_EXPORT fmi2Status fmi2SetFMUstate(fmi2Component c, fmi2FMUstate state) {
-    return STATUS(dse_is_allowed(c, __func__, DSE_ANY_STATE) && dse_restore(c, __func__, state));
+    return STATUS(dse_is_allowed(c, DSE_HERE, DSE_ANY_STATE) && dse_restore(c, DSE_HERE, state));
 }
 
 DSE_EXPORT fmi2Status fmi2FreeFMUstate(fmi2Component c, fmi2FMUstate *state) {
@@ -183,12 +183,12 @@ DSE_EXPORT fmi2Status fmi2SerializedFMUstateSize(fmi2Component c, fmi2FMUstate s
 }
 
 DSE_EXPORT fmi2Status fmi2SerializeFMUstate(fmi2Component c, fmi2FMUstate state, fmi2Byte bytes[], size_t size) {
-    return STATUS(dse_is_allowed(c, __func__, DSE_ANY_STATE) && dse_serialize(c, __func__, state, bytes, size));
+    return STATUS(dse_is_allowed(c, DSE_HERE, DSE_ANY_STATE) && dse_serialize(c, DSE_HERE, state, bytes, size));
 }
 
 DSE_EXPORT fmi2Status fmi2DeSerializeFMUstate(
     fmi2Component c, const fmi2Byte bytes[], size_t size, fmi2FMUstate *state) {
-    return STATUS(dse_is_allowed(c, __func__, DSE_ANY_STATE) && dse_deserialize(c, __func__, bytes, size, state));
+    return STATUS(dse_is_allowed(c, DSE_HERE, DSE_ANY_STATE) && dse_deserialize(c, DSE_HERE, bytes, size, state));
 }
 
 /* What FMI 2.0 leaves optional and this FMU does not claim */

@@ -3,13 +3,13 @@
 
 #define DISCARD(is_ok) ((is_ok) ? fmi2OK : fmi2Discard)
 
-DSE_EXPORT fmi2Status fmi2EnterEventMode(fmi2Component c) { return STATUS(dse_set_mode(c, __func__, true)); }
+DSE_EXPORT fmi2Status fmi2EnterEventMode(fmi2Component c) { return STATUS(dse_set_mode(c, DSE_HERE, true)); }
 
-DSE_EXPORT fmi2Status fmi2EnterContinuousTimeMode(fmi2Component c) { return STATUS(dse_set_mode(c, __func__, false)); }
+DSE_EXPORT fmi2Status fmi2EnterContinuousTimeMode(fmi2Component c) { return STATUS(dse_set_mode(c, DSE_HERE, false)); }
 
 DSE_EXPORT fmi2Status fmi2NewDiscreteStates(fmi2Component c, fmi2EventInfo *info) {
     struct dse_news news = {false, false, false, 0.0};
-    const bool is_ok = dse_exchange_update(c, __func__, &news);
+    const bool is_ok = dse_exchange_update(c, DSE_HERE, &news);
     info->newDiscreteStatesNeeded = false;
     info->terminateSimulation = news.has_ended;
     info->nominalsOfContinuousStatesChanged = false;
@@ -22,32 +22,32 @@ DSE_EXPORT fmi2Status fmi2NewDiscreteStates(fmi2Component c, fmi2EventInfo *info
 DSE_EXPORT fmi2Status fmi2CompletedIntegratorStep(
     fmi2Component c, fmi2Boolean never_back, fmi2Boolean *event, fmi2Boolean *terminate) {
     bool has_ended;
-    const bool is_ok = dse_exchange_completed(c, __func__, &has_ended);
+    const bool is_ok = dse_exchange_completed(c, DSE_HERE, &has_ended);
     *event = false;
     *terminate = has_ended;
     return STATUS(is_ok);
 }
 
 DSE_EXPORT fmi2Status fmi2SetTime(fmi2Component c, fmi2Real time) {
-    return STATUS(dse_exchange_time(c, __func__, time));
+    return STATUS(dse_exchange_time(c, DSE_HERE, time));
 }
 
 DSE_EXPORT fmi2Status fmi2SetContinuousStates(fmi2Component c, const fmi2Real states[], size_t count) {
-    return STATUS(dse_exchange_set_states(c, __func__, states, count));
+    return STATUS(dse_exchange_set_states(c, DSE_HERE, states, count));
 }
 
 DSE_EXPORT fmi2Status fmi2GetContinuousStates(fmi2Component c, fmi2Real states[], size_t count) {
-    return STATUS(dse_exchange_get_states(c, __func__, states, count));
+    return STATUS(dse_exchange_get_states(c, DSE_HERE, states, count));
 }
 
 DSE_EXPORT fmi2Status fmi2GetDerivatives(fmi2Component c, fmi2Real derivatives[], size_t count) {
-    return DISCARD(dse_exchange_get_slope(c, __func__, derivatives, count));
+    return DISCARD(dse_exchange_get_slope(c, DSE_HERE, derivatives, count));
 }
 
 DSE_EXPORT fmi2Status fmi2GetEventIndicators(fmi2Component c, fmi2Real indicators[], size_t count) {
-    return DISCARD(dse_exchange_get_indicators(c, __func__, indicators, count));
+    return DISCARD(dse_exchange_get_indicators(c, DSE_HERE, indicators, count));
 }
 
 DSE_EXPORT fmi2Status fmi2GetNominalsOfContinuousStates(fmi2Component c, fmi2Real nominals[], size_t count) {
-    return STATUS(dse_exchange_get_nominals(c, __func__, nominals, count));
+    return STATUS(dse_exchange_get_nominals(c, DSE_HERE, nominals, count));
 }

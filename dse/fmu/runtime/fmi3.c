@@ -13,7 +13,7 @@
 #define REFUSE(instance, reason)                                                                                       \
     do {                                                                                                               \
         if (instance) {                                                                                                \
-            dse_refuse(instance, __func__, reason);                                                                    \
+            dse_refuse(instance, DSE_HERE, reason);                                                                    \
         }                                                                                                              \
         return fmi3Error;                                                                                              \
     } while (0)
@@ -62,7 +62,7 @@ DSE_EXPORT const char *fmi3GetVersion(void) { return "3.0"; }
 /* Errors are always told; there is nothing else to log. */
 DSE_EXPORT fmi3Status fmi3SetDebugLogging(
     fmi3Instance c, fmi3Boolean on, size_t count, const fmi3String categories[]) {
-    return STATUS(dse_is_allowed(c, __func__, DSE_ANY_STATE));
+    return STATUS(dse_is_allowed(c, DSE_HERE, DSE_ANY_STATE));
 }
 
 /* Life */
@@ -72,15 +72,15 @@ DSE_EXPORT fmi3Instance fmi3InstantiateCoSimulation(fmi3String name, fmi3String 
     const fmi3ValueReference intermediate[], size_t intermediate_count, void *environment, fmi3Logger logger,
     fmi3IntermediateUpdate update) {
     return create(
-        __func__, name, token, environment, logger, has_event_mode ? "there is no event mode in this FMU" : NULL);
+        DSE_HERE, name, token, environment, logger, has_event_mode ? "there is no event mode in this FMU" : NULL);
 }
 
 DSE_EXPORT void fmi3FreeInstance(fmi3Instance c) { dse_destroy(c); }
 
 DSE_EXPORT fmi3Status fmi3EnterInitializationMode(fmi3Instance c, fmi3Boolean has_tolerance, fmi3Float64 tolerance,
     fmi3Float64 start_time, fmi3Boolean has_stop_time, fmi3Float64 stop_time) {
-    if (!dse_is_allowed(c, __func__, DSE_INSTANTIATED)
-        || !dse_set_up(c, __func__, start_time, has_tolerance ? tolerance : 0.0)) {
+    if (!dse_is_allowed(c, DSE_HERE, DSE_INSTANTIATED)
+        || !dse_set_up(c, DSE_HERE, start_time, has_tolerance ? tolerance : 0.0)) {
         return fmi3Error;
     }
     dse_enter_initialization(c);
@@ -88,15 +88,15 @@ DSE_EXPORT fmi3Status fmi3EnterInitializationMode(fmi3Instance c, fmi3Boolean ha
 }
 
 DSE_EXPORT fmi3Status fmi3ExitInitializationMode(fmi3Instance c) {
-    if (!dse_is_allowed(c, __func__, DSE_INITIALIZING)) {
+    if (!dse_is_allowed(c, DSE_HERE, DSE_INITIALIZING)) {
         return fmi3Error;
     }
-    return STATUS(dse_exit_initialization(c, __func__));
+    return STATUS(dse_exit_initialization(c, DSE_HERE));
 }
 
 DSE_EXPORT fmi3Status fmi3Terminate(fmi3Instance c) {
     struct dse_instance *instance = c;
-    if (!dse_is_allowed(instance, __func__, DSE_STEPPING)) {
+    if (!dse_is_allowed(instance, DSE_HERE, DSE_STEPPING)) {
         return fmi3Error;
     }
     instance->at.state = DSE_TERMINATED;
@@ -104,7 +104,7 @@ DSE_EXPORT fmi3Status fmi3Terminate(fmi3Instance c) {
 }
 
 DSE_EXPORT fmi3Status fmi3Reset(fmi3Instance c) {
-    if (!dse_is_allowed(c, __func__, DSE_ANY_STATE)) {
+    if (!dse_is_allowed(c, DSE_HERE, DSE_ANY_STATE)) {
         return fmi3Error;
     }
     dse_rewind(c);
@@ -114,7 +114,7 @@ DSE_EXPORT fmi3Status fmi3Reset(fmi3Instance c) {
 DSE_EXPORT fmi3Status fmi3DoStep(fmi3Instance c, fmi3Float64 time, fmi3Float64 step, fmi3Boolean never_back,
     fmi3Boolean *event, fmi3Boolean *terminate, fmi3Boolean *early, fmi3Float64 *last_time) {
     const struct dse_instance *instance = c;
-    const bool is_ok = dse_do_step(c, __func__, time, step);
+    const bool is_ok = dse_do_step(c, DSE_HERE, time, step);
     *event = *terminate = *early = false;
     if (instance) {
         *last_time = instance->at.time;
@@ -127,31 +127,31 @@ DSE_EXPORT fmi3Status fmi3DoStep(fmi3Instance c, fmi3Float64 time, fmi3Float64 s
 
 DSE_EXPORT fmi3Status fmi3GetFloat64(fmi3Instance c, const fmi3ValueReference references[], size_t count,
     fmi3Float64 values[], size_t value_count) {
-    return STATUS(dse_get_reals(c, __func__, references, count, values));
+    return STATUS(dse_get_reals(c, DSE_HERE, references, count, values));
 }
 
 DSE_EXPORT fmi3Status fmi3SetFloat64(fmi3Instance c, const fmi3ValueReference references[], size_t count,
     const fmi3Float64 values[], size_t value_count) {
-    return STATUS(dse_set_reals(c, __func__, references, count, values));
+    return STATUS(dse_set_reals(c, DSE_HERE, references, count, values));
 }
 
 /* *kinds* are those whose variables the description declares with this type. */
 #define WHOLE(name, type, kinds, lowest, highest)                                                                      \
     DSE_EXPORT fmi3Status fmi3Get##name(fmi3Instance c, const fmi3ValueReference references[], size_t count,           \
         type values[], size_t value_count) {                                                                           \
-        bool is_ok = dse_begin_get(c, __func__);                                                                       \
+        bool is_ok = dse_begin_get(c, DSE_HERE);                                                                       \
         for (size_t k = 0; is_ok && k < count; k++) {                                                                  \
             int64_t value = 0;                                                                                         \
-            is_ok = dse_get_whole(c, __func__, references[k], kinds, lowest, highest, &value);                         \
+            is_ok = dse_get_whole(c, DSE_HERE, references[k], kinds, lowest, highest, &value);                         \
             values[k] = (type)value;                                                                                   \
         }                                                                                                              \
         return STATUS(is_ok);                                                                                          \
     }                                                                                                                  \
     DSE_EXPORT fmi3Status fmi3Set##name(fmi3Instance c, const fmi3ValueReference references[], size_t count,           \
         const type values[], size_t value_count) {                                                                     \
-        bool is_ok = dse_begin_set(c, __func__);                                                                       \
+        bool is_ok = dse_begin_set(c, DSE_HERE);                                                                       \
         for (size_t k = 0; is_ok && k < count; k++) {                                                                  \
-            is_ok = dse_set_whole(c, __func__, references[k], kinds, (int64_t)values[k]);                              \
+            is_ok = dse_set_whole(c, DSE_HERE, references[k], kinds, (int64_t)values[k]);                              \
         }                                                                                                              \
         return STATUS(is_ok);                                                                                          \
     }
@@ -169,11 +169,11 @@ static bool has_none(struct dse_instance *instance, const char *function, const 
 #define ABSENT(name, type)                                                                                             \
     DSE_EXPORT fmi3Status fmi3Get##name(fmi3Instance c, const fmi3ValueReference references[], size_t count,           \
         type values[], size_t value_count) {                                                                           \
-        return STATUS(has_none(c, __func__, references, count));                                                       \
+        return STATUS(has_none(c, DSE_HERE, references, count));                                                       \
     }                                                                                                                  \
     DSE_EXPORT fmi3Status fmi3Set##name(fmi3Instance c, const fmi3ValueReference references[], size_t count,           \
         const type values[], size_t value_count) {                                                                     \
-        return STATUS(has_none(c, __func__, references, count));                                                       \
+        return STATUS(has_none(c, DSE_HERE, references, count));                                                       \
     }
 
 ABSENT(Float32, fmi3Float32)
@@ -188,11 +188,11 @@ ABSENT(UInt64, fmi3UInt64)
 
 DSE_EXPORT fmi3Status fmi3GetFMUState(fmi3Instance c, fmi3FMUState *state) {
     struct dse_instance *instance = c;
-    return STATUS(dse_is_allowed(c, __func__, DSE_ANY_STATE) && dse_keep(c, __func__, &instance->at, state));
+    return STATUS(dse_is_allowed(c, DSE_HERE, DSE_ANY_STATE) && dse_keep(c, DSE_HERE, &instance->at, state));
 }
 
 DSE_EXPORT fmi3Status fmi3SetFMUState(fmi3Instance c, fmi3FMUState state) {
-    return STATUS(dse_is_allowed(c, __func__, DSE_ANY_STATE) && dse_restore(c, __func__, state));
+    return STATUS(dse_is_allowed(c, DSE_HERE, DSE_ANY_STATE) && dse_restore(c, DSE_HERE, state));
 }
 
 DSE_EXPORT fmi3Status fmi3FreeFMUState(fmi3Instance c, fmi3FMUState *state) {
@@ -207,12 +207,12 @@ DSE_EXPORT fmi3Status fmi3SerializedFMUStateSize(fmi3Instance c, fmi3FMUState st
 }
 
 DSE_EXPORT fmi3Status fmi3SerializeFMUState(fmi3Instance c, fmi3FMUState state, fmi3Byte bytes[], size_t size) {
-    return STATUS(dse_is_allowed(c, __func__, DSE_ANY_STATE) && dse_serialize(c, __func__, state, bytes, size));
+    return STATUS(dse_is_allowed(c, DSE_HERE, DSE_ANY_STATE) && dse_serialize(c, DSE_HERE, state, bytes, size));
 }
 
 DSE_EXPORT fmi3Status fmi3DeserializeFMUState(
     fmi3Instance c, const fmi3Byte bytes[], size_t size, fmi3FMUState *state) {
-    return STATUS(dse_is_allowed(c, __func__, DSE_ANY_STATE) && dse_deserialize(c, __func__, bytes, size, state));
+    return STATUS(dse_is_allowed(c, DSE_HERE, DSE_ANY_STATE) && dse_deserialize(c, DSE_HERE, bytes, size, state));
 }
 
 #ifdef DSE_MODEL

@@ -12,7 +12,7 @@
 DSE_EXPORT fmi3Instance fmi3InstantiateScheduledExecution(fmi3String name, fmi3String token, fmi3String resources,
     fmi3Boolean visible, fmi3Boolean logging, void *environment, fmi3Logger logger, fmi3ClockUpdate update,
     fmi3Preemption lock, fmi3Preemption unlock) {
-    return create(__func__, name, token, environment, logger, DSE_NO_SCHEDULE);
+    return create(DSE_HERE, name, token, environment, logger, DSE_NO_SCHEDULE);
 }
 
 REFUSED(fmi3GetString, "there are no strings", REFERENCES, fmi3String values[], size_t value_count)
@@ -56,7 +56,7 @@ REFUSED_PLAIN(fmi3ExitConfigurationMode, "there are no structural parameters")
 #ifndef DSE_MODEL
 DSE_EXPORT fmi3Instance fmi3InstantiateModelExchange(fmi3String name, fmi3String token, fmi3String resources,
     fmi3Boolean visible, fmi3Boolean logging, void *environment, fmi3Logger logger) {
-    return create(__func__, name, token, environment, logger, DSE_NO_SCHEDULE);
+    return create(DSE_HERE, name, token, environment, logger, DSE_NO_SCHEDULE);
 }
 
 REFUSED_PLAIN(fmi3EnterEventMode, "there is no event mode")

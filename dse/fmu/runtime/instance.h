@@ -22,6 +22,12 @@
 #else
 #define DSE_EXPORT __attribute__((visibility("default")))
 #endif
+/* The FMI function we are in, as FMI calls it. Where several components share a library, names there have a prefix. */
+#ifdef DSE_PREFIX
+#define DSE_HERE (&__func__[sizeof DSE_PREFIX - 1])
+#else
+#define DSE_HERE __func__
+#endif
 /* Kept out of the many accessors that call it: compiling copies of it is what a build would take its time for. */
 #define DSE_APART __attribute__((noinline))
 #define DSE_LIKELY(condition) __builtin_expect(!!(condition), 1)
@@ -40,6 +46,8 @@ struct dse_snapshot {
     uint32_t is_set_up;
     uint16_t is_changed;       /* of a model: something was set since the last step */
     uint16_t is_in_event_mode; /* of a model for model exchange */
+    uint32_t has_new;          /* of a model for co-simulation: *now* has values that the last step did not have */
+    uint32_t padding;
     int64_t hits;              /* sample hits that have run */
     double start_time;
     double time;

@@ -86,14 +86,14 @@ static bool dse_initialize(struct dse_instance *instance, const char *function) 
 }
 
 /* What at.is_stale says while stepping. */
-enum { DSE_FRESH = 0, DSE_STALE_OUTPUTS = 1, DSE_STALE_DERIVATIVES = 2 };
+enum { DSE_FRESH = 0, DSE_STALE_OUTPUTS = 1, DSE_STALE_DERIVATIVES = 2, DSE_STALE_INPUTS = 3 };
 
 /* The staleness of the values after one more was set. */
 static inline uint32_t dse_staleness(const struct dse_instance *instance) {
     if (instance->at.state != DSE_STEPPING) {
         return 1;
     }
-    return instance->is_exchange ? DSE_STALE_DERIVATIVES : instance->at.is_stale;
+    return instance->is_exchange ? DSE_STALE_DERIVATIVES : DSE_STALE_INPUTS;
 }
 
 /* Values set since the last time go into the model, and the parameters that depend on them are computed; *is_new*:
@@ -134,9 +134,12 @@ static DSE_APART bool dse_refresh(struct dse_instance *instance, const char *fun
     if (m->solver.trouble.code != DSE_NO_TROUBLE) {
         return true; /* what is left of a failed simulation is shown as it is */
     }
-    if (instance->is_exchange && !dse_take_over(instance, &is_new)) {
+    /* Outputs follow inputs at once, so that a master can carry values on and solve loops between two steps. What is
+     * discrete, and events, wait for the next step. */
+    if ((instance->is_exchange || instance->at.is_stale == DSE_STALE_INPUTS) && !dse_take_over(instance, &is_new)) {
         return dse_tell_trouble(instance, function);
     }
+    instance->at.has_new |= is_new;
     if ((instance->at.is_stale == DSE_STALE_DERIVATIVES || is_new) && !dse_is_done(m, model_derivatives(m))) {
         return dse_tell_trouble(instance, function);
     }
@@ -179,10 +182,12 @@ static bool dse_do_step(struct dse_instance *instance, const char *function, dou
         return dse_refuse(instance, function, "the simulation has failed at %.12g s", m->solver.trouble.time);
     }
     const double spare = DSE_SPARE * step;
+    const bool had_new = at->has_new;
+    at->has_new = 0;
     m->solver.span = step;
     at->is_stale = DSE_CHECKS > 0 ? DSE_FRESH : DSE_STALE_OUTPUTS; /* asserts have looked at the outputs already */
-    if (!dse_take_over(instance, &is_new) || !dse_begin_step(m, dse_tell_check, is_new, spare)
-        || !dse_advance(m, dse_tell_check, time + step, !is_new, spare)) {
+    if (!dse_take_over(instance, &is_new) || !dse_begin_step(m, dse_tell_check, is_new || had_new, spare)
+        || !dse_advance(m, dse_tell_check, time + step, !(is_new || had_new), spare)) {
         at->time = m->solver.trouble.time;
         return dse_tell_trouble(instance, function);
     }

@@ -1,5 +1,5 @@
-/* An FMU around a handful of numbers, FMI 2.0 or 3.0 as -DFMI says: every variable is value[reference], whatever its
- * type. The file that includes this one defines the model; the tests know its variables (conftest.py). */
+/* An FMU around a handful of numbers, FMI 1.0, 2.0 or 3.0 as -DFMI says: every variable is value[reference], whatever
+ * its type. The file that includes this one defines the model; the tests know its variables (conftest.py). */
 #include <stdarg.h>
 #include <stdbool.h>
 #include <stddef.h>
@@ -13,7 +13,19 @@
 #define EXPORT __attribute__((visibility("default")))
 #endif
 
-#if FMI == 2
+#if FMI == 1
+#define JOINED(identifier, name) identifier##_fmi##name
+#define PREFIXED(identifier, name) JOINED(identifier, name)
+#define NAME(name) PREFIXED(IDENTIFIER, name)
+typedef char Truth;
+typedef void (*Logger)(void *, const char *, int, const char *, const char *, ...);
+typedef struct {
+    Logger log;
+    void *(*allocate)(size_t, size_t);
+    void (*release)(void *);
+    void (*finished)(void *, int);
+} Callbacks;
+#elif FMI == 2
 #define NAME(name) fmi2##name
 typedef int Truth;
 typedef void (*Logger)(void *, const char *, int, const char *, const char *, ...);
@@ -32,9 +44,18 @@ typedef void (*Logger)(void *, int, const char *, const char *);
 
 enum { OK, WARNING, DISCARD, ERROR, FATAL };
 
+#ifdef MAY_ROLL_BACK
+#define ACCEPTS(final) true
+#else
+#define ACCEPTS(final) (final)
+#endif
+
 typedef struct {
     double value[32];
-    bool initializing, ended, early;
+    bool initializing, ended, early, event, uses_events, may_return_early;
+    double reached; /* of an early return */
+    void (*finished)(void *, int);
+    void (*between)(void *, double, bool, bool, bool, bool, bool *, double *);
     Logger log;
     void *environment;
     void (*release)(void *);
@@ -45,9 +66,15 @@ static int reset(Model *m);                       /* what fmiXReset does to a us
 static int initialize(Model *m);                  /* on leaving initialization mode, and before outputs are read in it */
 static int step(Model *m, double time, double h); /* returns a status */
 
+#ifdef OWN_WATCH
+static int before_writing(Model *m, uint32_t reference); /* returns a status */
+#else
+static int before_writing(Model *m, uint32_t reference) { return (void)m, (void)reference, OK; }
+#endif
+
 static void say(Model *m, const char *text, int number)
 {
-#if FMI == 2
+#if FMI < 3
     m->log(m->environment, "instance", ERROR, "error", "%s %d\n", text, number);
 #else
     (void)number;
@@ -74,7 +101,27 @@ static Model *fresh(Model *m, Logger log, void *environment, const char *token)
     return m;
 }
 
-#if FMI == 2
+#if FMI == 1
+EXPORT void *NAME(InstantiateSlave)(const char *name, const char *token, const char *location, const char *mime_type,
+                                    double timeout, char visible, char interactive, Callbacks callbacks, char logging)
+{
+    (void)visible, (void)logging;
+    if (!name || !mime_type || timeout != 0 || interactive || strncmp(location, "file://", 7) != 0)
+        return NULL;
+    Model *m = callbacks.allocate(1, sizeof *m);
+    m->release = callbacks.release;
+    m->finished = callbacks.finished;
+    if (fresh(m, callbacks.log, m, token))
+        return m;
+    callbacks.release(m);
+    return NULL;
+}
+EXPORT int NAME(InitializeSlave)(void *m, double start, char has_stop, double stop)
+{
+    return start != 0 || !has_stop || stop <= 0 ? ERROR : initialize(m);
+}
+EXPORT int NAME(DoStep)(void *m, double time, double h, char is_new) { return is_new ? step(m, time, h) : ERROR; }
+#elif FMI == 2
 EXPORT void *fmi2Instantiate(const char *name, int type, const char *token, const char *resources,
                              const Callbacks *callbacks, int visible, int logging)
 {
@@ -83,6 +130,7 @@ EXPORT void *fmi2Instantiate(const char *name, int type, const char *token, cons
         return NULL;
     Model *m = callbacks->allocate(1, sizeof *m);
     m->release = callbacks->release;
+    m->finished = callbacks->finished;
     if (fresh(m, callbacks->log, callbacks->environment, token))
         return m;
     callbacks->release(m);
@@ -94,17 +142,24 @@ EXPORT int fmi2SetupExperiment(void *m, int has_tolerance, double tolerance, dou
     return has_tolerance || start != 0 || !has_stop || stop <= 0 ? ERROR : OK;
 }
 EXPORT int fmi2EnterInitializationMode(void *m) { return ((Model *)m)->initializing = true, OK; }
-EXPORT int fmi2DoStep(void *m, double time, double h, int final) { return final ? step(m, time, h) : ERROR; }
+EXPORT int fmi2DoStep(void *m, double time, double h, int final) { return ACCEPTS(final) ? step(m, time, h) : ERROR; }
 #else
 EXPORT void *fmi3InstantiateCoSimulation(const char *name, const char *token, const char *resources, bool visible,
                                          bool logging, bool events, bool early, const uint32_t *intermediate,
                                          size_t n_intermediate, void *environment, Logger log, void *update)
 {
-    (void)visible, (void)logging, (void)intermediate, (void)update;
-    if (!name || events || early || n_intermediate || strchr("/\\", resources[strlen(resources) - 1]) == NULL)
+    (void)visible, (void)logging, (void)intermediate;
+#ifndef HAS_EVENTS
+    if (events || early)
+        return NULL;
+#endif
+    if (!name || (n_intermediate && !update) || strchr("/\\", resources[strlen(resources) - 1]) == NULL)
         return NULL;
     Model *m = calloc(1, sizeof *m);
     m->release = free;
+    m->uses_events = events;
+    m->may_return_early = early;
+    m->between = (void (*)(void *, double, bool, bool, bool, bool, bool *, double *))update;
     if (fresh(m, log, environment, token))
         return m;
     free(m);
@@ -120,41 +175,55 @@ EXPORT int fmi3EnterInitializationMode(void *m, bool has_tolerance, double toler
 EXPORT int fmi3DoStep(void *m, double time, double h, bool final, bool *event, bool *ended, bool *early, double *reached)
 {
     *reached = time + h;
-    int status = final ? step(m, time, h) : ERROR;
-    *event = false;
+    int status = ACCEPTS(final) ? step(m, time, h) : ERROR;
+    *event = ((Model *)m)->event;
     *ended = ((Model *)m)->ended;
     *early = ((Model *)m)->early;
+    if (*early && ((Model *)m)->may_return_early)
+        *reached = ((Model *)m)->reached;
     return status;
 }
 #endif
 
-EXPORT void NAME(FreeInstance)(void *m)
+#if FMI == 1
+#define FREE_INSTANCE NAME(FreeSlaveInstance)
+#define RESET NAME(ResetSlave)
+#define TERMINATE NAME(TerminateSlave)
+#else
+#define FREE_INSTANCE NAME(FreeInstance)
+#define RESET NAME(Reset)
+#define TERMINATE NAME(Terminate)
+#endif
+
+EXPORT void FREE_INSTANCE(void *m)
 {
     alive--;
     ((Model *)m)->release(m);
 }
+#if FMI > 1
 EXPORT int NAME(ExitInitializationMode)(void *m)
 {
     int status = initialize(m);
     ((Model *)m)->initializing = false;
     return status;
 }
+#endif
 
 static int finish(Model *m);
 #ifndef OWN_TERMINATE
 static int finish(Model *m) { return (void)m, OK; }
 #endif
 
-EXPORT int NAME(Reset)(void *m)
+EXPORT int RESET(void *m)
 {
     ((Model *)m)->initializing = false;
     return reset(m);
 }
-EXPORT int NAME(Terminate)(void *m) { return finish(m); }
+EXPORT int TERMINATE(void *m) { return finish(m); }
 
 static int before_reading(Model *m) { return m->initializing ? initialize(m) : OK; }
 
-#if FMI == 2
+#if FMI < 3
 #define COUNT
 #else
 #define COUNT , size_t count
@@ -169,11 +238,14 @@ static int before_reading(Model *m) { return m->initializing ? initialize(m) : O
     }                                                                                                                \
     EXPORT int NAME(Set##TYPE)(void *m, const uint32_t *reference, size_t n, const C_TYPE *value COUNT)              \
     {                                                                                                                \
-        for (size_t i = 0; i < n; i++)                                                                               \
+        for (size_t i = 0; i < n; i++) {                                                                             \
+            if (before_writing(m, reference[i]) != OK)                                                               \
+                return ERROR;                                                                                        \
             ((Model *)m)->value[reference[i]] = (double)value[i];                                                    \
+        }                                                                                                            \
         return OK;                                                                                                   \
     }
-#if FMI == 2
+#if FMI < 3
 ACCESS(Real, double)
 #ifndef NO_INTEGERS
 ACCESS(Integer, int)

@@ -16,7 +16,8 @@ RUNTIME = Path(__file__).parents[3] / "dse" / "fmu" / "runtime"
 
 COMMON = (
     "slot.h", "instance.h", "value.h", "modelica.h", "solver_memory.h", "arithmetic.h", "linear.h", "newton.h",
-    "tables.h", "evaluate.h", "crossings.h", "dormand_prince.h", "rosenbrock.h", "locate.h", "integrate.h", "events.h",
+    "tables.h", "evaluate.h", "crossings.h", "dormand_prince_tableau.h", "dormand_prince.h", "rosenbrock_tableau.h",
+    "rosenbrock.h", "locate.h", "integrate.h", "events.h",
     "co_simulation.h", "simulation.h", "exchange.h",
 )  # fmt: skip
 FILES = {

@@ -10,6 +10,11 @@ export interface Column {
   text: (value: number) => string;
 }
 
+export interface Metric extends Column {
+  /** What each value changes with half the step; null if that was not checked. */
+  error: Float64Array | null;
+}
+
 export interface Variable extends Column {
   low: number;
   high: number;
@@ -67,7 +72,7 @@ export interface Study {
   done: Uint8Array;
   problems: Map<number, string>;
   variables: Variable[];
-  metrics: Column[];
+  metrics: Metric[];
   requirements: Requirement[];
   configurations: Configuration[];
   slices: number[][];
@@ -83,7 +88,7 @@ interface Document {
   runs: number;
   mostCentres: number;
   variables: { name: string; title: string; unit: string; low: number; high: number; nominal: number }[];
-  metrics: { name: string; title: string; unit: string }[];
+  metrics: { name: string; title: string; unit: string; checked: boolean }[];
   requirements: { name: string; title: string; metric: number; atMost: number | null; atLeast: number | null }[];
   configurations: { id: string; choices: [string, string][]; properties: [string, string][] }[];
   slices: number[][];
@@ -119,7 +124,11 @@ export async function readStudy(): Promise<Study> {
     done: flags("done"),
     problems: new Map(source.problems),
     variables: source.variables.map((variable, i) => ({ ...variable, ...column(`variable.${i}`) })),
-    metrics: source.metrics.map((metric, i) => ({ ...metric, ...column(`metric.${i}`) })),
+    metrics: source.metrics.map((metric, i) => ({
+      ...metric,
+      ...column(`metric.${i}`),
+      error: metric.checked ? floats(`error.${i}`) : null,
+    })),
     requirements: source.requirements.map((requirement, i) => ({ ...requirement, exercised: flags(`exercised.${i}`) })),
     configurations: source.configurations.map((configuration, i) => ({
       ...configuration,

@@ -79,7 +79,8 @@ function metricsTable(store: Store, run: number): HTMLElement {
   study.metrics.forEach((metric, index) => {
     const value = metric.values[run]!;
     const bound = study.requirements.flatMap((requirement, place) => (requirement.metric === index ? [place] : []));
-    const shown = study.done[run] ? withUnit(metric.text(value), metric.unit) : "\u2013";
+    const error = study.done[run] ? (metric.error?.[run] ?? null) : null;
+    const shown = study.done[run] ? withUnit(metric.text(value) + plusMinus(error), metric.unit) : "\u2013";
     const name = el("th", { scope: "row", title: metric.name }, metric.title);
     if (!bound.length) {
       body.append(el("tr", {}, name, el("td", {}, shown), el("td"), el("td"), el("td")));
@@ -89,6 +90,7 @@ function metricsTable(store: Store, run: number): HTMLElement {
       const threshold = state.thresholds[place]!;
       const mark = each[place]![run]!;
       const by = margin(value, threshold);
+      const isClose = error !== null && Math.abs(by) <= error;
       body.append(
         el(
           "tr",
@@ -97,7 +99,11 @@ function metricsTable(store: Store, run: number): HTMLElement {
           el("td", {}, shown),
           el("td", {}, bounds(threshold, metric.unit)),
           el("td", { class: mark < 2 ? CLASSES[mark]! : "muted" }, study.done[run] && !Number.isNaN(by) ? signed(by, metric.unit) : "\u2013"),
-          el("td", { class: `verdict ${CLASSES[mark]}` }, `${SIGNS[mark]} ${WORDS[mark]}`),
+          el(
+            "td",
+            { class: `verdict ${CLASSES[mark]}`, title: isClose ? "The margin is smaller than the error bar." : "" },
+            `${SIGNS[mark]} ${WORDS[mark]}${isClose ? ", within the error bar" : ""}`,
+          ),
         ),
       );
     });
@@ -114,6 +120,10 @@ export function bounds({ atMost, atLeast }: Threshold, unit: string): string {
   if (atLeast !== null) parts.push(`\u2265\u202f${number(atLeast)}`);
   if (atMost !== null) parts.push(`\u2264\u202f${number(atMost)}`);
   return withUnit(parts.join(" and "), unit);
+}
+
+function plusMinus(error: number | null): string {
+  return error === null ? "" : ` \u00b1\u202f${Number.isNaN(error) ? "?" : number(error, 2)}`;
 }
 
 function signed(value: number, unit: string): string {

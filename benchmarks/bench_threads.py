@@ -1,0 +1,77 @@
+"""Runs of one configuration in one process: by one thread, and by two at once, as a worker makes them.
+
+Each run is simulated, measured and judged. The two take turns, so that a machine that slows down slows both; medians
+are shown. Needs two processors with nothing else to do.
+"""
+
+from __future__ import annotations
+
+import pickle
+import sys
+import tempfile
+import time
+from collections.abc import Sequence
+from dataclasses import replace
+from pathlib import Path
+from statistics import median
+
+from dse.exploration.crew import simulate
+from dse.exploration.heartbeat import Heartbeat
+from dse.exploration.job import Batch, Setup
+from dse.exploration.plan import missing_runs
+from dse.exploration.samplers import requests
+from dse.exploration.seat import Seat, bench_file
+from dse.loading.workspace import Workspace
+from dse.testbench.execute import make_executor
+from dse.testbench.plan import plan
+
+RUNS = 600
+TURNS = 5
+
+
+def main() -> None:
+    study = Workspace.around(Path(__file__).parent).study("acc_gains")
+    planned = plan(study)
+    asked = requests(study, tuple(planned.prepared))
+    (batch,) = missing_runs([r for r in asked if r.configuration == asked[0].configuration][:1], set())
+    chosen = [r for r in asked if r.configuration == batch.configuration][:RUNS]
+    batch = replace(
+        batch,
+        numbers=tuple(r.number for r in chosen),
+        points=tuple(tuple(r.point[name] for name in batch.names) for r in chosen),
+    )
+    prepared = planned.prepared[batch.configuration]
+    assert prepared.thread_safe
+    sys.setswitchinterval(1e-4)  # as a worker with threads does
+    with tempfile.TemporaryDirectory(prefix="dse-bench-") as scratch:
+        folder = Path(scratch)
+        setup = Setup(make_executor, folder, folder, tuple(m.name for m in study.bench.metrics), (), 2)
+        bench_file(setup, batch.configuration).write_bytes(pickle.dumps(prepared))
+        Heartbeat.lay_out(folder / "beat", 2)
+        seats = [Seat(setup, Heartbeat(folder / "beat", seat)) for seat in range(2)]
+        rates: dict[int, list[float]] = {1: [], 2: []}
+        results = {}
+        for threads in (1, 2):
+            results[threads] = sorted(
+                (run.request.number, *run.metrics.values()) for run, _ in simulate(batch, seats[:threads])
+            )
+        assert repr(results[1]) == repr(results[2])
+        for _ in range(TURNS):
+            for threads, measured in rates.items():
+                measured.append(rate(batch, seats[:threads]))
+    one, two = median(rates[1]), median(rates[2])
+    print(f"{len(batch.numbers)} runs of {prepared.simulation.steps} steps in one process, median of {TURNS}")
+    print(f"  one thread  {one:8.0f} runs/s")
+    print(f"  two threads {two:8.0f} runs/s")
+    print(f"  ratio       {two / one:8.2f}   (wanted: at least 1.8)")
+
+
+def rate(batch: Batch, seats: Sequence[Seat]) -> float:
+    """Runs per second."""
+    start = time.perf_counter()
+    done = sum(1 for _ in simulate(batch, seats))
+    return done / (time.perf_counter() - start)
+
+
+if __name__ == "__main__":
+    main()

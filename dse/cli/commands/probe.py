@@ -1,0 +1,145 @@
+"""``dse probe``."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from dse.cli.app import DONE, RUNS_FAILED, app, console, plain, print_json, print_table
+from dse.cli.arguments import FmiVersion, Format, Output
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from dse.domain.facts import FmuFacts, Question
+    from dse.domain.fmu import FmuModel
+
+_TITLES = {
+    "runs": "runs its default experiment",
+    "repeats": "gives the same in another process",
+    "resets": "reset equals fresh",
+    "renews": "second instance equals the first",
+    "coexists": "two in turns equal one alone",
+    "threads": "two in threads equal one alone",
+    "saves": "saved state leads to the same",
+    "serializes": "and so does one saved as bytes",
+    "varies step": "takes uneven steps",
+    "feeds through": "outputs follow inputs without a step",
+    "lasts": "instances in one process",
+    "reloads": "loads and unloads in one process",
+}
+_STYLES = {"yes": "green", "no": "red", "unknown": "yellow"}
+_GOOD_EITHER_WAY = ("feeds through",)
+
+
+@app.command()
+def probe(
+    names: Annotated[
+        list[str],
+        typer.Argument(metavar="FMU...", help="FMU files, or components of the workspace.", show_default=False),
+    ],
+    output: Format = Output.TABLE,
+    again: Annotated[bool, typer.Option("--again", help="Make the experiments again, even if they were made.")] = False,
+    timeout: Annotated[float, typer.Option("--timeout", min=1.0, help="Seconds an experiment may take.")] = 30.0,
+    version: FmiVersion = 2,
+) -> None:
+    """Find out what an FMU really does.
+
+    Is a reset FMU like a fresh one, a second instance like the first, a restored state the one that was saved? Does it
+    bear threads, uneven steps, thousands of instances? What does a step cost? Every experiment has a process of its
+    own, so an FMU may crash or hang.
+
+    What was found is kept in the cache, and all simulations act on it: an FMU that lies about its reset is never reset.
+    """
+    from dse.cosim.probing.child import Limits
+    from dse.cosim.probing.probe import probe as find_out
+    from dse.domain.facts import Answer, Question
+    from dse.fmu.platforms import this_platform
+    from dse.testbench.trust import as_data, keep_facts, known_facts
+
+    found: list[FmuFacts] = []
+    for name, model in _models(names, version):
+        facts = None if again else known_facts(model)
+        if facts is None:
+            with console(stderr=True).status(plain(f"probing {name}")) as status:
+
+                def tell(question: Question) -> None:
+                    status.update(plain(f"probing {name}: {_TITLES[str(question)]}?"))  # noqa: B023  # called at once
+
+                facts = find_out(model, this_platform().name, limits=Limits(time=timeout), tell=tell)
+            keep_facts(facts)
+        found.append(facts)
+        if output is Output.TABLE:
+            _show(name, model, facts)
+    if output is Output.JSON:
+        print_json([{"fmu": name, **as_data(facts)} for name, facts in zip(names, found, strict=True)])
+    failed = any(facts.answer(Question.RUNS) is not Answer.YES for facts in found)
+    raise typer.Exit(RUNS_FAILED if failed else DONE)
+
+
+def _models(names: list[str], version: int) -> Iterator[tuple[str, FmuModel]]:
+    from dse.fmu.build import build
+    from dse.fmu.unpack import open_fmu
+    from dse.loading.workspace import Workspace
+
+    for name in names:
+        path = Path(name)
+        if path.suffix.lower() == ".fmu" or path.is_file():
+            yield name, open_fmu(path)
+        else:
+            yield name, open_fmu(build(Workspace.around(Path()).component(name), version=version))
+
+
+def _show(name: str, model: FmuModel, facts: FmuFacts) -> None:
+    from rich.table import Table
+    from rich.text import Text
+
+    from dse.testbench.trust import consequences
+
+    kind = f"FMI {model.version}, {model.interface}, {facts.steps} steps of {facts.step:.6g} s"
+    console().print(Text.assemble((plain(name), "bold"), f"  {kind}"), soft_wrap=True)
+    table = Table(box=None, pad_edge=False, show_header=False)
+    for column in ("what", "answer", "detail"):
+        table.add_column(column, no_wrap=column != "detail", overflow="fold")
+    for question, answer in facts.answers.items():
+        style = "" if str(question) in _GOOD_EITHER_WAY else _STYLES[str(answer)]
+        table.add_row(f"  {_TITLES[str(question)]}", Text(str(answer), style), plain(_detail(facts, question)))
+    for what, number in _measured(facts):
+        table.add_row(f"  {what}", "", number)
+    print_table(table)
+    for line in consequences(facts):
+        console().print(f"  → {line}", soft_wrap=True)
+
+
+def _detail(facts: FmuFacts, question: Question) -> str:
+    tried = {"lasts": facts.instances, "reloads": facts.loads}.get(str(question))
+    reason = facts.reasons.get(question, "")
+    if tried is None:
+        return reason
+    return f"{tried:,}, then it {reason}" if reason else f"{tried:,} tried"
+
+
+def _measured(facts: FmuFacts) -> Iterator[tuple[str, str]]:
+    if not math.isnan(facts.step_cost):
+        yield "a step costs", _time(facts.step_cost)
+    if not math.isnan(facts.memory):
+        yield "an instance takes", _bytes(facts.memory)
+    if not math.isnan(facts.run_growth):
+        yield "a run leaves behind", _bytes(facts.run_growth)
+
+
+def _time(seconds: float) -> str:
+    for unit, size in (("s", 1.0), ("ms", 1e-3), ("µs", 1e-6)):
+        if seconds >= size:
+            return f"{seconds / size:.3g} {unit}"
+    return f"{seconds / 1e-9:.3g} ns"
+
+
+def _bytes(number: float) -> str:
+    for unit, size in (("GB", 1e9), ("MB", 1e6), ("kB", 1e3)):
+        if number >= size:
+            return f"{number / size:.3g} {unit}"
+    return f"{number:.0f} B"

@@ -1,0 +1,225 @@
+"""``dse simulate`` of a package: its waveforms as a file, or what came of them as a table."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from enum import StrEnum
+from pathlib import Path
+from typing import TYPE_CHECKING, TypeVar
+
+import typer
+
+from dse.cli.app import DONE, RUNS_FAILED, console, plain, print_json, print_table
+from dse.cli.arguments import Output
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    import numpy as np
+    from numpy.typing import NDArray
+    from rich.table import Table
+
+    from dse.domain.method import Method
+    from dse.system.ssp.conversion import Carry
+    from dse.testbench.ssp import PreparedPackage
+
+    Columns = Mapping[str, NDArray[np.float64]]
+
+SUFFIXES = (".ssp", ".ssd")
+_MOST_NOTES = 5
+_TIMEOUT = 600.0
+"""Seconds a package's run may take, if nobody says it."""
+
+
+@dataclass(frozen=True, slots=True)
+class Wishes:
+    """What a person asks of the simulation of a package, as typed; None for what is left to the package."""
+
+    variant: str | None = None
+    stop: str | None = None
+    step: str | None = None
+    settings: Mapping[str, str] = field(default_factory=dict)
+    record: tuple[str, ...] = ()
+    algorithm: str | None = None
+    coupling: str | None = None
+    extrapolation: str | None = None
+    timeout: str | None = None
+
+
+def is_package(name: str) -> bool:
+    """Whether *name* is that of a package, not of a test bench."""
+    return Path(name).suffix.lower() in SUFFIXES
+
+
+def waveform_file(path: Path | None) -> Path | None:
+    """Refuse a file that could not be written before anything is simulated for it."""
+    if path is not None and path.suffix.lower() not in (".csv", ".json"):
+        raise typer.BadParameter(f"'{path.name}' must end in .csv or .json")
+    if path is not None and not path.parent.is_dir():
+        raise typer.BadParameter(f"there is no folder '{path.parent}'")
+    return path
+
+
+def simulate_package(path: Path, wishes: Wishes, target: Path | None, output: Output) -> None:
+    """Simulate the package once, show or write its waveforms, and exit as it deserves."""
+    from dse.exploration.alone import simulate_alone
+    from dse.testbench.execute import make_executor
+    from dse.testbench.ssp import prepare_ssp
+
+    with console(stderr=True).status("opening FMUs"):
+        prepared = prepare_ssp(
+            path,
+            variant=wishes.variant,
+            stop=seconds("--stop", wishes.stop),
+            step=seconds("--step", wishes.step),
+            settings=wishes.settings,
+            record=wishes.record,
+            method=_method(wishes),
+            timeout=seconds("--timeout", wishes.timeout) or _TIMEOUT,
+        )
+    _say_notes(prepared)
+    waveforms, problem = simulate_alone(prepared.bench, make_executor)
+    if waveforms is None:
+        console(stderr=True).print(plain(f"{path.name} failed to run: {problem}"), style="bold red", soft_wrap=True)
+        raise typer.Exit(RUNS_FAILED)
+    columns = {s.name: _carried(s.carry, waveforms.values[s.label]) for s in prepared.resolved.signals}
+    if target is not None:
+        _write(target, waveforms.time, columns, prepared)
+        console().print(f"{target}: {len(columns)} waveforms of {len(waveforms.time)} points", soft_wrap=True)
+    elif output is Output.JSON:
+        print_json(_data(waveforms.time, columns, prepared, whole=False))
+    else:
+        _show(path, columns, prepared)
+    raise typer.Exit(DONE)
+
+
+def seconds(option: str, text: str | None) -> float | None:
+    """A time as a person types it: a number of seconds, or with a unit."""
+    from dse.units import UnitError, parse_quantity, parse_unit
+
+    if text is None:
+        return None
+    try:
+        quantity = parse_quantity(text)
+    except UnitError as error:
+        raise typer.BadParameter(str(error), param_hint=option) from None
+    if quantity.unit.symbol and quantity.unit.dimension != parse_unit("s").dimension:
+        raise typer.BadParameter(f"'{text}' is no time", param_hint=option)
+    if quantity.si <= 0:
+        raise typer.BadParameter(f"'{text}' is not positive", param_hint=option)
+    return float(quantity.si)
+
+
+def _method(wishes: Wishes) -> Method:
+    from dse.domain.method import Algorithm, Coupling, Extrapolation, Method
+
+    return Method(
+        algorithm=_word(Algorithm, wishes.algorithm, "--algorithm"),
+        coupling=_word(Coupling, wishes.coupling, "--coupling"),
+        extrapolation=_word(Extrapolation, wishes.extrapolation, "--extrapolation"),
+    )
+
+
+W = TypeVar("W", bound=StrEnum)
+
+
+def _word(words: type[W], text: str | None, option: str) -> W:
+    """The word typed; the first of them, which is the plain way, if none is."""
+    known = list(words)
+    if text is None:
+        return known[0]
+    if text not in known:
+        raise typer.BadParameter(f"'{text}' is none of {', '.join(known)}", param_hint=option)
+    return words(text)
+
+
+def _say_notes(prepared: PreparedPackage) -> None:
+    notes = prepared.resolved.notes
+    screen = console(stderr=True)
+    for note in notes[:_MOST_NOTES]:
+        screen.print(plain(f"note: {note}"), soft_wrap=True)
+    if len(notes) > _MOST_NOTES:
+        screen.print(f"note: and {len(notes) - _MOST_NOTES} more of what is not used", soft_wrap=True)
+
+
+def _carried(carry: Carry, values: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Recorded values as the system's own connector shows them."""
+    import numpy as np
+
+    if carry.table is None and carry.is_linear_identity:
+        return values
+    return np.array([carry.apply(float(value)) for value in values], np.float64)
+
+
+def _write(target: Path, time: NDArray[np.float64], columns: Columns, prepared: PreparedPackage) -> None:
+    """Numbers in full: reading them gives the same bits."""
+    import csv
+    import json
+
+    from dse.errors import fail
+
+    try:
+        with target.open("w", encoding="utf-8", newline="") as file:
+            if target.suffix.lower() == ".json":
+                json.dump(_data(time, columns, prepared, whole=True), file, ensure_ascii=False, indent=1)
+                file.write("\n")
+            else:
+                writer = csv.writer(file, lineterminator="\n")
+                writer.writerow(["time", *columns])
+                writer.writerows(zip(*(map(repr, c.tolist()) for c in (time, *columns.values())), strict=True))
+    except OSError as error:
+        raise fail(f"cannot write '{target}': {error.strerror or error}") from error
+
+
+def _data(time: NDArray[np.float64], columns: Columns, prepared: PreparedPackage, *, whole: bool) -> dict[str, object]:
+    """The run as data: all waveforms if *whole*, else where each ends."""
+    timing = prepared.timing
+    signals = {
+        signal.name: {
+            "unit": signal.unit,
+            **({"values": columns[signal.name].tolist()} if whole else _extremes(columns[signal.name])),
+        }
+        for signal in prepared.resolved.signals
+    }
+    head: dict[str, object] = {
+        "system": prepared.ssp.name,
+        "variant": prepared.ssp.variant,
+        "stop": timing.stop,
+        "step": timing.step,
+    }
+    return {**head, **({"time": time.tolist()} if whole else {}), "signals": signals}
+
+
+def _extremes(values: NDArray[np.float64]) -> dict[str, float]:
+    return {
+        "start": float(values[0]),
+        "end": float(values[-1]),
+        "least": float(values.min()),
+        "greatest": float(values.max()),
+    }
+
+
+def _show(path: Path, columns: Columns, prepared: PreparedPackage) -> None:
+    screen, timing, ssp = console(), prepared.timing, prepared.ssp
+    screen.print(plain(ssp.name), style="bold")
+    more = f", variant {ssp.variant} of {', '.join(ssp.variants)}" if len(ssp.variants) > 1 else ""
+    screen.print(plain(f"{path.name}{more}"), soft_wrap=True)
+    screen.print(
+        f"{timing.stop:g} s ({timing.stop_said_by}) in steps of {timing.step:g} s ({timing.step_said_by})",
+        soft_wrap=True,
+    )
+    print_table(_table(columns, prepared))
+
+
+def _table(columns: Columns, prepared: PreparedPackage) -> Table:
+    from rich.table import Table
+
+    table = Table(box=None, pad_edge=False, header_style="bold")
+    table.add_column("signal")
+    for heading in ("at the start", "at the end", "least", "greatest"):
+        table.add_column(heading, justify="right")
+    table.add_column("unit")
+    for signal in prepared.resolved.signals:
+        numbers = _extremes(columns[signal.name]).values()
+        table.add_row(plain(signal.name), *(f"{number:.6g}" for number in numbers), plain(signal.unit))
+    return table

@@ -1,0 +1,126 @@
+/* Error control by step doubling: every interval is made in one step and again in two halves, which are kept if both
+ * agree (Hairer, Nørsett and Wanner, Solving Ordinary Differential Equations I, II.4; for co-simulation Schierz,
+ * Arnold and Clauß, 2012). Intervals are the run's step in 2^level equal parts: k*step + i*step/2^level, no sums. */
+#ifndef DSE_COSIM_ADAPTIVE_H
+#define DSE_COSIM_ADAPTIVE_H
+
+#include "plan.h"
+
+#define EASY 0.1 /* an error so small still fits when the interval is doubled, be it of third order */
+
+enum { FINEST = 52 };
+
+static bool save_all(System *system)
+{
+    const Plan *plan = system->plan;
+    for (int64_t e = 0; e < system->n_elements; e++)
+        if (!save_element(system, e))
+            return false;
+    memcpy(plan->kept, system->values, (size_t)system->n_values * sizeof(double));
+    memcpy(plan->kept + system->n_values, plan->past, (size_t)plan->n_past * sizeof(double));
+    return true;
+}
+
+static bool restore_all(System *system)
+{
+    const Plan *plan = system->plan;
+    for (int64_t e = 0; e < system->n_elements; e++) {
+        if (!restore_element(system, e))
+            return false;
+        if (plan->reads_again && !read_element(system, &system->elements[e], &system->elements[e].outputs))
+            return false;
+    }
+    memcpy(system->values, plan->kept, (size_t)system->n_values * sizeof(double));
+    memcpy(plan->past, plan->kept + system->n_values, (size_t)plan->n_past * sizeof(double));
+    return true;
+}
+
+/* What matters of an output is compared with the largest it has been. */
+static void note_magnitudes(const System *system)
+{
+    const Plan *plan = system->plan;
+    for (int64_t i = 0; i < plan->n_compared; i++) {
+        const double size = fabs(system->values[plan->compared[i]]);
+        if (size > plan->magnitudes[i])
+            plan->magnitudes[i] = size;
+    }
+}
+
+/* Largest difference between the coarse values and the present ones, 1 being what is tolerated; and whose it is. */
+static double difference(const System *system, int64_t *worst)
+{
+    const Plan *plan = system->plan;
+    double largest = 0.0;
+    *worst = 0;
+    for (int64_t i = 0; i < plan->n_compared; i++) {
+        const int32_t position = plan->compared[i];
+        const double part = fabs(system->values[position] - plan->coarse[i]) /
+                            (plan->absolute + plan->tolerance * plan->magnitudes[i]);
+        if (!(part <= largest)) {
+            largest = part <= DBL_MAX ? part : INFINITY;
+            *worst = position;
+        }
+    }
+    return largest;
+}
+
+/* From *begin* to *end* in one step, which leaves its values in *coarse*, and again from there in two halves. */
+static bool step_twice(System *system, double begin, double length, double middle, double end)
+{
+    const Plan *plan = system->plan;
+    const double half = 0.5 * length;
+    if (!advance(system, begin, length, end))
+        return false;
+    for (int64_t c = 0; c < plan->n_compared; c++)
+        plan->coarse[c] = system->values[plan->compared[c]];
+    return restore_all(system) && advance(system, begin, half, middle) && meet(system, middle, half) &&
+           advance(system, middle, half, end);
+}
+
+/* An FMU that discards a step asks for a shorter one. */
+static bool is_discarded(const System *system)
+{
+    return system->failure.kind == BAD_STATUS && system->failure.status == FMI_DISCARD;
+}
+
+/* From k*step to the next communication point; *level* is kept from one call to the next, *last* is the length of the
+ * last step made. */
+static bool advance_adaptively(System *system, double time, double step, int64_t *level, double *last)
+{
+    const Plan *plan = system->plan;
+    int64_t i = 0;
+    while (i < (int64_t)1 << *level) {
+        const double length = ldexp(step, -(int)*level), half = 0.5 * length;
+        const double end = time + (double)(i + 1) * length;
+        if (!save_all(system))
+            return false;
+        int64_t worst = 0;
+        double error = INFINITY;
+        const bool went = step_twice(system, time + (double)i * length, length, time + (double)(2 * i + 1) * half, end);
+        if (went)
+            error = difference(system, &worst);
+        else if (!is_discarded(system))
+            return false;
+        if (!(error <= 1.0)) {
+            if (half < plan->smallest || *level >= FINEST)
+                return went ? fail(system, STEP_TOO_SHORT, 0, worst, half) : false;
+            system->failure = (Failure){0};
+            if (!restore_all(system))
+                return false;
+            ++*level;
+            i *= 2;
+            continue;
+        }
+        *last = half;
+        note_magnitudes(system);
+        if (++i < (int64_t)1 << *level && !meet(system, end, half))
+            return false;
+        if (*level && i % 2 == 0 && error <= EASY) {
+            --*level;
+            i /= 2;
+        }
+    }
+    return true;
+}
+
+#endif

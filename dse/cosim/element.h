@@ -1,0 +1,244 @@
+/* What one element does, whatever kind of FMU is behind it: the algorithms know these functions only.
+ *
+ * Each of them notes the place of the FMI call it is about to make and returns false with system->failure filled in
+ * if the FMU refuses. The life of an instance: make_instance, set_up, read and write until the initial values are
+ * found, leave_initialization, then write, step and read, terminate_element; reset_element and again, or free_instance. */
+#ifndef DSE_COSIM_ELEMENT_H
+#define DSE_COSIM_ELEMENT_H
+
+#include "kernel.h" /* before anything of the system: it says which of POSIX is wanted */
+
+#include "exchange.h"
+#include "log.h"
+#include "stepping.h"
+
+#include <stdlib.h>
+
+/* ---- instances ---- */
+
+/* Tell all groups of variables which instance they belong to, and forget what it was given. */
+static void bind(System *system)
+{
+    calling = system;
+    for (const Groups *groups = system->tables; groups < system->tables + system->n_tables; groups++) {
+        for (Group *group = groups->fmi2; group < groups->end; group++)
+            group->instance = system->elements[group->place.element].instance;
+        for (TextGroup *group = groups->texts; group < groups->no_texts; group++)
+            group->instance = system->elements[group->place.element].instance;
+    }
+    for (int64_t e = 0; e < system->n_elements; e++) {
+        system->elements[e].life++;
+        system->elements[e].moving = NULL;
+        system->elements[e].broken = 0;
+    }
+}
+
+/* FMI 1.0 does not tell whose step it is, from whatever thread: its FMUs are asked. */
+static void finish_fmi1_step(void *instance, int status)
+{
+    (void)instance, (void)status;
+}
+
+static void finish_fmi2_step(void *environment, int status)
+{
+    if (environment)
+        keep_step_status(environment, status);
+}
+
+static void *instantiate_fmi1(const Element *element)
+{
+    const Fmi1Callbacks callbacks = {keep_fmi1_line, calloc, free, finish_fmi1_step};
+    return ((Fmi1Instantiate)element->instantiate)(element->name, element->token, element->resources,
+                                                   "application/x-fmu-sharedlibrary", 0.0, 0, 0, callbacks, 0);
+}
+
+static void *instantiate_fmi2(const Element *element)
+{
+    return ((Fmi2Instantiate)element->instantiate)(element->name, FMI2_CO_SIMULATION, element->token,
+                                                   element->resources, &element->callbacks, 0, 0);
+}
+
+static void *instantiate_fmi3(Element *element)
+{
+    const bool asks = element->abilities & ASKS_BETWEEN;
+    return ((Fmi3Instantiate)element->instantiate)(
+        element->name, element->token, element->resources, false, false, element->abilities & HAS_EVENTS,
+        element->abilities & CAN_RETURN_EARLY, element->intermediate, asks ? (size_t)element->n_intermediate : 0, element,
+        keep_fmi3_line, asks ? update_between : NULL);
+}
+
+static bool make_instance(System *system, int64_t e)
+{
+    Element *element = &system->elements[e];
+    calling = system;
+    enter_call(system, e, INSTANTIATE);
+    element->callbacks = (Fmi2Callbacks){keep_fmi2_line, calloc, free, finish_fmi2_step, element};
+    element->system = system;
+    element->finished = -1;
+    element->mode = CREATED;
+    if (element->exchange)
+        return exchange_make(system, e);
+    element->instance = element->version == 1   ? instantiate_fmi1(element)
+                        : element->version == 2 ? instantiate_fmi2(element)
+                                                : instantiate_fmi3(element);
+    return element->instance ? true : fail(system, NO_INSTANCE, 0, 0, 0);
+}
+
+static void free_instance(System *system, int64_t e)
+{
+    Element *element = &system->elements[e];
+    if (element->instance) {
+        calling = system;
+        if (element->saved) {
+            enter_call(system, e, FREE_STATE);
+            ((FmiGetState)element->free_state)(element->instance, &element->saved);
+        }
+        enter_call(system, e, FREE_INSTANCE);
+        ((FmiFree)element->free_instance)(element->instance);
+    }
+    element->saved = NULL;
+    element->instance = NULL;
+}
+
+static bool reset_element(System *system, int64_t e)
+{
+    calling = system;
+    return call_plain(system, &system->elements[e], RESET, system->elements[e].reset);
+}
+
+/* ---- initialization ---- */
+
+static bool configure(System *system, const Element *element)
+{
+    const Groups *groups = &element->configuration;
+    return groups->fmi2 == groups->end ||
+           (call_plain(system, element, ENTER_CONFIGURATION, element->enter_configuration) &&
+            write_some(system, groups, UNFIT_START) &&
+            call_plain(system, element, EXIT_CONFIGURATION, element->exit_configuration));
+}
+
+static bool set_up_experiment(System *system, const Element *element)
+{
+    enter_call(system, element->stepping.element, SETUP_EXPERIMENT);
+    Fmi2SetupExperiment set_up = (Fmi2SetupExperiment)element->setup_experiment;
+    return accept(system, set_up(element->instance, 0, 0.0, 0.0, 1, element->stop));
+}
+
+static bool enter_initialization(System *system, Element *element)
+{
+    enter_call(system, element->stepping.element, ENTER_INITIALIZATION);
+    const FmiFunction enter = element->enter_initialization;
+    const int status =
+        element->version == 1   ? ((Fmi1Initialize)enter)(element->instance, 0.0, 1, element->stop)
+        : element->version == 2 ? ((FmiPlain)enter)(element->instance)
+                                : ((Fmi3EnterInitialization)enter)(element->instance, false, 0.0, 0.0, true, element->stop);
+    /* FMI 1.0 has no initialization mode: it begins to run with the inputs it has. */
+    element->mode = element->version == 1 ? RUNNING : INITIALIZING;
+    return accept(system, status);
+}
+
+/* From a new or reset instance into initialization mode, start values set. An FMU of FMI 1.0 is initialized when it is
+ * first read, so that it can be given inputs before. */
+static bool set_up(System *system, int64_t e, double stop)
+{
+    Element *element = &system->elements[e];
+    element->stop = stop;
+    element->next_event = INFINITY;
+    element->mode = SET_UP;
+    return (element->version != 2 || set_up_experiment(system, element)) &&
+           (element->version != 3 || configure(system, element)) &&
+           write_some(system, &element->starts, UNFIT_START) &&
+           (element->version == 1 || enter_initialization(system, element));
+}
+
+static bool leave_initialization(System *system, int64_t e)
+{
+    Element *element = &system->elements[e];
+    if (element->version == 1)
+        return element->mode == RUNNING || enter_initialization(system, element);
+    element->mode = RUNNING;
+    if (element->exchange)
+        return exchange_start(system, e);
+    return call_plain(system, element, EXIT_INITIALIZATION, element->exit_initialization) &&
+           (!(element->abilities & HAS_EVENTS) || leave_event_mode(system, element));
+}
+
+static bool terminate_element(System *system, int64_t e)
+{
+    return call_plain(system, &system->elements[e], TERMINATE, system->elements[e].terminate);
+}
+
+/* ---- values ---- */
+
+/* Read *groups* of its outputs into the tables. */
+static bool read_element(System *system, Element *element, const Groups *groups)
+{
+    if (element->version == 1 && element->mode == SET_UP && !enter_initialization(system, element))
+        return false;
+    return read_some(system, groups);
+}
+
+/* Give it *groups* of its inputs as they are staged. Discrete inputs that change are an event of their own. */
+static bool write_element(System *system, Element *element, const Groups *groups)
+{
+    return element->mode == RUNNING && element->abilities & HAS_EVENTS ? write_around_event(system, element, groups)
+                                                                       : write_some(system, groups, UNFIT_INPUT);
+}
+
+/* sensitivity = (d unknowns / d knowns) seed, all as they are inside of the FMU. */
+OFFERED static bool directional_derivative(System *system, const Element *element, const uint32_t *unknowns, size_t n_unknowns,
+                                   const uint32_t *knowns, size_t n_knowns, const double *seed, size_t n_seed,
+                                   double *sensitivity, size_t n_sensitivity)
+{
+    enter_call(system, element->stepping.element, GET_DIRECTIONAL_DERIVATIVE);
+    if (!(element->abilities & CAN_DIRECTIONAL))
+        return fail(system, NO_FUNCTION, 0, 0, 0);
+    const FmiFunction get = element->get_directional_derivative;
+    return accept(system, element->version == 2
+                              ? ((Fmi2Directional)get)(element->instance, unknowns, n_unknowns, knowns, n_knowns, seed,
+                                                       sensitivity)
+                              : ((Fmi3Directional)get)(element->instance, unknowns, n_unknowns, knowns, n_knowns, seed,
+                                                       n_seed, sensitivity, n_sensitivity));
+}
+
+/* ---- steps ---- */
+
+/* From *time* to time + step, inputs written. */
+HOT bool step_element(System *system, Element *element, double time, double step)
+{
+    if (element->exchange)
+        return exchange_step(system, element, time, step);
+    if (element->version == 3)
+        return step_fmi3(system, element, time, step);
+    const int status = call_step(system, element, time, step);
+    return is_good(status) ? true : make_up(system, element, time, step, status);
+}
+
+/* Keep the state it is in; one state at a time. */
+OFFERED static bool save_element(System *system, int64_t e)
+{
+    Element *element = &system->elements[e];
+    enter_call(system, e, GET_STATE);
+    if (!(element->abilities & CAN_SAVE))
+        return fail(system, NO_FUNCTION, 0, 0, 0);
+    element->saved_next_event = element->next_event;
+    if (element->exchange)
+        exchange_save(element);
+    return accept(system, ((FmiGetState)element->get_state)(element->instance, &element->saved));
+}
+
+/* Back to the state that was kept. */
+OFFERED static bool restore_element(System *system, int64_t e)
+{
+    Element *element = &system->elements[e];
+    enter_call(system, e, SET_STATE);
+    if (!element->saved)
+        return fail(system, NO_FUNCTION, 0, 0, 0);
+    element->next_event = element->saved_next_event;
+    element->life++;
+    if (element->exchange)
+        exchange_restore(element);
+    return accept(system, ((FmiSetState)element->set_state)(element->instance, element->saved));
+}
+
+#endif

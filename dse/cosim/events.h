@@ -1,0 +1,114 @@
+/* Event mode of FMI 3.0 co-simulation (FMI 3.0.1, 4.2.1), where discrete inputs are set and discrete states change. */
+#ifndef DSE_COSIM_EVENTS_H
+#define DSE_COSIM_EVENTS_H
+
+#include "access.h"
+
+#include <math.h>
+
+enum { MOST_EVENT_ITERATIONS = 1000 };
+
+static bool call_plain(System *system, const Element *element, int64_t call, FmiFunction function)
+{
+    enter_call(system, element->stepping.element, call);
+    return accept(system, ((FmiPlain)function)(element->instance));
+}
+
+/* In event mode: until nothing changes any more. */
+static bool iterate_events(System *system, Element *element)
+{
+    for (int64_t i = 0; i < MOST_EVENT_ITERATIONS; i++) {
+        bool again = false, terminate = false, nominals = false, states = false, has_next = false;
+        double next = 0.0;
+        enter_call(system, element->stepping.element, UPDATE_DISCRETE_STATES);
+        const int status = ((Fmi3UpdateStates)element->update_discrete_states)(
+            element->instance, &again, &terminate, &nominals, &states, &has_next, &next);
+        if (!accept(system, status))
+            return false;
+        if (terminate)
+            return fail(system, STEP_CUT_SHORT, 1, 0, 0);
+        element->next_event = has_next ? next : INFINITY;
+        if (!again)
+            return true;
+    }
+    return fail(system, ENDLESS_EVENTS, 0, 0, 0);
+}
+
+static bool leave_event_mode(System *system, Element *element)
+{
+    return iterate_events(system, element) &&
+           call_plain(system, element, ENTER_STEP_MODE, element->enter_step_mode);
+}
+
+static bool pass_event(System *system, Element *element)
+{
+    return call_plain(system, element, ENTER_EVENT_MODE, element->enter_event_mode) &&
+           leave_event_mode(system, element);
+}
+
+/* ---- discrete inputs ---- */
+
+static bool is_changed(const Element *element, const Group *group)
+{
+    const size_t size = (size_t)group->n_values * size_of(group->type);
+    return group->given && (group->given[0] != element->life || memcmp(group->given + 1, group->room, size) != 0);
+}
+
+static bool is_changed_text(const Element *element, const TextGroup *group)
+{
+    bool changed = group->given && group->given[0] != element->life;
+    for (int64_t i = 0; group->given && i < group->n_values; i++)
+        changed |= group->given[1 + i] != group->texts[i]->changes;
+    return changed;
+}
+
+static bool give(System *system, const Element *element, const Group *group)
+{
+    if (!call_fmi3(system, system->progress, group))
+        return false;
+    memcpy(group->given + 1, group->room, (size_t)group->n_values * size_of(group->type));
+    group->given[0] = element->life;
+    return true;
+}
+
+static bool give_text(System *system, const Element *element, const TextGroup *group)
+{
+    if (!write_text_group(system, group))
+        return false;
+    for (int64_t i = 0; i < group->n_values; i++)
+        group->given[1 + i] = group->texts[i]->changes;
+    group->given[0] = element->life;
+    return true;
+}
+
+/* In step mode: discrete inputs that have changed are set in an event, all others as they are. */
+static bool write_around_event(System *system, Element *element, const Groups *groups)
+{
+    bool changed = false;
+    for (Group *const *group = groups->converted; *group; group++)
+        if (!narrow_checked(system, *group, UNFIT_INPUT))
+            return false;
+    for (const Group *group = groups->fmi2; group < groups->end; group++) {
+        changed |= is_changed(element, group);
+        if (!group->given && !call_fmi3(system, system->progress, group))
+            return false;
+    }
+    for (const TextGroup *group = groups->texts; group < groups->no_texts; group++) {
+        changed |= is_changed_text(element, group);
+        if (!group->given && !write_text_group(system, group))
+            return false;
+    }
+    if (!changed)
+        return true;
+    if (!call_plain(system, element, ENTER_EVENT_MODE, element->enter_event_mode))
+        return false;
+    for (const Group *group = groups->fmi2; group < groups->end; group++)
+        if (is_changed(element, group) && !give(system, element, group))
+            return false;
+    for (const TextGroup *group = groups->texts; group < groups->no_texts; group++)
+        if (is_changed_text(element, group) && !give_text(system, element, group))
+            return false;
+    return leave_event_mode(system, element);
+}
+
+#endif

@@ -1,0 +1,170 @@
+/* FMUs for model exchange as elements: the kernel integrates them from one communication point to the next.
+ *
+ * At a communication point an element with connected inputs rests in event mode, where FMI allows every input to be
+ * set, and its next step begins with the event iteration for what was set; between the points its continuous inputs
+ * move along their slopes, if they were given any. An element without connected inputs goes straight on. Events that
+ * fall on a communication point are handled at the end of the step that leads there. */
+#ifndef DSE_COSIM_EXCHANGE_H
+#define DSE_COSIM_EXCHANGE_H
+
+#include "exchange_integrate.h"
+#include "log.h"
+
+enum { MOST_STEPS = 1000000, MOST_PASSES = 100, CLOSE_EVENTS = 32 };
+
+/* Part of a communication step by which an FMU's time of an event may differ from the master's by rounding. */
+#define SPARE 1e-9
+
+static bool exchange_make(System *system, int64_t e)
+{
+    Element *element = &system->elements[e];
+    const Exchange *x = element->exchange;
+    enter_call(system, e, INSTANTIATE);
+    element->instance =
+        element->version == 2
+            ? ((Fmi2Instantiate)x->instantiate)(element->name, FMI2_MODEL_EXCHANGE, element->token, element->resources,
+                                                &element->callbacks, 0, 0)
+            : ((Fmi3InstantiateExchange)x->instantiate)(element->name, element->token, element->resources, false, false,
+                                                        element, keep_fmi3_line);
+    return element->instance ? true : fail(system, NO_INSTANCE, 0, 0, 0);
+}
+
+/* ---- events ---- */
+
+/* In event mode: iterate until nothing changes any more, and take note of what is new. */
+static bool settle_events(System *system, const Element *element)
+{
+    Exchange *x = element->exchange;
+    bool has_new_states = false, has_new_nominals = false;
+    Fmi2EventInfo info = {.again = 1};
+    for (int64_t pass = 0; info.again; pass++) {
+        if (pass == MOST_PASSES)
+            return fail_at(system, x, EVENTS_UNSETTLED, 0);
+        if (!update_discrete_states(system, element, &info))
+            return false;
+        if (info.terminate)
+            return ask_to_end(system, x);
+        has_new_states |= info.states_changed != 0;
+        has_new_nominals |= info.nominals_changed != 0;
+    }
+    if (info.has_next && isnan(info.next))
+        return fail_at(system, x, EVENT_NEVER, 0);
+    x->now.next_event = info.has_next ? info.next : INFINITY;
+    return (!has_new_states || get_states(system, element)) && (!has_new_nominals || get_nominals(system, element));
+}
+
+/* From event mode on: slope and indicators are those of here. */
+static bool go_on(System *system, const Element *element)
+{
+    Exchange *x = element->exchange;
+    return change_mode(system, element, ENTER_CONTINUOUS_TIME, x->enter_continuous_time) &&
+           must(system, element,
+                get_doubles(system, element, GET_DERIVATIVES, x->get_derivatives, x->n_states, SLOPE_NOT_FINITE,
+                            x->slope)) &&
+           must(system, element, look(system, element, x->indicators));
+}
+
+/* Whether this event is one of too many with next to no time between them. */
+static bool chatters(Exchange *x)
+{
+    Standing *now = &x->now;
+    const bool is_close = now->events_close > 0 && now->time - now->last_event <= fmin(1e-8, 1e-6 * x->span);
+    now->events_close = is_close ? now->events_close + 1 : 1;
+    now->last_event = now->time;
+    return now->events_close >= CLOSE_EVENTS;
+}
+
+static bool meet_event(System *system, const Element *element)
+{
+    Exchange *x = element->exchange;
+    if (chatters(x))
+        return fail_at(system, x, CHATTERS, x->has_event ? first_crossed(x, x->high_indicators) : -1);
+    x->now.events++;
+    x->now.next_width = 0.0; /* what the error control has learnt is of the time before */
+    x->has_event = 0;
+    return change_mode(system, element, ENTER_EVENT_MODE, x->enter_event_mode) && settle_events(system, element) &&
+           go_on(system, element);
+}
+
+/* ---- time ---- */
+
+/* One step of the solver to at most *limit*, and the event at its end, if there is one. */
+static bool proceed(System *system, const Element *element, double limit)
+{
+    Exchange *x = element->exchange;
+    bool wants_event = false;
+    if (x->now.time < limit) {
+        if (!take_step(system, element, limit))
+            return false;
+        x->now.time = x->end;
+        if (!x->is_at_end) {
+            const Answer answer = put_point(system, element, x->end, x->states);
+            if (!must(system, element, answer))
+                return false;
+        }
+        if (!complete_step(system, element, &wants_event))
+            return false;
+    }
+    return !(x->has_event || wants_event || x->now.time >= x->now.next_event) || meet_event(system, element);
+}
+
+/* To *target*, which becomes now.time but for rounding. */
+static bool integrate(System *system, const Element *element, double target)
+{
+    Exchange *x = element->exchange;
+    const double spare = SPARE * x->span, least = 16.0 * DBL_EPSILON * fmax(fabs(target), x->span);
+    const int64_t most = x->now.steps + x->now.events + MOST_STEPS;
+    x->has_event = 0;
+    for (;;) {
+        const bool is_due = x->now.next_event <= target + spare;
+        if (!is_due && target - x->now.time <= least)
+            return true;
+        if (x->now.steps + x->now.events >= most)
+            return fail_at(system, x, TOO_MANY_STEPS, 0);
+        if (!proceed(system, element, is_due ? x->now.next_event : target))
+            return false;
+    }
+}
+
+/* ---- what element.h calls ---- */
+
+/* Out of initialization, through the first event iteration. */
+static bool exchange_start(System *system, int64_t e)
+{
+    const Element *element = &system->elements[e];
+    Exchange *x = element->exchange;
+    x->now = (Standing){.next_event = INFINITY, .in_event_mode = 1};
+    x->has_event = 0;
+    enter_call(system, e, EXIT_INITIALIZATION);
+    return accept(system, ((FmiPlain)element->exit_initialization)(element->instance)) &&
+           check_counts(system, element) && get_nominals(system, element) && settle_events(system, element) &&
+           get_states(system, element) && (x->has_inputs || go_on(system, element));
+}
+
+static bool exchange_step(System *system, const Element *element, double time, double step)
+{
+    Exchange *x = element->exchange;
+    x->span = step;
+    if (x->now.in_event_mode && !(settle_events(system, element) && go_on(system, element)))
+        return false;
+    if (!integrate(system, element, time + step))
+        return false;
+    return !x->has_inputs || change_mode(system, element, ENTER_EVENT_MODE, x->enter_event_mode);
+}
+
+/* Keep where the integration stands, besides the FMU's own state. */
+static void exchange_save(Element *element)
+{
+    Exchange *x = element->exchange;
+    x->kept = x->now;
+    copy_values(x->kept_values, x->states, x->n_kept);
+}
+
+static void exchange_restore(Element *element)
+{
+    Exchange *x = element->exchange;
+    x->now = x->kept;
+    copy_values(x->states, x->kept_values, x->n_kept);
+}
+
+#endif

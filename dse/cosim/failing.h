@@ -1,0 +1,55 @@
+/* The place of a call, and how a run fails. */
+#ifndef DSE_COSIM_FAILING_H
+#define DSE_COSIM_FAILING_H
+
+#include "kernel.h"
+
+/* The loop is as fast as it is short: what it needs is put into it, everything else is kept out of it. */
+#if defined(__GNUC__)
+#define RARE __attribute__((cold, noinline))
+#define APART __attribute__((noinline))
+#define HOT static inline __attribute__((always_inline))
+#define OFFERED __attribute__((unused)) /* to the algorithms, whether one happens to take it or not */
+#else
+#define RARE
+#define APART
+#define HOT static inline
+#define OFFERED
+#endif
+
+/* The block is in memory before the FMU runs: no compiler may hold a store to it back past an unknown function. */
+static inline void enter_call(System *system, int64_t element, int64_t call)
+{
+    system->progress->place = (Place){element, call};
+}
+
+RARE static bool fail(System *system, int64_t kind, int64_t status, int64_t position, double value)
+{
+    system->failure = (Failure){kind, status, *system->progress, -1, position, value, system->now};
+    return false;
+}
+
+/* About one value of a group. */
+RARE static bool fail_value(System *system, int64_t kind, const Group *group, int64_t position, double value)
+{
+    system->progress->place = group->place;
+    system->failure = (Failure){kind, 0, *system->progress, group->id, position, value, system->now};
+    return false;
+}
+
+RARE static bool fail_status(System *system, int status)
+{
+    return fail(system, BAD_STATUS, status, 0, 0);
+}
+
+static inline bool is_good(int status)
+{
+    return (unsigned)status <= FMI_WARNING;
+}
+
+static inline bool accept(System *system, int status)
+{
+    return is_good(status) ? true : fail_status(system, status);
+}
+
+#endif

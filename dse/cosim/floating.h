@@ -1,0 +1,46 @@
+/* How the processor rounds, whether it flushes what is very small to zero, and what it traps: an FMU that changes this,
+ * and does not change it back, would change the results of every other one, and of later runs. */
+#ifndef DSE_COSIM_FLOATING_H
+#define DSE_COSIM_FLOATING_H
+
+#include "failing.h"
+
+#if defined(__SSE2__)
+#include <immintrin.h>
+/* MXCSR without its flags of what has happened, which every calculation sets. */
+enum { FLOATING_CONTROL = 0xFFC0, FLOATING_DEFAULT = 0x1F80 };
+static inline unsigned floating_mode(void) { return _mm_getcsr() & FLOATING_CONTROL; }
+static inline void set_floating_mode(unsigned mode) { _mm_setcsr(mode); }
+#elif defined(__aarch64__)
+enum { FLOATING_DEFAULT = 0 };
+static inline unsigned floating_mode(void)
+{
+    uint64_t mode;
+    __asm__ volatile("mrs %0, fpcr" : "=r"(mode));
+    return (unsigned)mode;
+}
+static inline void set_floating_mode(unsigned mode)
+{
+    __asm__ volatile("msr fpcr, %0" ::"r"((uint64_t)mode));
+}
+#else
+#include <fenv.h>
+enum { FLOATING_DEFAULT = FE_TONEAREST };
+static inline unsigned floating_mode(void) { return (unsigned)fegetround(); }
+static inline void set_floating_mode(unsigned mode) { fesetround((int)mode); }
+#endif
+
+/* As IEEE 754 has it; a library may have changed it when it was loaded (-ffast-math). */
+static inline void make_floating_default(void)
+{
+    if (floating_mode() != FLOATING_DEFAULT)
+        set_floating_mode(FLOATING_DEFAULT);
+}
+
+/* To be asked after a call: fails if it, or one since this was asked last, has changed the mode. */
+static inline bool keeps_floating_mode(System *system)
+{
+    return floating_mode() == FLOATING_DEFAULT ? true : fail(system, FLOATING_CHANGED, 0, 0, 0);
+}
+
+#endif

@@ -1,0 +1,74 @@
+/* The loop over communication points for systems that are not plain. */
+#ifndef DSE_COSIM_MASTER_H
+#define DSE_COSIM_MASTER_H
+
+#include "adaptive.h"
+#include "newton.h"
+
+/* A fingerprint of what every element shows. */
+RARE static void digest(const System *system, uint64_t *digests)
+{
+    for (int64_t e = 0; e < system->n_elements; e++) {
+        const Element *element = &system->elements[e];
+        uint64_t hash = 0x9E3779B97F4A7C15u;
+        for (int64_t i = element->first_value; i < element->first_value + element->n_values; i++) {
+            uint64_t bits;
+            memcpy(&bits, &system->values[i], sizeof bits);
+            hash = (hash ^ bits) * 0xD6E8FEB86659FD93u;
+            hash ^= hash >> 32;
+        }
+        digests[e] = hash;
+    }
+}
+
+static void record(const System *system, const Request *request, int64_t k)
+{
+    const Plan *plan = system->plan;
+    double *row = request->out + k * request->n_record;
+    gather(row, system->values, request->record, request->n_record);
+    for (const BondColumn *place = plan->bond_columns; place < plan->bond_columns + plan->n_bond_columns; place++)
+        row[place->column] = plan->energies[place->bond];
+    if (request->digests)
+        digest(system, request->digests + k * system->n_elements);
+}
+
+/* Forget the run before. */
+static void forget(const Plan *plan)
+{
+    memset(plan->past, 0, (size_t)plan->n_past * sizeof(double));
+    if (plan->tolerance > 0.0)
+        memset(plan->magnitudes, 0, (size_t)plan->n_compared * sizeof(double));
+}
+
+APART static bool simulate_by_plan(System *system, const Request *request)
+{
+    Plan *plan = system->plan;
+    int64_t level = 0;
+    double length = 0.0;
+    forget(plan);
+    system->may_roll_back = plan->tolerance > 0.0;
+    system->now = 0.0;
+    for (int64_t e = 0; e < system->n_elements; e++)
+        if (!read_element(system, &system->elements[e], &system->elements[e].outputs))
+            return false;
+    for (int64_t k = 0;; k++) {
+        system->progress->step = plan->k = k;
+        const double time = (double)k * request->step;
+        if (!meet(system, time, length))
+            return false;
+        record(system, request, k);
+        if (k == request->steps)
+            return true;
+        if (plan->tolerance > 0.0) {
+            note_magnitudes(system);
+            if (!advance_adaptively(system, time, request->step, &level, &length))
+                return false;
+        } else {
+            length = request->step;
+            if (!advance(system, time, length, (double)(k + 1) * length))
+                return false;
+        }
+    }
+}
+
+#endif

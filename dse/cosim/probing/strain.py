@@ -1,0 +1,109 @@
+"""Experiments that strain an FMU: many runs through the kernel, one after the other and in threads."""
+
+from __future__ import annotations
+
+import threading
+import time
+from dataclasses import dataclass
+from math import nan
+
+import psutil
+
+from dse.cosim.failure import RunFailed
+from dse.cosim.probing.drive import Drive, watched
+from dse.cosim.probing.journal import Journal
+from dse.cosim.simulator import Simulator
+from dse.domain.fmu import FmuModel
+from dse.domain.system import Element, SystemStructure
+
+MOST_INSTANCES = 2000
+_WARM_UP = 50
+_SHORT = 20
+_THREADS = 2
+
+
+@dataclass(frozen=True, slots=True)
+class Strain:
+    """Bytes the process grew by with the first instance, and by each run on a fresh one once warm."""
+
+    memory: float
+    growth: float
+
+
+def instances_in_a_row(journal: Journal, model: FmuModel, drive: Drive, seconds: float) -> Strain:
+    """Short runs, each on a fresh instance, at most 2,000 and as many as *seconds* allow; counted."""
+    process, end = psutil.Process(), time.monotonic() + seconds
+    steps = min(_SHORT, drive.steps)
+    before = first = warm = process.memory_info().rss
+    journal.note("making one instance after the other")
+    with _alone(model, drive) as simulator:
+        number = 0
+        for number in range(1, MOST_INSTANCES + 1):
+            simulator.run(stop=steps * drive.step, step=drive.step)
+            journal.count(number)
+            if number == 1:
+                first = process.memory_info().rss
+            if number == _WARM_UP:
+                warm = process.memory_info().rss
+            if time.monotonic() > end:
+                break
+    runs = number - _WARM_UP
+    growth = max(0.0, (process.memory_info().rss - warm) / runs) if runs > 0 else nan
+    return Strain(max(0.0, float(first - before)), growth)
+
+
+def cost_of_a_step(journal: Journal, model: FmuModel, drive: Drive, seconds: float) -> float:
+    """Wall time of one communication step through the kernel, in seconds: the best of the runs *seconds* allow."""
+    journal.note("measuring time")
+    end = time.monotonic() + seconds
+    best = {1: float("inf"), drive.steps: float("inf")}
+    with _alone(model, drive) as simulator:
+        while time.monotonic() < end:
+            for steps, least in best.items():
+                begin = time.perf_counter()
+                simulator.run(stop=steps * drive.step, step=drive.step)
+                best[steps] = min(least, time.perf_counter() - begin)
+    return max(0.0, best[drive.steps] - best[1]) / (drive.steps - 1) if drive.steps > 1 else best[1]
+
+
+def runs_in_threads(journal: Journal, model: FmuModel, drive: Drive, other: Drive, seconds: float) -> str:
+    """What goes wrong if two threads each make fresh instances and run them for *seconds*, "" if nothing does."""
+    journal.note("running alone")
+    expected = [_waveforms(model, each) for each in (drive, other)]
+    journal.note("running in two threads at once")
+    found: list[str] = []
+    barrier = threading.Barrier(_THREADS)
+    end = time.monotonic() + seconds
+
+    def work(each: Drive, right: bytes) -> None:
+        barrier.wait()
+        try:
+            with _alone(model, each) as simulator:
+                while not found and time.monotonic() < end:
+                    if simulator.run(stop=each.stop, step=each.step).tobytes() != right:
+                        found.append("outputs differ from those of a run alone")
+        except RunFailed as failure:
+            found.append(str(failure))
+
+    threads = [threading.Thread(target=work, args=pair) for pair in zip((drive, other), expected, strict=True)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    return found[0] if found else ""
+
+
+def _waveforms(model: FmuModel, drive: Drive) -> bytes:
+    with _alone(model, drive) as simulator:
+        return simulator.run(stop=drive.stop, step=drive.step).tobytes()
+
+
+def _alone(model: FmuModel, drive: Drive) -> Simulator:
+    """The FMU alone, on fresh instances only; its inputs keep the values the drive begins with."""
+    outputs = tuple(variable for variable in watched(model) if variable.kind is not None)
+    start = {**drive.parameters(model), **drive.inputs(model, 0)}
+    system = SystemStructure("probe", (Element("fmu", model, (), outputs, start),), ())
+    record = [f"fmu.{label}" for variable in outputs for label in variable.labels]
+    simulator = Simulator(system, record)
+    simulator.reset_is_trusted = False
+    return simulator

@@ -1,0 +1,108 @@
+"""Where a worker simulates: the executor of the configuration at hand. A thread has a seat of its own."""
+
+from __future__ import annotations
+
+import pickle
+import traceback
+from pathlib import Path
+
+from dse.domain.run import Outcome, Run, RunRequest
+from dse.errors import DseError
+from dse.exploration.heartbeat import Heartbeat, Phase
+from dse.exploration.job import Batch, Executor, Setup
+from dse.exploration.surroundings import Surroundings
+
+
+def failed_run(request: RunRequest, problem: str) -> Run:
+    """A run that came to nothing because of *problem*."""
+    return Run(request, Outcome.FAILED, problem=problem)
+
+
+def bench_file(setup: Setup, configuration: str) -> Path:
+    """Where the pickled bench of *configuration* lies; an id may hold what a file name may not."""
+    return setup.benches / f"{configuration.encode().hex()[:200]}.bench"
+
+
+class Seat:
+    """The executor of the configuration at hand; the one before is closed."""
+
+    def __init__(self, setup: Setup, heart: Heartbeat) -> None:
+        self.runs = 0
+        self._setup = setup
+        self._heart = heart
+        self._progress = heart.block
+        self._configuration = ""
+        self._executor: Executor | None = None
+        self._problem = ""
+        self._spent = False
+        self._surroundings = Surroundings()
+
+    @property
+    def runs_left(self) -> int | None:
+        """How many more runs of the configuration at hand the process may make; 0 if it must not go on at all."""
+        if self._spent:
+            return 0
+        return None if self._executor is None else self._executor.runs_left
+
+    def load(self, batch: Batch) -> None:
+        """Have the executor of the configuration of *batch* ready."""
+        if self._configuration == batch.configuration:
+            return
+        self._heart.beat(Phase.LEAVING, batch.identity)
+        self.clear()
+        self._progress[:] = bytes(len(self._progress))
+        self._heart.beat(Phase.LOADING, batch.identity)
+        try:
+            bench = pickle.loads(bench_file(self._setup, batch.configuration).read_bytes())  # noqa: S301  # our supervisor's
+            self._executor = self._setup.make_executor(bench, self._progress)
+        except Exception as error:  # noqa: BLE001  # each of its runs fails, other configurations go on
+            self._problem = _in_words(error)
+        self._surroundings.restore()
+        self._configuration = batch.configuration
+
+    def run(self, batch: Batch, request: RunRequest) -> Run:
+        """Simulate *request*; whatever is raised becomes a failed run."""
+        self.load(batch)
+        self.runs += 1
+        if self._executor is None:
+            return failed_run(request, self._problem)
+        self._progress[:] = bytes(len(self._progress))
+        self._heart.beat(Phase.RUNNING, batch.identity, request.number)
+        try:
+            return _complete(self._executor.run(request, keep=batch.keep), self._setup)
+        except Exception as error:  # noqa: BLE001  # a failed run is a row, not the end of the study
+            # What state the simulation is in now is anyone's guess: the next run starts with a new one.
+            self.clear()
+            return failed_run(request, _in_words(error))
+        finally:
+            self._surroundings.restore()
+
+    def rest(self) -> None:
+        """Tell that nothing is simulated here for now."""
+        self._heart.beat(Phase.WAITING)
+
+    def clear(self) -> None:
+        """Close the executor, if there is one."""
+        self._spent = self.runs_left == 0
+        executor, self._executor, self._configuration = self._executor, None, ""
+        if executor is not None:
+            try:
+                executor.close()
+            except Exception:  # noqa: BLE001  # its runs are done and stored; all that is lost is the tidying up
+                traceback.print_exc()
+
+
+def _complete(run: Run, setup: Setup) -> Run:
+    if run.outcome is Outcome.DONE:
+        missing = {*setup.metrics} - {*run.metrics} or {*setup.requirements} - {j.requirement for j in run.judgements}
+        if missing:
+            raise LookupError(f"the simulation gave no {', '.join(sorted(missing))}")
+    return run
+
+
+def _in_words(error: Exception) -> str:
+    if isinstance(error, DseError):
+        return str(error)
+    traceback.print_exception(error)
+    frame = traceback.extract_tb(error.__traceback__)[-1]
+    return f"unexpected {type(error).__name__} at {Path(frame.filename).name}:{frame.lineno}: {error}".rstrip(": ")

@@ -1,0 +1,139 @@
+"""Systems whose components were all built here become libraries with the connections compiled in."""
+
+from __future__ import annotations
+
+import os
+import re
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from concurrent.futures import Future, ThreadPoolExecutor
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TypeVar
+
+from dse.domain.fused import FusedLibrary
+from dse.domain.method import PLAIN, Method
+from dse.domain.system import SystemStructure
+from dse.errors import DseError, Problem, fail, raise_if_any
+from dse.fmu.cache import cache_folder, content_key, keep_file
+from dse.fmu.compilation import CompilationError, compile_object, link_library, options
+from dse.fmu.fusion.check import fusion_problems, not_ours, unknown_place
+from dse.fmu.fusion.loop import Seat, loop_text
+from dse.fmu.fusion.part import Part, build_part
+from dse.fmu.fusion.sources import NotOursError, OwnSources, own_sources, runtime_file
+from dse.fmu.platforms import this_platform
+from dse.fmu.toolchain import Compiler, find_compiler
+
+
+@dataclass(frozen=True, slots=True)
+class Wanted:
+    """A system to be fused, with what is recorded (``element.fmi_variable``, in this order) and its method."""
+
+    system: SystemStructure
+    record: tuple[str, ...]
+    method: Method = PLAIN
+
+
+def fuse(system: SystemStructure, record: Sequence[str], *, cache: Path | None = None) -> FusedLibrary:
+    """One library that simulates *system* and records *record*; see `fuse_all`."""
+    return fuse_all({system.name: Wanted(system, tuple(record))}, cache=cache)[system.name]
+
+
+def fuse_all(wanted: Mapping[str, Wanted], *, cache: Path | None = None) -> dict[str, FusedLibrary]:
+    """A library for each of *wanted*, by the same keys.
+
+    They compute the same numbers, bit for bit, as the FMUs do. From the cache if they were made before; a component
+    that several systems share is compiled once. Raises one DseError naming all that cannot be fused: a component that
+    is a finished FMU or made by OpenModelica, another method than the plain one, arrays, strings, conversions.
+    """
+    sources = _sources(wanted.values())
+    compiler = find_compiler()
+    parts = _each(sources, lambda library: _part(library, sources[library], compiler, cache))
+    return _each(wanted, lambda key: _library(wanted[key], sources, parts, compiler, cache))
+
+
+_Key = TypeVar("_Key")
+_Made = TypeVar("_Made")
+
+_REPORT = "this is a mistake of dse: please report it with the components; without --fuse they can be simulated"
+
+
+def _each(keys: Iterable[_Key], make: Callable[[_Key], _Made]) -> dict[_Key, _Made]:
+    """What *make* makes of each key, several at a time; DseError with the problems of all."""
+    made: dict[_Key, _Made] = {}
+    problems: list[Problem] = []
+    with ThreadPoolExecutor(max_workers=os.cpu_count() or 1) as pool:
+        pending: dict[_Key, Future[_Made]] = {key: pool.submit(make, key) for key in keys}
+        for key, result in pending.items():
+            try:
+                made[key] = result.result()
+            except DseError as error:
+                problems += error.problems
+    raise_if_any(dict.fromkeys(problems))
+    return made
+
+
+def _sources(wanted: Iterable[Wanted]) -> dict[Path, OwnSources]:
+    """The sources of every FMU by its library; DseError for all that cannot be fused."""
+    problems: list[Problem] = []
+    found: dict[Path, OwnSources | str] = {}
+    for each in wanted:
+        problems += fusion_problems(each.system, each.record, each.method)
+        for element in each.system.elements:
+            library = element.model.library
+            if library not in found:
+                try:
+                    found[library] = own_sources(element.model)
+                except NotOursError as reason:
+                    found[library] = str(reason)
+            sources = found[library]
+            if isinstance(sources, str):
+                problems.append(not_ours(element, sources))
+                continue
+            variables = (*element.inputs, *element.outputs)
+            problems += [unknown_place(element, v) for v in variables if v.reference >= len(sources.rows)]
+    raise_if_any(dict.fromkeys(problems))
+    return {library: sources for library, sources in found.items() if not isinstance(sources, str)}
+
+
+def _part(library: Path, sources: OwnSources, compiler: Compiler, cache: Path | None) -> Part:
+    try:
+        return build_part(sources, compiler, cache)
+    except CompilationError as error:
+        raise fail(f"{library.stem}: cannot be fused: {_said(error)}", hint=_REPORT) from error
+    except LookupError as error:
+        raise fail(f"{library.stem}: cannot be fused: {error}", hint=_REPORT) from error
+
+
+def _library(
+    wanted: Wanted,
+    sources: Mapping[Path, OwnSources],
+    parts: Mapping[Path, Part],
+    compiler: Compiler,
+    cache: Path | None,
+) -> FusedLibrary:
+    system = wanted.system
+    libraries = [element.model.library for element in system.elements]
+    seats = [Seat(parts[library].prefix, parts[library].layout, sources[library].is_model) for library in libraries]
+    files = {name: runtime_file(name) for name in ("fused_values.h", "fused_abi.h")}
+    files["loop.c"] = loop_text(system, wanted.record, seats).encode()
+    platform = this_platform()
+    keyed = [*sorted(files.items()), ("build", repr((compiler.identity, options(compiler), platform.name)).encode())]
+    target = cache_folder(cache) / "fused" / f"{_stem(system.name)}-{content_key(keyed)}{platform.suffix}"
+    if not target.is_file():
+        used = sorted({path for library in libraries for path in parts[library].objects}, key=lambda path: path.name)
+        try:
+            objects = {path.name: path.read_bytes() for path in used}
+            objects["loop.o"] = compile_object(compiler, files, "loop.c")
+            keep_file(target, link_library(compiler, objects, target.name))
+        except CompilationError as error:
+            raise fail(f"{system.name}: cannot be fused: {_said(error)}", hint=_REPORT) from error
+    prefixes = {element.name: parts[element.model.library].prefix for element in system.elements}
+    return FusedLibrary(target, system, wanted.record, prefixes)
+
+
+def _said(error: CompilationError) -> str:
+    return "; ".join(f"{d.file}:{d.line}: {d.message}" if d.file else d.message for d in error.diagnostics[:3])
+
+
+def _stem(name: str) -> str:
+    return re.sub(r"\W+", "_", name, flags=re.ASCII).strip("_")[:60] or "system"

@@ -1,0 +1,159 @@
+"""XML text → elements that know their line; safe for files that come from anywhere.
+
+Document types and entities are refused, so nothing is fetched and nothing is expanded; sizes are limited.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from dse.errors import Location, fail
+
+_MOST_BYTES = 128 * 2**20
+_MOST_LEVELS = 100
+# Elements and attributes together; each takes some hundred bytes once it is read.
+_MOST_PARTS = 10_000_000
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class XmlElement:
+    """One element: its *tag* without a prefix, in *namespace* ("" for none), and where its start tag stands.
+
+    *attributes* are by name, those with a prefix by ``{namespace}name``. *text* is all character data directly in the
+    element, as it stands there; *children* are the elements directly in it, in order. Comments and processing
+    instructions are left out.
+    """
+
+    tag: str
+    namespace: str
+    attributes: Mapping[str, str]
+    text: str
+    children: tuple[XmlElement, ...]
+    where: Location
+
+    def get(self, name: str, default: str = "") -> str:
+        """The attribute called *name* as it is written, or *default*."""
+        return self.attributes.get(name, default)
+
+    def child(self, tag: str, namespace: str | None = None) -> XmlElement | None:
+        """The first child with this tag (in any namespace, if none is asked for), or None."""
+        return next(self.all(tag, namespace), None)
+
+    def all(self, tag: str, namespace: str | None = None) -> Iterator[XmlElement]:
+        """The children with this tag (in any namespace, if none is asked for), in order."""
+        for child in self.children:
+            if child.tag == tag and (namespace is None or child.namespace == namespace):
+                yield child
+
+    def below(self, *tags: str) -> Iterator[XmlElement]:
+        """The elements reached by going down these tags, in order: ``root.below("ModelVariables", "Float64")``."""
+        if not tags:
+            yield self
+            return
+        for child in self.all(tags[0]):
+            yield from child.below(*tags[1:])
+
+    def walk(self) -> Iterator[XmlElement]:
+        """The element and everything below it, in the order of the file."""
+        yield self
+        for child in self.children:
+            yield from child.walk()
+
+
+def read_xml_file(path: Path, file: str) -> XmlElement:
+    """The root of the XML file at *path*, which is called *file* in messages.
+
+    Raises DseError located there: no such file, cannot be read, or anything ``read_xml`` refuses.
+    """
+    where = Location(file)
+    try:
+        if path.stat().st_size > _MOST_BYTES:
+            raise fail(f"larger than {_MOST_BYTES // 2**20} MiB", where)
+        content = path.read_bytes()
+    except FileNotFoundError as error:
+        raise fail("there is no such file", where) from error
+    except OSError as error:
+        raise fail(f"cannot be read: {(error.strerror or str(error)).lower()}", where) from error
+    return read_xml(content, file)
+
+
+def read_xml(content: bytes, file: str) -> XmlElement:
+    """The root of an XML document whose places are called *file* and a line.
+
+    Raises DseError located there: not well-formed, an encoding that is not known, document types or entities, too
+    large, or nested too deeply.
+    """
+    # Here, because no command but those that open such files needs it.
+    import defusedxml
+    from defusedxml.ElementTree import DefusedXMLParser, ParseError
+
+    if len(content) > _MOST_BYTES:
+        raise fail(f"larger than {_MOST_BYTES // 2**20} MiB", Location(file))
+    builder = _Builder(file)
+    parser = DefusedXMLParser(target=builder, forbid_dtd=True)
+    builder.expat = parser.parser
+    try:
+        parser.feed(content)
+        parser.close()
+    except defusedxml.DefusedXmlException as error:
+        what = "it declares a document type or entities, which is refused as unsafe"
+        raise fail(what, builder.place(), "remove the line that starts with <!DOCTYPE") from error
+    except ParseError as error:
+        line, column = error.position
+        reason = str(error).rsplit(": line ", 1)[0]
+        raise fail(f"not XML: {reason}", Location(file, line, column + 1)) from error
+    except (ValueError, LookupError) as error:
+        raise fail(f"not XML: {error}", builder.place()) from error
+    return builder.root
+
+
+@dataclass(slots=True)
+class _Open:
+    """An element whose end has not been seen."""
+
+    tag: str
+    attributes: dict[str, str]
+    where: Location
+    text: list[str]
+    children: list[XmlElement]
+
+
+class _Builder:
+    """What the parser reports its findings to, in ElementTree's words."""
+
+    root: XmlElement
+    expat: Any
+
+    def __init__(self, file: str) -> None:
+        self._file = file
+        self._open: list[_Open] = []
+        self._parts = 0
+
+    def place(self) -> Location:
+        """Where the parser is."""
+        return Location(self._file, self.expat.CurrentLineNumber, self.expat.CurrentColumnNumber + 1)
+
+    def start(self, tag: str, attributes: dict[str, str]) -> None:
+        where = self.place()
+        self._parts += 1 + len(attributes)
+        if self._parts > _MOST_PARTS:
+            raise fail(f"more than {_MOST_PARTS:,} elements and attributes", where)
+        if len(self._open) >= _MOST_LEVELS:
+            raise fail(f"elements are nested more than {_MOST_LEVELS} levels deep", where)
+        self._open.append(_Open(tag, attributes, where, [], []))
+
+    def data(self, text: str) -> None:
+        if self._open:
+            self._open[-1].text.append(text)
+
+    def end(self, tag: str) -> None:
+        done = self._open.pop()
+        namespace, _, local = tag[1:].rpartition("}") if tag.startswith("{") else ("", "", tag)
+        made = XmlElement(local, namespace, done.attributes, "".join(done.text), tuple(done.children), done.where)
+        if self._open:
+            self._open[-1].children.append(made)
+        else:
+            self.root = made

@@ -1,0 +1,166 @@
+"""Zip archives: those from anywhere are unpacked safely, and our own are the same bytes for the same contents."""
+
+from __future__ import annotations
+
+import errno
+import hashlib
+import io
+import re
+import shutil
+import stat
+import tempfile
+import zipfile
+import zlib
+from collections.abc import Iterator, Mapping
+from pathlib import Path, PurePosixPath
+
+from dse.errors import DseError, Location, Problem, fail
+
+_MAXIMUM_ENTRIES = 20_000
+_MAXIMUM_BYTES = 4 * 2**30
+# Deflate reaches 1032:1 on zeros, real files hardly 20:1; small entries may be anything.
+_MAXIMUM_RATIO = 200
+_SMALL_ENTRY = 16 * 2**20
+_CHUNK = 2**20
+_LONGEST_NAME = 200
+_LONGEST_PATH = 1000
+_RESERVED = re.compile(r"(?:con|prn|aux|nul|com[1-9]|lpt[1-9])(?:\..*)?|.*[. ]", re.IGNORECASE | re.DOTALL)
+# What a file system says of a name it cannot hold; all else is the fault of the folder.
+_NAME_ERRORS = {errno.ENAMETOOLONG, errno.EINVAL, errno.EILSEQ, errno.ENOTDIR, errno.EISDIR, errno.EEXIST}
+
+
+_EARLIEST = (1980, 1, 1, 0, 0, 0)
+
+
+def pack_zip(contents: Mapping[str, bytes]) -> bytes:
+    """A zip archive of *contents* by path: sorted names, no clock, and stored plainly.
+
+    Deflate would give other bytes with another zlib, and these files are small or compressed already.
+    """
+    buffer = io.BytesIO()
+    with zipfile.ZipFile(buffer, "w", zipfile.ZIP_STORED) as archive:
+        for name in sorted(contents):
+            entry = zipfile.ZipInfo(name, _EARLIEST)
+            entry.create_system = 3  # Unix, on every platform, so that the mode below is understood
+            entry.external_attr = 0o100644 << 16
+            archive.writestr(entry, contents[name])
+    return buffer.getvalue()
+
+
+def digest_of(archive: Path, where: Location) -> str:
+    """SHA-256 of the file in hexadecimal digits. Raises DseError at *where*: no such file, or it cannot be read."""
+    try:
+        with archive.open("rb") as file:
+            return hashlib.file_digest(file, "sha256").hexdigest()
+    except FileNotFoundError as error:
+        raise fail("there is no such file", where) from error
+    except OSError as error:
+        raise fail(f"cannot be read: {(error.strerror or str(error)).lower()}", where) from error
+
+
+def unpack_zip(archive: Path, folder: Path, where: Location, what: str) -> None:
+    """Unpack *archive*, which is a *what* (``FMU``), into *folder*, which is there and empty.
+
+    Raises DseError at *where*: no complete zip file, paths that lead elsewhere or are not portable, links, encrypted or
+    doubled entries, or more and larger files than a real archive has. OSError if *folder* cannot be written.
+    """
+    try:
+        with zipfile.ZipFile(archive) as opened:
+            entries = opened.infolist()
+            problems = [Problem(f"refused as unsafe: {reason}", where) for reason in _dangers(entries, what)]
+            if problems:
+                raise DseError(*problems[:10])
+            for entry in entries:
+                try:
+                    _extract(opened, entry, folder, where)
+                except OSError as error:
+                    if error.errno not in _NAME_ERRORS:
+                        raise
+                    reason = (error.strerror or str(error)).lower()
+                    raise fail(f"'{entry.filename}' cannot be unpacked: {reason}", where) from error
+    except (zipfile.BadZipFile, zipfile.LargeZipFile, zlib.error, EOFError, NotImplementedError, ValueError) as error:
+        raise fail(f"is not a complete zip file: {error}", where, f"export or copy the {what} again") from error
+
+
+def unpacked(archive: Path, into: Path, where: Location, what: str) -> Path:
+    """The folder below *into* that holds what is in *archive*, named by its content and made only once.
+
+    Several processes may ask at once. Raises DseError as `unpack_zip`, and if *into* cannot be written.
+    """
+    target = into / digest_of(archive, where)[:32]
+    if target.is_dir():
+        return target
+    try:
+        into.mkdir(parents=True, exist_ok=True)
+        aside = Path(tempfile.mkdtemp(prefix=".", suffix=".tmp", dir=into))
+        try:
+            unpack_zip(archive, aside, where, what)
+            _rename(aside, target)
+        finally:
+            shutil.rmtree(aside, ignore_errors=True)
+    except OSError as error:
+        raise fail(f"the folder {into} cannot be written: {error.strerror or error}") from error
+    return target
+
+
+def _rename(aside: Path, target: Path) -> None:
+    # Another process may have been first: the same files are there.
+    try:
+        aside.replace(target)
+    except OSError:
+        if not target.is_dir():
+            raise
+
+
+def _dangers(entries: list[zipfile.ZipInfo], what: str) -> Iterator[str]:
+    """Reasons not to unpack; names are looked at as the archive spells them."""
+    if len(entries) > _MAXIMUM_ENTRIES:
+        yield f"it holds {len(entries)} files, more than {_MAXIMUM_ENTRIES}"
+    if sum(entry.file_size for entry in entries) > _MAXIMUM_BYTES:
+        yield f"unpacked it is larger than {_MAXIMUM_BYTES // 2**30} GiB"
+    # Paths as a file system sees them that ignores case.
+    files: set[str] = set()
+    folders: set[str] = set()
+    for entry in entries:
+        name = entry.orig_filename
+        path = PurePosixPath(name)
+        key, parents = str(path).casefold(), {str(parent).casefold() for parent in path.parents} - {"."}
+        if "\\" in name or "\0" in name:
+            yield f"the path {name!r} holds a character that is not portable"
+        elif name.startswith("/") or re.match(r"[A-Za-z]:", name):
+            yield f"the path '{name}' is absolute"
+        elif ".." in path.parts:
+            yield f"the path '{name}' leads out of the {what}"
+        elif not path.parts:
+            yield "a file has no name"
+        elif any(len(part.encode("utf-8", "replace")) > _LONGEST_NAME for part in path.parts):
+            yield f"the path '{name[:40]}…' holds a name of more than {_LONGEST_NAME} bytes"
+        elif len(name) > _LONGEST_PATH:
+            yield f"the path '{name[:40]}…' is longer than {_LONGEST_PATH} characters"
+        elif any(_RESERVED.fullmatch(part) for part in path.parts):
+            yield f"the path '{name}' holds a name that is reserved on Windows"
+        elif key in files or parents & files or (key in folders and not entry.is_dir()):
+            yield f"the path '{name}' is there twice"
+        if stat.S_ISLNK(entry.external_attr >> 16):
+            yield f"'{name}' is a link"
+        if entry.flag_bits & 1:
+            yield f"'{name}' is encrypted"
+        if entry.file_size > max(_SMALL_ENTRY, _MAXIMUM_RATIO * entry.compress_size):
+            yield f"'{name}' unpacks to more than {_MAXIMUM_RATIO} times its size"
+        (folders if entry.is_dir() else files).add(key)
+        folders |= parents
+
+
+def _extract(opened: zipfile.ZipFile, entry: zipfile.ZipInfo, folder: Path, where: Location) -> None:
+    target = folder.joinpath(*PurePosixPath(entry.filename).parts)
+    if entry.is_dir():
+        target.mkdir(parents=True, exist_ok=True)
+        return
+    target.parent.mkdir(parents=True, exist_ok=True)
+    written = 0
+    with opened.open(entry) as source, target.open("xb") as file:
+        while chunk := source.read(_CHUNK):
+            written += len(chunk)
+            if written > entry.file_size:
+                raise fail(f"refused as unsafe: '{entry.filename}' is larger than it claims", where)
+            file.write(chunk)

@@ -1,0 +1,216 @@
+"""What stands in an SSP package, as it is written there. Every noun knows its place; units are by their definitions."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from dse.domain.fmu import UnitDefinition
+from dse.errors import Location, Problem
+
+
+@dataclass(frozen=True, slots=True)
+class NamedUnit:
+    """A unit as it is called; *definition* is None if the file does not define it."""
+
+    name: str
+    definition: UnitDefinition | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class SignalType:
+    """Type of a connector or of an entry of a signal dictionary.
+
+    *name* is SSP's word: Real, Integer, Boolean, String, Enumeration, Binary, and those of FMI 3. *items* are those of
+    the enumeration it names, if the file defines it.
+    """
+
+    name: str
+    unit: NamedUnit | None = None
+    items: Mapping[str, int] | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Connector:
+    """One connector of a component, system or reference to a signal dictionary.
+
+    *kind* is SSP's word (input, output, parameter, calculatedParameter, structuralParameter, constant, local, inout).
+    *sizes* are those of an array's dimensions, None for one that is not said here.
+    """
+
+    name: str
+    kind: str
+    type: SignalType | None
+    where: Location
+    sizes: tuple[int | None, ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class Transformation:
+    """What is done to a value on its way: ``factor * value + offset``, or the *entries* (source, target) of a table.
+
+    *name* is SSP's word: LinearTransformation, BooleanMappingTransformation, IntegerMappingTransformation,
+    EnumerationMappingTransformation. Values a table does not list stay as they are.
+    """
+
+    name: str
+    factor: float = 1.0
+    offset: float = 0.0
+    entries: tuple[tuple[str, str], ...] = ()
+    where: Location | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Connection:
+    """A connection of two connectors of elements of a system, or of its own; the element is "" for those.
+
+    Which of them is the source is decided by their kinds. *start_indices* and *end_indices* pick one value of an array.
+    """
+
+    start_element: str
+    start_connector: str
+    end_element: str
+    end_connector: str
+    where: Location
+    transformation: Transformation | None = None
+    suppresses_unit_conversion: bool = False
+    start_indices: tuple[int, ...] = ()
+    end_indices: tuple[int, ...] = ()
+
+    @property
+    def start(self) -> str:
+        """The start as ``element.connector``."""
+        return f"{self.start_element}.{self.start_connector}" if self.start_element else self.start_connector
+
+    @property
+    def end(self) -> str:
+        """The end as ``element.connector``."""
+        return f"{self.end_element}.{self.end_connector}" if self.end_element else self.end_connector
+
+    def __str__(self) -> str:
+        return f"{self.start} - {self.end}"
+
+
+@dataclass(frozen=True, slots=True)
+class ParameterValue:
+    """One value of a parameter set; *type* is SSP's word, *values* has one text per value of an array."""
+
+    name: str
+    type: str
+    values: tuple[str, ...]
+    where: Location
+    unit: NamedUnit | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class MappingEntry:
+    """A parameter of a set (*source*) that goes, transformed, to the *target* of a component or system."""
+
+    source: str
+    target: str
+    where: Location
+    transformation: Transformation | None = None
+    suppresses_unit_conversion: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class Binding:
+    """A parameter set that is applied to the element it stands at; with *mapping*, only what that names.
+
+    *prefix* is put before every name of the set. *mapping* is None if there is none.
+    """
+
+    name: str
+    values: tuple[ParameterValue, ...]
+    where: Location
+    prefix: str = ""
+    mapping: tuple[MappingEntry, ...] | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Component:
+    """An FMU in a system. *fmu* is the file; *implementation* is any, CoSimulation or ModelExchange."""
+
+    name: str
+    source: str
+    fmu: Path
+    connectors: tuple[Connector, ...]
+    bindings: tuple[Binding, ...]
+    where: Location
+    implementation: str = "any"
+
+    @property
+    def key(self) -> tuple[Path, str]:
+        """What its FMU is opened by: the archive, and the kind of FMU that is asked for."""
+        return self.fmu, self.implementation
+
+
+@dataclass(frozen=True, slots=True)
+class DictionaryReference:
+    """A place where a system is connected to a signal dictionary."""
+
+    name: str
+    dictionary: str
+    connectors: tuple[Connector, ...]
+    where: Location
+
+
+@dataclass(frozen=True, slots=True)
+class System:
+    """A system: elements, the connections between them, and its own connectors to the outside.
+
+    *dictionaries* holds the entries of each signal dictionary by name.
+    """
+
+    name: str
+    elements: tuple[Component | DictionaryReference | System, ...]
+    connections: tuple[Connection, ...]
+    connectors: tuple[Connector, ...]
+    bindings: tuple[Binding, ...]
+    where: Location
+    dictionaries: Mapping[str, Mapping[str, SignalType]] = field(default_factory=dict)
+
+    def element(self, name: str) -> Component | DictionaryReference | System | None:
+        """The element called *name*, or None."""
+        return next((element for element in self.elements if element.name == name), None)
+
+
+@dataclass(frozen=True, slots=True)
+class ExperimentSettings:
+    """What a package says of its experiment, in seconds; None for what it does not say."""
+
+    start: float | None = None
+    stop: float | None = None
+    step: float | None = None
+    record_every: float | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class SspSystem:
+    """One system structure description of a package: the one called *variant* (a file name without its suffix).
+
+    *variants* are all there are, by file name without suffix, the default one (``SystemStructure``) first, with the
+    names they have inside. *notes* say what was read and is of no use here.
+    """
+
+    name: str
+    variant: str
+    version: str
+    system: System
+    experiment: ExperimentSettings
+    variants: Mapping[str, str]
+    notes: tuple[Problem, ...] = ()
+
+    @property
+    def places(self) -> dict[str, Component]:
+        """All components by their way from the top, ``outer.inner``, those of nested systems too, in order."""
+        return dict(_places(self.system, ""))
+
+
+def _places(system: System, prefix: str) -> Iterator[tuple[str, Component]]:
+    for element in system.elements:
+        if isinstance(element, Component):
+            yield f"{prefix}{element.name}", element
+        elif isinstance(element, System):
+            yield from _places(element, f"{prefix}{element.name}.")

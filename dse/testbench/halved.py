@@ -1,0 +1,73 @@
+"""A run's numerical check: the same run with half the step, and what that changes."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from dse.cosim.simulator import RunFailed, Simulator
+from dse.domain.method import Method
+from dse.domain.run import ERROR_BAR
+from dse.testbench.prepared import PreparedBench
+
+
+class Halved:
+    """Repeats runs of *prepared* with half of every step.
+
+    *simulator* makes the runs themselves. Where no part has a step of its own it makes these, too, on the same
+    instances; else they have instances of their own.
+    """
+
+    def __init__(self, prepared: PreparedBench, simulator: Simulator, progress: memoryview | None) -> None:
+        self._prepared = prepared
+        self._step = prepared.simulation.step / 2
+        self._own: Simulator | None = None
+        if prepared.method.steps:
+            self._own = Simulator(
+                prepared.system,
+                prepared.system_columns,
+                method=with_half_steps(prepared.method),
+                progress=progress,
+                facts=prepared.facts,
+            )
+        self._simulator = self._own or simulator
+        rows = 2 * prepared.simulation.steps + 1
+        self._time: NDArray[np.float64] = np.arange(rows, dtype=np.float64) * self._step
+
+    def error_bars(
+        self, metrics: Mapping[str, float], constants: Mapping[str, float], start: Mapping[str, float]
+    ) -> tuple[dict[str, float], str]:
+        """How much each of *metrics* differs with half the step, by ``NAME.error``, and why that cannot be told.
+
+        An error bar is NaN where the metric is undefined in one of the two runs and 0 where it is in both, or where it
+        is infinite in both alike. For a method of order p the error of the metric itself is about 2^p / (2^p - 1)
+        error bars (Richardson).
+        """
+        prepared = self._prepared
+        try:
+            table = self._simulator.run(stop=prepared.simulation.stop, step=self._step, start=start)
+        except RunFailed as error:
+            return dict.fromkeys((f"{name}{ERROR_BAR}" for name in metrics), math.nan), f"with half the step: {error}"
+        columns = dict(zip(prepared.columns, np.ascontiguousarray(table.T), strict=True))
+        finer, _ = prepared.program.evaluate(self._time, columns, constants)
+        return {f"{name}{ERROR_BAR}": _distance(value, finer[name]) for name, value in metrics.items()}, ""
+
+    def close(self) -> None:
+        """Free the instances that are not the simulator's."""
+        if self._own is not None:
+            self._own.close()
+
+
+def with_half_steps(method: Method) -> Method:
+    """*method* with half of every step that parts have of their own."""
+    return replace(method, steps={part: step / 2 for part, step in method.steps.items()})
+
+
+def _distance(a: float, b: float) -> float:
+    if a == b or (math.isnan(a) and math.isnan(b)):
+        return 0.0
+    return abs(a - b)

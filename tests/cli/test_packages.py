@@ -1,0 +1,427 @@
+"""SSP packages as a user meets them: a bench exported, simulated here and in FMPy, and made a workspace again."""
+
+from __future__ import annotations
+
+import csv
+import json
+import zipfile
+from pathlib import Path
+
+import numpy as np
+import pytest
+from reference_fmus import build
+from ssp_packages import (
+    binding,
+    bindings,
+    component,
+    connection,
+    connections,
+    connectors,
+    description,
+    elements,
+    pack,
+    parameter_set,
+)
+
+FILES = {
+    "components/interfaces.yaml": """\
+interfaces:
+  source: {outputs: {y: m}}
+  lag: {inputs: {u: m, back: m}, outputs: {x: m, mode: "enum[low, high]", steps: int, positive: bool}}
+""",
+    "components/ramp/component.yaml": """\
+component: ramp
+implements: source
+source: {kind: c, files: [ramp.c]}
+parameters: {rate: {start: 2 m/s}}
+""",
+    "components/ramp/ramp.h": """\
+typedef struct { struct { double y; } out; struct { double rate; } par; double time; } ramp;
+void ramp_init(ramp *self);
+void ramp_step(ramp *self, double h);
+""",
+    "components/ramp/ramp.c": """\
+#include "ramp.h"
+void ramp_init(ramp *self) { self->time = 0; self->out.y = 0; }
+void ramp_step(ramp *self, double h) { self->time += h; self->out.y = self->par.rate * self->time; }
+""",
+    "components/lag/component.yaml": """\
+component: lag
+implements: lag
+source: {kind: c, files: [lag.c]}
+parameters: {time_constant: {start: 0.5 s, min: 0.01 s}, start_value: {start: 0 m}}
+""",
+    "components/lag/lag.h": """\
+#include <stdbool.h>
+#include <stdint.h>
+typedef struct {
+    struct { double u, back; } in;
+    struct { double x; int32_t mode, steps; bool positive; } out;
+    struct { double time_constant, start_value; } par;
+} lag;
+void lag_init(lag *self);
+void lag_step(lag *self, double h);
+""",
+    "components/lag/lag.c": """\
+#include "lag.h"
+void lag_init(lag *self) {
+    self->out.x = self->par.start_value;
+    self->out.steps = self->out.mode = 0;
+    self->out.positive = false;
+}
+void lag_step(lag *self, double h) {
+    self->out.x += h * (self->in.u - self->in.back - self->out.x) / self->par.time_constant;
+    self->out.steps += 1;
+    self->out.mode = self->out.x > 0.5;
+    self->out.positive = self->out.x > 0;
+}
+""",
+    "designs/chain.yaml": """\
+design: chain
+root:
+  compound: {first: lag, second: lag}
+  connections: [first.x -> second.u, second.x -> first.back, second.x -> second.back]
+""",
+    "testbenches/ramped.yaml": """\
+testbench: ramped
+title: Two lags behind a ramp
+design: chain
+test_components: {drive: {component: ramp}}
+connections: [drive.y -> first.u]
+parameters: {first.time_constant: 250 ms}
+simulation:
+  stop: 2 s
+  step: 15.625 ms
+  record: [first.x, second.x, second.mode, first.steps, first.positive]
+  record_every: 31.25 ms
+metrics: {end: final(second.x)}
+""",
+}
+
+
+@pytest.fixture(scope="module")
+def workspace(tmp_path_factory) -> Path:
+    folder = tmp_path_factory.mktemp("lags")
+    for name, text in FILES.items():
+        (folder / name).parent.mkdir(parents=True, exist_ok=True)
+        (folder / name).write_text(text, encoding="utf-8")
+    return folder
+
+
+@pytest.fixture(scope="module")
+def package(workspace, dse_in) -> Path:
+    done = dse_in(workspace, "export", "ssp", "ramped", "-o", "ramped.ssp")
+    assert done.returncode == 0, done.stderr
+    assert "ramped.ssp: configuration" in done.stdout
+    assert "the bench's 1 metric stay behind" in done.stderr
+    return workspace / "ramped.ssp"
+
+
+def waveforms(file: Path) -> dict[str, np.ndarray]:
+    with file.open(encoding="utf-8", newline="") as opened:
+        header, *rows = csv.reader(opened)
+    return dict(zip(header, np.array(rows, dtype=np.float64).T, strict=True))
+
+
+@pytest.fixture(scope="module")
+def simulated(package, dse_in) -> dict[str, np.ndarray]:
+    """The package's waveforms at every step."""
+    done = dse_in(package.parent, "simulate", package.name, "--step", "15.625 ms", "-o", "out.csv")
+    assert done.returncode == 0, done.stderr
+    return waveforms(package.parent / "out.csv")
+
+
+def test_a_package_is_simulated_as_it_says(dse, package):
+    done = dse("simulate", str(package))
+    assert done.returncode == 0, done.stderr
+    assert "2 s (the package) in steps of 0.015625 s (the package)" in done.stdout
+    assert [line.split()[0] for line in done.stdout.splitlines()[4:]][:3] == ["drive.y", "first.x", "first.steps"]
+
+
+def test_the_package_gives_what_the_bench_gives_bit_for_bit(workspace, dse_in, package, tmp_path):
+    done = dse_in(workspace, "run", "ramped", "-o", str(tmp_path / "study"))
+    assert done.returncode == 0, done.stderr
+    from dse.results.folder import StudyFolder
+
+    with StudyFolder.open(tmp_path / "study") as study:
+        expected = study.run(0).waveforms.values
+    done = dse_in(workspace, "simulate", "ramped.ssp", "-o", str(tmp_path / "kept.csv"))
+    assert done.returncode == 0, done.stderr
+    kept = waveforms(tmp_path / "kept.csv")
+    assert len(kept["time"]) == 65
+    for name, values in expected.items():
+        assert np.array_equal(kept[name], values), name
+
+
+def test_fmpy_simulates_the_exported_package_alike(package, simulated):
+    """FMPy leaves out the parameter bindings of a package (they are given to it by hand here), starts every input with
+    0 in its first step whatever the outputs are (so they are 0 here), writes a step's end beside its beginning's time
+    (so rows are shifted), and knows neither transformations nor units."""
+    from fmpy.ssp.simulation import simulate_ssp
+    from fmpy.ssp.ssd import ParameterSet, find_components, read_ssd
+
+    given = ParameterSet(name="by hand")
+    for part in find_components(read_ssd(str(package)).system):
+        for bound in part.parameterBindings:
+            for value in bound.parameterValues[0].parameters:
+                value.name = f"{part.name}.{value.name}"
+                given.parameters.append(value)
+    assert [p.name for p in given.parameters] == ["first.time_constant"]
+    rows = simulate_ssp(str(package), stop_time=2.0, step_size=1 / 64, parameter_set=given)
+    assert len(rows) == 128
+    compared = [name for name in rows.dtype.names if name in simulated and name != "time"]
+    assert {"first.x", "second.x", "second.mode", "first.steps", "first.positive", "drive.y"} <= set(compared)
+    for name in compared:
+        # The same FMUs are given the same numbers: nothing but rounding in FMPy's sum of steps could differ.
+        np.testing.assert_allclose(rows[name].astype(float), simulated[name][1:], rtol=1e-9, atol=1e-12, err_msg=name)
+
+
+@pytest.fixture(scope="module")
+def imported(package, dse_in, tmp_path_factory) -> Path:
+    """The workspace that is made of the package. Tests do not change it."""
+    folder = tmp_path_factory.mktemp("imported")
+    done = dse_in(folder, "import", "ssp", str(package), "back")
+    assert done.returncode == 0, done.stderr
+    assert "next: dse simulate back/testbenches/ramped.yaml" in done.stdout
+    return folder / "back"
+
+
+def test_import_and_export_again_gives_the_same_bytes(package, dse_in, imported, tmp_path):
+    done = dse_in(imported, "export", "ssp", "ramped", "-o", str(tmp_path / "again.ssp"))
+    assert done.returncode == 0, done.stderr
+    assert (tmp_path / "again.ssp").read_bytes() == package.read_bytes()
+
+
+def test_an_imported_workspace_is_checked_and_simulated_at_once(dse_in, imported, simulated):
+    done = dse_in(imported, "check")
+    assert done.returncode == 0, done.stderr
+    assert done.stdout == "ok: 2 interfaces, 2 components, 1 design space, 1 test bench, 0 studies\n"
+    done = dse_in(imported, "simulate", "ramped", "--format", "json", "--set", "drive.rate=4 m/s")
+    assert done.returncode == 0, done.stderr
+    # The chain is linear, so twice the ramp is twice the answer, to the last bit as two is a power of two.
+    assert json.loads(done.stdout)["metrics"]["second_x_at_the_end"] == 2 * simulated["second.x"][-1]
+
+
+def test_nothing_that_is_there_is_overwritten(package, dse_in, imported):
+    done = dse_in(imported.parent, "import", "ssp", str(package), "back")
+    assert done.returncode == 1
+    assert "back/designs/ramped.yaml: the file is there already" in done.stderr
+
+
+def test_waveforms_are_written_as_json_too_and_the_values_are_the_same(package, dse_in, tmp_path, simulated):
+    target = tmp_path / "out.json"
+    done = dse_in(package.parent, "simulate", package.name, "--step", "15.625 ms", "-o", str(target))
+    assert done.returncode == 0, done.stderr
+    data = json.loads(target.read_text(encoding="utf-8"))
+    assert data["system"] == "ramped"
+    assert data["signals"]["first.x"]["unit"] == "m"
+    assert data["signals"]["first.x"]["values"] == simulated["first.x"].tolist()
+    assert data["time"] == simulated["time"].tolist()
+
+
+def test_a_setting_changes_a_package_too(package, dse_in, simulated):
+    done = dse_in(package.parent, "simulate", package.name, "--set", "drive.rate=4", "--format", "json")
+    assert done.returncode == 0, done.stderr
+    assert json.loads(done.stdout)["signals"]["second.x"]["end"] == 2 * simulated["second.x"][-1]
+
+
+@pytest.mark.parametrize(
+    ("arguments", "code", "expected"),
+    [
+        (["ramped.ssp", "--set", "drive.rat=4"], 1, "no 'drive.rat' to set\n    hint: did you mean 'drive.rate'?"),
+        (["ramped.ssp", "--step", "0.3 s"], 1, "is not a whole number of steps"),
+        (["ramped.ssp", "-o", "out.txt"], 2, "must end in .csv or .json"),
+        (["ramped.ssp", "--algorithm", "jakobi"], 2, "'jakobi' is none of jacobi, gauss_seidel"),
+        (["ramped", "--stop", "1 s"], 2, "this is for a package"),
+        (["gone.ssp"], 1, "gone.ssp: there is no such file"),
+    ],
+)  # fmt: skip
+def test_what_cannot_be_simulated_is_told(package, dse_in, arguments, code, expected):
+    done = dse_in(package.parent, "simulate", *arguments)
+    assert done.returncode == code
+    assert expected in done.stderr
+    assert "Traceback" not in done.stderr
+
+
+def test_the_order_of_exchange_can_be_chosen(package, dse_in, simulated):
+    done = dse_in(package.parent, "simulate", package.name, "--algorithm", "gauss_seidel", "--format", "json")
+    assert done.returncode == 0, done.stderr
+    newest = json.loads(done.stdout)["signals"]["second.x"]["end"]
+    # What comes through the chain a step earlier is larger behind a ramp, by no more than the ramp's steps.
+    assert simulated["second.x"][-1] < newest < simulated["second.x"][-1] + 2 * 2 * 2 / 64
+
+
+# Packages of others
+
+
+@pytest.fixture(scope="module")
+def dahlquist(tmp_path_factory) -> bytes:
+    return build("Dahlquist", 2, "CoSimulation", tmp_path_factory.mktemp("fmus")).read_bytes()
+
+
+def decay(k: str, name: str, source: str = "resources/Dahlquist.fmu") -> str:
+    own = bindings(binding(parameter_set(f"k Real {k}")))
+    inner = elements(component("d", "output x", source=source, more=own))
+    more = connectors("output level") + inner + connections(connection("d.x", ".level"))
+    return description(more, '<ssd:DefaultExperiment stopTime="1"/>', name=name)
+
+
+@pytest.fixture
+def foreign(tmp_path, dahlquist) -> Path:
+    files = {
+        "SystemStructure.ssd": decay("1", "slow"),
+        "Fast.ssd": decay("2", "fast"),
+        "resources/Dahlquist.fmu": dahlquist,
+    }
+    return pack(tmp_path / "foreign.ssp", files)
+
+
+def test_a_foreign_package_and_its_variants_are_simulated(foreign, dse_in, tmp_path):
+    for variant, rate in (("SystemStructure", 1.0), ("fast", 2.0)):
+        done = dse_in(tmp_path, "simulate", "foreign.ssp", "--variant", variant, "--format", "json")
+        assert done.returncode == 0, done.stderr
+        data = json.loads(done.stdout)
+        assert (data["stop"], data["step"]) == (1.0, 0.1)
+        # The FMU integrates with RK4 in steps of its own of at most 0.1 s: its error is below (k h)^5.
+        assert data["signals"]["level"]["end"] == pytest.approx(np.exp(-rate), abs=(0.1 * rate) ** 5)
+
+
+def test_variants_become_benches_of_one_design(foreign, dse_in, tmp_path):
+    done = dse_in(tmp_path, "import", "ssp", "foreign.ssp", "work")
+    assert done.returncode == 0, done.stderr
+    assert sorted(p.name for p in (tmp_path / "work" / "testbenches").iterdir()) == ["fast.yaml", "slow.yaml"]
+    assert [p.name for p in (tmp_path / "work" / "designs").iterdir()] == ["slow.yaml"]
+    for bench, rate in (("slow", 1.0), ("fast", 2.0)):
+        done = dse_in(tmp_path / "work", "simulate", bench, "--format", "json")
+        assert done.returncode == 0, done.stderr
+        (value,) = json.loads(done.stdout)["metrics"].values()
+        assert value == pytest.approx(np.exp(-rate), abs=(0.1 * rate) ** 5)
+
+
+@pytest.mark.thorough
+def test_variants_with_other_fmus_become_alternatives(dse_in, tmp_path, dahlquist, tmp_path_factory):
+    other = rezipped(dahlquist, tmp_path_factory.mktemp("other") / "Other.fmu")
+    files = {
+        "SystemStructure.ssd": decay("1", "slow"),
+        "Fast.ssd": decay("2", "fast", "resources/Other.fmu"),
+        "resources/Dahlquist.fmu": dahlquist,
+        "resources/Other.fmu": other,
+    }
+    pack(tmp_path / "two.ssp", files)
+    done = dse_in(tmp_path, "import", "ssp", "two.ssp", "work")
+    assert done.returncode == 0, done.stderr
+    (command,) = [line for line in done.stdout.splitlines() if line.startswith("next: ") and "fast.yaml" in line]
+    assert "--configuration" in command
+    assert "alternatives:" in (tmp_path / "work" / "designs" / "slow.yaml").read_text(encoding="utf-8")
+    done = dse_in(tmp_path, "check", "work")
+    assert done.returncode == 0, done.stderr
+    done = dse_in(tmp_path, *command.removeprefix("next: dse ").split(), "--format", "json")
+    assert done.returncode == 0, done.stderr
+    assert json.loads(done.stdout)["metrics"]["d_x_at_the_end"] == pytest.approx(np.exp(-2), abs=0.2**5)
+
+
+def rezipped(archive: bytes, target: Path) -> bytes:
+    """The same FMU with other bytes: a file more."""
+    target.write_bytes(archive)
+    with zipfile.ZipFile(target, "a") as opened:
+        opened.writestr("documentation/more.txt", "another one")
+    return target.read_bytes()
+
+
+def test_what_a_workspace_has_no_words_for_is_refused_at_its_line(dse_in, tmp_path, dahlquist, tmp_path_factory):
+    through = build("Feedthrough", 2, "CoSimulation", tmp_path_factory.mktemp("through")).read_bytes()
+    text = elements(
+        component("d", "output x", source="resources/Dahlquist.fmu", more=bindings(binding(parameter_set("x Real 3")))),
+        component(
+            "f",
+            "input Float64_continuous_input",
+            "output String_output",
+            "input String_input",
+            source="resources/f.fmu",
+        ),
+    ) + connections(
+        connection("d.x", "f.Float64_continuous_input", '<ssc:LinearTransformation factor="2"/>'),
+        "\n",
+        connection("f.String_output", "f.String_input"),
+    )
+    files = {"SystemStructure.ssd": description(text), "resources/Dahlquist.fmu": dahlquist, "resources/f.fmu": through}
+    pack(tmp_path / "hard.ssp", files)
+    done = dse_in(tmp_path, "import", "ssp", "hard.ssp", "work")
+    assert done.returncode == 1
+    assert "f.String_output -> f.String_input: 'f.String_output' cannot be a port of a workspace" in done.stderr
+    assert "hard.ssp/SystemStructure.ssd:5:" in done.stderr
+    assert not (tmp_path / "work").exists()
+    # The package itself can be simulated all the same, strings and transformation included.
+    done = dse_in(tmp_path, "simulate", "hard.ssp", "--stop", "1", "--step", "0.1", "--format", "json")
+    assert done.returncode == 0, done.stderr
+    assert json.loads(done.stdout)["signals"]["d.x"]["start"] == 3.0
+
+
+def test_an_fmu_that_fails_is_named(dse_in, tmp_path, dahlquist):
+    broken = pack(tmp_path / "broken.fmu", {"modelDescription.xml": "<fmiModelDescription fmiVersion='2.0'/>"})
+    files = {
+        "SystemStructure.ssd": description(elements(component("d", "output x", source="resources/d.fmu"))),
+        "resources/d.fmu": broken.read_bytes(),
+    }
+    pack(tmp_path / "bad.ssp", files)
+    done = dse_in(tmp_path, "simulate", "bad.ssp")
+    assert done.returncode == 1
+    assert "bad.ssp/SystemStructure.ssd:4:" in done.stderr
+    assert "resources/d.fmu/modelDescription.xml:1:1: there is neither <CoSimulation> nor" in done.stderr
+
+
+def test_an_fmu_that_a_workspace_would_take_otherwise_is_refused(dse_in, tmp_path, tmp_path_factory):
+    both = build("VanDerPol", 3, None, tmp_path_factory.mktemp("both")).read_bytes()
+    part = component("v", "output x0").replace("source=", 'implementation="ModelExchange" source=')
+    pack(tmp_path / "me.ssp", {"SystemStructure.ssd": description(elements(part)), "resources/v.fmu": both})
+    done = dse_in(tmp_path, "simulate", "me.ssp", "--stop", "1", "--step", "0.01", "--format", "json")
+    assert done.returncode == 0, done.stderr
+    done = dse_in(tmp_path, "import", "ssp", "me.ssp", "work")
+    assert done.returncode == 1
+    assert "is to be simulated by ModelExchange, a workspace takes the other" in done.stderr
+    assert not (tmp_path / "work").exists()
+
+
+@pytest.mark.thorough
+def test_arrays_and_all_kinds_of_fmus_become_a_workspace(dse_in, tmp_path, tmp_path_factory):
+    folder = tmp_path_factory.mktemp("kinds")
+    wanted = (
+        ("BouncingBall", 1, "CoSimulation"),
+        ("VanDerPol", 2, "ModelExchange"),
+        ("Feedthrough", 3, "CoSimulation"),
+    )
+    fmus = {f"resources/{name}.fmu": build(name, version, kind, folder).read_bytes() for name, version, kind in wanted}
+    array = ("input Float64_array_input", "output Float64_array_output")
+    system = elements(
+        component("BouncingBall", "output h"),
+        component("VanDerPol", "output x0"),
+        component("Feedthrough", *array),
+        component("other", *array, source="resources/Feedthrough.fmu"),
+    ) + connections(connection("Feedthrough.Float64_array_output", "other.Float64_array_input"))
+    text = description(system, '<ssd:DefaultExperiment stopTime="1"/>', version="2.0")
+    pack(tmp_path / "kinds.ssp", {"SystemStructure.ssd": text, **fmus})
+    done = dse_in(tmp_path, "import", "ssp", "kinds.ssp", "work")
+    assert done.returncode == 0, done.stderr
+    assert "left out: Feedthrough: String_input: of type String" in done.stdout
+    done = dse_in(
+        tmp_path / "work", "simulate", "example", "--format", "json", "--set", "Feedthrough.Float64_array_input_2_3=8"
+    )
+    assert done.returncode == 0, done.stderr
+    metrics = json.loads(done.stdout)["metrics"]
+    assert metrics["other_Float64_array_output_2_3_at_the_end"] == 8.0
+    for name in ("first", "second"):
+        done = dse_in(tmp_path / "work", "export", "ssp", "example", "-o", f"../{name}.ssp")
+        assert done.returncode == 0, done.stderr
+        if name == "first":
+            (tmp_path / "work").rename(tmp_path / "before")
+            assert dse_in(tmp_path, "import", "ssp", "first.ssp", "work").returncode == 0
+    assert (tmp_path / "first.ssp").read_bytes() == (tmp_path / "second.ssp").read_bytes()
+
+
+def test_a_run_that_fails_names_the_fmu_and_the_call(dse_in, tmp_path, tmp_path_factory):
+    stair = build("Stair", 2, "CoSimulation", tmp_path_factory.mktemp("stair")).read_bytes()
+    text = description(elements(component("s", "output counter")))
+    pack(tmp_path / "stair.ssp", {"SystemStructure.ssd": text, "resources/s.fmu": stair})
+    done = dse_in(tmp_path, "simulate", "stair.ssp", "--stop", "20", "--set", "s.last=3")
+    assert done.returncode == 3
+    assert "stair.ssp failed to run: s: fmi2DoStep at t = 2 s asked to end the simulation" in done.stderr

@@ -1,0 +1,141 @@
+"""Event mode, early return and intermediate updates of FMI 3.0 co-simulation."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import pytest
+
+from dse.cosim.reference import run_reference
+from dse.cosim.simulator import RunFailed, Simulator
+from dse.domain.method import Adaptive, Algorithm, Coupling, Extrapolation, Method
+
+FINE, ENDLESS, ENDS, STANDS_STILL = range(4)
+RECORD = ["e.y", "e.seen", "e.events", "e.updates", "e.steps"]
+EVERY_METHOD = pytest.mark.parametrize(
+    "method",
+    [Method(), Method(algorithm=Algorithm.GAUSS_SEIDEL), Method(coupling=Coupling.PROPAGATE)],
+    ids=["jacobi", "gauss-seidel", "propagate"],
+)
+
+
+def eventful(shelf, **able):
+    model = shelf.fmu("eventful", 3)
+    return replace(model, capabilities=replace(model.capabilities, **({"has_event_mode": True} | able)))
+
+
+def alone(model, shelf, **start):
+    return shelf.system({"e": model}, (), {f"e.{name}": value for name, value in start.items()}, RECORD)
+
+
+def same_bits(system, record, method=None, **run):
+    run = {"stop": 1.0, "step": 0.25} | run
+    method = method or Method()
+    with Simulator(system, record, method=method) as simulator:
+        rows = [simulator.run(**run) for _ in range(3)]
+    slow = run_reference(system, record, method=method, **run)
+    for fast in rows:
+        assert fast.tobytes() == slow.tobytes()
+    return slow
+
+
+def test_events_inside_a_step_are_handled_where_they_are_if_the_fmu_returns_early(shelf):
+    # Events at 5/16, 10/16, 15/16: in the second, third and fourth step of 4/16.
+    system = alone(eventful(shelf, can_return_early=True), shelf, period=5 / 16, u=1.0)
+    rows = same_bits(system, RECORD)
+    assert rows[:, 0].tolist() == [0, 0.25, 0.5, 0.75, 1.0]
+    assert rows[:, 2].tolist() == [0, 0, 1, 2, 3]
+    assert rows[:, 4].tolist() == [0, 1, 3, 5, 7]
+
+
+def test_events_inside_a_step_are_handled_at_its_end_if_the_fmu_cannot_return_early(shelf):
+    rows = same_bits(alone(eventful(shelf), shelf, period=5 / 16, u=1.0), RECORD)
+    assert rows[:, 2].tolist() == [0, 0, 1, 2, 3]
+    assert rows[:, 4].tolist() == [0, 1, 2, 3, 4]
+
+
+def test_a_step_ends_at_an_event_that_is_announced(shelf):
+    rows = same_bits(alone(eventful(shelf), shelf, period=5 / 16, announces=1, u=1.0), RECORD)
+    assert rows[:, 2].tolist() == [0, 0, 1, 2, 3]
+    assert rows[:, 4].tolist() == [0, 1, 3, 5, 7]
+    model = eventful(shelf, can_handle_variable_step=False)
+    assert same_bits(alone(model, shelf, period=5 / 16, announces=1), RECORD)[:, 4].tolist() == [0, 1, 2, 3, 4]
+
+
+def test_an_event_at_a_communication_point_shows_what_comes_after_it(shelf):
+    for able in ({}, {"can_return_early": True}):
+        rows = same_bits(alone(eventful(shelf, **able), shelf, period=0.25), RECORD)
+        assert rows[:, 2].tolist() == [0, 1, 2, 3, 4]
+        assert rows[:, 4].tolist() == [0, 1, 2, 3, 4]
+
+
+@EVERY_METHOD
+def test_discrete_inputs_are_set_in_event_mode_and_only_when_they_change(shelf, method):
+    source = shelf.fmu("counter", 3)
+    start = {"c.enable": 1, "c.increment": 2, "e.u": 1.0}
+    wires = ["c.count -> e.d"]
+    elements = {"c": source, "e": eventful(shelf)}
+    rows = same_bits(shelf.system(elements, wires, start, [*RECORD, "c.count"]), [*RECORD, "c.count"], method)
+    assert rows[:, 5].tolist() == [0, 2, 4, 6, 8]
+    still = shelf.system(elements, wires, start | {"c.increment": 0}, RECORD)
+    # One update at the end of the initialization and one for the value that is first given; then nothing changes.
+    assert same_bits(still, RECORD, method)[-1, 3] == 2
+    assert rows[-1, 3] > 2
+
+
+def test_the_discrete_inputs_of_each_step_are_seen_once(shelf):
+    source = shelf.fmu("counter", 3)
+    start = {"c.enable": 1, "c.increment": 2}
+    system = shelf.system({"c": source, "e": eventful(shelf)}, ["c.count -> e.d"], start, RECORD)
+    # Written before the first step: 0; then 2, 4 and 6 (Jacobi writes what the step before left).
+    assert same_bits(system, RECORD)[:, 1].tolist() == [0, 0, 2, 6, 12]
+
+
+@pytest.mark.parametrize(
+    ("mode", "message"),
+    [
+        (ENDLESS, "e: fmi3UpdateDiscreteStates asked for more than 1000 event iterations at one point in time"),
+        (STANDS_STILL, "e: fmi3DoStep at t = 0 s returned before the end of the step"),
+    ],
+)
+def test_events_without_an_end_are_a_failure(shelf, mode, message):
+    system = alone(eventful(shelf, can_return_early=True), shelf, mode=mode, period=0.25)
+    with Simulator(system, RECORD) as simulator, pytest.raises(RunFailed) as fast:
+        simulator.run(stop=1.0, step=0.25)
+    with pytest.raises(RunFailed) as slow:
+        run_reference(system, RECORD, stop=1.0, step=0.25)
+    assert str(fast.value) == str(slow.value) == message
+
+
+def test_an_event_may_ask_to_end_the_simulation(shelf):
+    system = alone(eventful(shelf), shelf, mode=ENDS, period=0.5)
+    with Simulator(system, RECORD) as simulator, pytest.raises(RunFailed) as fast:
+        simulator.run(stop=1.0, step=0.25)
+    with pytest.raises(RunFailed) as slow:
+        run_reference(system, RECORD, stop=1.0, step=0.25)
+    assert str(fast.value) == str(slow.value) == "e: fmi3UpdateDiscreteStates at t = 0.25 s asked to end the simulation"
+
+
+def ramp(shelf, **able):
+    """e.u is the time of another element: a straight line."""
+    elements = {"t": shelf.fmu("stepper", 2), "e": eventful(shelf, **able)}
+    return shelf.system(elements, ["t.y -> e.u"], {}, ["e.y"])
+
+
+def test_an_fmu_that_asks_within_its_step_is_given_inputs_on_their_way(shelf):
+    linear = Method(extrapolation=Extrapolation.LINEAR)
+    for able in ({"has_event_mode": False}, {}):
+        system = ramp(shelf, provides_intermediate_update=True, **able)
+        # The integral of t over 1 s but for the first step, which is held: 1/2 - 1/32 with steps of 1/4.
+        assert same_bits(system, ["e.y"], linear)[-1, 0] == 1 / 2 - 1 / 32
+        assert same_bits(system, ["e.y"])[-1, 0] == 3 / 8  # held: the left sum
+
+
+def test_an_fmu_that_does_not_ask_is_given_the_middle_of_the_step(shelf):
+    linear = Method(extrapolation=Extrapolation.LINEAR)
+    assert same_bits(ramp(shelf), ["e.y"], linear)[-1, 0] == 1 / 2 - 1 / 32
+
+
+def test_an_fmu_that_cannot_save_its_state_is_refused_by_adaptive_steps(shelf):
+    with pytest.raises(Exception, match="state"):
+        Simulator(ramp(shelf), ["e.y"], method=Method(adaptive=Adaptive()))

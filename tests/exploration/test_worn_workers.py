@@ -1,0 +1,126 @@
+"""Workers that grow, or that must not go on, are renewed; the runs are made all the same."""
+
+from __future__ import annotations
+
+import multiprocessing
+import sys
+from pathlib import Path
+
+import pytest
+from fake_executors import FakeBench, header_of, make_fake, study_of
+
+from dse.domain.run import Outcome
+from dse.domain.study import Keep, Study
+from dse.exploration.explore import Summary, explore
+from dse.exploration.plan import missing_runs
+from dse.exploration.samplers import requests
+from dse.results.folder import StudyFolder
+
+BASELINE = 200e6  # a worker by itself, with room to spare
+
+
+def explored(path: Path, study: Study, bench: FakeBench, *, runs: int = 25, threads: int = 1, workers: int = 1):
+    with StudyFolder.create(path, header_of(study, runs)) as folder:
+        summary: Summary = explore(
+            study, {"a": bench}, folder, workers=workers, threads=threads, make_executor=make_fake,
+            on_progress=lambda progress: None,
+        )  # fmt: skip
+        table = folder.table()
+        kept = folder.kept()
+    assert multiprocessing.active_children() == []
+    failures = {run.request.number: run.problem for run in table.runs() if run.outcome is Outcome.FAILED}
+    assert len(table) == runs
+    return summary, failures, kept
+
+
+@pytest.mark.parametrize("threads", [1, 2])
+def test_a_run_that_grows_beyond_its_memory_is_ended_and_named(tmp_path: Path, threads: int) -> None:
+    bench = FakeBench("a", "grows", (7,), memory=BASELINE + 500e6)
+    _, failures, _ = explored(tmp_path, study_of(), bench, threads=threads)
+    assert set(failures) == {7}
+    assert failures[7].startswith("grew beyond 0.7 GB of memory")
+    assert failures[7].endswith("in fake: fmi2DoStep of run 7")
+
+
+def test_runs_that_leak_a_little_have_their_worker_renewed_and_none_is_blamed(tmp_path: Path) -> None:
+    # 25 runs of 50 MB: twice as much as a worker may hold, and no run of them too much by itself.
+    bench = FakeBench("a", "leaks", memory=BASELINE + 400e6, seconds=0.1)
+    summary, failures, _ = explored(tmp_path, study_of(), bench)
+    assert failures == {}
+    assert summary.retried >= 1
+
+
+def pids(file: Path) -> list[str]:
+    return [line.split()[0] for line in file.read_text(encoding="utf-8").splitlines()]
+
+
+@pytest.mark.parametrize("keep", [Keep.NONE, Keep.ALL])
+def test_no_process_makes_more_runs_than_it_bears(tmp_path: Path, keep: Keep) -> None:
+    file = tmp_path / "processes"
+    bench = FakeBench("a", "tells its process", file=file, most_runs=3)
+    summary, failures, kept = explored(tmp_path / "study", study_of(levels=3, keep=keep), bench, runs=9)
+    assert failures == {}
+    made = pids(file)
+    assert len(made) == summary.simulated == 9
+    assert max(made.count(pid) for pid in made) <= 3
+    assert (set(kept) == set(range(9))) is (keep is Keep.ALL)
+
+
+def test_a_chunk_is_no_larger_than_what_a_process_bears() -> None:
+    asked = requests(study_of(levels=50), ("a", "b"))
+    sizes = {(batch.configuration, len(batch.numbers)) for batch in missing_runs(asked, set(), {"b": 5})}
+    assert sizes == {("a", 32), ("a", 2500 % 32), ("b", 5)}
+
+
+@pytest.mark.parametrize("keep", [Keep.NONE, Keep.ALL])
+def test_after_a_fatal_failure_the_other_runs_are_made_by_another_process(tmp_path: Path, keep: Keep) -> None:
+    # 2,500 runs make chunks of 32: what follows run 40 in its chunk would be lost with the process.
+    study = study_of(levels=50, keep=keep)
+    bench = FakeBench("a", "is fatal", (40, 41))
+    summary, failures, kept = explored(tmp_path, study, bench, runs=2500)
+    assert set(failures) == {40, 41}
+    assert summary.irreproducible == 0
+    if keep is Keep.ALL:
+        assert {number for number, name in kept.items() if name} == set(range(2500)) - {40, 41}
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="signals")
+@pytest.mark.parametrize("mischief", ["crashes", "hangs", "exits"])
+def test_in_threads_the_run_at_fault_is_blamed_and_no_other(tmp_path: Path, mischief: str) -> None:
+    study = study_of(levels=50)
+    bench = FakeBench("a", mischief, (40, 70), timeout=0.5)
+    _, failures, _ = explored(tmp_path, study, bench, runs=2500, threads=3)
+    assert set(failures) == {40, 70}
+    assert all(problem.endswith(f"in fake: fmi2DoStep of run {number}") for number, problem in failures.items())
+
+
+def test_threads_give_the_same_bytes_as_one_run_at_a_time(tmp_path: Path) -> None:
+    study = study_of(levels=12, keep=Keep.ALL)
+    content = []
+    for threads in (1, 3):
+        bench = FakeBench("a", "fails", (5,), seconds=0.0005)
+        folder = tmp_path / str(threads)
+        explored(folder, study, bench, runs=144, threads=threads)
+        with StudyFolder.open(folder) as store:
+            files = {file.name: file.read_bytes() for file in store.waveform_folder.iterdir()}
+            rows = [(r.request, r.outcome, r.problem, repr(r.metrics), r.judgements) for r in store.table().runs()]
+        content.append((repr(rows), files))
+    assert content[0] == content[1]
+
+
+def places(tmp_path: Path, **settings: object) -> set[str]:
+    file = tmp_path / "places"
+    bench = FakeBench("a", "tells its process", file=file, seconds=0.005, **settings)  # type: ignore[arg-type]  # by name
+    explored(tmp_path / "study", study_of(levels=20), bench, runs=400, threads=3)
+    return set(file.read_text(encoding="utf-8").splitlines())
+
+
+def test_where_fmus_bear_it_one_process_runs_several_threads(tmp_path: Path) -> None:
+    used = places(tmp_path)
+    assert len({place.split()[0] for place in used}) == 1
+    assert len(used) > 1
+
+
+def test_where_fmus_do_not_bear_threads_there_are_as_many_processes(tmp_path: Path) -> None:
+    used = places(tmp_path, thread_safe=False)
+    assert len({place.split()[0] for place in used}) == len(used) > 1

@@ -1,0 +1,174 @@
+"""Ports on variables of finished FMUs: units, items, arrays and texts."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from dse.domain.component import Causality, Component, FmuSource, Interface, Kind, Parameter, Port, Type
+from dse.domain.design import Connection
+from dse.domain.fmu import FmuModel, UnitDefinition, Variable
+from dse.domain.system import Conversion
+from dse.errors import DseError
+from dse.system.assemble import assemble
+from dse.system.binding import bind
+from dse.units import parse_unit
+
+SPEED = Type(Kind.REAL, parse_unit("m/s"))
+MODE = Type(Kind.ENUMERATION, items=("speed", "distance"))
+PER_SECOND = {"m": 1, "s": -1}
+
+
+def component(port: str = "v", type_: Type = SPEED, name: str | None = None) -> Component:
+    interface = Interface("i", (Port(port, Causality.OUTPUT, type_),))
+    return Component("radar", interface, source=FmuSource(Path("radar.fmu")), names={port: name} if name else {})
+
+
+def model(*variables: Variable, units: dict[str, UnitDefinition] | None = None) -> FmuModel:
+    nowhere = Path("nowhere")
+    named = {variable.name: variable for variable in variables}
+    return FmuModel(nowhere, nowhere, nowhere, 3, "radar", "{}", named, units=units or {})
+
+
+def output(name: str = "v", kind: Kind | None = Kind.REAL, fmi_type: str = "Float64", **fields: object) -> Variable:
+    return Variable(name, 1, fmi_type, "output", kind, **fields)
+
+
+def conversion(unit: str, **units: UnitDefinition) -> Conversion:
+    return bind(component(), "v", SPEED, model(output(unit=unit), units=units), ("output",)).conversion
+
+
+def refusal(part: Component, type_: Type, fmu: FmuModel) -> str:
+    with pytest.raises(DseError) as caught:
+        bind(part, part.interface.ports[0].name, type_, fmu, ("output",))
+    (found,) = caught.value.problems
+    return str(found)
+
+
+def test_a_unit_is_converted_by_its_usual_meaning():
+    assert conversion("km/h") == Conversion(1000.0 / 3600.0, 0.0)
+    assert conversion("m/s") == conversion("") == Conversion()
+
+
+def test_a_unit_of_its_own_is_converted_as_the_fmu_defines_it():
+    assert conversion("warp", warp=UnitDefinition(299792458.0, 0.0, PER_SECOND)) == Conversion(299792458.0, 0.0)
+
+
+def test_a_rounded_factor_stands_for_the_usual_one():
+    assert conversion("km/h", **{"km/h": UnitDefinition(0.277778, 0.0, PER_SECOND)}) == Conversion(1000.0 / 3600.0, 0.0)
+
+
+def test_a_unit_that_the_fmu_defines_otherwise_is_the_fmus():
+    assert conversion("km/h", **{"km/h": UnitDefinition(0.5, 0.0, PER_SECOND)}) == Conversion(0.5, 0.0)
+
+
+def test_an_offset_is_converted_too():
+    kelvin = Type(Kind.REAL, parse_unit("K"))
+    fmu = model(output(unit="degC"), units={"degC": UnitDefinition(1.0, 273.15, {"K": 1})})
+    assert bind(component(type_=kelvin), "v", kelvin, fmu, ("output",)).conversion == Conversion(1.0, 273.15)
+
+
+def test_a_difference_has_no_offset():
+    kelvin = Type(Kind.REAL, parse_unit("K"))
+    fmu = model(output(unit="degC", is_relative=True))
+    assert bind(component(type_=kelvin), "v", kelvin, fmu, ("output",)).conversion == Conversion()
+
+
+def test_what_is_another_variable_with_the_other_sign_is_negated():
+    fmu = model(output(unit="km/h", is_negated=True))
+    assert bind(component(), "v", SPEED, fmu, ("output",)).conversion == Conversion(-1000.0 / 3600.0)
+    truth = Type(Kind.BOOLEAN)
+    fmu = model(output(kind=Kind.BOOLEAN, fmi_type="Boolean", is_negated=True))
+    assert bind(component(type_=truth), "v", truth, fmu, ("output",)).conversion.items == ((0.0, 1.0), (1.0, 0.0))
+
+
+def test_an_unknown_unit_is_refused():
+    assert "the unknown unit 'warp'" in refusal(component(), SPEED, model(output(unit="warp")))
+
+
+def test_items_are_matched_by_their_names():
+    fmu = model(output(kind=Kind.ENUMERATION, fmi_type="Int64", items={"distance": 7, "off": 3, "speed": -2}))
+    found = bind(component(type_=MODE), "v", MODE, fmu, ("output",))
+    assert found.conversion == Conversion(items=((-2.0, 0.0), (7.0, 1.0)))
+
+
+def test_items_with_the_same_numbers_need_no_conversion():
+    fmu = model(output(kind=Kind.ENUMERATION, fmi_type="Int64", items={"speed": 0, "distance": 1}))
+    assert bind(component(type_=MODE), "v", MODE, fmu, ("output",)).conversion == Conversion()
+
+
+def test_an_item_that_the_fmu_lacks_is_named():
+    fmu = model(output(kind=Kind.ENUMERATION, fmi_type="Int64", items={"speed": 0, "gap": 1}))
+    text = refusal(component(type_=MODE), MODE, fmu)
+    assert "has no item 'distance'" in text
+    assert "its items: speed, gap" in text
+
+
+def test_one_value_of_an_array_is_mapped_by_its_label():
+    fmu = model(output("x", shape=(2, 3)))
+    found = bind(component(name="x[2,1]"), "v", SPEED, fmu, ("output",))
+    assert (found.variable.name, found.label) == ("x", "x[2,1]")
+
+
+@pytest.mark.parametrize("label", ["x[3,1]", "x[0,1]", "x[1]", "x[1,1", "x]", "[1,1]"])
+def test_a_label_outside_of_the_array_is_refused(label):
+    fmu = model(output("x", shape=(2, 3)))
+    assert f"has no variable '{label}'" in refusal(component(name=label), SPEED, fmu)
+
+
+def test_a_whole_array_is_no_port():
+    text = refusal(component(name="x"), SPEED, model(output("x", shape=(2, 3))))
+    assert "'x' in the FMU of radar is an array of shape 2x3" in text
+    assert "x[1,1]" in text
+
+
+def source(*parameters: Parameter, names: dict[str, str]) -> Component:
+    ports = (Port("a", Causality.OUTPUT, SPEED), Port("b", Causality.OUTPUT, SPEED))
+    return Component(
+        "source", Interface("i", ports), source=FmuSource(Path("s.fmu")), parameters=parameters, names=names
+    )
+
+
+def sink(names: dict[str, str]) -> Component:
+    ports = (Port("a", Causality.INPUT, SPEED), Port("b", Causality.INPUT, SPEED))
+    return Component("sink", Interface("j", ports), source=FmuSource(Path("t.fmu")), names=names)
+
+
+def test_ports_on_one_array_are_one_variable_and_wires_of_their_own():
+    given = source(names={"a": "y[1]", "b": "y[2]"})
+    taken = sink({"a": "u[2]", "b": "u[1]"})
+    fmus = {
+        "source": model(output("y", shape=(2,), sized_by=("",))),
+        "sink": model(Variable("u", 1, "Float64", "input", Kind.REAL, shape=(2,), sized_by=("",))),
+    }
+    wires = [Connection("s.a", "t.a"), Connection("s.b", "t.b")]
+    system = assemble("x", {"s": given, "t": taken}, wires, fmus, {}, [])
+    assert [v.name for v in system.element("s").outputs] == ["y"]
+    assert [v.name for v in system.element("t").inputs] == ["u"]
+    assert [(w.source_variable, w.target_variable) for w in system.wires] == [("y[1]", "u[2]"), ("y[2]", "u[1]")]
+
+
+def test_a_structural_parameter_sizes_the_arrays_of_its_element():
+    size = Parameter("n", Type(Kind.INTEGER), 2)
+    part = source(size, names={"a": "y[1]", "b": "y[3]"})
+    fmu = model(
+        Variable("n", 0, "UInt64", "structuralParameter", Kind.INTEGER, start=("2",)),
+        output("y", shape=(2,), sized_by=("n",)),
+    )
+    with pytest.raises(DseError, match=r"no variable 'y\[3\]'"):
+        assemble("x", {"s": part}, [], {"source": fmu}, {}, ["s.b"])
+    element = assemble("x", {"s": part}, [], {"source": fmu}, {"s.n": 3}, ["s.b"]).element("s")
+    assert element.outputs[0].shape == (3,)
+    assert element.start == {"n": 3.0}
+
+
+def test_a_text_goes_to_a_variable_that_takes_texts():
+    text = Parameter("file", Type(Kind.TEXT), "a.csv")
+    part = Component("p", Interface("i", ()), source=FmuSource(Path("p.fmu")), parameters=(text,))
+    fmu = model(Variable("file", 0, "String", "parameter", None))
+    assert assemble("x", {"p": part}, [], {"p": fmu}, {}, []).element("p").texts == {"file": "a.csv"}
+    assert assemble("x", {"p": part}, [], {"p": fmu}, {"p.file": "b"}, []).element("p").texts == {"file": "b"}
+    number = model(Variable("file", 0, "Float64", "parameter", Kind.REAL))
+    with pytest.raises(DseError, match="is real, not string"):
+        assemble("x", {"p": part}, [], {"p": number}, {}, [])

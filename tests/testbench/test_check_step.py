@@ -1,0 +1,138 @@
+"""The check of a run with half the step: what it changes is each metric's error bar."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+from dse.domain.method import Method
+from dse.domain.run import Outcome, RunRequest
+from dse.loading.workspace import Workspace
+from dse.testbench.execute import Executor
+from dse.testbench.halved import with_half_steps
+from dse.testbench.plan import bench_study, plan
+
+FILES = {
+    "components/interfaces.yaml": """\
+interfaces:
+  spring: {inputs: {x: m}, outputs: {force: N}}
+  mass: {inputs: {force: N}, outputs: {x: m}}
+""",
+    "components/spring/component.yaml": """\
+component: spring
+implements: spring
+source: {kind: c, files: [spring.c]}
+""",
+    "components/spring/spring.h": """\
+typedef struct { struct { double x; } in; struct { double force; } out; } spring;
+void spring_init(spring *self);
+void spring_step(spring *self, double h);
+""",
+    "components/spring/spring.c": """\
+#include "spring.h"
+void spring_init(spring *self) { self->out.force = -self->in.x; }
+void spring_step(spring *self, double h) { (void)h; self->out.force = -self->in.x; }
+""",
+    "components/mass/component.yaml": """\
+component: mass
+implements: mass
+source: {kind: c, files: [mass.c]}
+parameters: {fails_below: {start: 0 s, unit: s}, far: {start: 9 m}}
+""",
+    "components/mass/mass.h": """\
+typedef struct {
+    struct { double force; } in; struct { double x; } out; struct { double fails_below, far; } par; double v;
+} mass;
+void mass_init(mass *self);
+void mass_step(mass *self, double h);
+""",
+    # Exact for a force that is held: all of the error is the coupling's.
+    "components/mass/mass.c": """\
+#include "mass.h"
+#include <math.h>
+void mass_init(mass *self) { self->out.x = 1.0; self->v = 0.0; }
+void mass_step(mass *self, double h) {
+    self->out.x += h * self->v + 0.5 * h * h * self->in.force;
+    self->v += h * self->in.force;
+    if (h < self->par.fails_below) self->out.x = sqrt(-1.0 - h);
+}
+""",
+    "designs/one.yaml": """\
+design: one
+root:
+  compound: {spring: spring, mass: mass}
+  connections: [spring.force -> mass.force, mass.x -> spring.x]
+""",
+    "testbenches/swing.yaml": """\
+testbench: swing
+design: one
+simulation: {stop: 1 s, step: 10 ms, record: [mass.x], check_step: true}
+metrics:
+  end: final(mass.x)
+  never: reach_time(mass.x, target = mass.far)
+requirements:
+  R1: {metric: end, at_most: 1 m}
+""",
+}
+
+
+@pytest.fixture
+def bench(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    for name, text in FILES.items():
+        path = tmp_path / name
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text(text, encoding="utf-8")
+    monkeypatch.chdir(tmp_path)
+    return Workspace(tmp_path).bench("swing")
+
+
+def run_of(bench, **point: float):
+    planned = plan(bench_study(bench))
+    ((identity, prepared),) = planned.prepared.items()
+    with Executor(prepared) as executor:
+        return executor.run(RunRequest(0, identity, point), keep=False), planned
+
+
+def test_the_error_bar_is_what_half_the_step_changes(bench):
+    run, _ = run_of(bench)
+    step = replace(bench.simulation, step=0.005, record_every=0.005, check_step=False)
+    finer, _ = run_of(replace(bench, simulation=step))
+    assert run.metrics["end.error"] == abs(run.metrics["end"] - finer.metrics["end"])
+    # Jacobi is of first order: the error of the run is about two error bars (Richardson).
+    true_error = abs(run.metrics["end"] - math.cos(1.0))
+    assert true_error == pytest.approx(2 * run.metrics["end.error"], rel=0.05)
+
+
+def test_a_metric_that_is_undefined_in_both_runs_has_no_error(bench):
+    run, _ = run_of(bench)
+    assert math.isnan(run.metrics["never"])
+    assert run.metrics["never.error"] == 0.0
+
+
+def test_a_run_that_fails_with_half_the_step_says_so_and_keeps_its_metrics(bench):
+    run, _ = run_of(bench, **{"mass.fails_below": 0.007})
+    assert run.outcome is Outcome.DONE
+    assert math.isfinite(run.metrics["end"])
+    assert math.isnan(run.metrics["end.error"])
+    assert run.problem.startswith("with half the step: mass.x became nan")
+
+
+def test_error_bars_are_columns_of_the_study(bench):
+    _, planned = run_of(bench)
+    names = [metric["name"] for metric in planned.definition["metrics"]]
+    assert names == ["end", "never", "end.error", "never.error"]
+    assert planned.definition["metrics"][2]["error_of"] == "end"
+
+
+def test_without_the_check_nothing_is_added(bench):
+    plain = replace(bench, simulation=replace(bench.simulation, check_step=False))
+    run, planned = run_of(plain)
+    assert set(run.metrics) == {"end", "never"}
+    assert len(planned.definition["metrics"]) == 2
+
+
+def test_steps_of_parts_are_halved_too():
+    assert with_half_steps(Method(steps={"a": 0.5, "b": 2.0})).steps == {"a": 0.25, "b": 1.0}
