@@ -108,7 +108,7 @@ def groups_by_type(element: Element, variables: Iterable[Variable], *, texts: bo
     parts: dict[tuple[Type, bool, bool, int], list[Variable]] = {}
     for number, variable in enumerate(variables):
         kind = kind_of(variable, model.version)
-        if kind is not None:
+        if kind is not None and variable.size:
             waits = _knows_events(model) and is_discrete_input(variable, model)
             moves = _knows_events(model) and moves_within_steps(variable, model)
             # What is set in events is set one by one: only what has changed.
@@ -235,6 +235,7 @@ def _loose_ends(system: SystemStructure, links: Mapping[str, Link]) -> Iterable[
             counted[target] = counted.get(target, 0) + 1
         yield from _unequal(wire, outputs, inputs)
     yield from (Problem(f"{target}: {n} wires end at one input") for target, n in counted.items() if n > 1)
+    yield from _twice_by_other_names(system)
     labels = _labels(system, of_inputs=True)
     yield from (
         Problem(f"{target}: a wire ends at what is not an input") for target in sorted(links.keys() - labels.keys())
@@ -249,8 +250,19 @@ def _loose_ends(system: SystemStructure, links: Mapping[str, Link]) -> Iterable[
             yield from _unlike(target, labels[target], link, known[link.source])
     for name, variable in sorted(inputs.items()):
         element = name[: -len(variable.name) - 1]
-        if not any(f"{element}.{label}" in links for label in variable.labels):
+        if variable.size and not any(f"{element}.{label}" in links for label in variable.labels):
             yield Problem(f"{name}: no wire ends at this connected input")
+
+
+def _twice_by_other_names(system: SystemStructure) -> Iterable[Problem]:
+    """Connected inputs that are other names (aliases) of each other."""
+    for element in system.elements:
+        names: dict[str, str] = {}
+        for variable in element.inputs:
+            first = names.setdefault(variable.alias_of or variable.name, variable.name)
+            if first != variable.name:
+                both = f"{element.name}.{first} and {element.name}.{variable.name}"
+                yield Problem(f"wires end at {both}, which are two names of one input")
 
 
 def _unequal(wire: Wire, outputs: Mapping[str, Variable], inputs: Mapping[str, Variable]) -> Iterable[Problem]:

@@ -33,9 +33,10 @@ class Variable:
     each of them, "" for a fixed one. *items* are an enumeration's items with the values the FMU gives them. *start*
     holds one text per value (Binary: hexadecimal digits), or a single one for all, or none.
 
-    *alias_of* names the variable this is another name of (FMI 1 and 3; FMI 2 does not say). *is_negated*: the value is
-    the opposite of that behind the reference (FMI 1). *is_relative*: a difference, to which a unit's offset does
-    not apply. *is_clocked*: it belongs to a clock. *is_intermediate*: it may be used while a step is computed (FMI 3).
+    *alias_of* names the variable this is another name of (FMI 1 and 3; FMI 2 does not say, but of inputs it is known).
+    *is_negated*: the value is the opposite of that behind the reference (FMI 1). *is_relative*: a difference, to which a
+    unit's offset does not apply. *is_clocked*: it belongs to a clock. *is_intermediate*: it may be used while a step is
+    computed (FMI 3).
     """
 
     name: str
@@ -145,8 +146,8 @@ class FmuModel:
     *interface* is the one it is simulated by; *exchange* is there for model exchange. *depends* maps each output to
     the inputs (and, for *initially*, also parameters) it depends on directly, by name; an output that is missing there
     depends on all of them. *units* are the FMU's own definitions by the names its variables use. *fixed_step* is set
-    if steps must be whole multiples of it (seconds). *prefix* is what stands before the names of the FMI functions in the library (FMI 1.0:
-    "" means the identifier and an underscore, as the standard has it).
+    if steps must be whole multiples of it (seconds). *prefix* is what stands before the names of the FMI functions in
+    the library (FMI 1.0: the identifier if it is "").
     """
 
     archive: Path

@@ -35,9 +35,9 @@ def read_types(root: XmlElement, version: int, problems: list[Problem]) -> Mappi
     types: dict[str, DeclaredType] = {}
     for named, typed in _elements(root, version):
         name = required(named, "name", problems)
-        if name in types:
-            problems.append(Problem(f"type '{name}' is there twice", named.where))
-        types[name] = said_of_values(typed, typed.tag.removesuffix("Type"), version, problems)
+        told = said_of_values(typed, typed.tag.removesuffix("Type"), version, problems)
+        if types.setdefault(name, told) != told:
+            problems.append(Problem(f"type '{name}' is there twice, with different meanings", named.where))
     return types
 
 

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from dse.domain.fmu import Capabilities, Exchange, Experiment, FmiInterface, UnitDefinition, Variable
@@ -82,6 +82,8 @@ def read_description(folder: Path, name: str | None = None, *, interface: FmiInt
     units = read_units(root, problems) if version > 1 else {}
     types = read_types(root, version, problems)
     listed = read_variables_1(root, types, problems) if version == 1 else read_variables(root, version, types, problems)
+    if version < 3:
+        listed = list(_one_input_each(listed))
     problems += _contradictions(listed, version, file)
     _raise_some(problems, file)
     structure, exchange = _structure(root, version, listed, offered, problems)
@@ -149,10 +151,22 @@ def _structure(
     return structure, read_exchange(root, variables, needs_completed_step=needs, problems=problems)
 
 
+def _one_input_each(listed: Iterable[Listed | None]) -> Iterator[Listed | None]:
+    """Of inputs that share a value reference all but the first become other names of it."""
+    inputs: dict[tuple[str, int], str] = {}
+    for one in listed:
+        if one is None or one.variable.causality != "input" or one.variable.alias_of:
+            yield one
+            continue
+        variable = one.variable
+        first = inputs.setdefault((variable.fmi_type, variable.reference), variable.name)
+        yield one if first == variable.name else replace(one, variable=replace(variable, alias_of=first))
+
+
 def _contradictions(listed: Iterable[Listed | None], version: int, file: str) -> Iterator[Problem]:
     """What no variable is to blame for alone: names and references that are taken."""
     names: set[str] = set()
-    references: dict[tuple[str, int], str] = {}
+    references: dict[int, str] = {}
     values = 0
     for one in listed:
         if one is None:
@@ -162,15 +176,15 @@ def _contradictions(listed: Iterable[Listed | None], version: int, file: str) ->
             yield Problem(f"variable '{shortened(variable.name)}' is there twice", where)
         names.add(variable.name)
         values += variable.size
-        # Up to FMI 2.0 variables share references by being aliases, but nothing can have two inputs; from FMI 3.0
-        # on aliases are written otherwise.
-        if variable.alias_of or (version < 3 and variable.causality != "input"):
+        # Up to FMI 2.0 variables share references by being aliases; from FMI 3.0 on aliases are written otherwise.
+        if variable.alias_of or version < 3:
             continue
-        key = ("" if version == 3 else variable.fmi_type, variable.reference)
-        if key in references:
-            what = f"variable '{variable.name}' has the value reference {key[1]}, which is that of '{references[key]}'"
+        taken = references.setdefault(variable.reference, variable.name)
+        if taken != variable.name:
+            what = (
+                f"variable '{variable.name}' has the value reference {variable.reference}, which is that of '{taken}'"
+            )
             yield Problem(what, where)
-        references.setdefault(key, variable.name)
     if values > _MOST_VALUES:
         yield Problem(f"all arrays together have more than {_MOST_VALUES:,} elements", Location(file))
 

@@ -42,7 +42,7 @@ def read_shape(
     shape: list[int] = []
     sized_by: list[str] = []
     for dimension in element.all("Dimension"):
-        start = whole(dimension, "start", problems)
+        start = whole(dimension, "start", problems, least=0)
         reference = whole(dimension, "valueReference", problems, least=0)
         name = ""
         if ("start" in dimension.attributes) == ("valueReference" in dimension.attributes):
@@ -57,9 +57,6 @@ def read_shape(
                 continue
             name, start = size.name, size.start
         if start is None:
-            continue
-        if start < 1:
-            problems.append(Problem(f"{subject}: arrays of the size {start} are not supported", dimension.where))
             continue
         shape.append(start)
         sized_by.append(name)

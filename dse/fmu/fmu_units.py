@@ -24,9 +24,9 @@ def read_units(root: XmlElement, problems: list[Problem]) -> Mapping[str, UnitDe
         base = unit.child("BaseUnit")
         if base is None:
             continue
-        if name in units:
-            problems.append(Problem(f"unit '{name}' is there twice", unit.where))
-        units[name] = base_unit(base, problems)
+        told = base_unit(base, problems)
+        if units.setdefault(name, told) != told:
+            problems.append(Problem(f"unit '{name}' is there twice, with different meanings", unit.where))
     return units
 
 

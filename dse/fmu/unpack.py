@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from dse.domain.fmu import FmiInterface, FmuModel
-from dse.errors import Location, fail
+from dse.errors import DseError, Location, fail
 from dse.fmu.build_description import has_recipe
 from dse.fmu.cache import cache_folder, keep_folder
 from dse.fmu.description import Description, read_description
@@ -18,8 +18,9 @@ from dse.loading.zipped import digest_of, unpack_zip
 def open_fmu(archive: Path, *, cache: Path | None = None, interface: FmiInterface | None = None) -> FmuModel:
     """The FMU in *archive*, unpacked into the cache under its content's hash, ready to be loaded on this platform.
 
-    *interface* is the one that is asked for; without, co-simulation comes before model exchange. An FMU that has no
-    library for this platform but its sources is compiled, once. Raises DseError located at *archive* or in a file of
+    *interface* is the one that is asked for; without, co-simulation comes before model exchange, unless only that of
+    model exchange has a library here. An FMU that has no library for this platform but its sources is compiled, once.
+    Raises DseError located at *archive* or in a file of
     it: not a zip file, unsafe paths or sizes, no library and no sources that compile, or a description that
     ``read_description`` refuses.
     """
@@ -28,6 +29,8 @@ def open_fmu(archive: Path, *, cache: Path | None = None, interface: FmiInterfac
     target = cache_folder(cache) / "unpacked" / digest[:32]
     folder = keep_folder(target, lambda aside: unpack_zip(archive, aside, where, "FMU"))
     description = read_description(folder, where.file, interface=interface)
+    if interface is None and not (_libraries(folder, description) or has_recipe(folder, description)):
+        description = _of_exchange(folder, where) or description
     return FmuModel(
         archive=archive,
         folder=folder,
@@ -49,12 +52,24 @@ def open_fmu(archive: Path, *, cache: Path | None = None, interface: FmiInterfac
     )
 
 
+def _of_exchange(folder: Path, where: Location) -> Description | None:
+    """The description for model exchange if it has a library here; what is wrong with it otherwise is of no concern."""
+    try:
+        description = read_description(folder, where.file, interface=FmiInterface.MODEL_EXCHANGE)
+    except DseError:
+        return None
+    return description if _libraries(folder, description) else None
+
+
+def _libraries(folder: Path, description: Description) -> list[Path]:
+    paths = [folder / path for path in this_platform().candidates(description.version, description.identifier)]
+    return [path for path in paths if path.is_file()]
+
+
 def _library(folder: Path, description: Description, where: Location, cache: Path | None) -> Path:
     platform = this_platform()
-    for relative in platform.candidates(description.version, description.identifier):
-        path = folder / relative
-        if path.is_file():
-            return path
+    for path in _libraries(folder, description):
+        return path
     if has_recipe(folder, description):
         return build_from_sources(folder, description, where.file, cache)
     raise fail(

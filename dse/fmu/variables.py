@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
+from math import prod
 
 from dse.domain.component import Kind
 from dse.domain.fmu import Variable
@@ -135,7 +136,7 @@ def _listed(
         causality=causality,
         kind=kind,
         unit=told.unit,
-        start=read_start(typed, fmi_type, version, subject, problems),
+        start=read_start(typed, fmi_type, version, subject, problems) if prod(shape) else (),
         variability=_variability(element, causality, kind, problems),
         shape=shape,
         sized_by=sized_by,

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import re
 from collections.abc import Collection
 
@@ -12,15 +11,14 @@ from dse.loading.xml import XmlElement
 _LONGEST = 100
 _WHOLE = re.compile(r"[+-]?[0-9]+")
 _REAL = re.compile(r"[+-]?(?:[0-9]+(?:\.[0-9]*)?|\.[0-9]+)(?:[eE][+-]?[0-9]+)?")
-_SPECIAL = {"INF": math.inf, "+INF": math.inf, "-INF": -math.inf, "NaN": math.nan}
+# XML Schema's are INF, -INF and NaN; programs often write those of their language.
+_SPECIAL = re.compile(r"[+-]?(?:inf|infinity)|nan", re.IGNORECASE)
 
 
 def real_of(text: str) -> float | None:
-    """The number an ``xs:double`` stands for (``INF``, ``-INF`` and ``NaN`` are some), or None."""
+    """The number an ``xs:double`` stands for (``INF``, ``-INF`` and ``NaN`` are some, in any case), or None."""
     text = text.strip()
-    if text in _SPECIAL:
-        return _SPECIAL[text]
-    return float(text) if len(text) <= _LONGEST and _REAL.fullmatch(text) else None
+    return float(text) if len(text) <= _LONGEST and (_REAL.fullmatch(text) or _SPECIAL.fullmatch(text)) else None
 
 
 def whole_of(text: str) -> int | None:

@@ -12,13 +12,13 @@ from dse.errors import fail
 def resized(model: FmuModel, values: Mapping[str, float]) -> FmuModel:
     """*model* with the shapes its arrays have if its structural parameters take these *values*.
 
-    Raises DseError for a size that is no positive whole number.
+    Raises DseError for a size that is no whole number, or less than none.
     """
     sizes = {name: values[name] for name, v in model.variables.items() if v.is_structural and name in values}
     if not sizes:
         return model
     for name, size in sizes.items():
-        if size != int(size) or size < 1:
+        if size != int(size) or size < 0:
             raise fail(f"{model.identifier}: the structural parameter '{name}' cannot be {size:g}")
     return replace(model, variables={name: _resized(v, sizes) for name, v in model.variables.items()})
 

@@ -18,7 +18,7 @@ from dse.testbench.prepared import PreparedBench
 class Halved:
     """Repeats runs of *prepared* with half of every step.
 
-    *simulator* makes the runs themselves. Where no part has a step of its own it makes these, too, on the same
+    *simulator* makes the runs themselves. Where all parts make the bench's step it makes these, too, on the same
     instances; else they have instances of their own.
     """
 
@@ -26,11 +26,11 @@ class Halved:
         self._prepared = prepared
         self._step = prepared.simulation.step / 2
         self._own: Simulator | None = None
-        if prepared.method.steps:
+        if prepared.method.steps or prepared.method.adaptive:
             self._own = Simulator(
                 prepared.system,
                 prepared.system_columns,
-                method=with_half_steps(prepared.method),
+                method=finer(prepared.method),
                 progress=progress,
                 facts=prepared.facts,
             )
@@ -62,9 +62,16 @@ class Halved:
             self._own.close()
 
 
-def with_half_steps(method: Method) -> Method:
-    """*method* with half of every step that parts have of their own."""
-    return replace(method, steps={part: step / 2 for part, step in method.steps.items()})
+def finer(method: Method) -> Method:
+    """*method* with half of every step that parts have of their own.
+
+    Adaptive steps are what their tolerance makes of them: a quarter of it stands for half the step, as the error of a
+    step goes with its square.
+    """
+    adaptive = method.adaptive
+    if adaptive is not None:
+        adaptive = replace(adaptive, tolerance=adaptive.tolerance / 4, absolute=adaptive.absolute / 4)
+    return replace(method, steps={part: step / 2 for part, step in method.steps.items()}, adaptive=adaptive)
 
 
 def _distance(a: float, b: float) -> float:

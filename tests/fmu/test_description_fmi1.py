@@ -57,15 +57,19 @@ def test_model_exchange_of_fmi_1_is_refused_by_name(described):
     assert described.problems(TEXT, FmiInterface.MODEL_EXCHANGE) == told
 
 
-def test_an_fmu_that_only_connects_to_its_tool_is_refused_by_name(described):
-    told = ["2: the FMU needs an execution tool: it only connects to 'Maker'"]
-    assert described.problems(TEXT.replace("StandAlone", "Tool")) == told
+def test_an_fmu_that_connects_to_its_tool_is_taken_as_the_tool_may_be_there(described):
+    assert not described(TEXT).capabilities.needs_tool
+    assert described(TEXT.replace("StandAlone", "Tool")).capabilities.needs_tool
+
+
+def test_an_output_that_depends_on_what_is_not_there_may_depend_on_everything(described):
+    assert described(TEXT).depends["y"] == ("u",)
+    assert "y" not in described(TEXT.replace("<Name>u</Name>", "<Name>v</Name>")).depends
 
 
 REFUSALS = {
     "'a/b' is not a modelIdentifier": ('modelIdentifier="m"', 'modelIdentifier="a/b"'),
     "there is no guid": ('guid="{g}"', ""),
-    "'y' depends on 'v', which is no variable": ("<Name>u</Name>", "<Name>v</Name>"),
     "variable 'text' is a negated alias, but has no opposite": (
         'causality="output"><String/>',
         'causality="output" alias="negatedAlias"><String/>',

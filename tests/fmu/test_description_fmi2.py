@@ -58,9 +58,12 @@ def test_co_simulation_comes_first_and_model_exchange_if_it_is_asked_for(describ
     assert (found.capabilities.can_handle_variable_step, found.fixed_step) == (True, None)
 
 
-def test_an_interface_that_needs_a_tool_is_passed_over(described):
+def test_an_interface_that_needs_a_tool_is_passed_over_if_the_other_does_not(described):
     text = TEXT.replace("<CoSimulation ", '<CoSimulation needsExecutionTool="true" ')
     assert described(text).interface is FmiInterface.MODEL_EXCHANGE
+    assert not described(text).capabilities.needs_tool
+    found = described(text.replace("<ModelExchange ", '<ModelExchange needsExecutionTool="true" '))
+    assert (found.interface, found.capabilities.needs_tool) == (FmiInterface.CO_SIMULATION, True)
 
 
 CO_SIMULATION = (
@@ -79,18 +82,14 @@ REFUSALS = {
         (CO_SIMULATION, '<ScheduledExecution modelIdentifier="m"/>'),
         (MODEL_EXCHANGE, ""),
     ],
-    "the FMU needs an execution tool: it only connects to 'Maker 1.0'": [
-        (MODEL_EXCHANGE, ""),
-        ('modelIdentifier="m"', 'modelIdentifier="m" needsExecutionTool="true"'),
-    ],
     "'../../m' is not a modelIdentifier": [('Identifier="m"', 'Identifier="../../m"')],
     "there is no modelIdentifier": [('modelIdentifier="m"', "")],
     "<CoSimulation>: 'canInterpolateInputs' is 'yes', not true or false": [('Inputs="1"', 'Inputs="yes"')],
     "there is no guid": [('guid="{g}"', "")],
     "<BaseUnit>: 'm' is 'one', not a whole number": [('m="1"', 'm="one"')],
     "<BaseUnit>: the factor cannot be 0": [('factor="0.2777777777777778"', 'factor="0"')],
-    "unit 'km/h' is there twice": [('<Unit name="degC">', '<Unit name="km/h">')],
-    "type 'Speed' is there twice": [
+    "unit 'km/h' is there twice, with different meanings": [('<Unit name="degC">', '<Unit name="km/h">')],
+    "type 'Speed' is there twice, with different meanings": [
         ("</TypeDefinitions>", '<SimpleType name="Speed"><Real/></SimpleType></TypeDefinitions>')
     ],
     "two items of an enumeration have the value -1": [('name="D" value="4"', 'name="D" value="-1"')],
@@ -119,18 +118,7 @@ REFUSALS = {
     ],
     "variable 'w': the start value 'yes' is not true or false": [('<Boolean start="1"/>', '<Boolean start="yes"/>')],
     "variable 'u': the start value '0 1' is not a number": [('<Real start="0"/>', '<Real start="0 1"/>')],
-    "variable 'v': its type 'Spede' is not defined": [('declaredType="Speed"', 'declaredType="Spede"')],
-    "variable 'v' is a Real, its type 'Gear' a Enumeration": [('declaredType="Speed"', 'declaredType="Gear"')],
-    "variable 'gear' is an enumeration without a declared type": [('declaredType="Gear" start="4"', "")],
-    "variable 'v': its minimum 0 is above its maximum -1": [('max="90"', 'max="-1"')],
     "variable 'file' has no type of FMI 2.0": [('<String start=" a b.txt"/>', "<Text/>")],
-    "<Unknown>: there is no variable with the index 10": [
-        ('<Unknown index="2" dependencies="1 3"', '<Unknown index="10" dependencies="1 3"')
-    ],
-    "<Unknown> has no 'index'": [('<Unknown index="2" dependencies="1 3"', '<Unknown dependencies="1 3"')],
-    "<Unknown>: it depends on '33', which is no index of a variable": [('"1 3"', '"1 33"')],
-    "<Unknown>: it depends on 'x', which is no index of a variable": [('"1 3"', '"1 x"')],
-    "'v' is there twice as Output, with different dependencies": [('<Unknown index="9"/>', '<Unknown index="2"/>')],
 }
 
 
@@ -175,11 +163,69 @@ def test_states_without_derivatives_are_told_for_model_exchange_only(described):
     ]
 
 
-def test_two_inputs_cannot_share_a_reference_but_aliases_may(described):
+def test_two_inputs_of_one_reference_are_two_names_of_one(described):
     text = TEXT.replace('name="x" valueReference="3"', 'name="x" valueReference="2"')
-    assert described(text).variables["x"].reference == 2
-    text = TEXT.replace('"x" valueReference="3"', '"x" valueReference="1" causality="input"')
-    assert described.problems(text) == ["21: variable 'x' has the value reference 1, which is that of 'u'"]
+    assert (described(text).variables["x"].reference, described(text).variables["x"].alias_of) == (2, "")
+    variables = described(TEXT.replace('"x" valueReference="3"', '"x" valueReference="1" causality="input"')).variables
+    # The reference of gear is 0 among the Integers, so it is no name of u.
+    assert [name for name, one in variables.items() if one.alias_of] == ["x"]
+    assert variables["x"].alias_of == "u"
+
+
+# What changes no value is no reason to refuse an FMU.
+USELESS_TYPES = {
+    "not defined": ('declaredType="Speed"', 'declaredType="Spede"'),
+    "of another kind": ('declaredType="Speed"', 'declaredType="Gear"'),
+}
+
+
+@pytest.mark.parametrize("fault", USELESS_TYPES)
+def test_a_declared_type_that_cannot_be_meant_adds_nothing(described, fault):
+    v = described(TEXT.replace(*USELESS_TYPES[fault])).variables["v"]
+    assert (v.unit, v.minimum, v.maximum, v.nominal) == ("", None, 90, None)
+
+
+def test_an_enumeration_without_a_known_type_has_no_items(described):
+    for replacement in ('start="4"', 'declaredType="Gera" start="4"', 'declaredType="Speed" start="4"'):
+        gear = described(TEXT.replace('declaredType="Gear" start="4"', replacement)).variables["gear"]
+        assert (gear.kind, gear.items, gear.start) == (Kind.ENUMERATION, {}, ("4",))
+
+
+def test_limits_that_no_value_lies_between_are_none(described):
+    v = described(TEXT.replace('max="90"', 'max="-1"')).variables["v"]
+    assert (v.minimum, v.maximum, v.unit, v.nominal) == (None, None, "km/h", 100)
+
+
+def test_a_definition_may_be_repeated(described):
+    unit = '<Unit name="km/h"><BaseUnit m="1" s="-1" factor="0.2777777777777778"/></Unit>'
+    kind = '<SimpleType name="Speed"><Real unit="km/h" min="0" max="200" nominal="100"/></SimpleType>'
+    assert TEXT.count(unit) == TEXT.count(kind) == 1
+    twice = described(TEXT.replace(unit, unit + unit).replace(kind, kind + kind))
+    assert twice.units == described(TEXT).units
+    assert twice.variables == described(TEXT).variables
+
+
+UNRELIABLE = {
+    "an unknown at no variable": ('index="2" dependencies="1 3"', 'index="10" dependencies="1 3"'),
+    "an unknown without an index": ('index="2" dependencies="1 3"', 'dependencies="1 3"'),
+    "a dependency on no variable": ('"1 3"', '"1 33"'),
+    "a dependency that is no index": ('"1 3"', '"1 x"'),
+    "two different things of one output": ('<Unknown index="9"/>', '<Unknown index="2"/>'),
+}
+
+
+@pytest.mark.parametrize("fault", UNRELIABLE)
+def test_an_output_of_which_nothing_reliable_is_said_may_depend_on_everything(described, fault):
+    assert described(TEXT).depends == {"v": ("u",)}
+    found = described(TEXT.replace(*UNRELIABLE[fault], 1))
+    assert found.depends == {}
+    assert found.initially_depends == described(TEXT).initially_depends
+
+
+def test_numbers_without_end_may_be_spelled_as_programs_do(described):
+    for text in ("inf", "Infinity", "INF", "+inf"):
+        x = described(TEXT.replace('start="2.5"', f'start="2.5" max="{text}"')).variables["x"]
+        assert x.maximum == float("inf")
 
 
 def test_an_interface_that_is_not_there_is_refused_if_it_is_asked_for(described):

@@ -8,11 +8,11 @@ from pathlib import Path
 
 import pytest
 
-from dse.domain.method import Method
+from dse.domain.method import Adaptive, Method
 from dse.domain.run import Outcome, RunRequest
 from dse.loading.workspace import Workspace
 from dse.testbench.execute import Executor
-from dse.testbench.halved import with_half_steps
+from dse.testbench.halved import finer
 from dse.testbench.plan import bench_study, plan
 
 FILES = {
@@ -135,4 +135,14 @@ def test_without_the_check_nothing_is_added(bench):
 
 
 def test_steps_of_parts_are_halved_too():
-    assert with_half_steps(Method(steps={"a": 0.5, "b": 2.0})).steps == {"a": 0.25, "b": 1.0}
+    assert finer(Method(steps={"a": 0.5, "b": 2.0})).steps == {"a": 0.25, "b": 1.0}
+
+
+def test_the_error_bar_of_adaptive_steps_is_of_the_size_of_the_error(bench):
+    # The tolerance decides on the steps: with the same one the finer run would make the same steps.
+    simulation = replace(
+        bench.simulation, step=0.1, record_every=0.1, method=Method(adaptive=Adaptive(1e-3, 1e-6, 1e-6))
+    )
+    run, _ = run_of(replace(bench, simulation=simulation))
+    true_error = abs(run.metrics["end"] - math.cos(1.0))
+    assert true_error / 4 < run.metrics["end.error"] < 4 * true_error

@@ -114,6 +114,7 @@ def _left_behind(bench: TestBench) -> Iterator[str]:
     counted = {"metric": bench.metrics, "requirement": bench.requirements, "figure": bench.figures}
     kept = [f"{len(things)} {name}{'s' * (len(things) > 1)}" for name, things in counted.items() if things]
     if kept:
-        yield f"the bench's {' and '.join(kept)} stay behind"
+        listed = " and ".join([", ".join(kept[:-1]), kept[-1]] if len(kept) > 1 else kept)
+        yield f"the bench's {listed} stay behind"
     if bench.simulation.method != PLAIN:
         yield "the bench's co-simulation algorithm stays behind"
