@@ -49,6 +49,10 @@ def fail(what: str, where: Location | None = None, hint: str = "") -> DseError:
     return DseError(Problem(what, where, hint))
 
 
+class FreshProcessNeeded(DseError):  # noqa: N818  # says what is wanted; nothing is wrong with the input
+    """What was asked for is possible, but not after what this process has done before."""
+
+
 def raise_if_any(problems: Iterable[Problem]) -> None:
     """Raise one DseError that carries all of *problems*; return if there are none."""
     found = tuple(problems)

@@ -8,6 +8,7 @@ from __future__ import annotations
 import math
 import re
 from dataclasses import dataclass
+from decimal import Decimal
 from fractions import Fraction
 from functools import lru_cache
 from typing import TYPE_CHECKING, Any
@@ -107,6 +108,38 @@ def describe(dimension: Dimension) -> str:
     over = [_factor_text(name, n) for name, n in dimension if n > 0]
     under = [_factor_text(name, -n) for name, n in dimension if n < 0]
     return "*".join(over or ["1"]) + "".join(f"/{text}" for text in under)
+
+
+def counts_otherwise(a: str, b: str) -> bool:
+    """Whether one of two symbols of units counts cycles (Hz) and the other angles or turns in a time (rad/s, rpm).
+
+    Angles have no dimension, so both are 1/time, but one Hz is 2 pi rad/s: which is meant nobody can tell. A bare 1/s
+    may stand for either.
+    """
+    return any(_CYCLES.search(x) and _ANGLES.search(y) for x, y in ((a, b), (b, a)))
+
+
+def is_rounded(usual: float, written: float) -> bool:
+    """Whether *written* is *usual* with fewer digits: 0.27778 is 1/3.6, 0.3048006096 is not 0.3048."""
+    if abs(written - usual) > _ROUNDED * abs(usual):
+        return False
+    _, digits, exponent = Decimal(repr(written)).as_tuple()
+    last = Decimal((0, (1,), int(exponent))) if len(digits) < _DIGITS else Decimal(0)
+    return abs(Decimal(written) - Decimal(usual)) <= max(last, Decimal(_SAME) * abs(Decimal(usual)))
+
+
+_ROUNDED = 1e-4
+"""Relative difference up to which a factor may be a rounded one at all."""
+
+_DIGITS = 13
+"""A number with that many digits was not rounded by hand."""
+
+_SAME = 1e-12
+
+_CYCLES = re.compile(r"(?i)(?<![a-z])([kMGT]?Hz|[a-z]*hertz|cycles?)(?![a-z])")
+_ANGLES = re.compile(
+    r"(?i)(?<![a-z])(m?rad(ian)?s?|deg(ree)?s?|rpm|rev(olution)?s?|r(?=/)|turns?|arc(min|sec)|grad)(?![a-z])"
+)
 
 
 def coherent(unit: Unit) -> Unit:

@@ -52,6 +52,9 @@ class _Commands(TyperGroup):
         except BrokenPipeError:
             _silence()
             raise typer.Exit(DONE) from None
+        except KeyboardInterrupt:
+            console(stderr=True).print("stopped")
+            raise typer.Exit(INTERRUPTED) from None
         return result
 
 

@@ -33,8 +33,7 @@ def explore_into(
     from dse.results.folder import StudyFolder
     from dse.testbench.execute import make_executor
 
-    with console(stderr=True).status("building FMUs, assembling configurations"):
-        planned = _planned(study, version=version, fuse=fuse)
+    planned = ready(study, version=version, fuse=fuse)
     if fresh:
         StudyFolder.discard(folder)
     with StudyFolder.resume(folder, header_of(planned)) as store:
@@ -65,7 +64,7 @@ def run_alone(study: Study, *, version: int, fuse: bool = False) -> tuple[Run, M
     from dse.results.folder import StudyFolder
     from dse.testbench.execute import make_executor
 
-    planned = _planned(study, version=version, fuse=fuse)
+    planned = ready(study, version=version, fuse=fuse)
     with (
         tempfile.TemporaryDirectory(prefix="dse-") as scratch,
         StudyFolder.create(Path(scratch) / "run", header_of(planned)) as store,
@@ -75,12 +74,17 @@ def run_alone(study: Study, *, version: int, fuse: bool = False) -> tuple[Run, M
     return run, planned.definition
 
 
-def _planned(study: Study, *, version: int, fuse: bool) -> Plan:
+def ready(study: Study, *, version: int, fuse: bool) -> Plan:
+    """*study* with all that has to be built for it, the terminal told what is going on. Raises DseError."""
     from dse.testbench.fuse import fused_plan
     from dse.testbench.plan import plan
 
-    planned = plan(study, version=version)
-    return fused_plan(planned) if fuse else planned
+    with console(stderr=True).status("building FMUs, assembling configurations") as status:
+        planned = plan(study, version=version)
+        if not fuse:
+            return planned
+        status.update("fusing configurations")
+        return fused_plan(planned, tell=lambda made, all_: status.update(f"fusing configurations: {made} of {all_}"))
 
 
 def exit_code(table: RunTable, *, gate: bool) -> int:

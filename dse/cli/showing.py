@@ -33,7 +33,7 @@ def show_run(run: Run, definition: Mapping[str, Any]) -> None:
     (configuration,) = [c for c in definition["configurations"] if c["id"] == run.request.configuration]
     chosen = ", ".join(f"{place} {choice}" for place, choice in configuration["choices"].items())
     screen.print(plain(definition["title"]), style="bold")
-    screen.print(f"configuration {run.request.configuration}: {chosen}", soft_wrap=True)
+    screen.print(f"configuration {run.request.configuration}{f': {chosen}' if chosen else ''}", soft_wrap=True)
     if run.problem and run.outcome is Outcome.FAILED:
         screen.print(plain(f"failed to run: {run.problem}"), style="bold red", soft_wrap=True)
     elif run.problem:

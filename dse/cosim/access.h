@@ -54,6 +54,13 @@ static bool widen_checked(System *system, const Group *group)
     return good == group->n_values || fail_value(system, NO_ITEM, group, good, group->values[good]);
 }
 
+/* Whether the values in scratch are still finite where those they were made of are. */
+static bool keeps_finite(System *system, const Group *group, int64_t unfit)
+{
+    const int64_t good = first_overflow(group->n_values, group->values, group->scratch);
+    return good == group->n_values || fail_value(system, unfit, group, good, group->scratch[good]);
+}
+
 static bool narrow_checked(System *system, const Group *group, int64_t unfit)
 {
     const double *values = group->values;
@@ -61,10 +68,14 @@ static bool narrow_checked(System *system, const Group *group, int64_t unfit)
         memcpy(group->scratch, values, (size_t)group->n_values * sizeof *values);
         values = group->scratch;
         carry(group, group->scratch);
+        if (!keeps_finite(system, group, unfit))
+            return false;
         int64_t known = turn_inside(group, group->scratch);
         if (known < group->n_values)
             return fail_value(system, unfit == UNFIT_START ? NO_ITEM_START : NO_ITEM_INPUT, group, known,
                               values[known]);
+        if (!keeps_finite(system, group, unfit))
+            return false;
     }
     int64_t good = narrow(group, values);
     return good == group->n_values || fail_value(system, unfit, group, good, values[good]);

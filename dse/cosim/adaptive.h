@@ -8,7 +8,7 @@
 
 #define EASY 0.1 /* an error so small still fits when the interval is doubled, be it of third order */
 
-enum { FINEST = 52 };
+enum { FINEST = 52, MOST_TRIED = 1 << 20 /* between two communication points */ };
 
 static bool save_all(System *system)
 {
@@ -77,18 +77,12 @@ static bool step_twice(System *system, double begin, double length, double middl
            advance(system, middle, half, end);
 }
 
-/* An FMU that discards a step asks for a shorter one. */
-static bool is_discarded(const System *system)
-{
-    return system->failure.kind == BAD_STATUS && system->failure.status == FMI_DISCARD;
-}
-
 /* From k*step to the next communication point; *level* is kept from one call to the next, *last* is the length of the
  * last step made. */
 static bool advance_adaptively(System *system, double time, double step, int64_t *level, double *last)
 {
     const Plan *plan = system->plan;
-    int64_t i = 0;
+    int64_t i = 0, tried = 0;
     while (i < (int64_t)1 << *level) {
         const double length = ldexp(step, -(int)*level), half = 0.5 * length;
         const double end = time + (double)(i + 1) * length;
@@ -101,6 +95,8 @@ static bool advance_adaptively(System *system, double time, double step, int64_t
             error = difference(system, &worst);
         else if (!is_discarded(system))
             return false;
+        if (++tried > MOST_TRIED)
+            return fail(system, ENDLESS_STEPS, 0, worst, MOST_TRIED);
         if (!(error <= 1.0)) {
             if (half < plan->smallest || *level >= FINEST)
                 return went ? fail(system, STEP_TOO_SHORT, 0, worst, half) : false;

@@ -6,6 +6,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from math import isfinite
 
+from dse.cosim.border import Border
 from dse.cosim.calls import FLOATING
 from dse.cosim.clock import steps_in
 from dse.cosim.dependency import Loop, order_of
@@ -35,7 +36,7 @@ def check_wired(wiring: Wiring, method: Method) -> None:
     system = wiring.system
     problems = [*_unknown_names(system, method), *_bad_numbers(method)]
     if method.adaptive:
-        problems += _not_adaptive(system, method)
+        problems += _not_adaptive(wiring, method)
     if method.coupling is Coupling.PROPAGATE:
         problems += _loops(wiring)
     raise_if_any([*problems, *_bad_bonds(wiring, method)])
@@ -95,7 +96,14 @@ def _bad_numbers(method: Method) -> Iterable[Problem]:
                 yield Problem(f"the {what} of an adaptive step cannot be {value:g}", hint="it must be positive")
 
 
-def _not_adaptive(system: SystemStructure, method: Method) -> Iterable[Problem]:
+def _not_adaptive(wiring: Wiring, method: Method) -> Iterable[Problem]:
+    system, border = wiring.system, Border(wiring)
+    if not any(port.is_output and border.is_real(port) for port in border.values):
+        yield Problem(
+            "an adaptive step has nothing to be judged by: no output that is wired or recorded is a continuous real "
+            "number",
+            hint="record one, or use a fixed step",
+        )
     if method.steps:
         yield Problem(
             f"{', '.join(sorted(method.steps))}: steps of their own do not go together with an adaptive step",

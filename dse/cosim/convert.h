@@ -4,6 +4,9 @@
 
 #include "kernel.h"
 
+#include <float.h>
+#include <math.h>
+
 #define EXACT_INTEGER 9007199254740992.0 /* 2^53: beyond it a double no longer tells integers apart */
 
 /* ---- types ---- */
@@ -67,8 +70,11 @@ static int64_t narrow(const Group *group, const double *values)
             ((double *)group->room)[i] = values[i];
         break;
     case FLOAT32:
-        for (int64_t i = 0; i < count; i++)
+        for (int64_t i = 0; i < count; i++) {
             ((float *)group->room)[i] = (float)values[i];
+            if (fabs(values[i]) <= DBL_MAX && !(fabsf(((float *)group->room)[i]) <= FLT_MAX))
+                return i;
+        }
         break;
 #define WHOLE(TYPE, C_TYPE, LOW, HIGH)                                                                                \
     case TYPE:                                                                                                        \
@@ -132,6 +138,15 @@ static inline bool go_in(const Conversion *conversion, double *value)
             return true;
         }
     return false;
+}
+
+/* The first of *count* values that was finite *before* and is not *after*, or count. */
+static int64_t first_overflow(int64_t count, const double *before, const double *after)
+{
+    for (int64_t i = 0; i < count; i++)
+        if (!(fabs(after[i]) <= DBL_MAX) && fabs(before[i]) <= DBL_MAX)
+            return i;
+    return count;
 }
 
 /* Carry values along the wires that end at a group's inputs. */

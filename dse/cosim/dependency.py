@@ -52,14 +52,15 @@ class Loop:
 Step = Read | Write | Loop
 
 
-def order_of(wiring: Wiring, *, initially: bool) -> tuple[Step, ...]:
+def order_of(wiring: Wiring, *, initially: bool, told: bool = True) -> tuple[Step, ...]:
     """Reads and writes that carry every value along all wires once, each after what it depends on.
 
-    Takes the dependencies of the initialization, or those between steps; an output whose FMU does not tell them
-    depends on all inputs of its element. Values that depend on each other are one :class:`Loop`.
+    Takes the dependencies of the initialization, or those between steps; an output whose FMU does not tell them, or of
+    any FMU if what they tell is not asked, depends on all inputs of its element. Values that depend on each other are
+    one :class:`Loop`.
     """
     border = Border(wiring)
-    graph = _graph(border, wiring, initially=initially)
+    graph = _graph(border, wiring, initially=initially, told=told)
     steps: list[Step] = []
     waiting: dict[int, set[int]] = {}
     for generation in _components(graph):
@@ -75,16 +76,43 @@ def order_of(wiring: Wiring, *, initially: bool) -> tuple[Step, ...]:
     return (*steps, *_flush(sorted(waiting), waiting))
 
 
+def doubtful_reads(wiring: Wiring) -> tuple[Read, ...]:
+    """Wired outputs that may be read before all inputs of their element are there, because their FMU says so.
+
+    They are not right in the initialization if it says what is not true.
+    """
+    border = Border(wiring)
+    wired = _wired(border)
+    found = []
+    for e, element in enumerate(wiring.system.elements):
+        inputs = {variable.name for variable in border.inputs[e]}
+        told = element.model.initially_depends
+        places = tuple(
+            place
+            for place, variable in enumerate(border.outputs[e])
+            if Port(e, True, place) in wired
+            and variable.name not in inputs
+            and not inputs <= set(told.get(variable.name, inputs))
+        )
+        if places:
+            found.append(Read(e, places))
+    return tuple(found)
+
+
 Graph = Mapping[Port, Sequence[Port]]
 """What depends on each port directly."""
 
 
-def _graph(border: Border, wiring: Wiring, *, initially: bool) -> Graph:
-    wired = {source for sources in border.sources.values() for source in sources}
+def _wired(border: Border) -> set[Port]:
+    return {source for sources in border.sources.values() for source in sources}
+
+
+def _graph(border: Border, wiring: Wiring, *, initially: bool, told: bool) -> Graph:
+    wired = _wired(border)
     graph: dict[Port, list[Port]] = {}
     for e, element in enumerate(wiring.system.elements):
         model = element.model
-        depends = model.initially_depends if initially else model.depends
+        depends = (model.initially_depends if initially else model.depends) if told else {}
         inputs = {variable.name: Port(e, False, place) for place, variable in enumerate(border.inputs[e])}
         graph |= {port: [] for port in inputs.values()}
         for place, variable in enumerate(border.outputs[e]):

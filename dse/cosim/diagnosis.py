@@ -134,6 +134,9 @@ def too_large(name: str, time: float | None) -> str:
 
 def unfit(name: str, fmi_type: str, value: float, time: float | None) -> str:
     """A value cannot be given to a variable of that type."""
+    if not math.isfinite(value):
+        why = "the factor of its wire or its unit makes it too large for a number"
+        return f"{name} would become {value}{_at(time)}: {why}"
     return f"{name} cannot take the value {value:.17g}{_at(time)}: it is of type {fmi_type}"
 
 

@@ -30,6 +30,7 @@ static void bind(System *system)
         system->elements[e].life++;
         system->elements[e].moving = NULL;
         system->elements[e].broken = 0;
+        system->elements[e].finished = -1;
     }
 }
 
@@ -181,8 +182,10 @@ static bool read_element(System *system, Element *element, const Groups *groups)
 /* Give it *groups* of its inputs as they are staged. Discrete inputs that change are an event of their own. */
 static bool write_element(System *system, Element *element, const Groups *groups)
 {
-    return element->mode == RUNNING && element->abilities & HAS_EVENTS ? write_around_event(system, element, groups)
-                                                                       : write_some(system, groups, UNFIT_INPUT);
+    if (!(element->abilities & HAS_EVENTS))
+        return write_some(system, groups, UNFIT_INPUT);
+    return element->mode == RUNNING ? write_around_event(system, element, groups)
+                                    : write_before_events(system, element, groups);
 }
 
 /* sensitivity = (d unknowns / d knowns) seed, all as they are inside of the FMU. */
@@ -222,6 +225,7 @@ OFFERED static bool save_element(System *system, int64_t e)
     if (!(element->abilities & CAN_SAVE))
         return fail(system, NO_FUNCTION, 0, 0, 0);
     element->saved_next_event = element->next_event;
+    save_given(&element->inputs);
     if (element->exchange)
         exchange_save(element);
     return accept(system, ((FmiGetState)element->get_state)(element->instance, &element->saved));
@@ -235,7 +239,7 @@ OFFERED static bool restore_element(System *system, int64_t e)
     if (!element->saved)
         return fail(system, NO_FUNCTION, 0, 0, 0);
     element->next_event = element->saved_next_event;
-    element->life++;
+    restore_given(&element->inputs);
     if (element->exchange)
         exchange_restore(element);
     return accept(system, ((FmiSetState)element->set_state)(element->instance, element->saved));

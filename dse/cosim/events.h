@@ -48,6 +48,17 @@ static bool pass_event(System *system, Element *element)
 
 /* ---- discrete inputs ---- */
 
+/* Words of the room behind *given*, once. */
+static size_t words_of(const Group *group)
+{
+    return 1 + ((size_t)group->n_values * size_of(group->type) + sizeof(int64_t) - 1) / sizeof(int64_t);
+}
+
+static size_t words_of_text(const TextGroup *group)
+{
+    return 1 + (size_t)group->n_values;
+}
+
 static bool is_changed(const Element *element, const Group *group)
 {
     const size_t size = (size_t)group->n_values * size_of(group->type);
@@ -58,16 +69,42 @@ static bool is_changed_text(const Element *element, const TextGroup *group)
 {
     bool changed = group->given && group->given[0] != element->life;
     for (int64_t i = 0; group->given && i < group->n_values; i++)
-        changed |= group->given[1 + i] != group->texts[i]->changes;
+        changed |= (uint64_t)group->given[1 + i] != group->texts[i]->print;
     return changed;
+}
+
+static void note_given(const Element *element, const Group *group)
+{
+    memcpy(group->given + 1, group->room, (size_t)group->n_values * size_of(group->type));
+    group->given[0] = element->life;
+}
+
+static void note_given_text(const Element *element, const TextGroup *group)
+{
+    for (int64_t i = 0; i < group->n_values; i++)
+        group->given[1 + i] = (int64_t)group->texts[i]->print;
+    group->given[0] = element->life;
+}
+
+/* Before step mode anything may be set at any time; the event iteration at the end of the initialization sees it. */
+static bool write_before_events(System *system, const Element *element, const Groups *groups)
+{
+    if (!write_some(system, groups, UNFIT_INPUT))
+        return false;
+    for (const Group *group = groups->fmi2; group < groups->end; group++)
+        if (group->given)
+            note_given(element, group);
+    for (const TextGroup *group = groups->texts; group < groups->no_texts; group++)
+        if (group->given)
+            note_given_text(element, group);
+    return true;
 }
 
 static bool give(System *system, const Element *element, const Group *group)
 {
     if (!call_fmi3(system, system->progress, group))
         return false;
-    memcpy(group->given + 1, group->room, (size_t)group->n_values * size_of(group->type));
-    group->given[0] = element->life;
+    note_given(element, group);
     return true;
 }
 
@@ -75,9 +112,7 @@ static bool give_text(System *system, const Element *element, const TextGroup *g
 {
     if (!write_text_group(system, group))
         return false;
-    for (int64_t i = 0; i < group->n_values; i++)
-        group->given[1 + i] = group->texts[i]->changes;
-    group->given[0] = element->life;
+    note_given_text(element, group);
     return true;
 }
 
@@ -109,6 +144,27 @@ static bool write_around_event(System *system, Element *element, const Groups *g
         if (is_changed_text(element, group) && !give_text(system, element, group))
             return false;
     return leave_event_mode(system, element);
+}
+
+/* What the FMU was given goes with its state: a step back is no reason to give it again what it has. */
+static void save_given(const Groups *inputs)
+{
+    for (const Group *group = inputs->fmi2; group < inputs->end; group++)
+        if (group->given)
+            memcpy(group->given + words_of(group), group->given, words_of(group) * sizeof(int64_t));
+    for (const TextGroup *group = inputs->texts; group < inputs->no_texts; group++)
+        if (group->given)
+            memcpy(group->given + words_of_text(group), group->given, words_of_text(group) * sizeof(int64_t));
+}
+
+static void restore_given(const Groups *inputs)
+{
+    for (const Group *group = inputs->fmi2; group < inputs->end; group++)
+        if (group->given)
+            memcpy(group->given, group->given + words_of(group), words_of(group) * sizeof(int64_t));
+    for (const TextGroup *group = inputs->texts; group < inputs->no_texts; group++)
+        if (group->given)
+            memcpy(group->given, group->given + words_of_text(group), words_of_text(group) * sizeof(int64_t));
 }
 
 #endif

@@ -128,12 +128,13 @@ class GroupMaker:
         }
 
     def _given(self, index: int, group: Group, size: int) -> int | None:
-        """Room for what a variable that is set in event mode was given last, and when: one for all of its groups."""
+        """Room for what a variable that is set in event mode was given last, and when, and to save that: one for all of
+        its groups."""
         if not group.is_discrete or not has_event_mode(self._elements[index].model):
             return None
         key = index, group.variables[0].name
         if key not in self._given_rooms:
-            self._given_rooms[key] = self._room(_VALUE + size)
+            self._given_rooms[key] = self._room(2 * (_VALUE + -(-size // _VALUE) * _VALUE))
         return self._given_rooms[key]
 
     def _conversions(self, wanted: Sequence[Conversion | None]) -> int | None:

@@ -106,6 +106,7 @@ class Instance(Handle):
     def step_status(self, time: float, step: float, *, may_roll_back: bool) -> int:
         """What DoStep of FMI 1 or 2 returns; an error is not raised."""
         name = function_name(Call.DO_STEP, self.model.version)
+        self.finished = None  # what it called back with in steps that were over when they returned
         if self.model.version == 1:
             step_on = self._function(name, (c_void_p, c_double, c_double, c_byte), c_int32)
             return int(step_on(self._handle, time, step, 1))
@@ -215,10 +216,14 @@ class Instance(Handle):
         """*values* as the accessor of *variable* takes them."""
         kind = self._type(variable)
         for label, value in zip(variable.labels, values, strict=True):
-            if kind not in FLOATING and not _fits(value, kind):
-                what = diagnosis.unfit(f"{self.name}.{label}", variable.fmi_type, value, time)
-                raise self.failure(self.accessor("Set", variable), time, what)
+            if not _fits(value, kind):
+                raise self.unfit(variable, label, value, time)
         return (C_TYPES[kind] * len(values))(*(value if kind in FLOATING else int(value) for value in values))
+
+    def unfit(self, variable: Variable, label: str, value: float, time: float | None) -> RunFailed:
+        """The failure of a *value* that *variable* cannot take."""
+        what = diagnosis.unfit(f"{self.name}.{label}", variable.fmi_type, value, time)
+        return self.failure(self.accessor("Set", variable), time, what)
 
     def texts(self, variable: Variable, time: float | None) -> list[bytes]:
         """Strings (encoded in UTF-8) or binaries of *variable*."""
@@ -273,6 +278,8 @@ def _bytes_at(pointer: int, size: int | None) -> bytes | None:
 
 
 def _fits(value: float, kind: Type) -> bool:
+    if kind in FLOATING:
+        return math.isfinite(C_TYPES[kind](value).value) or not math.isfinite(value)
     if not float(value).is_integer():
         return False
     if kind in TRUTHS:

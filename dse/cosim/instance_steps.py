@@ -14,6 +14,7 @@ from dse.cosim.instance import Instance
 
 _STEP_STATUS, _LAST_SUCCESSFUL_TIME, _TERMINATED = 0, 2, 3
 _NAP = 2e-5
+_NEARLY = 1e-9
 
 
 def make_step(instance: Instance, time: float, step: float, *, may_roll_back: bool = False) -> None:
@@ -33,7 +34,7 @@ def make_step(instance: Instance, time: float, step: float, *, may_roll_back: bo
         if _wants_to_end(instance):
             raise instance.cut_short(start, ended=True)
         reached = _reached(instance, time)
-        if not reached > time:
+        if not time < reached <= end + _NEARLY * (end - time):
             instance.judge(name, start, status)
         time = reached
         if time >= end:

@@ -44,14 +44,6 @@ static bool start(System *system, double stop)
     return true;
 }
 
-/* Carry values along the wires, before t = 0. */
-static bool initialize(System *system)
-{
-    Plan *plan = system->plan;
-    plan->k = 0;
-    return do_walk(system, plan->initial);
-}
-
 static bool leave_all(System *system)
 {
     for (int64_t e = 0; e < system->n_elements; e++)

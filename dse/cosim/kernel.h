@@ -35,7 +35,8 @@ enum {
 enum {
     NOTHING, BAD_STATUS, NO_INSTANCE, NOT_SETTLED, NOT_FINITE, TOO_LARGE, UNFIT_START, UNFIT_INPUT, STEP_CUT_SHORT,
     NO_ITEM, NO_ITEM_START, NO_ITEM_INPUT, NO_TEXT, LONG_TEXT, ENDLESS_EVENTS, FLOATING_CHANGED,
-    NOT_SOLVED = 16, DIVERGED, STEP_TOO_SHORT, /* with NOT_SETTLED: the algorithms, up to 30 */
+    NOT_SOLVED = 16, DIVERGED, STEP_TOO_SHORT, NEARLY_SINGULAR, MISLED,
+    ENDLESS_STEPS, /* with NOT_SETTLED: the algorithms, up to 30 */
     NO_FUNCTION = 31 /* from 32: exchange.h */
 };
 
@@ -92,7 +93,8 @@ typedef struct {
     int64_t version, type;
     int64_t id;       /* its number among all groups */
     /* Inputs that are only set in event mode, one variable: the life of the element in which the FMU got it, and behind
-     * it what it got, as in room. Shared by all groups of that variable. Else NULL. */
+     * it what it got, as in room; behind that room for the same again, to save it. Shared by all groups of that
+     * variable. Else NULL. */
     int64_t *given;
 } Group;
 
@@ -100,7 +102,7 @@ typedef struct {
 typedef struct {
     char *bytes;
     size_t size, room; /* room is 0 if the bytes are somebody else's */
-    int64_t changes;
+    uint64_t print;    /* of the bytes: tells in one comparison whether they are others */
 } Text;
 
 /* Strings or binaries of one element that one accessor call reads or writes. */
@@ -114,7 +116,7 @@ typedef struct {
     int64_t count, n_values, version, type;
     Place place;
     int64_t id;
-    int64_t *given; /* as of a Group: the life, and behind it the changes of each text that the FMU has */
+    int64_t *given; /* as of a Group: the life, and behind it the prints of the texts that the FMU has; twice */
 } TextGroup;
 
 /* One Boolean output of FMI 2. */
@@ -161,6 +163,7 @@ typedef struct {
     int64_t mode;
     int64_t life;     /* counts up when the FMU may have forgotten what it was given */
     int64_t finished; /* FMI 1 and 2: what the FMU called back with after an asynchronous step, -1 before */
+    int64_t finished_at; /* in which of the run's steps it did */
     int64_t asked;    /* FMI 3: how often it asked for values in between */
     int64_t broken;   /* a call made from within do_step failed */
     struct System *system;

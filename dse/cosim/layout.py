@@ -75,7 +75,7 @@ class Text(ctypes.Structure):
         ("bytes", ctypes.c_void_p),
         ("size", ctypes.c_size_t),
         ("room", ctypes.c_size_t),
-        ("changes", ctypes.c_int64),
+        ("print", ctypes.c_uint64),
     ]
 
 
@@ -146,7 +146,7 @@ class Element(ctypes.Structure):
         ("stop", ctypes.c_double),
         ("next_event", ctypes.c_double),
         ("saved_next_event", ctypes.c_double),
-        *((name, ctypes.c_int64) for name in ("mode", "life", "finished", "asked", "broken")),
+        *((name, ctypes.c_int64) for name in ("mode", "life", "finished", "finished_at", "asked", "broken")),
         ("system", ctypes.c_void_p),
     ]
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ctypes
+import filecmp
 import os
 import sys
 from collections import Counter
@@ -14,7 +15,7 @@ from pathlib import Path
 from dse.cosim.calls import FUNCTIONS, Call, function_name
 from dse.domain.fmu import FmiInterface, FmuModel
 from dse.domain.system import SystemStructure
-from dse.errors import DseError, Problem, fail, raise_if_any
+from dse.errors import DseError, FreshProcessNeeded, Problem, fail, raise_if_any
 
 _ALWAYS = frozenset({
     Call.INSTANTIATE, Call.FREE_INSTANCE, Call.RESET, Call.SETUP_EXPERIMENT, Call.ENTER_INITIALIZATION,
@@ -23,6 +24,8 @@ _ALWAYS = frozenset({
 _NOT_OF_EXCHANGE = frozenset({Call.INSTANTIATE, Call.DO_STEP, Call.ENTER_EVENT_MODE, Call.UPDATE_DISCRETE_STATES})
 
 _occupied: set[Path] = set()
+_brought: dict[str, Path] = {}
+"""Helper libraries of FMUs by their names."""
 
 
 @contextmanager
@@ -31,14 +34,18 @@ def about(element: str) -> Iterator[None]:
     try:
         yield
     except DseError as error:
-        raise DseError(*(replace(p, what=f"{element}: {p.what}") for p in error.problems)) from error
+        raise type(error)(*(replace(p, what=f"{element}: {p.what}") for p in error.problems)) from error
 
 
 def load(model: FmuModel) -> ctypes.CDLL:
-    """The library of *model*; DseError if the system cannot load it."""
+    """The library of *model*; DseError if the system cannot load it.
+
+    FreshProcessNeeded if it would be given a library of another FMU in place of one that lies beside it.
+    """
     if not model.library.is_file():
         raise fail(f"{model.identifier}: the FMU has no library for this platform ({model.library.name})")
     path = str(model.library.resolve())
+    _bring(model)
     try:
         if sys.platform == "win32":
             # The FMU's own DLLs lie beside its library.
@@ -48,6 +55,41 @@ def load(model: FmuModel) -> ctypes.CDLL:
     except OSError as error:
         reason = str(error).replace(f"{model.folder.resolve()}{os.sep}", "")
         raise fail(f"{model.identifier}: the FMU's library cannot be loaded: {reason}") from error
+
+
+def _bring(model: FmuModel) -> None:
+    """Note the libraries beside that of *model* that it needs: a process takes only the first one of each name."""
+    needed = _needed(model.library.resolve())
+    for path in needed:
+        before = _brought.get(path.name, path)
+        if before != path and not filecmp.cmp(before, path, shallow=False):
+            raise FreshProcessNeeded(
+                Problem(
+                    f"{model.identifier}: it would compute with another FMU's {path.name} than its own, as that one "
+                    f"was loaded before",
+                    hint="a process loads only one library of each name: FMUs whose helper libraries have the same "
+                    "name but differ cannot be simulated together",
+                )
+            )
+    for path in needed:
+        _brought.setdefault(path.name, path)
+
+
+def _needed(library: Path) -> list[Path]:
+    """Libraries in the same folder whose names *library*, or one of them, holds."""
+    beside = [path for path in sorted(library.parent.iterdir()) if _is_library(path) and path != library]
+    needed: list[Path] = []
+    asking = [library] if beside else []
+    while asking:
+        content = asking.pop().read_bytes()
+        found = [path for path in beside if path not in needed and path.name.encode() in content]
+        needed += found
+        asking += found
+    return needed
+
+
+def _is_library(path: Path) -> bool:
+    return path.is_file() and (".so" in path.suffixes or path.suffix in (".dll", ".dylib"))
 
 
 def address(model: FmuModel, library: ctypes.CDLL, name: str) -> int:

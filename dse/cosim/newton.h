@@ -6,6 +6,7 @@
 
 #define SOLVED 1e-12      /* residual relative to the size of each value */
 #define NEARLY_SOLVED 1e-9 /* good enough if it cannot be made any smaller */
+#define SHORT 1e-6 /* what may be left of the way to the solution, relative to the size of each value */
 #define DIFFERENCE 0x1p-26 /* the square root of a double's precision: the best step of a one-sided difference */
 
 enum { NEWTON_STEPS = 50, HALVINGS = 10, EXCHANGES = 20 };
@@ -20,10 +21,13 @@ static bool walk_round(System *system, const Loop *loop, const double *x, double
 {
     for (int64_t i = 0; i < loop->n_torn; i++)
         system->values[loop->torn[i]] = x[i];
-    if (!do_walk(system, loop->walk))
+    const bool went = do_walk(system, loop->walk, true);
+    /* An FMU may discard what it is given as being out of its domain: then these values are no solution, that is all. */
+    if (!went && !is_discarded(system))
         return false;
+    system->failure = (Failure){0};
     for (int64_t i = 0; i < loop->n_torn; i++)
-        to[i] = system->values[loop->torn[i]];
+        to[i] = went ? system->values[loop->torn[i]] : NAN;
     return true;
 }
 
@@ -41,44 +45,79 @@ static double residual(const Loop *loop, const double *x, const double *found)
     return largest;
 }
 
-/* Gauss with pivots by column, in place; rows of n + 1, the last one the right side and then the solution. */
-static bool eliminate(double *rows, int64_t n)
+/* Gauss with pivots by column, in place: factors in the rows of n, which row was taken for the pivot in *order*. */
+static bool factorize_loop(double *rows, double *order, int64_t n)
 {
-    const int64_t width = n + 1;
     for (int64_t c = 0; c < n; c++) {
         int64_t pivot = c;
         for (int64_t r = c + 1; r < n; r++)
-            if (fabs(rows[r * width + c]) > fabs(rows[pivot * width + c]))
+            if (fabs(rows[r * n + c]) > fabs(rows[pivot * n + c]))
                 pivot = r;
-        if (!(fabs(rows[pivot * width + c]) > 0.0) || !(fabs(rows[pivot * width + c]) <= DBL_MAX))
+        if (!(fabs(rows[pivot * n + c]) > 0.0) || !(fabs(rows[pivot * n + c]) <= DBL_MAX))
             return false;
-        if (pivot != c)
-            for (int64_t i = c; i < width; i++) {
-                const double other = rows[c * width + i];
-                rows[c * width + i] = rows[pivot * width + i];
-                rows[pivot * width + i] = other;
-            }
-        for (int64_t r = c + 1; r < n; r++) {
-            const double times = rows[r * width + c] / rows[c * width + c];
-            for (int64_t i = c + 1; i < width; i++)
-                rows[r * width + i] -= times * rows[c * width + i];
+        order[c] = (double)pivot;
+        for (int64_t i = 0; pivot != c && i < n; i++) {
+            const double other = rows[c * n + i];
+            rows[c * n + i] = rows[pivot * n + i];
+            rows[pivot * n + i] = other;
         }
-    }
-    for (int64_t r = n - 1; r >= 0; r--) {
-        double rest = rows[r * width + n];
-        for (int64_t i = r + 1; i < n; i++)
-            rest -= rows[r * width + i] * rows[i * width + n];
-        rows[r * width + n] = rest / rows[r * width + r];
+        for (int64_t r = c + 1; r < n; r++) {
+            rows[r * n + c] /= rows[c * n + c];
+            for (int64_t i = c + 1; i < n; i++)
+                rows[r * n + i] -= rows[r * n + c] * rows[c * n + i];
+        }
     }
     return true;
 }
 
-/* The way to the solution of the loop's linearization at x, in the last column of *rows*. */
-static bool linearize(System *system, const Loop *loop, double *x, const double *found, double *moved, double *rows,
+/* *way* = from x to the solution of the factorized linearization, which made *found* of x. */
+static void find_way(const Loop *loop, const double *x, const double *found, double *way)
+{
+    const int64_t n = loop->n_reals;
+    for (int64_t r = 0; r < n; r++)
+        way[r] = found[r] - x[r];
+    for (int64_t c = 0; c < n; c++) {
+        const int64_t pivot = (int64_t)loop->order[c];
+        const double other = way[c];
+        way[c] = way[pivot];
+        way[pivot] = other;
+    }
+    for (int64_t r = 0; r < n; r++)
+        for (int64_t i = 0; i < r; i++)
+            way[r] -= loop->rows[r * n + i] * way[i];
+    for (int64_t r = n - 1; r >= 0; r--) {
+        for (int64_t i = r + 1; i < n; i++)
+            way[r] -= loop->rows[r * n + i] * way[i];
+        way[r] /= loop->rows[r * n + r];
+    }
+}
+
+/* The longest part of a way from x, relative to the values' size. */
+static double length_of(const Loop *loop, const double *x, const double *way)
+{
+    double longest = 0.0;
+    for (int64_t i = 0; i < loop->n_reals; i++) {
+        const double part = fabs(way[i]) / larger(loop->nominals[i], fabs(x[i]));
+        if (!(part <= DBL_MAX))
+            return INFINITY;
+        longest = larger(longest, part);
+    }
+    return longest;
+}
+
+/* Factorize the loop's linearization at x; the elements are left somewhere near. */
+static bool linearize(System *system, const Loop *loop, double *x, const double *found, double *moved,
                       bool *is_regular)
 {
-    const int64_t n = loop->n_reals, width = n + 1;
+    const int64_t n = loop->n_reals;
+    const Plan *plan = system->plan;
     for (int64_t c = 0; c < n; c++) {
+        /* What nothing shows at this point is no unknown: its equation is that it stays. */
+        if (is_ahead(plan, plan->owners[loop->torn[c]])) {
+            for (int64_t r = 0; r < n; r++)
+                loop->rows[r * n + c] = r == c ? 1.0 : 0.0;
+            continue;
+        }
         const double at = x[c];
         x[c] = at + DIFFERENCE * larger(loop->nominals[c], fabs(at));
         const double difference = x[c] - at;
@@ -87,46 +126,68 @@ static bool linearize(System *system, const Loop *loop, double *x, const double 
         if (!went)
             return false;
         for (int64_t r = 0; r < n; r++)
-            rows[r * width + c] = (r == c ? 1.0 : 0.0) - (moved[r] - found[r]) / difference;
+            loop->rows[r * n + c] = (r == c ? 1.0 : 0.0) - (moved[r] - found[r]) / difference;
     }
-    for (int64_t r = 0; r < n; r++)
-        rows[r * width + n] = found[r] - x[r];
-    *is_regular = eliminate(rows, n);
+    *is_regular = factorize_loop(loop->rows, loop->order, n);
     return true;
 }
 
-/* Solve for the real ones among x, the others held; *found* is what the last walk made of x. */
-static bool newton(System *system, const Loop *loop, double *x, double *found, double *trial, double *moved,
-                   double *rows)
+/* Solve for the real ones among x, the others held; *found* is what the last walk made of x.
+ *
+ * A small residual is not enough: where the loop hardly tells one value from another it is small everywhere. What is
+ * left of the way to the solution must be short as well. */
+static bool newton(System *system, const Loop *loop, double *x, double *found, double *trial, double *moved)
 {
-    const int64_t n = loop->n_reals, width = n + 1;
+    const int64_t n = loop->n_reals;
+    const size_t size = (size_t)loop->n_torn * sizeof *x;
+    double *const way = loop->way, left = INFINITY;
     if (!walk_round(system, loop, x, found))
         return false;
     double rest = residual(loop, x, found);
-    for (int64_t k = 0; k < NEWTON_STEPS && !(rest <= SOLVED); k++) {
+    for (int64_t k = 0; k < NEWTON_STEPS; k++) {
+        if (rest == 0.0 || (rest <= SOLVED && left <= SHORT))
+            return true;
         bool is_regular = false;
-        if (!linearize(system, loop, x, found, moved, rows, &is_regular))
+        if (!linearize(system, loop, x, found, moved, &is_regular))
             return false;
+        left = INFINITY;
         double part = 1.0, now = INFINITY;
-        memcpy(trial, x, (size_t)loop->n_torn * sizeof *trial);
-        for (int64_t halved = 0; is_regular && halved <= HALVINGS && !(now < rest); halved++, part *= 0.5) {
+        if (is_regular) {
+            find_way(loop, x, found, way);
+            left = length_of(loop, x, way);
+        }
+        memcpy(trial, x, size);
+        const bool is_there = rest <= SOLVED && left <= SHORT;
+        for (int64_t halved = 0; is_regular && !is_there && halved <= HALVINGS && !(now < rest); halved++, part *= 0.5) {
             for (int64_t i = 0; i < n; i++)
-                trial[i] = x[i] + part * rows[i * width + n];
+                trial[i] = x[i] + part * way[i];
             if (!walk_round(system, loop, trial, moved))
                 return false;
             now = residual(loop, trial, moved);
         }
         if (!(now < rest)) {
-            /* Nothing better in that direction: back to where it was best. */
+            /* There, or nothing better in that direction: back to where it was best. */
             if (!walk_round(system, loop, x, found))
                 return false;
             break;
         }
-        memcpy(x, trial, (size_t)loop->n_torn * sizeof *x);
-        memcpy(found, moved, (size_t)loop->n_torn * sizeof *found);
+        memcpy(x, trial, size);
+        memcpy(found, moved, size);
         rest = now;
+        find_way(loop, x, found, way);
+        left = length_of(loop, x, way);
     }
-    return rest <= NEARLY_SOLVED ? true : fail(system, NOT_SOLVED, 0, loop->number, rest);
+    if (!(rest <= NEARLY_SOLVED))
+        return fail(system, NOT_SOLVED, 0, loop->number, rest);
+    return left <= SHORT ? true : fail(system, NEARLY_SINGULAR, 0, loop->number, left);
+}
+
+static bool all_known(const double *values, int64_t count)
+{
+    for (int64_t i = 0; i < count; i++)
+        if (values[i] != values[i])
+            return false;
+    return true;
 }
 
 static bool solve(System *system, Loop *loop)
@@ -134,7 +195,6 @@ static bool solve(System *system, Loop *loop)
     const int64_t n = loop->n_torn;
     const size_t size = (size_t)n * sizeof(double), reals = (size_t)loop->n_reals * sizeof(double);
     double *x = loop->room, *begin = x + n, *found = begin + n, *trial = found + n, *moved = trial + n;
-    double *rows = moved + n;
     for (int64_t i = 0; i < n; i++)
         x[i] = begin[i] = system->values[loop->torn[i]];
     /* Many loops are none: their FMUs do not tell what depends on what. These settle, and exactly. */
@@ -145,13 +205,15 @@ static bool solve(System *system, Loop *loop)
         is_settled = memcmp(x, found, size) == 0;
         if (is_settled && !loop->has_texts)
             return true;
+        if (!all_known(found, n))
+            break;
         memcpy(x, found, size);
     }
     if (is_settled)
         return true; /* and the texts have gone all the way round */
     memcpy(x, begin, size);
     for (int64_t k = 0; loop->n_reals && k < EXCHANGES; k++) {
-        if (!newton(system, loop, x, found, trial, moved, rows))
+        if (!newton(system, loop, x, found, trial, moved))
             return false;
         if (memcmp((char *)x + reals, (char *)found + reals, size - reals) == 0)
             return true;

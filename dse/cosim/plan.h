@@ -13,6 +13,8 @@
 #include <math.h>
 #include <string.h>
 
+#define NOTICED 1e-6 /* of an output's size: far above what FMUs that iterate inside leave, far below what a lie does */
+
 enum { READ, WRITE, SOLVE };
 
 /* What an input does during a step. */
@@ -39,7 +41,8 @@ struct Loop {
     int64_t walks; /* so many settle a loop that is none in truth */
     int64_t number, has_texts;
     const double *nominals; /* of the real ones */
-    double *room;           /* 6 n_torn + n_reals (n_reals + 2) doubles */
+    double *room;           /* 5 n_torn doubles */
+    double *rows, *order, *way; /* of the real ones: factors, pivots, and what is left to go */
 };
 
 /* An element's own step: *parts* of them in one of the run's, or one in *every* of them. */
@@ -59,6 +62,12 @@ typedef struct {
 
 typedef struct {
     Walk initial, meeting;
+    Walk doubtful; /* reads of what was not right in the initial walk if an FMU's dependencies are not true */
+    Walk untold;   /* the initial walk that believes no FMU; empty until it is needed */
+    const int32_t *doubted; /* where those outputs lie, continuous numbers first */
+    int64_t n_doubted_reals, n_doubted;
+    const double *doubted_nominals; /* of the continuous ones */
+    double *passed_on;              /* room for n_doubted */
     int64_t is_sequential;
     const Pace *paces;     /* one per element */
     const int32_t *owners; /* the element of each value */
@@ -80,6 +89,7 @@ typedef struct {
     double *before;        /* the values shown before the present ones */
     double *shown, *spans; /* when each element showed its outputs, and how long after the time before */
     double *energies;
+    double *met; /* effort and flow of each bond where their elements' steps began */
     /* Error control; *tolerance* is 0 without. */
     double tolerance, absolute, smallest;
     const int32_t *compared;
@@ -94,17 +104,49 @@ static bool solve(System *system, Loop *loop);
 
 /* ---- operations ---- */
 
-static bool do_walk(System *system, Walk walk)
+/* An FMU discards a step that is too long, and values that are out of its domain. */
+static bool is_discarded(const System *system)
+{
+    return system->failure.kind == BAD_STATUS && system->failure.status == FMI_DISCARD;
+}
+
+/* In the middle of its own step an element is ahead of the others: it neither takes nor shows anything. */
+static bool is_ahead(const Plan *plan, int64_t element)
+{
+    return plan->k % plan->paces[element].every != 0;
+}
+
+/* The first of *count* values that is not finite fails; positions[i] is where it lies. */
+RARE static bool fail_not_finite(System *system, const int32_t *positions, int64_t count)
+{
+    int64_t i = 0;
+    while (i < count - 1 && fabs(system->values[positions[i]]) <= DBL_MAX)
+        i++;
+    return fail(system, NOT_FINITE, 0, positions[i], system->values[positions[i]]);
+}
+
+static bool are_finite(const System *system, const int32_t *positions, int64_t count)
+{
+    bool are = true;
+    for (int64_t i = 0; i < count; i++)
+        are &= fabs(system->values[positions[i]]) <= DBL_MAX;
+    return are;
+}
+
+/* What is passed on must be finite; on the way round a *loop* that is yet to be solved it need not. */
+static bool do_walk(System *system, Walk walk, bool in_loop)
 {
     const Plan *plan = system->plan;
     for (const Operation *operation = walk.begin; operation < walk.end; operation++) {
         if (operation->kind == SOLVE) {
+            const Loop *loop = operation->loop;
             if (!solve(system, operation->loop))
                 return false;
+            if (!are_finite(system, loop->torn, loop->n_torn))
+                return fail_not_finite(system, loop->torn, loop->n_torn);
             continue;
         }
-        /* In the middle of its own step an element is ahead of the others: it neither takes nor shows anything. */
-        if (plan->k % plan->paces[operation->element].every)
+        if (is_ahead(plan, operation->element))
             continue;
         Element *element = &system->elements[operation->element];
         if (operation->kind == READ) {
@@ -112,11 +154,54 @@ static bool do_walk(System *system, Walk walk)
                 return false;
             continue;
         }
-        gather(plan->staged + operation->first, system->values, plan->sources + operation->first, operation->count);
+        const int32_t *sources = plan->sources + operation->first;
+        gather(plan->staged + operation->first, system->values, sources, operation->count);
+        if (!in_loop && !are_finite(system, sources, operation->count))
+            return fail_not_finite(system, sources, operation->count);
         if (!write_element(system, element, &operation->groups))
             return false;
     }
     return true;
+}
+
+/* ---- the initialization ---- */
+
+static bool differs(double a, double b, double size)
+{
+    const double magnitude = fabs(a) > fabs(b) ? fabs(a) : fabs(b);
+    return a != b && !(fabs(a - b) <= NOTICED * (magnitude > size ? magnitude : size)) && (a == a || b == b);
+}
+
+/* Whether outputs are not what the initial walk passed on: they depend on inputs of which their FMU does not tell. */
+static bool look_again(System *system, bool *is_misled)
+{
+    const Plan *plan = system->plan;
+    const int64_t texts = system->texts_changed;
+    gather(plan->passed_on, system->values, plan->doubted, plan->n_doubted);
+    if (!do_walk(system, plan->doubtful, false))
+        return false;
+    *is_misled = system->texts_changed != texts;
+    for (int64_t i = 0; i < plan->n_doubted; i++) {
+        const double value = system->values[plan->doubted[i]];
+        *is_misled |= i < plan->n_doubted_reals ? differs(value, plan->passed_on[i], plan->doubted_nominals[i])
+                                                : value != plan->passed_on[i];
+    }
+    return true;
+}
+
+/* Carry values along the wires, before t = 0; if an FMU's dependencies prove untrue, once more as if none were told. */
+static bool initialize(System *system)
+{
+    Plan *plan = system->plan;
+    bool is_misled = false;
+    plan->k = 0;
+    if (!do_walk(system, plan->initial, false))
+        return false;
+    if (plan->doubtful.begin < plan->doubtful.end && !look_again(system, &is_misled))
+        return false;
+    if (!is_misled)
+        return true;
+    return plan->untold.begin < plan->untold.end ? do_walk(system, plan->untold, false) : fail(system, MISLED, 0, 0, 0);
 }
 
 /* ---- one element ---- */
@@ -168,6 +253,10 @@ static bool drive(System *system, int64_t e, double time, double length)
     for (int64_t part = 0; part < pace->parts; part++) {
         const double begin = system->now = time + (double)part * step;
         move_along(system, &pace->inputs, begin, step);
+        /* Gauss and Seidel pass on what nobody has looked at yet; with error control a shorter step may still do. */
+        const int32_t *sources = plan->sources + pace->inputs.first;
+        if (plan->is_sequential && !(plan->tolerance > 0.0) && !are_finite(system, sources, pace->inputs.count))
+            return fail_not_finite(system, sources, pace->inputs.count);
         if (!write_element(system, element, &pace->inputs.groups) ||
             (pace->has_slopes && !give_slopes(system, element, &pace->inputs.groups, begin)) ||
             !step_element(system, element, begin, step) || (system->watches && !keeps_floating_mode(system)))
@@ -221,7 +310,8 @@ static bool all_watched_finite(System *system)
 }
 
 /* A double does not tell changes of the size of a variable's nominal value any more beyond 2^53 times that value: no
- * variable means anything there. One that begins with such a value is judged by its beginning. */
+ * variable means anything there. One that begins with such a value is judged by its beginning, and one whose FMU
+ * declares no nominal value (infinite here) is not judged: nobody knows what is large for it. */
 static void set_limits(System *system)
 {
     const Plan *plan = system->plan;
@@ -243,6 +333,19 @@ static bool within_limits(System *system)
     return true;
 }
 
+/* What the element behind an output did with an input in its step that ends here, if one does: both on average, as at the
+ * step's end alone they would differ even if nothing were lost. *met* is the output at the step's beginning. */
+static double work(const System *system, int64_t output, int64_t input, double length, double *met)
+{
+    const Plan *plan = system->plan;
+    const int32_t element = plan->owners[output];
+    if (is_ahead(plan, element))
+        return 0.0;
+    const double mean = 0.5 * (*met + system->values[output]);
+    *met = system->values[output];
+    return (double)plan->paces[element].every * length * plan->used[input] * mean;
+}
+
 /* Carry values on at the communication point at *time*, after a step of *length* (0 for none). */
 static bool meet(System *system, double time, double length)
 {
@@ -250,12 +353,12 @@ static bool meet(System *system, double time, double length)
     system->now = time;
     if (!all_watched_finite(system))
         return false;
-    if (plan->meeting.begin < plan->meeting.end && (!do_walk(system, plan->meeting) || !all_watched_finite(system)))
+    if (plan->meeting.begin < plan->meeting.end && (!do_walk(system, plan->meeting, false) || !all_watched_finite(system)))
         return false;
     for (int64_t i = 0; i < plan->n_bonds; i++) {
         const Bond *bond = &plan->bonds[i];
-        plan->energies[i] += length * (plan->used[bond->effort_used] * system->values[bond->flow] -
-                                       system->values[bond->effort] * plan->used[bond->flow_used]);
+        plan->energies[i] += work(system, bond->flow, bond->effort_used, length, plan->met + 2 * i + 1);
+        plan->energies[i] -= work(system, bond->effort, bond->flow_used, length, plan->met + 2 * i);
     }
     return true;
 }

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ctypes
 from collections.abc import Sequence
+from math import inf
 from typing import Any
 
 import numpy as np
@@ -13,7 +14,7 @@ from dse.cosim import plan_failure
 from dse.cosim import plan_layout as layout
 from dse.cosim.border import Border, Port
 from dse.cosim.check import OwnStep, extrapolation_of, owner_of
-from dse.cosim.dependency import Loop, Read, Step, Write, order_of
+from dse.cosim.dependency import Loop, Read, Step, Write, doubtful_reads, order_of
 from dse.cosim.diagnosis import moment_of
 from dse.cosim.failure import RunFailed
 from dse.cosim.layout import Group, Groups
@@ -46,8 +47,11 @@ class Plan:
         orders = [order_of(self._wiring, initially=True)]
         if method.coupling is not Coupling.NONE:
             orders.append(order_of(self._wiring, initially=False))
+        doubtful = doubtful_reads(self._wiring)
         everything = tuple(Write(e, tuple(range(len(part)))) for e, part in enumerate(self._border.inputs))
-        n_staged = sum(self._n_values(write) for order in (*orders, everything) for write in _writes(order))
+        # An order that believes no FMU writes every input once, too.
+        reserve = everything if doubtful else ()
+        n_staged = sum(self._n_values(write) for order in (*orders, everything, reserve) for write in _writes(order))
         self._staged, self._slopes, self._used = (np.zeros(n_staged) for _ in range(3))
         self._sources, self._moves = (np.zeros(n_staged, np.int32) for _ in range(2))
         self._next = 0
@@ -65,6 +69,7 @@ class Plan:
             self.structure.meeting = self._walk(orders[1])
         self._paces = (layout.Pace * len(everything))(*(self._pace(write) for write in everything))
         self.structure.paces = ctypes.addressof(self._paces)
+        self._doubt(doubtful)
         self._watch()
         self._bond(bond_columns)
         self._remember()
@@ -75,6 +80,11 @@ class Plan:
         for pace, own in zip(self._paces, steps, strict=True):
             pace.every, pace.parts = own.every, own.parts
 
+    def believe_nobody(self) -> None:
+        """Be ready for FMUs whose dependencies in the initialization are not true: from now on the kernel goes on by
+        itself where it stopped with MISLED."""
+        self.structure.untold = self._walk(order_of(self._wiring, initially=True, told=False))
+
     def failure(self, step: float) -> RunFailed | None:
         """What made the master stop the last run, of this *step*, by itself; None if it was an FMU's failure."""
         found = self._tables.system.failure
@@ -84,10 +94,14 @@ class Plan:
         kind, wiring = plan_failure.Kind(found.kind), self._wiring
         if kind is plan_failure.Kind.NOT_SOLVED:
             return plan_failure.not_solved(wiring, self.loops[found.position], found.value, time)
+        if kind is plan_failure.Kind.NEARLY_SINGULAR:
+            return plan_failure.nearly_singular(wiring, self.loops[found.position], found.value, time)
         if kind is plan_failure.Kind.NOT_SETTLED:
             return plan_failure.not_settled(wiring, self.loops[found.position], time)
         if kind is plan_failure.Kind.DIVERGED:
             return plan_failure.diverged(wiring, found.position, found.value, time or 0.0)
+        if kind is plan_failure.Kind.ENDLESS_STEPS:
+            return plan_failure.too_many(wiring, found.position, found.value, time or 0.0)
         return plan_failure.too_short(wiring, found.position, found.value, time or 0.0)
 
     def _walk(self, order: Sequence[Step]) -> layout.Walk:
@@ -125,7 +139,10 @@ class Plan:
             number=len(self.loops),
             has_texts=bool(texts),
             nominals=self._address(np.array(nominals, np.float64)),
-            room=self._address(np.zeros(5 * n + m * (m + 1))),
+            room=self._address(np.zeros(5 * n)),
+            rows=self._address(np.zeros(m * m)),
+            order=self._address(np.zeros(m)),
+            way=self._address(np.zeros(m)),
         )
         self.loops.append(loop)
         self._kept.append(structure)
@@ -154,13 +171,28 @@ class Plan:
                 found.update(range(at, at + group.n_values))
         return frozenset(found)
 
+    def _doubt(self, reads: Sequence[Read]) -> None:
+        ports = sorted(
+            (Port(read.element, True, place) for read in reads for place in read.places),
+            key=lambda port: not self._border.is_real(port),
+        )
+        reals = [port for port in ports if self._border.is_real(port)]
+        at = [position for port in ports for position in self._border.values[port]]
+        nominals = [nominal for port in reals for nominal in self._nominals(port)]
+        self.structure.doubtful = self._walk(reads)
+        self.structure.doubted = self._address(np.array(at, np.int32))
+        self.structure.n_doubted_reals, self.structure.n_doubted = len(nominals), len(at)
+        self.structure.doubted_nominals = self._address(np.array(nominals, np.float64))
+        self.structure.passed_on = self._address(np.zeros(len(at)))
+
     def _watch(self) -> None:
         ports = [port for port in sorted(self._border.values) if port.is_output and self._border.is_floating(port)]
         wired = set(self._wiring.wired)
+        elements = self._wiring.system.elements
         watched = [
-            (at, nominal)
+            (at, declared_nominal(elements[port.element], self._border.variable(port)))
             for port in ports
-            for at, nominal in zip(self._border.values[port], self._nominals(port), strict=True)
+            for at in self._border.values[port]
             if at in wired
         ]
         self.structure.watched = self._address(np.array([at for at, _ in watched], np.int32))
@@ -190,11 +222,14 @@ class Plan:
 
     def _remember(self) -> None:
         n, elements = len(self._wiring.values), len(self._wiring.system.elements)
-        past = np.zeros(n + 2 * elements + len(self._method.bonds))
+        bonds = len(self._method.bonds)
+        past = np.zeros(n + 2 * elements + 3 * bonds)
         at = self._address(past)
         self.structure.past, self.structure.n_past = at, past.size
-        starts = [at + 8 * offset for offset in (0, n, n + elements, n + 2 * elements)]
-        self.structure.before, self.structure.shown, self.structure.spans, self.structure.energies = starts
+        sizes = {"before": n, "shown": elements, "spans": elements, "energies": bonds, "met": 2 * bonds}
+        for name, size in sizes.items():
+            setattr(self.structure, name, at)
+            at += past.itemsize * size
 
     def _adapt(self) -> None:
         adaptive = self._method.adaptive
@@ -245,6 +280,11 @@ def nominal_of(element: Element, variable: Variable) -> float:
     conversion = element.conversions.get(variable.name)
     nominal = abs((variable.nominal or 1.0) * (conversion.factor if conversion else 1.0))
     return nominal if nominal > 0.0 else 1.0
+
+
+def declared_nominal(element: Element, variable: Variable) -> float:
+    """The same, but infinite if the FMU does not tell: what is too large for *variable* is not known then."""
+    return nominal_of(element, variable) if variable.nominal else inf
 
 
 def _writes(order: Sequence[Step]) -> list[Write]:

@@ -3,10 +3,14 @@
 from __future__ import annotations
 
 from enum import IntEnum
+from math import isfinite
 
 from dse.cosim.dependency import Loop
 from dse.cosim.failure import RunFailed, moment
 from dse.cosim.wiring import Wiring
+
+MISLED = 20
+"""The kernel stopped because FMUs' dependencies are not true, and it has no order that does without them yet."""
 
 
 class Kind(IntEnum):
@@ -16,6 +20,8 @@ class Kind(IntEnum):
     NOT_SOLVED = 16
     DIVERGED = 17
     STEP_TOO_SHORT = 18
+    NEARLY_SINGULAR = 19
+    ENDLESS_STEPS = 21
 
 
 def not_solved(wiring: Wiring, loop: Loop, residual: float, time: float | None) -> RunFailed:
@@ -23,6 +29,16 @@ def not_solved(wiring: Wiring, loop: Loop, residual: float, time: float | None) 
     what = (
         f"{_stage(time)} found no solution of the algebraic loop {loop.described}: "
         f"Newton's method came to a residual of {residual:.3g}"
+    )
+    return RunFailed(_first(wiring, loop), "", time, (), what)
+
+
+def nearly_singular(wiring: Wiring, loop: Loop, left: float, time: float | None) -> RunFailed:
+    """All kinds of values solve *loop* nearly; one more step of Newton's method would change them by *left*."""
+    by = f"would change values by {left:.3g} of their size" if isfinite(left) else "has no direction"
+    what = (
+        f"{_stage(time)} found no solution of the algebraic loop {loop.described}: it is nearly singular, "
+        f"the last step of Newton's method {by}"
     )
     return RunFailed(_first(wiring, loop), "", time, (), what)
 
@@ -37,8 +53,8 @@ def diverged(wiring: Wiring, position: int, value: float, time: float) -> RunFai
     """A wired output has left the range in which it can mean anything."""
     name = wiring.values[position]
     what = (
-        f"{name} diverged: it was {value:.3g} {moment(time)}, more than 2^53 times its nominal and its first value; "
-        f"use shorter steps, another algorithm, or give the variable its nominal value"
+        f"{name} diverged: it was {value:.3g} {moment(time)}, more than 2^53 times the nominal value that its FMU "
+        f"declares and its first value; use shorter steps or another algorithm"
     )
     return RunFailed(_element(wiring, name), "", time, (), what)
 
@@ -47,6 +63,13 @@ def too_short(wiring: Wiring, position: int, step: float, time: float) -> RunFai
     """Error control asks for a step that is not allowed."""
     name = wiring.values[position]
     what = f"{name} asks for steps shorter than {step:.3g} s {moment(time)}: the tolerance cannot be kept"
+    return RunFailed(_element(wiring, name), "", time, (), what)
+
+
+def too_many(wiring: Wiring, position: int, steps: float, time: float) -> RunFailed:
+    """Error control gets on, but takes for ever."""
+    name = wiring.values[position]
+    what = f"{name} asks for more than {steps:.0f} steps between two communication points, {moment(time)}"
     return RunFailed(_element(wiring, name), "", time, (), what)
 
 

@@ -48,7 +48,7 @@ class Loop(ctypes.Structure):
         ("walk", Walk),
         *_pointers("torn"),
         *_numbers("n_reals", "n_torn", "walks", "number", "has_texts"),
-        *_pointers("nominals", "room"),
+        *_pointers("nominals", "room", "rows", "order", "way"),
     ]
 
 
@@ -76,6 +76,11 @@ class Plan(ctypes.Structure):
     _fields_: ClassVar[_Fields] = [
         ("initial", Walk),
         ("meeting", Walk),
+        ("doubtful", Walk),
+        ("untold", Walk),
+        *_pointers("doubted"),
+        *_numbers("n_doubted_reals", "n_doubted"),
+        *_pointers("doubted_nominals", "passed_on"),
         *_numbers("is_sequential"),
         *_pointers("paces", "owners", "staged", "slopes", "sources", "moves", "used", "watched"),
         *_numbers("n_watched"),
@@ -85,7 +90,7 @@ class Plan(ctypes.Structure):
         *_numbers("n_bond_columns"),
         *_pointers("past"),
         *_numbers("n_past"),
-        *_pointers("before", "shown", "spans", "energies"),
+        *_pointers("before", "shown", "spans", "energies", "met"),
         *_reals("tolerance", "absolute", "smallest"),
         *_pointers("compared"),
         *_numbers("n_compared"),

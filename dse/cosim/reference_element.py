@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ctypes
 from collections.abc import Collection, Iterable, Mapping
+from math import isfinite
 from types import TracebackType
 
 from dse.cosim import diagnosis
@@ -40,6 +41,7 @@ class ReferenceElement:
         self._slopes: Mapping[str, float] = {}
         self._began = 0.0
         self._given: dict[str, bytes] = {}
+        self._kept_given: dict[str, bytes] = {}
         self._stop = 0.0
         self._is_running = self._is_initialized = False
         self._state = ctypes.c_void_p()
@@ -134,20 +136,25 @@ class ReferenceElement:
             found |= zip(variable.labels, values, strict=True)
         return found
 
+    def check_finite(self, values: Mapping[str, float], time: float | None) -> None:
+        """RunFailed if one of the *values* for inputs, by label, is not finite."""
+        for label, value in values.items():
+            if not isfinite(value):
+                variable = next(v for v in self.element.inputs if label in v.labels)
+                raise self.instance.unfit(variable, label, value, time)
+
     def write(self, values: Mapping[str, Value], time: float | None) -> None:
         """Give the element *values* of inputs by label, of arrays all; discrete ones that change are an event."""
         self._written |= values
         named = [v for v in self.element.inputs if v.labels[0] in values]
-        late = [
-            v
-            for v in named
-            if self._is_running
-            and Ability.HAS_EVENTS in self.instance.able
-            and is_discrete_input(v, self.element.model)
-        ]
+        has_events = Ability.HAS_EVENTS in self.instance.able
+        discrete = [v for v in named if has_events and is_discrete_input(v, self.element.model)]
+        late = discrete if self._is_running else []
         for variable in named:
             if variable not in late:
                 self._give(variable, time)
+        if not self._is_running:
+            self._given |= {v.name: self._bits(v, time) for v in discrete}
         changed = [v for v in late if self._given.get(v.name) != self._bits(v, time)]
         if not changed:
             return
@@ -185,6 +192,8 @@ class ReferenceElement:
             if inner is None:
                 what = diagnosis.not_an_item(f"{self.element.name}.{label}", value, time)
                 raise self.instance.failure(self.instance.accessor("Set", variable), time, what)
+            if isfinite(value) and not isfinite(inner):
+                raise self.instance.unfit(variable, label, inner, time)
             found.append(inner)
         return found
 
@@ -223,6 +232,7 @@ class ReferenceElement:
         """Keep the state it is in, instead of any it kept before."""
         self.instance.save(self._state, None)
         self._kept_event = self.instance.next_event
+        self._kept_given = dict(self._given)
         if self._exchange:
             self._exchange.save()
 
@@ -230,7 +240,7 @@ class ReferenceElement:
         """Back to the state it kept."""
         self.instance.restore(self._state, None)
         self.instance.next_event = self._kept_event
-        self._given = {}
+        self._given = dict(self._kept_given)
         if self._exchange:
             self._exchange.restore()
 
@@ -262,6 +272,7 @@ class ReferenceElement:
                 continue
             values = zip(variable.labels, self._numbers(variable), strict=True)
             moved = [value + self._slopes.get(label, 0.0) * elapsed for label, value in values]
+            self.check_finite(dict(zip(variable.labels, moved, strict=True)), time)
             self.instance.give_numbers(variable, self._inside(variable, moved, time), time)
 
     def _factor(self, variable: Variable) -> float:

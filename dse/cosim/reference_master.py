@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from math import inf, isfinite, isnan
+from collections.abc import Iterable, Mapping, Sequence
+from math import inf, isfinite, isnan, nan
 from typing import Any
 
 import numpy as np
@@ -13,9 +13,9 @@ from dse.cosim import diagnosis, plan_failure
 from dse.cosim.border import Border, Port
 from dse.cosim.check import OwnStep, extrapolation_of
 from dse.cosim.conversion import carried
-from dse.cosim.dependency import Loop, Read, Step, order_of
+from dse.cosim.dependency import Loop, Read, Step, doubtful_reads, order_of
 from dse.cosim.failure import RunFailed
-from dse.cosim.plan import DISCRETE_WALKS, nominal_of
+from dse.cosim.plan import DISCRETE_WALKS, declared_nominal, nominal_of
 from dse.cosim.reference_newton import NoSolution, newton, same_bits
 from dse.cosim.wiring import Wiring, links_of
 from dse.domain.method import Adaptive, Algorithm, Coupling, Extrapolation, Method
@@ -24,6 +24,8 @@ _EXCHANGES = 20
 _EASY = 0.1
 _FINEST = 52
 _RANGE = 2.0**53
+_NOTICED = 1e-6
+_MOST_STEPS = 2**20
 
 Value = Any  # a number, a text or bytes
 
@@ -42,6 +44,7 @@ class Master:
         self.spans = [0.0] * len(parts)
         self.used: dict[str, float] = {}
         self.energies = {bond.name: 0.0 for bond in method.bonds}
+        self.met: dict[tuple[str, str], float] = {}
         self.magnitudes: dict[str, float] = {}
         self.limits: dict[str, float] = {}
         self.meeting: tuple[Step, ...] = ()
@@ -59,7 +62,7 @@ class Master:
         for name, part in zip(self.names, self.parts, strict=True):
             own = {k.removeprefix(f"{name}."): v for k, v in start.items() if k.startswith(f"{name}.")}
             part.set_up(stop, own)
-        self._walk(order_of(self.wiring, initially=True))
+        self._initialize()
         for part in self.parts:
             part.leave_initialization()
         self._set_limits()
@@ -84,6 +87,25 @@ class Master:
             part.terminate(steps * step)
         return np.array(rows, np.float64).reshape(steps + 1, len(record))
 
+    # ---- initialization ----
+
+    def _initialize(self) -> None:
+        self._walk(order_of(self.wiring, initially=True))
+        reads = doubtful_reads(self.wiring)
+        passed_on = dict(self.values)
+        self._walk(reads)
+        ports = [Port(read.element, True, place) for read in reads for place in read.places]
+        if any(self._differs(port, label, passed_on) for port in ports for label in self._labels(port)):
+            self._walk(order_of(self.wiring, initially=True, told=False))
+
+    def _differs(self, port: Port, label: str, passed_on: Mapping[str, Value]) -> bool:
+        a, b = self.values[label], passed_on[label]
+        if not self.border.is_real(port):
+            return bool(a != b)
+        if a == b or (isnan(a) and isnan(b)):
+            return False
+        return not abs(a - b) <= _NOTICED * max(self._nominal(port), abs(a), abs(b))
+
     # ---- values ----
 
     def _recorded(self, name: str) -> float:
@@ -100,7 +122,10 @@ class Master:
         given = {}
         for label, value in values.items():
             transform = self.links[label].transform if label in self.links else None
-            given[label.removeprefix(f"{self.names[e]}.")] = carried(transform, value) if transform else value
+            inner = label.removeprefix(f"{self.names[e]}.")
+            given[inner] = carried(transform, value) if transform else value
+            if transform and isfinite(value):
+                self.parts[e].check_finite({inner: given[inner]}, self.time)
         self.parts[e].write(given, self.time)
 
     def _source(self, label: str) -> str:
@@ -109,16 +134,19 @@ class Master:
 
     # ---- the order of dependencies ----
 
-    def _walk(self, steps: Sequence[Step]) -> None:
+    def _walk(self, steps: Sequence[Step], *, in_loop: bool = False) -> None:
         for step in steps:
             if isinstance(step, Loop):
                 self._solve(step)
+                self._check_finite([label for port in (*step.reals, *step.others) for label in self._labels(port)])
             elif self.k % self.own[step.element].every:
                 continue
             elif isinstance(step, Read):
                 self._read(step.element, [self.border.outputs[step.element][place] for place in step.places])
             else:
                 labels = [label for place in step.places for label in self._labels(Port(step.element, False, place))]
+                if not in_loop:
+                    self._check_finite(map(self._source, labels))
                 self._write(step.element, {label: self.values[self._source(label)] for label in labels})
 
     def _solve(self, loop: Loop) -> None:
@@ -128,10 +156,16 @@ class Master:
         texts = [label for label in others if not isinstance(self.values[label], (int, float))]
         torn = reals + [label for label in others if label not in texts]
         nominals = [self._nominal(port) for port in loop.reals for _ in self._labels(port)]
+        stays = [self.k % self.own[port.element].every != 0 for port in loop.reals for _ in self._labels(port)]
 
         def walk(x: Sequence[float]) -> list[float]:
             self.values |= zip(torn, x, strict=True)
-            self._walk(loop.walk)
+            try:
+                self._walk(loop.walk, in_loop=True)
+            except RunFailed as failure:
+                if not _is_discarded(failure):
+                    raise
+                return [nan] * len(torn)
             return [self.values[label] for label in torn]
 
         begin = x = [self.values[label] for label in torn]
@@ -141,14 +175,18 @@ class Master:
             settled = same_bits(x, found)
             if settled and not texts:
                 return
+            if any(map(isnan, found)):
+                break
             x = found
         if settled:
             return
         x, n = begin, len(reals)
         for _ in range(_EXCHANGES if reals else 0):
             try:
-                x, found = newton(walk, x, nominals)
+                x, found = newton(walk, x, nominals, stays)
             except NoSolution as stuck:
+                if stuck.is_singular:
+                    raise plan_failure.nearly_singular(self.wiring, loop, stuck.left, self.time) from None
                 raise plan_failure.not_solved(self.wiring, loop, stuck.residual, self.time) from None
             if same_bits(x[n:], found[n:]):
                 return
@@ -182,6 +220,8 @@ class Master:
             begin = self.time = time + part * own
             with_slopes = self.parts[e].takes_slopes
             moved = {label: self._along(label, m, begin, 0.0 if with_slopes else 0.5 * own) for label, m in labels}
+            if self.method.algorithm is Algorithm.GAUSS_SEIDEL and not self.method.adaptive:
+                self._check_finite(self._source(label) for label, _ in labels)
             self._write(e, {label: value for label, (value, _) in moved.items()})
             slopes = {}
             if with_slopes and extrapolation_of(self.wiring.system.elements[e], self.method) is Extrapolation.LINEAR:
@@ -226,15 +266,23 @@ class Master:
 
     def _meet(self, time: float, length: float) -> None:
         self.time = time
-        self._check_finite(time)
+        self._check_finite(self.limits)
         if self.meeting:
             self._walk(self.meeting)
-            self._check_finite(time)
+            self._check_finite(self.limits)
         for bond in self.method.bonds:
-            effort_used, flow_used = (self.used.get(label, 0.0) for label in self._ends(bond.effort, bond.flow))
-            self.energies[bond.name] += length * (
-                effort_used * self.values[bond.flow] - self.values[bond.effort] * flow_used
-            )
+            effort_used, flow_used = self._ends(bond.effort, bond.flow)
+            self.energies[bond.name] += self._work((bond.name, "flow"), bond.flow, effort_used, length)
+            self.energies[bond.name] -= self._work((bond.name, "effort"), bond.effort, flow_used, length)
+
+    def _work(self, side: tuple[str, str], output: str, input_: str, length: float) -> float:
+        """What the element behind *output* did with an input in its own step, if one ends here."""
+        every = self.own[self.names.index(self._owners(output)[0])].every
+        if self.k % every:
+            return 0.0
+        mean: float = 0.5 * (self.met.get(side, 0.0) + self.values[output])
+        self.met[side] = self.values[output]
+        return every * length * float(self.used.get(input_, 0.0)) * mean
 
     def _ends(self, effort: str, flow: str) -> tuple[str, str]:
         """The inputs that the effort and the flow end at."""
@@ -248,19 +296,26 @@ class Master:
     def _watched(self) -> list[tuple[str, float]]:
         wired = {self.wiring.values[position] for position in self.wiring.wired}
         ports = [port for port in sorted(self.border.values) if port.is_output and self.border.is_floating(port)]
-        return [(label, self._nominal(port)) for port in ports for label in self._labels(port) if label in wired]
+        elements = self.wiring.system.elements
+        return [
+            (label, declared_nominal(elements[port.element], self.border.variable(port)))
+            for port in ports
+            for label in self._labels(port)
+            if label in wired
+        ]
 
     def _set_limits(self) -> None:
         for label, nominal in self._watched():
             begin = abs(self.values[label])
             self.limits[label] = _RANGE * (begin if begin > nominal else nominal)
 
-    def _check_finite(self, time: float) -> None:
-        for label in self.limits:
-            if not isfinite(self.values[label]):
+    def _check_finite(self, labels: Iterable[str]) -> None:
+        for label in labels:
+            value = self.values[label]
+            if isinstance(value, (int, float)) and not isfinite(value):
                 e = self.names.index(self._owners(label)[0])
-                what = diagnosis.not_finite(label, self.values[label], time)
-                raise RunFailed(self.names[e], "", time, self.parts[e].instance.log, what)
+                what = diagnosis.not_finite(label, value, self.time)
+                raise RunFailed(self.names[e], "", self.time, self.parts[e].instance.log, what)
 
     def _check_limits(self, time: float) -> None:
         for label, limit in self.limits.items():
@@ -271,7 +326,7 @@ class Master:
     # ---- error control ----
 
     def _advance_adaptively(self, time: float, step: float, adaptive: Adaptive) -> None:
-        i = 0
+        i = tried = 0
         while i < 2**self.level:
             length = step / 2**self.level
             half = 0.5 * length
@@ -282,9 +337,13 @@ class Master:
                 error, worst = self._difference(coarse, adaptive)
             except RunFailed as failure:
                 # An FMU that discards a step asks for a shorter one.
-                if not failure.what.endswith(" returned discard") or half < adaptive.smallest or self.level >= _FINEST:
+                if not _is_discarded(failure) or half < adaptive.smallest or self.level >= _FINEST:
                     raise
                 error, worst = inf, ""
+            tried += 1
+            if tried > _MOST_STEPS:
+                position = self.wiring.values.index(worst)
+                raise plan_failure.too_many(self.wiring, position, _MOST_STEPS, self.time or 0.0)
             if not error <= 1.0:
                 if half < adaptive.smallest or self.level >= _FINEST:
                     position = self.wiring.values.index(worst)
@@ -316,14 +375,15 @@ class Master:
     def _save(self) -> tuple[Any, ...]:
         for part in self.parts:
             part.save()
-        return (dict(self.values), dict(self.before), list(self.shown), list(self.spans), dict(self.energies))
+        tables = [dict(self.values), dict(self.before), dict(self.energies), dict(self.met)]
+        return (*tables, list(self.shown), list(self.spans))
 
     def _restore(self, kept: tuple[Any, ...]) -> None:
         for e, part in enumerate(self.parts):
             part.restore()
             self._read(e, self.border.outputs[e])
-        values, before, shown, spans, energies = kept
-        self.values, self.before, self.energies = dict(values), dict(before), dict(energies)
+        values, before, energies, met, shown, spans = kept
+        self.values, self.before, self.energies, self.met = dict(values), dict(before), dict(energies), dict(met)
         self.shown, self.spans = list(shown), list(spans)
 
     def _compared(self) -> list[str]:
@@ -344,3 +404,7 @@ class Master:
             if not part <= largest:
                 largest, worst = (inf if isnan(part) else part), label
         return largest, worst
+
+
+def _is_discarded(failure: RunFailed) -> bool:
+    return failure.what.endswith(" returned discard")

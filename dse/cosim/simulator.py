@@ -18,13 +18,14 @@ from dse.cosim.failure import RunFailed
 from dse.cosim.fused import fitted, loop_of
 from dse.cosim.library import occupy, vacate
 from dse.cosim.plan import Plan, columns_of
+from dse.cosim.plan_failure import MISLED
 from dse.cosim.tables import Tables
 from dse.cosim.trust import NOTHING_KNOWN, Facts, Wear, never_reset, refusals
 from dse.cosim.wiring import wire_up
 from dse.domain.fused import FusedLibrary
 from dse.domain.method import PLAIN, Method
 from dse.domain.system import SystemStructure
-from dse.errors import raise_if_any
+from dse.errors import fail, raise_if_any
 
 __all__ = ["RunFailed", "Simulator"]
 
@@ -38,13 +39,19 @@ class _Run(NamedTuple):
     out: NDArray[np.float64]
 
 
+class _Misled(Exception):  # noqa: N818  # not an error: the run is made again
+    """FMUs' dependencies are not true."""
+
+
 class Simulator:
     """Runs *system* again and again; *record* names the outputs to record, in order (``element.fmi_variable``).
 
     Loads each FMU library once and owns the instances; close it, or use it in a ``with`` block. The first run is on
     fresh instances. On the second the FMUs' reset is put to the proof: the run is made on reset instances and again on
     fresh ones, and every output of every step is compared, bit for bit. From then on instances are reset if that made
-    no difference, and made anew before each run if it did. After a failed run they are made anew in any case.
+    no difference, and made anew before each run if it did. After a failed run they are made anew in any case, and
+    before a run that does not give all start values that runs have given to the present instances. If fresh instances
+    differ from each other as well, this run and all later ones fail: no result would be the right one.
 
     *reset_is_trusted* tells the outcome, None before the proof; set it to False to do without resets from the start.
     *reset_differs* names the elements whose outputs were the first to differ. *progress* is a writable buffer of
@@ -52,7 +59,7 @@ class Simulator:
 
     *method* is the co-simulation algorithm. With bonds in it, *record* may name their residual energies as
     ``bonds.NAME``. A run that diverges fails: if a wired output is not finite at a communication point, or larger at
-    the end than 2^53 times its nominal value and its first one.
+    the end than 2^53 times the nominal value that its FMU declares and its first one.
 
     *facts* tell what is known of FMUs: those that lie about their reset are never reset, and *runs_left* counts down
     where a process bears only so many instances.
@@ -94,6 +101,7 @@ class Simulator:
         self._fitted = (0.0, 0.0)
         self._occupied = occupy(system)
         self._can_reset = False
+        self._given: frozenset[str] = frozenset()  # start values that runs have given to the present instances
         self._lost: RunFailed | None = None
         self._closed = False
 
@@ -127,8 +135,18 @@ class Simulator:
             own = {f"{element.name}.{name}" for element in self.system.elements for name in element.start}
             self._tables.add_starts(sorted(start.keys() - own))
             starts = self._tables.starts
+            # The proof of a reset says nothing about what this run leaves at the FMU's own value and others have set.
+            self._can_reset = self._can_reset and self._given <= starts.extra
         starts.take(start)
         run = _Run(end_of(stop, step, steps), step, steps, out)
+        try:
+            return self._make(run)
+        except _Misled:
+            # Rare, and the order that believes no FMU takes its time to find: only where it is needed.
+            self._plan.believe_nobody()
+            return self._make(run)
+
+    def _make(self, run: _Run) -> NDArray[np.float64]:
         if self._can_reset and self.reset_is_trusted is None:
             return self._prove_reset(run)
         if self._can_reset and self.reset_is_trusted and self._reset():
@@ -153,7 +171,7 @@ class Simulator:
         self._closed = True
         self._kernel.dse_free(self._system)
         self._tables.release()
-        if not self._lost:
+        if not (self._lost and self._lost.fatal):
             vacate(self._occupied)
 
     def __enter__(self) -> Simulator:
@@ -167,7 +185,12 @@ class Simulator:
     def _rows(self, steps: int, out: NDArray[np.float64] | None) -> NDArray[np.float64]:
         shape = (steps + 1, self._record.size)
         if out is None:
-            return np.empty(shape, np.float64)
+            try:
+                return np.empty(shape, np.float64)
+            except (MemoryError, ValueError) as error:
+                raise fail(
+                    f"{shape[0]} rows of {shape[1]} outputs do not fit into memory", hint="use longer steps"
+                ) from error
         if out.shape != shape or out.dtype != np.float64 or not out.flags.c_contiguous or not out.flags.writeable:
             raise ValueError(f"out must be a writeable float64 array of shape {shape} in C order")
         return out
@@ -178,10 +201,12 @@ class Simulator:
         request.out = run.out.__array_interface__["data"][0]
         request.digests = None if digests is None else digests.ctypes.data
         self._can_reset = False
-        failed = self._kernel.dse_run(self._system, ctypes.byref(request))
+        failed = self._call_kernel()
         if failed and self._tables.system.failure.kind == Kind.FLOATING_CHANGED:
             # The loop looks once, at the end of a run: which FMU it was shows when each step is looked at.
             failed = self._simulate_watched()
+        if failed and self._tables.system.failure.kind == MISLED:
+            raise _Misled
         if failed:
             raise self._failure(run.step)
         self._can_reset = True
@@ -191,9 +216,13 @@ class Simulator:
         self._renew()
         self._tables.system.watches = 1
         try:
-            return int(self._kernel.dse_run(self._system, ctypes.byref(self._request)))
+            return self._call_kernel()
         finally:
             self._tables.system.watches = 0
+
+    def _call_kernel(self) -> int:
+        self._given |= self._tables.starts.extra
+        return int(self._kernel.dse_run(self._system, ctypes.byref(self._request)))
 
     def _reset(self) -> bool:
         if not self._kernel.dse_reset(self._system):
@@ -206,6 +235,7 @@ class Simulator:
 
     def _renew(self) -> None:
         self._kernel.dse_free(self._system)
+        self._given = frozenset()
         self._wear.note()
         if self._kernel.dse_instantiate(self._system):
             raise self._failure(0.0)
@@ -223,12 +253,30 @@ class Simulator:
         self._renew()
         out = self._simulate(run, fresh)  # if this fails too, the run is at fault and the reset still unproven
         if self.reset_is_trusted is None:
-            differs = after_reset != fresh
-            first = differs[differs.any(axis=1).argmax()]
-            names = [element.name for element, differ in zip(self.system.elements, first, strict=True) if differ]
-            self.reset_differs = (failed_at,) if failed_at else tuple(names)
+            self.reset_differs = (failed_at,) if failed_at else self._differing(after_reset, fresh)
             self.reset_is_trusted = not self.reset_differs
+        if not self.reset_is_trusted:
+            self._prove_renewal(run, fresh)
         return out
+
+    def _prove_renewal(self, run: _Run, fresh: NDArray[np.uint64]) -> None:
+        """What is not reset may as well be nowhere in the instance: then fresh ones differ from each other, too."""
+        again = np.zeros_like(fresh)
+        self._renew()
+        self._simulate(run, again)
+        if names := self._differing(again, fresh):
+            what = (
+                f"{', '.join(names)}: the outputs of two fresh instances differ: what it computes depends on what was "
+                f"simulated before in this process, or on chance; `dse probe` finds out, and gives each run a process"
+            )
+            self._lost = RunFailed(names[0], "", None, (), what)
+            raise self._lost
+
+    def _differing(self, a: NDArray[np.uint64], b: NDArray[np.uint64]) -> tuple[str, ...]:
+        """Elements whose outputs were the first to differ; () if all are equal."""
+        differs = a != b
+        first = differs[differs.any(axis=1).argmax()]
+        return tuple(element.name for element, differ in zip(self.system.elements, first, strict=True) if differ)
 
     def _failure(self, step: float) -> RunFailed:
         failure = self._plan.failure(step) or diagnose(self._tables, step)

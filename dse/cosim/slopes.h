@@ -60,9 +60,13 @@ static bool move_group(System *system, const Group *group, double elapsed)
     carry(group, group->scratch);
     for (int64_t i = 0; i < group->n_values; i++)
         group->scratch[i] += slope_arriving(group, i) * elapsed;
-    /* Only numbers that are no items have slopes, so nothing can be unfit. */
+    /* Only numbers that are no items have slopes: they can be too large, but nothing else. */
     turn_inside(group, group->scratch);
-    narrow(group, group->scratch);
+    if (!keeps_finite(system, group, UNFIT_INPUT))
+        return false;
+    const int64_t good = narrow(group, group->scratch);
+    if (good < group->n_values)
+        return fail_value(system, UNFIT_INPUT, group, good, group->scratch[good]);
     return group->version < 3 ? call_fmi2(system, system->progress, group) : call_fmi3(system, system->progress, group);
 }
 

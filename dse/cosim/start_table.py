@@ -27,7 +27,8 @@ class StartTable:
     def __init__(self, tables: Tables, extra: Sequence[str]) -> None:
         self._starts = starts_of(tables.wiring.system, extra)
         self.positions = self._starts.positions
-        self._extra = frozenset(extra)
+        self.extra = frozenset(extra)
+        """What runs set and the system does not."""
         self._own = np.array(self._starts.values, np.float64)
         self._values = self._own.copy()
         self._texts, self._bytes = _lent(self._starts.own_texts)
@@ -43,7 +44,7 @@ class StartTable:
 
     def covers(self, start: Mapping[str, float]) -> bool:
         """Whether *start* gives values to exactly the extra names and otherwise to names the system sets itself."""
-        return start.keys() <= self.positions.keys() and self._extra <= start.keys()
+        return start.keys() <= self.positions.keys() and self.extra <= start.keys()
 
     def take(self, start: Mapping[str, float]) -> None:
         """Use the values in *start* from now on, and the system's own for all other names."""

@@ -11,10 +11,13 @@ __declspec(dllimport) void __stdcall Sleep(unsigned long milliseconds);
 #include <time.h>
 #endif
 
+#define NEARLY 1e-9 /* of a step: FMUs add up their times */
+
 /* ---- FMI 1 and 2 ---- */
 
 static void keep_step_status(Element *element, int status)
 {
+    __atomic_store_n(&element->finished_at, element->system->progress->step, __ATOMIC_RELAXED);
     __atomic_store_n(&element->finished, (int64_t)status, __ATOMIC_RELEASE);
 }
 
@@ -32,7 +35,9 @@ static int wait_for_step(System *system, Element *element)
 {
     for (;; nap()) {
         const int64_t told = __atomic_load_n(&element->finished, __ATOMIC_ACQUIRE);
-        if (told >= 0)
+        /* An FMU may call back for a step that was over when it returned, too. The loop does not stop to forget that:
+         * the step's number tells. */
+        if (told >= 0 && __atomic_load_n(&element->finished_at, __ATOMIC_RELAXED) == system->progress->step)
             return (int)told;
         if (!element->get_status)
             continue;
@@ -49,13 +54,14 @@ static int wait_for_step(System *system, Element *element)
 static int call_step(System *system, Element *element, double time, double step)
 {
     system->progress->place = element->stepping;
+    __atomic_store_n(&element->finished, (int64_t)-1, __ATOMIC_RELAXED);
     return element->version == 1
                ? ((Fmi1DoStep)element->do_step)(element->instance, time, step, 1)
                : ((Fmi2DoStep)element->do_step)(element->instance, time, step, system->may_roll_back ? 0 : 1);
 }
 
 /* Whether a discarded step got anywhere: up to when. */
-static bool got_on(System *system, const Element *element, double *time)
+static bool got_on(System *system, const Element *element, double *time, double end)
 {
     double reached = *time;
     if (!element->get_real_status)
@@ -63,7 +69,8 @@ static bool got_on(System *system, const Element *element, double *time)
     enter_call(system, element->stepping.element, GET_REAL_STATUS);
     if (!is_good(((Fmi2GetRealStatus)element->get_real_status)(element->instance, FMI_LAST_SUCCESSFUL_TIME, &reached)))
         return false;
-    const bool is_on = reached > *time;
+    /* Not beyond the end: then nobody knows what it did. */
+    const bool is_on = reached > *time && reached <= end + NEARLY * (end - *time);
     *time = reached;
     return is_on;
 }
@@ -85,14 +92,13 @@ RARE static bool make_up(System *system, const Element *constant, double time, d
     for (;;) {
         if (status == FMI_PENDING) {
             status = wait_for_step(system, element);
-            element->finished = -1;
             system->progress->place = element->stepping;
         }
         if (is_good(status))
             return true;
         if (status != FMI_DISCARD)
             return fail_status(system, status);
-        const bool ends = wants_to_end(system, element), is_on = !ends && got_on(system, element, &time);
+        const bool ends = wants_to_end(system, element), is_on = !ends && got_on(system, element, &time, end);
         system->progress->place = element->stepping;
         if (ends)
             return fail(system, STEP_CUT_SHORT, 1, 0, 0);

@@ -13,6 +13,15 @@ RARE static bool fail_text(System *system, int64_t kind, const TextGroup *group,
     return false;
 }
 
+/* FNV-1a (Fowler, Noll and Vo) by bytes; never the 0 of a text that was not read yet. */
+static uint64_t print_of(const unsigned char *bytes, size_t size)
+{
+    uint64_t print = 0xCBF29CE484222325u;
+    for (size_t i = 0; i < size; i++)
+        print = (print ^ bytes[i]) * 0x100000001B3u;
+    return print ? print : 1;
+}
+
 static bool keep_text(System *system, Text *text, const void *bytes, size_t size)
 {
     if (text->bytes && text->size == size && memcmp(text->bytes, bytes, size) == 0)
@@ -28,7 +37,7 @@ static bool keep_text(System *system, Text *text, const void *bytes, size_t size
         memcpy(text->bytes, bytes, size);
     text->bytes[size] = 0;
     text->size = size;
-    text->changes++;
+    text->print = print_of(bytes, size);
     system->texts_changed++;
     return true;
 }

@@ -12,8 +12,8 @@ from pathlib import Path
 from types import MappingProxyType
 
 from dse.domain.facts import FmuFacts, Question
-from dse.domain.method import Method
-from dse.domain.system import SystemStructure
+from dse.domain.method import Coupling, Method
+from dse.domain.system import Element, SystemStructure
 from dse.errors import Problem, raise_if_any
 
 Facts = Mapping[str, FmuFacts]
@@ -47,6 +47,27 @@ def refusals(system: SystemStructure, method: Method, facts: Facts) -> Iterable[
                     f"{known.reasons.get(Question.SAVES, 'outputs differ afterwards')}",
                     hint="simulate it with a fixed step",
                 )
+            if known.denies(Question.VARIES_STEP):
+                yield Problem(
+                    f"{name}: an adaptive step varies, and {known.identifier} was seen not to bear that: "
+                    f"{known.reasons.get(Question.VARIES_STEP, 'steps of uneven length fail')}",
+                    hint="simulate it with a fixed step",
+                )
+    if method.coupling is not Coupling.NONE:
+        for element in system.elements:
+            known = facts.get(element.name)
+            if known is not None and known.denies(Question.FEEDS_THROUGH) and _has_to_follow(element):
+                yield Problem(
+                    f"{element.name}: coupling: {method.coupling.value} needs outputs that follow inputs between two "
+                    f"steps, and those of {known.identifier} were seen not to, although it declares so",
+                    hint="use coupling: none",
+                )
+
+
+def _has_to_follow(element: Element) -> bool:
+    """Whether outputs depend directly on connected inputs, as the FMU tells."""
+    inputs = {variable.name for variable in element.inputs}
+    return any(inputs & set(element.model.depends.get(variable.name, ())) for variable in element.outputs)
 
 
 def never_reset(facts: Facts) -> tuple[str, ...]:

@@ -8,7 +8,7 @@ from enum import StrEnum
 from pathlib import Path
 
 from dse.errors import Location
-from dse.units import DIMENSIONLESS, Quantity, Unit
+from dse.units import DIMENSIONLESS, Quantity, Unit, counts_otherwise
 
 Value = float | int | bool | str
 """A value of a port or parameter: SI number, truth value, the name of an enumeration item, or a text."""
@@ -56,6 +56,8 @@ def same_signal(source: Type, target: Type) -> str:
         return f"types differ: {source} and {target}"
     if source.kind is Kind.REAL and source.unit.dimension != target.unit.dimension:
         return f"units differ: {source} and {target}"
+    if source.kind is Kind.REAL and counts_otherwise(source.unit.symbol, target.unit.symbol):
+        return f"units differ by 2 pi: {source} and {target}"
     return ""
 
 

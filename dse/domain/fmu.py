@@ -34,9 +34,9 @@ class Variable:
     holds one text per value (Binary: hexadecimal digits), or a single one for all, or none.
 
     *alias_of* names the variable this is another name of (FMI 1 and 3; FMI 2 does not say, but of inputs it is known).
-    *is_negated*: the value is the opposite of that behind the reference (FMI 1). *is_relative*: a difference, to which a
-    unit's offset does not apply. *is_clocked*: it belongs to a clock. *is_intermediate*: it may be used while a step is
-    computed (FMI 3).
+    *is_negated*: the value is the opposite of that behind the reference (FMI 1). *is_relative*: a difference, to which
+    a unit's offset does not apply. *is_clocked*: it belongs to a clock. *is_intermediate*: it may be used while a step
+    is computed (FMI 3).
     """
 
     name: str

@@ -38,6 +38,8 @@ def _in_turn(batch: Batch, seat: Seat) -> Iterator[tuple[Run, float]]:
             return
         start = end
         run = seat.run(batch, request)
+        if run is None:
+            return
         end = time.perf_counter()
         yield run, end - start
 
@@ -55,6 +57,8 @@ def _side_by_side(batch: Batch, seats: Sequence[Seat]) -> Iterator[tuple[Run, fl
                     break
                 start = time.perf_counter()
                 run = seat.run(batch, request)
+                if run is None:
+                    break
                 finished.put((run, time.perf_counter() - start))
         finally:
             seat.rest()

@@ -28,6 +28,9 @@ class Phase(IntEnum):
     """The configuration before is freed."""
 
 
+_PHASES = frozenset(Phase)
+
+
 @dataclass(frozen=True, slots=True)
 class State:
     """*beats* counts the changes of state; *batch* and *number* name the run at hand, if there is one.
@@ -70,7 +73,8 @@ class Heartbeat:
     def state(self) -> State:
         """What was told last."""
         beats, phase, *rest = _STATE.unpack_from(self._map, self._begin + PROGRESS_BYTES)
-        return State(beats, Phase(phase), *rest)
+        # The file is open in the worker: an FMU may have written into it.
+        return State(beats, Phase(phase) if phase in _PHASES else Phase.STARTING, *rest)
 
     def progress(self) -> bytes:
         """A copy of the progress block."""

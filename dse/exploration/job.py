@@ -109,7 +109,7 @@ class Report:
 
     *ended* with the last of them; then *kept* are the numbers whose waveforms are in the batch's file. *retired*
     comes last: the process is worn out and leaves, runs that are still to be made go to another. *broken* says why the
-    worker cannot go on at all, as when the disk is full.
+    worker cannot go on at all, as when the disk is full; *hurt* why this process cannot, which a run has harmed.
     """
 
     identity: int
@@ -118,3 +118,4 @@ class Report:
     kept: tuple[int, ...] = ()
     retired: bool = False
     broken: str = ""
+    hurt: str = ""

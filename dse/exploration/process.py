@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-import contextlib
 import multiprocessing
 import os
+import socket
+import sys
 import time
 from collections import deque
+from collections.abc import Iterator
 from dataclasses import dataclass, field
-from multiprocessing.connection import Connection
 from pathlib import Path
 
 import psutil
@@ -16,11 +17,13 @@ import psutil
 from dse.cosim.spawn import start
 from dse.exploration.heartbeat import Heartbeat, Phase, State
 from dse.exploration.job import Batch, Report, Setup
+from dse.exploration.line import Line
 from dse.exploration.worker import work
 
 _TAIL = 2000
 _LARGEST_LOG = 4_000_000
 _PATIENCE = 5.0
+_MOST_HANDLES = 10_000
 
 
 @dataclass(slots=True)
@@ -37,9 +40,10 @@ class Assignment:
 
 
 class WorkerProcess:
-    """One worker: its process, its pipe, its heartbeats, and the batches it has, the one at hand first.
+    """One worker: its process, its line, its heartbeats, and the batches it has, the one at hand first.
 
-    *useful* tells that it has finished a run, *retired* that it has taken its leave.
+    *useful* tells that it has finished a run, *retired* that it has taken its leave. *offence* says why it has to
+    die for what one of its runs did, nobody knows which; *worn* that it may be what several did together.
     """
 
     def __init__(self, setup: Setup, folder: Path, index: int) -> None:
@@ -49,30 +53,45 @@ class WorkerProcess:
         self._hearts = [Heartbeat(heartbeat, seat) for seat in range(setup.threads)]
         self._beats, self._since = [0] * setup.threads, [time.monotonic()] * setup.threads
         context = multiprocessing.get_context("spawn")
-        self.connection: Connection[Batch | None, Report]
-        self.connection, far = context.Pipe()
+        near, far = socket.socketpair()
+        self._line = Line(near)
         self._process = context.Process(target=work, args=(far, setup, heartbeat, self._log), daemon=True)
         start(self._process)
         far.close()
         self._memory = psutil.Process(self._process.pid)
         self.assignments: deque[Assignment] = deque()
-        self.useful = self.retired = False
+        self.useful = self.retired = self.worn = False
+        self.offence = ""
 
     @property
     def sentinel(self) -> int:
         """Ready when the process has ended."""
         return self._process.sentinel
 
-    def give(self, batch: Batch) -> bool:
-        """Hand over *batch*; False if the worker is no longer there to take it."""
+    @property
+    def line(self) -> socket.socket:
+        """Ready when the worker has sent something."""
+        return self._line.end
+
+    @property
+    def has_ended(self) -> bool:
+        """Whether the process is no more."""
+        return self._process.exitcode is not None
+
+    def give(self, batch: Batch) -> None:
+        """Hand over *batch*. If the worker is no longer there to take it, `reports` tells."""
         if not self.assignments:
             self._since = [time.monotonic()] * len(self._hearts)
         self.assignments.append(Assignment(batch))
-        try:
-            self.connection.send(batch)
-        except OSError:
-            return False
-        return True
+        self._line.send(batch)
+
+    def reports(self) -> Iterator[Report]:
+        """What it has sent, one by one; also sends what it has not been sent yet. Never waits.
+
+        Raises EOFError or OSError if the worker is dead, GarbledError where something else was sent.
+        """
+        self._line.flush()
+        return self._line.arrived()
 
     def states(self) -> list[State]:
         """What each thread of the worker does now, or did when it died."""
@@ -104,6 +123,13 @@ class WorkerProcess:
         except psutil.Error:
             return 0
 
+    def handles(self) -> int:
+        """How many files and the like the process has open; 0 if it is no more."""
+        try:
+            return int(self._memory.num_handles() if sys.platform == "win32" else self._memory.num_fds())
+        except psutil.Error:
+            return 0
+
     def last_words(self, since: int = 0) -> str:
         """The end of what the process printed, after so many bytes."""
         with self._log.open("rb") as log:
@@ -119,8 +145,7 @@ class WorkerProcess:
 
     def dismiss(self) -> None:
         """Tell the worker to end."""
-        with contextlib.suppress(OSError):
-            self.connection.send(None)
+        self._line.send(None)
 
     def kill(self) -> None:
         """End the process whatever it does."""
@@ -134,7 +159,17 @@ class WorkerProcess:
             self._process.join()
         code = self._process.exitcode or 0
         self._process.close()
-        self.connection.close()
+        self._line.close()
         for heart in self._hearts:
             heart.close()
         return code
+
+
+def most_handles() -> int:
+    """How many files a worker may have open; the system lets it have a third more at least."""
+    if sys.platform == "win32":
+        return _MOST_HANDLES
+    import resource
+
+    soft, _ = resource.getrlimit(resource.RLIMIT_NOFILE)
+    return _MOST_HANDLES if soft == resource.RLIM_INFINITY else min(_MOST_HANDLES, soft * 3 // 4)

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import errno
+import os
 import pickle
 import traceback
 from pathlib import Path
 
 from dse.domain.run import Outcome, Run, RunRequest
-from dse.errors import DseError
+from dse.errors import DseError, FreshProcessNeeded
 from dse.exploration.heartbeat import Heartbeat, Phase
 from dse.exploration.job import Batch, Executor, Setup
 from dse.exploration.surroundings import Surroundings
@@ -24,10 +26,14 @@ def bench_file(setup: Setup, configuration: str) -> Path:
 
 
 class Seat:
-    """The executor of the configuration at hand; the one before is closed."""
+    """The executor of the configuration at hand; the one before is closed.
+
+    *hurt* says why a run failed that may be good in another process: what was done here before may be to blame.
+    """
 
     def __init__(self, setup: Setup, heart: Heartbeat) -> None:
         self.runs = 0
+        self.hurt = ""
         self._setup = setup
         self._heart = heart
         self._progress = heart.block
@@ -36,6 +42,7 @@ class Seat:
         self._problem = ""
         self._spent = False
         self._surroundings = Surroundings()
+        self._process = os.getpid()
 
     @property
     def runs_left(self) -> int | None:
@@ -56,26 +63,35 @@ class Seat:
             bench = pickle.loads(bench_file(self._setup, batch.configuration).read_bytes())  # noqa: S301  # our supervisor's
             self._executor = self._setup.make_executor(bench, self._progress)
         except Exception as error:  # noqa: BLE001  # each of its runs fails, other configurations go on
+            self._spent |= self.runs > 0 and (isinstance(error, FreshProcessNeeded) or not can_open_files())
             self._problem = _in_words(error)
+        self._leave_if_copied()
         self._surroundings.restore()
         self._configuration = batch.configuration
 
-    def run(self, batch: Batch, request: RunRequest) -> Run:
-        """Simulate *request*; whatever is raised becomes a failed run."""
+    def run(self, batch: Batch, request: RunRequest) -> Run | None:
+        """Simulate *request*; whatever is raised becomes a failed run. None if it is to be left to a fresh process."""
         self.load(batch)
+        if self._spent:
+            return None
         self.runs += 1
         if self._executor is None:
             return failed_run(request, self._problem)
         self._progress[:] = bytes(len(self._progress))
         self._heart.beat(Phase.RUNNING, batch.identity, request.number)
         try:
-            return _complete(self._executor.run(request, keep=batch.keep), self._setup)
+            run = _complete(self._executor.run(request, keep=batch.keep), self._setup)
         except Exception as error:  # noqa: BLE001  # a failed run is a row, not the end of the study
             # What state the simulation is in now is anyone's guess: the next run starts with a new one.
+            self._leave_if_copied()
             self.clear()
-            return failed_run(request, _in_words(error))
-        finally:
-            self._surroundings.restore()
+            run = failed_run(request, _in_words(error))
+        self._leave_if_copied()
+        self._surroundings.restore()
+        if run.outcome is Outcome.FAILED and not can_open_files():
+            self.hurt, self._spent = f"{run.problem}; there were too many open files", True
+            return None
+        return run
 
     def rest(self) -> None:
         """Tell that nothing is simulated here for now."""
@@ -90,6 +106,25 @@ class Seat:
                 executor.close()
             except Exception:  # noqa: BLE001  # its runs are done and stored; all that is lost is the tidying up
                 traceback.print_exc()
+            self._leave_if_copied()
+
+    def _leave_if_copied(self) -> None:
+        # An FMU has made a copy of the process (fork) that went on: there must not be a second worker on the line.
+        if os.getpid() != self._process:
+            os._exit(0)
+
+
+OUT_OF_FILES = frozenset({errno.EMFILE, errno.ENFILE})
+"""What is wrong with a process, or the system, that has too many open files."""
+
+
+def can_open_files() -> bool:
+    """Whether this process may open another file."""
+    try:
+        os.close(os.open(os.devnull, os.O_RDONLY))
+    except OSError as error:
+        return error.errno not in OUT_OF_FILES
+    return True
 
 
 def _complete(run: Run, setup: Setup) -> Run:

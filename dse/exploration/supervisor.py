@@ -1,10 +1,11 @@
 """Worker processes and the one that watches them: no finished run is lost, no dead or hanging worker holds up a study.
 
-Each worker has a pipe of its own, so a worker that dies can only take with it what it had not sent yet. What killed it
+Each worker has a line of its own, so a worker that dies can only take with it what it had not sent yet. What killed it
 is recorded as the result of the run at hand, the rest of its batch goes to a fresh worker. Exceptions: a worker that
 was killed from outside (SIGKILL, as the kernel does when memory runs out), or that grew too large over several runs,
 says nothing about the run at hand, which is tried once more; the second time it is recorded. And where several runs
-were at hand, in threads, nobody knows which of them it was: they are made again, one at a time.
+were at hand, in threads, nobody knows which of them it was: they are made again, one at a time. So are all runs of a
+batch in which something was done to the worker that showed only later.
 """
 
 from __future__ import annotations
@@ -18,6 +19,7 @@ from collections import deque
 from collections.abc import Iterable, Mapping
 from contextlib import ExitStack, suppress
 from dataclasses import replace
+from itertools import count
 from multiprocessing.connection import wait
 from pathlib import Path
 from types import TracebackType
@@ -28,9 +30,11 @@ from dse.errors import DseError, fail
 from dse.exploration.heartbeat import Phase
 from dse.exploration.inquest import Traces, cause_of, outside_of_runs, told, traces_of
 from dse.exploration.job import Batch, Bench, Report, Setup
-from dse.exploration.process import WorkerProcess
+from dse.exploration.line import GarbledError
+from dse.exploration.process import Assignment, WorkerProcess, most_handles
 from dse.exploration.seat import bench_file, failed_run
 from dse.results.rows import RowBlock, block_of
+from dse.results.waveforms import file_name
 
 START_TIMEOUT = 60.0
 """Seconds a worker may take to start, to load a configuration or to write a file."""
@@ -42,6 +46,8 @@ MOST_FRUITLESS_DEATHS = 3
 """Workers that may die in a row outside of any run before the exploration is given up."""
 
 _LOOK_EVERY = 0.05
+
+_SCRIBBLED = "wrote into a file that is not its own: the line to the study"
 
 
 class Sink(Protocol):
@@ -77,6 +83,8 @@ class Supervisor:
         self._retried: set[int] = set()
         self._deadly: dict[str, list[str]] = {}
         self._looked = 0.0
+        self._spare = count(1 << 40)
+        self._most_handles = most_handles()
 
     @property
     def retried(self) -> int:
@@ -134,7 +142,7 @@ class Supervisor:
             self._hired += 1
 
     def _assign(self) -> None:
-        # A second batch in the pipe spares a worker the wait for the next one; at the end it would leave others idle.
+        # A second batch on the line spares a worker the wait for the next one; at the end it would leave others idle.
         depth = 2 if len(self._pending) > len(self._workers) else 1
         for turn in range(depth):
             for worker in list(self._workers):
@@ -143,8 +151,7 @@ class Supervisor:
                     if self._cannot_be_loaded(batch):
                         continue
                     self._store_bench(batch.configuration)
-                    if not worker.give(batch):
-                        self._bury(worker)
+                    worker.give(batch)
 
     def _cannot_be_loaded(self, batch: Batch) -> bool:
         """Whether workers died of the configuration before they got to a run of it; then its runs are failures."""
@@ -161,18 +168,27 @@ class Supervisor:
             file.write_bytes(pickle.dumps(self._benches[configuration], protocol=pickle.HIGHEST_PROTOCOL))
 
     def _listen(self) -> None:
-        ends = {worker.connection: worker for worker in self._workers}
-        ready = wait([*ends, *(worker.sentinel for worker in self._workers)], _LOOK_EVERY)
+        lines = [worker.line for worker in self._workers]
+        ready = wait([*lines, *(worker.sentinel for worker in self._workers)], _LOOK_EVERY)
         for worker in list(self._workers):
             # Dead is dead, even if something the worker started still holds the far end of its pipe.
             if not self._receive(worker) or worker.sentinel in ready:
                 self._bury(worker)
 
     def _receive(self, worker: WorkerProcess) -> bool:
-        """Take all that *worker* has sent; False if it is dead."""
+        """Take all that *worker* has sent; False if it is dead, or has to die for its offence."""
+        if worker.offence:
+            return False
         try:
-            while worker.connection.poll():
-                self._take(worker, worker.connection.recv())
+            for report in worker.reports():
+                if not _is_expected(worker, report):
+                    raise GarbledError
+                self._take(worker, report)
+                if worker.offence:
+                    return False
+        except GarbledError:
+            worker.offence = _SCRIBBLED
+            return False
         except (EOFError, OSError):
             return False
         return True
@@ -192,6 +208,8 @@ class Supervisor:
             self._fruitless = 0
             self._sink.ended(assignment.batch, report.kept)
         worker.retired = report.retired
+        if report.hurt:
+            worker.offence, worker.worn = report.hurt, worker.useful
 
     def _look_for_hanging(self) -> None:
         for worker in [worker for worker in self._workers if worker.assignments]:
@@ -213,6 +231,13 @@ class Supervisor:
             if worker.resident() > limit:
                 self._receive(worker)
                 self._bury(worker, f"grew beyond {limit / 1e9:.3g} GB of memory", again=worker.useful)
+            elif worker.handles() > self._most_handles:
+                self._receive(worker)
+                self._bury(worker, f"has more than {self._most_handles} open files", again=worker.useful)
+            elif worker.has_ended:
+                # What it has started may hold on to what tells of its end.
+                self._receive(worker)
+                self._bury(worker)
 
     def _bury(self, worker: WorkerProcess, offence: str = "", *, again: bool = False) -> None:
         """Part with a worker that is dead or, for an *offence*, is to die: record what is its run's fault.
@@ -221,22 +246,27 @@ class Supervisor:
         """
         self._workers.remove(worker)
         traces = traces_of(worker)
+        suspect = worker.assignments[0] if worker.offence and worker.assignments else None
+        offence = worker.offence or offence
         if offence:
             worker.kill()
         code = worker.bury()
         cause = offence or cause_of(code)
-        if traces.loading:
+        if traces.loading and not suspect:
             place = self._benches[traces.loading].describe_progress(traces.progress)
             deaths = self._deadly.setdefault(traces.loading, [])
             deaths.append(told(cause, place or "while its FMUs were loaded", traces.words))
-        fruitful = traces.unfinished or traces.loading or (worker.useful and (worker.retired or again))
+        fruitful = suspect or traces.unfinished or traces.loading or (worker.useful and (worker.retired or again))
         self._fruitless = 0 if fruitful else self._fruitless + 1
         if self._fruitless >= MOST_FRUITLESS_DEATHS:
             raise _given_up(cause, traces)
         again = again or (not offence and sys.platform != "win32" and code == -signal.SIGKILL)
         for assignment in reversed(worker.assignments):
             rest = assignment.rest()
-            if traces.unfinished and assignment is traces.at_hand and not worker.retired:
+            if assignment is suspect:
+                self._examine(assignment, offence, again=worker.worn)
+                continue
+            if not suspect and traces.unfinished and assignment is traces.at_hand and not worker.retired:
                 rest = self._judge(rest, traces, cause, again=again)
             if rest.numbers:
                 self._pending.appendleft(rest)
@@ -252,10 +282,29 @@ class Supervisor:
             self._retried.add(number)
             return rest
         place = self._benches[rest.configuration].describe_progress(traces.progress)
-        if number in self._retried:
-            cause += " for the second time"
+        # The same words whether it was tried again: that depends on how runs fall to workers, results must not.
         self._fail(rest, [number], told(cause, place, traces.words))
         return rest.without({number})
+
+    def _examine(self, suspect: Assignment, offence: str, *, again: bool) -> None:
+        """Have the runs of *suspect* made in batches of their own; a single one is at fault."""
+        rest = suspect.rest()
+        if len(rest.numbers) > 1:
+            self._pending.extendleft(self._single(rest, number) for number in reversed(rest.numbers))
+            return
+        number = next(iter(rest.numbers), None)
+        if number is not None and again and number not in self._retried:
+            self._retried.add(number)
+            self._pending.appendleft(rest)
+            return
+        if number is not None and number not in suspect.received:
+            self._fail(rest, [number], offence)
+        self._sink.ended(suspect.batch, ())
+
+    def _single(self, batch: Batch, number: int) -> Batch:
+        file = file_name(number, number) if batch.keep else ""
+        single = batch.without({*batch.numbers} - {number})
+        return replace(single, identity=next(self._spare), file=file)
 
     def _in_threads(self, batch: Batch) -> bool:
         return self._setup.threads > 1 and not batch.alone and len(batch.numbers) > 1
@@ -277,3 +326,13 @@ def _given_up(cause: str, traces: Traces) -> DseError:
         + (f"\n{traces.words}" if traces.words else ""),
         hint="finished runs are stored: mend what the workers say and give the same command again",
     )
+
+
+def _is_expected(worker: WorkerProcess, report: object) -> bool:
+    """Whether *report* is of the batch at hand, and of runs that have not come yet."""
+    if not isinstance(report, Report) or not worker.assignments:
+        return False
+    at_hand = worker.assignments[0]
+    numbers = [] if report.block is None else report.block.numbers.tolist()
+    fresh = {*at_hand.batch.numbers} - at_hand.received
+    return report.identity == at_hand.batch.identity and len(numbers) == len({*numbers}) and fresh.issuperset(numbers)

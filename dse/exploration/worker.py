@@ -1,18 +1,19 @@
-"""The worker process: takes batches from its pipe, simulates, sends arrays of results back.
+"""The worker process: takes batches from its line, simulates, sends arrays of results back.
 
 It imports only what simulating needs, so that a new one is there in a fraction of a second.
 """
 
 from __future__ import annotations
 
+import errno
 import os
 import signal
+import socket
 import sys
 import threading
 import time
 from collections.abc import Sequence
 from multiprocessing import parent_process
-from multiprocessing.connection import Connection
 from pathlib import Path
 from typing import NoReturn
 
@@ -20,15 +21,19 @@ from dse.domain.run import Run, Waveforms
 from dse.exploration.crew import are_spent, simulate
 from dse.exploration.heartbeat import Heartbeat, Phase
 from dse.exploration.job import Batch, Report, Setup
-from dse.exploration.seat import Seat
+from dse.exploration.line import receive, send
+from dse.exploration.seat import OUT_OF_FILES, Seat
 from dse.results.rows import block_of
 from dse.results.waveforms import write_waveforms
 
 _SEND_EVERY = 0.1
 _TURN = 1e-4
 
+_HARMED = OUT_OF_FILES | {errno.EFBIG}
+"""What another process would not be told when it writes a file: a run has used up or changed the limits of this one."""
 
-def work(connection: Connection[Report, Batch | None], setup: Setup, heartbeat: Path, log: Path) -> None:
+
+def work(line: socket.socket, setup: Setup, heartbeat: Path, log: Path) -> None:
     """Serve batches until None comes or the supervisor is gone. What simulations print goes to *log*."""
     # Ctrl-C reaches the whole terminal group; it is the supervisor that decides what to do about it.
     signal.signal(signal.SIGINT, signal.SIG_IGN)
@@ -42,10 +47,10 @@ def work(connection: Connection[Report, Batch | None], setup: Setup, heartbeat: 
     for heart in hearts:
         heart.beat(Phase.WAITING)
     try:
-        while (batch := connection.recv()) is not None:
+        while (batch := receive(line)) is not None:
             if _is_too_much(batch, seats):
-                _retire(connection, Report(batch.identity, retired=True))
-            _carry_out(batch, seats, connection, setup, hearts[0])
+                _retire(line, Report(batch.identity, retired=True))
+            _carry_out(batch, seats, line, setup, hearts[0])
             hearts[0].beat(Phase.WAITING)
         for seat in seats:
             seat.clear()
@@ -62,9 +67,7 @@ def _is_too_much(batch: Batch, seats: Sequence[Seat]) -> bool:
     return left is not None and left < len(batch.numbers)
 
 
-def _carry_out(
-    batch: Batch, seats: Sequence[Seat], connection: Connection[Report, Batch | None], setup: Setup, heart: Heartbeat
-) -> None:
+def _carry_out(batch: Batch, seats: Sequence[Seat], line: socket.socket, setup: Setup, heart: Heartbeat) -> None:
     runs: list[Run] = []
     wall: list[float] = []
     kept: list[tuple[int, Waveforms]] = []
@@ -77,34 +80,38 @@ def _carry_out(
         if batch.keep and run.waveforms is not None:
             kept.append((run.request.number, run.waveforms))
         if time.perf_counter() - sent > _SEND_EVERY:
-            connection.send(Report(batch.identity, block_of(runs, wall, setup.metrics, setup.requirements)))
+            send(line, Report(batch.identity, block_of(runs, wall, setup.metrics, setup.requirements)))
             runs, wall, sent = [], [], time.perf_counter()
-    if done < len(batch.numbers):
+    hurt = next((seat.hurt for seat in seats if seat.hurt), "")
+    if done < len(batch.numbers) or hurt:
         block = block_of(runs, wall, setup.metrics, setup.requirements) if runs else None
-        _retire(connection, Report(batch.identity, block, retired=True))
+        _retire(line, Report(batch.identity, block, retired=not hurt, hurt=hurt))
     if kept:
         heart.beat(Phase.WRITING, batch.identity)
         try:
             # Threads finish in any order.
             write_waveforms(setup.waveforms / batch.file, sorted(kept, key=lambda entry: entry[0]))
         except OSError as error:
-            connection.send(Report(batch.identity, broken=f"waveforms cannot be written: {error.strerror or error}"))
+            problem = f"waveforms cannot be written: {error.strerror or error}"
+            if error.errno in _HARMED:
+                _retire(line, Report(batch.identity, hurt=problem))
+            send(line, Report(batch.identity, broken=problem))
             return
     block = block_of(runs, wall, setup.metrics, setup.requirements) if runs else None
     report = Report(batch.identity, block, ended=True, kept=tuple(sorted(n for n, _ in kept)), retired=are_spent(seats))
     if report.retired:
-        _retire(connection, report)
-    connection.send(report)
+        _retire(line, report)
+    send(line, report)
 
 
-def _retire(connection: Connection[Report, Batch | None], report: Report) -> NoReturn:
-    connection.send(report)
+def _retire(line: socket.socket, report: Report) -> NoReturn:
+    send(line, report)
     # At once: an FMU that must not be called any more could be, by what its library does at the end of a process.
     os._exit(0)
 
 
 def _leave_with_parent() -> None:
-    # A simulation that hangs never comes back to the pipe to learn that nobody listens any more.
+    # A simulation that hangs never comes back to the line to learn that nobody listens any more.
     parent = parent_process()
     if parent is not None:
         parent.join()

@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-import os
 import posixpath
 from collections.abc import Iterable, Mapping
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 from pathlib import Path
 
 from dse.domain.component import Component, CSource, FmuSource, ModelicaSource, UnsupportedSource
-from dse.errors import DseError, Location, Problem, fail, raise_if_any
+from dse.errors import DseError, Location, Problem, fail
 from dse.fmu.archive import pack
 from dse.fmu.cache import cache_folder, content_key, keep_file
 from dse.fmu.compilation import LANGUAGE_OPTIONS, CompilationError, Diagnostic, compile_library, options
@@ -19,6 +17,7 @@ from dse.fmu.glue import Demand, glue
 from dse.fmu.platforms import this_platform
 from dse.fmu.slots import slots
 from dse.fmu.staging import LIST_IT, StagedSources, stage
+from dse.fmu.together import together
 from dse.fmu.toolchain import Compiler, find_compiler
 from dse.loading.yaml import shown
 
@@ -59,17 +58,7 @@ def build_all(components: Iterable[Component], *, version: int = 2, cache: Path 
     Raises one DseError with the problems of all that cannot be built.
     """
     wanted = {component.name: component for component in components}
-    built: dict[str, Path] = {}
-    problems: list[Problem] = []
-    with ThreadPoolExecutor(max_workers=os.cpu_count() or 1) as pool:
-        pending = {name: pool.submit(build, wanted[name], version=version, cache=cache) for name in wanted}
-        for name, result in pending.items():
-            try:
-                built[name] = result.result()
-            except DseError as error:
-                problems.extend(error.problems)
-    raise_if_any(dict.fromkeys(problems))
-    return built
+    return together(wanted, lambda name: build(wanted[name], version=version, cache=cache))
 
 
 _RUNTIME = Path(__file__).parent / "runtime"

@@ -3,10 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from decimal import Decimal
+from fractions import Fraction
 
 from dse.domain.bench import Simulation
 from dse.domain.component import Type, Value
+from dse.errors import DseError
 from dse.loading.yaml_text import write_name, write_text, write_value
+from dse.units import Unit, coherent
 
 
 def write_bench(
@@ -51,5 +55,16 @@ def _metric(expression: str, unit: str) -> str:
 
 
 def _value(value: Value, type_: Type) -> str:
-    text = write_value(value, type_.unit, None)
-    return write_text(f"{text} {type_.unit.symbol}") if type_.unit.symbol else text
+    unit = type_.unit
+    try:
+        text = write_value(value, unit, None)
+    except DseError:  # no floating-point number in this unit is the value to the last bit
+        unit = coherent(unit) if coherent(unit).symbol else unit
+        text = write_value(value, unit, None) if unit.is_coherent else _in_full(value, unit)
+    return write_text(f"{text} {unit.symbol}") if unit.symbol else text
+
+
+def _in_full(value: Value, unit: Unit) -> str:
+    """With more digits than floating-point numbers have."""
+    exact = (Fraction(value) - unit.offset) / unit.factor
+    return str(Decimal(exact.numerator) / Decimal(exact.denominator))

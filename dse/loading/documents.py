@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Any, ClassVar
 
 from pydantic import Field
@@ -133,6 +134,15 @@ class BondSection(Section):
 
 class SimulationSection(Section):
     """How long, how fine, by what algorithm, what is kept."""
+
+    hints: ClassVar[Mapping[str, str]] = {
+        "algorithm": "jacobi or gauss_seidel",
+        "coupling": "none, propagate or solve",
+        "extrapolation": "hold or linear; for single parts {part: linear}",
+        "steps": "write it as {part: 1 ms}",
+        "adaptive": "write it as {tolerance: 1e-4, absolute: 1e-6, smallest: 1 us}, or {} for these defaults",
+        "bonds": "write it as {name: {effort: part.port, flow: other.port}}",
+    }
 
     stop: Plain
     step: Plain

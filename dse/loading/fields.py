@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from typing import Annotated, Any, ClassVar, TypeVar
 
 from pydantic import BaseModel, BeforeValidator, ConfigDict, ValidationError
@@ -14,10 +14,11 @@ from dse.loading.yaml import Document, Path_
 class Section(BaseModel):
     """A mapping in a file: unknown keys are refused, nothing is converted silently.
 
-    Keys in *later* are refused, too, but as what this version does not support.
+    Keys in *later* are refused, too, but as what this version does not support. *hints* say how a key is written.
     """
 
     later: ClassVar[frozenset[str]] = frozenset()
+    hints: ClassVar[Mapping[str, str]] = {}
 
     model_config = ConfigDict(extra="forbid", strict=True, frozen=True)
 
@@ -66,7 +67,8 @@ def _problems(document: Document, shape: type[Section], error: ValidationError, 
     inputs = {path: entry["input"] for path, entry in entries if entry["type"] in _EXPECTED}
     for path, kinds in merged.items():
         what = f"'{_name(path)}': expected {_either(kinds)}, found {_kind(inputs[path])}"
-        yield Problem(what, document.place(path), _HINTS.get(kinds[0], "") if len(kinds) == 1 else "")
+        usual = _HINTS.get(kinds[0], "") if len(kinds) == 1 else ""
+        yield Problem(what, document.place(path), _own_hint(shape, path[len(at) :]) or usual)
 
 
 def _path(document: Document, loc: tuple[str | int, ...], at: Path_) -> Path_:
@@ -99,6 +101,12 @@ def _is_later(shape: type[Section], entry: Any) -> bool:
     if entry["type"] != "extra_forbidden":
         return False
     return any(entry["loc"][-1] in section.later for section in _sections_at(shape, entry["loc"][:-1]))
+
+
+def _own_hint(shape: type[Section], path: Path_) -> str:
+    """What the section that *path* leads to says of its last key."""
+    sections = _sections_at(shape, path[:-1]) if path else []
+    return next((section.hints[str(path[-1])] for section in sections if str(path[-1]) in section.hints), "")
 
 
 def _name(path: Path_) -> str:

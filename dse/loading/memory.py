@@ -17,6 +17,7 @@ def read_memory(raw: Raw, where: Location, problems: list[Problem]) -> float:
         problems.append(Problem(f"'memory' is no amount of memory: '{raw}'", where, "write it as '4 GB'"))
         return _LEAST
     if value < _LEAST:
-        what = f"'memory' is {raw}, less than a simulating process needs by itself"
-        problems.append(Problem(what, where, "use at least 256 MB"))
+        shown = raw if isinstance(raw, str) and not raw[-1:].isdigit() else f"{raw} B"
+        what = f"'memory' is {shown}, less than a simulating process needs by itself"
+        problems.append(Problem(what, where, "write it as '4 GB'; at least 256 MB"))
     return value

@@ -102,13 +102,14 @@ def _whole(raw: Raw, where: Location) -> int:
     number = Fraction(match[0]) if match else None
     if number is None or number.denominator != 1:
         raise fail(f"expected a whole number, found '{raw}'", where)
-    if abs(number) > _LARGEST_WHOLE:
-        raise fail(f"the whole number {raw} is too large", where, f"at most {_LARGEST_WHOLE}")
+    if abs(number) > LARGEST_WHOLE:
+        raise fail(f"the whole number {raw} is too large", where, f"at most {LARGEST_WHOLE}")
     return int(number)
 
 
 _NUMBER = re.compile(r"[+-]?\d{1,40}(?:\.\d{0,40})?(?:[eE][+-]?\d{1,2})?", re.ASCII)
-_LARGEST_WHOLE = 2**53
+LARGEST_WHOLE = 2**53
+"""The largest whole number that is taken; a double holds all up to it."""
 
 
 def located(error: DseError, where: Location) -> DseError:

@@ -40,7 +40,7 @@ def write_parameter(parameter: Parameter) -> str:
 
 
 def write_value(value: float | int | bool | str, unit: Unit, where: Location | None) -> str:
-    """An SI *value* in *unit*, to the last bit. Raises DseError where there is no such number."""
+    """The shortest number in *unit* that reads as the SI *value*, to the last bit. Raises DseError if there is none."""
     if isinstance(value, bool):
         return str(value).lower()
     if isinstance(value, str):
@@ -48,8 +48,10 @@ def write_value(value: float | int | bool | str, unit: Unit, where: Location | N
     if isinstance(value, int):
         return str(value)
     near = unit.from_si(value)
-    for number in (near, math.nextafter(near, math.inf), math.nextafter(near, -math.inf)):
-        if float(Fraction(repr(number)) * unit.factor + unit.offset) == value:
+    # The shortest first: what was read as 120 km/h is written so, though its SI number is 120.00000000000001 km/h.
+    shorter = (float(f"{near:.{digits}g}") for digits in range(1, 18))
+    for number in (*shorter, math.nextafter(near, math.inf), math.nextafter(near, -math.inf)):
+        if math.isfinite(number) and float(Fraction(repr(number)) * unit.factor + unit.offset) == value:
             return repr(number)
     raise fail(f"{value} in SI is no floating-point number of {unit}", where, "give it in an SI unit")
 

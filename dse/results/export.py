@@ -74,13 +74,13 @@ EXPORTS: Mapping[str, Callable[[StudyFolder], bytes]] = {
 
 
 def columns_of(table: RunTable) -> Iterator[tuple[str, list[object]]]:
-    """The columns of the table by name, n values each."""
+    """The columns of the table by name, n values each; a problem is one line."""
     header = table.header
     verdicts = [str(verdict) for verdict in VERDICTS]
     yield "run", table.numbers.tolist()
     yield "configuration", list(table.configurations)
     yield "outcome", np.where(table.done, "done", "failed").tolist()
-    yield "problem", list(table.problems)
+    yield "problem", [" ".join(problem.split()) for problem in table.problems]
     for name in header.variables:
         yield name, table.points[name].tolist()
     for name in header.metrics:

@@ -18,7 +18,7 @@ from dse.domain.component import (
 from dse.domain.design import Connection
 from dse.domain.fmu import FmuModel, Variable
 from dse.domain.system import Conversion, Element, SystemStructure, Wire
-from dse.errors import DseError, Problem, raise_if_any
+from dse.errors import DseError, Location, Problem, raise_if_any
 from dse.system.binding import IDENTITY, Binding, bind
 from dse.system.order import along_the_flow
 from dse.system.ports import find_port
@@ -32,8 +32,9 @@ def assemble(
     models: Mapping[str, FmuModel],
     values: Mapping[str, Value],
     outputs: Collection[str],
+    where: Location | None = None,
 ) -> SystemStructure:
-    """Connect the FMUs of *parts*.
+    """Connect the FMUs of *parts*; *where* is the bench they stand on.
 
     *connections* join single ports (``sensor.target.gap -> controller.target.gap``). *models* holds the FMU of
     each component by its name. *values* gives parameters and unconnected inputs as ``part.port``; *outputs*
@@ -41,7 +42,7 @@ def assemble(
     mismatch of unit, type, causality or FMU.
     """
     problems: list[Problem] = []
-    joined = check_wiring(parts, connections, values, problems)
+    joined = check_wiring(parts, connections, values, problems, where)
     wanted = {connection.source for connection in joined} | set(outputs)
     elements = {
         part: _element(part, component, models[component.name], joined, wanted, values, problems)
@@ -62,15 +63,21 @@ def check_wiring(
     connections: Iterable[Connection],
     values: Mapping[str, Value],
     problems: list[Problem],
+    where: Location | None = None,
 ) -> list[Connection]:
-    """Check every connection and that every input has exactly one source or a value; needs no FMU."""
+    """Check every connection and that every input has exactly one source or a value; needs no FMU.
+
+    *where* is the bench, which may give values.
+    """
     joined: list[Connection] = []
     sources: dict[str, Connection] = {}
+    refused: set[str] = set()
     for connection in connections:
         try:
             _check(connection, parts)
         except DseError as error:
             problems += error.problems
+            refused.add(connection.target)
             continue
         first = sources.get(connection.target)
         if first:
@@ -85,16 +92,11 @@ def check_wiring(
         sources[connection.target] = connection
         joined.append(connection)
     for part, component in parts.items():
-        for port in component.interface.ports:
-            end = f"{part}.{port.name}"
-            if port.causality is Causality.INPUT and end not in sources and end not in values:
-                problems.append(
-                    Problem(
-                        f"input {end} ({component.name}) is neither connected nor given a value",
-                        component.where,
-                        f"add a connection '… -> {end}' or a value under 'parameters' in the test bench",
-                    )
-                )
+        ends = [f"{part}.{p.name}" for p in component.interface.ports if p.causality is Causality.INPUT]
+        # An input whose connection is refused is told of already.
+        loose = [end for end in ends if end not in sources and end not in values and end not in refused]
+        if loose:
+            problems.append(_loose(part, component, loose, where))
     for end in values:
         if end in sources:
             problems.append(
@@ -103,6 +105,13 @@ def check_wiring(
                 )
             )
     return joined
+
+
+def check_fmu(component: Component, model: FmuModel) -> None:
+    """Raise DseError unless *model* has all ports and parameters of *component*, of their types and units."""
+    problems: list[Problem] = []
+    _element(component.name, component, model, (), (), {}, problems)
+    raise_if_any(problems)
 
 
 def _check(connection: Connection, parts: Mapping[str, Component]) -> None:
@@ -133,6 +142,17 @@ def _check(connection: Connection, parts: Mapping[str, Component]) -> None:
         ]
         hint = f"connect {' or '.join(fitting[:3])}" if fitting else "both ends must carry the same unit and type"
         raise DseError(Problem(f"{connection}: {difference}", connection.where, hint))
+
+
+def _loose(part: str, component: Component, ends: list[str], where: Location | None) -> Problem:
+    hint = f"add a connection '… -> {ends[0]}' or a value under 'parameters' in the test bench"
+    if len(ends) == 1:
+        what = f"input {ends[0]} ({component.name}) is neither connected nor given a value"
+    else:
+        names = ", ".join(end.removeprefix(f"{part}.") for end in ends)
+        what = f"{len(ends)} inputs of {part} ({component.name}) are neither connected nor given a value: {names}"
+        hint = f"for each, {hint}"
+    return Problem(what, where or component.where, hint)
 
 
 def _others(part: str, parts: Mapping[str, Component], causality: Causality) -> str:
@@ -214,8 +234,15 @@ class _Parts:
         """Note the start *value*."""
         if type_.kind is Kind.TEXT:
             self.texts[bound.label] = str(value)
-        else:
-            self.start[bound.label] = as_number(value, type_)
+            return
+        number = as_number(value, type_)
+        items = bound.variable.items
+        is_own = str(value) in bound.variable.start  # what the FMU begins with by itself is its own affair
+        if type_.kind is Kind.INTEGER and items and number not in items.values() and not is_own:
+            what = f"'{bound.label}' in the FMU of {self._component.name} cannot be {value}: it is an enumeration"
+            known = ", ".join(f"{item_number} ({item})" for item, item_number in items.items())
+            self._problems.append(Problem(what, self._component.where, f"its items: {known}"))
+        self.start[bound.label] = number
 
 
 def _sizes(part: str, component: Component, model: FmuModel, values: Mapping[str, Value]) -> dict[str, float]:

@@ -10,15 +10,12 @@ from dse.domain.component import Component, Kind, Type
 from dse.domain.fmu import FmuModel, UnitDefinition, Variable
 from dse.domain.system import Conversion
 from dse.errors import DseError, Location, Problem, closest, fail
-from dse.units import Unit, UnitError, parse_unit
+from dse.units import Unit, UnitError, counts_otherwise, is_rounded, parse_unit
 
 IDENTITY = Conversion()
 
 _SWAPPED = Conversion(items=((0.0, 1.0), (1.0, 0.0)))
 """Of a truth value that is the contrary of what lies behind its reference."""
-
-_ROUNDED = 1e-4
-"""Relative difference up to which a factor may be the usual one, rounded."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -91,6 +88,12 @@ def _missing(component: Component, name: str, label: str, model: FmuModel, causa
     if array is not None:
         what = f"'{label}' in the FMU of {component.name} is an array of shape {'x'.join(map(str, array.shape))}"
         return Problem(what, component.where, f"map one of its values: 'map: {{{name}: \"{array.labels[0]}\"}}'")
+    whole = model.variables.get(label[: label.rindex("[")]) if label.endswith("]") and "[" in label else None
+    if whole is not None and whole.shape:
+        sizes = "x".join(map(str, whole.shape))
+        what = f"the FMU of {component.name} has no '{label}': '{whole.name}' has {sizes} values"
+        sized_by = ", ".join(f"'{parameter}'" for parameter in dict.fromkeys(whole.sized_by) if parameter)
+        return Problem(what, component.where, f"its size is set by {sized_by}" if sized_by else "")
     near = [v.name for v in model.variables.values() if v.causality in causalities]
     hint = f"map it: 'map: {{{name}: …}}'; {closest(label, near)}" if near else ""
     return Problem(f"the FMU of {component.name} has no variable '{label}'", component.where, hint)
@@ -108,7 +111,7 @@ def _of_unit(component: Component, variable: Variable, label: str, type_: Type, 
     if not variable.unit:
         return Conversion(sign) if variable.is_negated else IDENTITY
     unit = unit_of(component.name, variable, model, component.where)
-    if unit.dimension != type_.unit.dimension:
+    if unit.dimension != type_.unit.dimension or counts_otherwise(unit.symbol, type_.unit.symbol):
         what = f"'{label}' in the FMU of {component.name} is in {variable.unit}, expected {type_}"
         raise fail(what, component.where, "give the port a unit of the same dimension, or map another variable")
     found = Conversion(sign * float(unit.factor), 0.0 if variable.is_relative else float(unit.offset))
@@ -120,10 +123,7 @@ def _coherent(unit: UnitDefinition) -> str:
 
 
 def _are_close(usual: Unit, defined: UnitDefinition) -> bool:
-    factor, offset = float(usual.factor), float(usual.offset)
-    return abs(defined.factor - factor) <= _ROUNDED * abs(factor) and abs(defined.offset - offset) <= _ROUNDED * abs(
-        offset
-    )
+    return is_rounded(float(usual.factor), defined.factor) and is_rounded(float(usual.offset), defined.offset)
 
 
 def _of_items(component: Component, variable: Variable, label: str, type_: Type) -> Conversion:

@@ -5,7 +5,8 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from fractions import Fraction
 from pathlib import Path
 
 from dse.domain.component import Causality, Component, FmuSource, Interface, Kind, Parameter, Port, Type, Value
@@ -13,25 +14,29 @@ from dse.domain.fmu import FmuModel, Variable
 from dse.errors import DseError
 from dse.loading.expression_tokens import KEYWORDS
 from dse.loading.names import is_identifier
+from dse.loading.values import LARGEST_WHOLE
 from dse.system.binding import unit_of
-from dse.units import DIMENSIONLESS, Unit, coherent
+from dse.units import DIMENSIONLESS, LARGEST, Unit, coherent
 
 MOST_VALUES = 64
 """Arrays with more values than that are left out."""
 
 _PARAMETERS = frozenset({"parameter", "structuralParameter"})
+_BOUNDED = (Kind.REAL, Kind.INTEGER)
 
 
 @dataclass(frozen=True, slots=True)
 class Offer:
     """What an FMU can be to a workspace: *component* with an interface of its own, and what was *left_out* and why.
 
-    *starts* are the FMU's own values of the inputs.
+    *told* says what became something else than it is in the FMU.
+    *starts* are the FMU's own values of the inputs, by port, in SI.
     """
 
     component: Component
     starts: Mapping[str, Value]
     left_out: tuple[str, ...]
+    told: tuple[str, ...] = ()
 
 
 def offer(name: str, model: FmuModel, file: Path) -> Offer:
@@ -43,6 +48,7 @@ def offer(name: str, model: FmuModel, file: Path) -> Offer:
     taken: set[str] = set()
     names: dict[str, str] = {}
     left_out: list[str] = []
+    told: list[str] = []
     ports: list[Port] = []
     starts: dict[str, Value] = {}
     parameters: list[Parameter] = []
@@ -51,52 +57,79 @@ def offer(name: str, model: FmuModel, file: Path) -> Offer:
         if variable.alias_of or not (is_parameter or variable.causality in ("input", "output")):
             continue
         try:
-            type_ = _type(name, variable, model, is_parameter=is_parameter)
+            unit = _unit(name, variable, model)
+            type_ = _type(variable, _sayable(unit) if is_parameter else coherent(unit), is_parameter=is_parameter)
+            values = [_value(start, type_, unit, variable) for start in _starts(variable)]
         except _LeftOut as reason:
             left_out.append(f"{variable.name}: {reason}")
             continue
-        for place, label in enumerate(variable.labels):
+        if variable.items and type_.kind is Kind.INTEGER:
+            items = ", ".join(f"{number} ({item})" for item, number in variable.items.items())
+            told.append(f"{variable.name}: an int, as its items cannot be names: {items}")
+        for label, value in zip(variable.labels, values, strict=True):
             own = _free(_name(label), taken)
             taken.add(own)
             if own != label:
                 names[own] = label
             if is_parameter:
-                parameters.append(_parameter(own, variable, type_, place))
+                parameters.append(_parameter(own, variable, type_, unit, value))
             else:
                 ports.append(Port(own, Causality(variable.causality), type_))
-                starts[own] = _parameter(own, variable, type_, place).start
+                if variable.causality == "input":
+                    starts[own] = value
     inputs_first = sorted(ports, key=lambda port: port.causality is Causality.OUTPUT)
     interface = Interface(name, tuple(inputs_first))
     source = FmuSource(file)
     component = Component(name, interface, model.title, source, tuple(parameters), names=names)
-    return Offer(component, starts, tuple(left_out))
+    return Offer(component, starts, tuple(left_out), tuple(told))
 
 
-def implementing(offered: Offer, interfaces: Iterable[Interface]) -> Component:
-    """The component *offered*, with that of the *interfaces* whose ports it has all.
+def implementing(offered: Offer, interfaces: Iterable[Interface]) -> Offer:
+    """What is *offered*, with that of the *interfaces* whose ports the component has all, and which has all its inputs.
 
     Names of ports may differ in capitals and separators. Of several interfaces it is the one with the most ports, then
-    the first by name; if there is none the component keeps its own. Inputs that the interface does not have become
-    parameters, outputs are left out.
+    the first by name; if there is none the component keeps its own. Outputs that the interface does not have are left
+    out. An input never is: it would be held at its start value, and nobody could connect it.
     """
     component = offered.component
     found = [(interface, fit) for interface in interfaces if (fit := _fit(component, interface)) is not None]
     if not found:
-        return component
+        return offered
     interface, fit = min(found, key=lambda entry: (-len(entry[0].ports), entry[0].name))
     names = {port: component.variable(own) for port, own in fit.items() if component.variable(own) != port}
-    rest = [p for p in component.interface.ports if p.name not in fit.values() and p.causality is Causality.INPUT]
-    extra = tuple(Parameter(port.name, port.type, offered.starts[port.name]) for port in rest)
-    free = [parameter for parameter in (*component.parameters, *extra) if interface.port(parameter.name) is None]
+    free = [parameter for parameter in component.parameters if interface.port(parameter.name) is None]
     names |= {p.name: component.names[p.name] for p in free if p.name in component.names}
-    return Component(component.name, interface, component.title, component.source, tuple(free), names=names)
+    known = {own: port for port, own in fit.items()}
+    unused = [component.variable(port.name) for port in component.interface.ports if port.name not in known]
+    hidden = [component.variable(parameter.name) for parameter in component.parameters if parameter not in free]
+    left_out = [
+        *offered.left_out,
+        *(f"{label}: an output that {interface.name} does not have" for label in unused),
+        *(f"{label}: a parameter called like a port of {interface.name}" for label in hidden),
+    ]
+    starts = {known[own]: value for own, value in offered.starts.items() if own in known}
+    changed = replace(component, interface=interface, parameters=tuple(free), names=names)
+    return Offer(changed, starts, tuple(left_out), offered.told)
 
 
 class _LeftOut(Exception):  # noqa: N818  # says what became of the variable
     """Why a variable cannot be a port or a parameter."""
 
 
-def _type(name: str, variable: Variable, model: FmuModel, *, is_parameter: bool) -> Type:
+def _unit(name: str, variable: Variable, model: FmuModel) -> Unit:
+    """What the variable's numbers are in, inside of the FMU."""
+    if variable.kind is not Kind.REAL or not variable.unit:
+        return DIMENSIONLESS
+    try:
+        unit = unit_of(name, variable, model)
+    except DseError as error:
+        raise _LeftOut(error.problems[0].what) from None
+    if variable.is_relative and unit.offset:  # a difference of temperatures: numbers of a degree, not of the scale
+        return replace(coherent(unit), factor=unit.factor)
+    return unit
+
+
+def _type(variable: Variable, unit: Unit, *, is_parameter: bool) -> Type:
     if variable.size > MOST_VALUES:
         raise _LeftOut(f"an array of {variable.size} values")
     if variable.kind is None:
@@ -108,15 +141,7 @@ def _type(name: str, variable: Variable, model: FmuModel, *, is_parameter: bool)
         if not items or not all(is_identifier(item) and item not in KEYWORDS for item in items):
             return Type(Kind.INTEGER)
         return Type(Kind.ENUMERATION, items=items)
-    if variable.kind is not Kind.REAL:
-        return Type(variable.kind)
-    if not variable.unit:
-        return Type(Kind.REAL)
-    try:
-        unit = unit_of(name, variable, model)
-    except DseError as error:
-        raise _LeftOut(error.problems[0].what) from None
-    return Type(Kind.REAL, _sayable(unit) if is_parameter else coherent(unit))
+    return Type(variable.kind, unit)
 
 
 def _sayable(unit: Unit) -> Unit:
@@ -130,13 +155,15 @@ def _sayable(unit: Unit) -> Unit:
     return unit if is_known else coherent(unit)
 
 
-def _parameter(name: str, variable: Variable, type_: Type, place: int) -> Parameter:
-    start = variable.start[0] if len(variable.start) == 1 else (*variable.start, *[""] * (place + 1))[place]
-    value = _value(start, type_, variable)
-    low, high = (
-        None if bound is None or type_.kind not in (Kind.REAL, Kind.INTEGER) else _si(bound, type_.unit)
-        for bound in (variable.minimum, variable.maximum)
-    )
+def _starts(variable: Variable) -> tuple[str, ...]:
+    """One text for each value, "" for what the FMU does not say."""
+    if len(variable.start) == 1:
+        return variable.start * variable.size
+    return (*variable.start, *[""] * variable.size)[: variable.size]
+
+
+def _parameter(name: str, variable: Variable, type_: Type, unit: Unit, value: Value) -> Parameter:
+    low, high = (_bound(bound, type_, unit) for bound in (variable.minimum, variable.maximum))
     if isinstance(value, float | int) and not isinstance(value, bool):
         # An FMU whose start lies outside of its own range is not mended here: the start is what it runs with.
         low = None if low is not None and value < low else low
@@ -145,19 +172,33 @@ def _parameter(name: str, variable: Variable, type_: Type, place: int) -> Parame
     return Parameter(name, type_, value, low, high, is_tunable, _title(variable.description))
 
 
-def _value(start: str, type_: Type, variable: Variable) -> Value:
+def _bound(number: float | None, type_: Type, unit: Unit) -> float | None:
+    """In SI; None for one that bounds nothing, as the largest number there is."""
+    if number is None or not math.isfinite(number) or type_.kind not in _BOUNDED:
+        return None
+    si = _si(number, unit)
+    return float(si) if abs(si) <= LARGEST else None
+
+
+def _value(start: str, type_: Type, unit: Unit, variable: Variable) -> Value:
     match type_.kind:
         case Kind.TEXT:
             return start
         case Kind.BOOLEAN:
             return start.strip() in ("true", "1")
         case Kind.INTEGER:
-            return _whole(start)
+            number = next(iter(variable.items.values())) if variable.items and not start else _whole(start)
+            if abs(number) > LARGEST_WHOLE:
+                raise _LeftOut(f"its start value {number} is too large")
+            return number
         case Kind.ENUMERATION:
             by_number = {number: item for item, number in variable.items.items()}
             return by_number.get(_whole(start), type_.items[0])
         case Kind.REAL:
-            return _si(_real(start), type_.unit)
+            si = _si(_real(start), unit)
+            if abs(si) > LARGEST:
+                raise _LeftOut("its start value is beyond the range of numbers")
+            return float(si)
 
 
 def _whole(text: str) -> int:
@@ -175,8 +216,9 @@ def _real(text: str) -> float:
     return value if math.isfinite(value) else 0.0
 
 
-def _si(value: float, unit: Unit) -> float:
-    return unit.to_si(value) if unit is not DIMENSIONLESS else value
+def _si(value: float, unit: Unit) -> Fraction:
+    """As a person's number is read: the decimal that is written, not the binary number nearest to it."""
+    return Fraction(repr(value)) * unit.factor + unit.offset
 
 
 def _title(text: str) -> str:
@@ -209,7 +251,10 @@ def _collides(name: str, taken: set[str]) -> bool:
 
 
 def _fit(component: Component, interface: Interface) -> dict[str, str] | None:
-    """The component's own port for each port of *interface*; None if one is lacking or nothing is asked for."""
+    """The component's own port for each port of *interface*.
+
+    None if the interface has no ports, if the component lacks one of them, or the interface an input of the component.
+    """
     own: dict[str, list[Port]] = {}
     for port in component.interface.ports:
         own.setdefault(_spelling(port.name), []).append(port)
@@ -219,7 +264,8 @@ def _fit(component: Component, interface: Interface) -> dict[str, str] | None:
         if len(near) != 1:
             return None
         fit[port.name] = near[0].name
-    return fit or None
+    inputs = {port.name for port in component.interface.ports if port.causality is Causality.INPUT}
+    return fit if fit and inputs <= set(fit.values()) else None
 
 
 def _spelling(name: str) -> str:

@@ -1,17 +1,24 @@
-"""Everything that can be found wrong with a workspace without building or simulating anything."""
+"""Everything that can be found wrong with a workspace without simulating anything.
+
+FMUs are built only for benches whose algorithm asks something of them.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Callable
 from typing import ParamSpec
 
+from dse.domain.bench import TestBench
 from dse.domain.component import FmuSource, ModelicaSource
+from dse.domain.design import Configuration
+from dse.domain.method import Coupling, Method
 from dse.errors import DseError, Problem
 from dse.fmu.unpack import open_fmu
 from dse.loading.workspace import Workspace
 from dse.space.check import check as check_space
+from dse.system.assemble import check_fmu
 from dse.testbench.plan import require_variables
-from dse.testbench.prepare import check_bench, settable
+from dse.testbench.prepare import check_bench, prepare, settable
 from dse.testbench.select import one, selected
 
 P = ParamSpec("P")
@@ -63,7 +70,7 @@ def _component(workspace: Workspace, name: str) -> None:
     component = workspace.component(name)
     match component.source:
         case FmuSource(file):
-            open_fmu(file)
+            check_fmu(component, open_fmu(file))
         case ModelicaSource() as source:
             from dse.fmu.modelica.build import check_modelica
 
@@ -75,7 +82,21 @@ def _bench(workspace: Workspace, path: str) -> None:
     problems = check_space(bench.design)
     if problems:
         raise DseError(*problems)
-    check_bench(bench, one(bench.design, None))
+    configuration = one(bench.design, None)
+    check_bench(bench, configuration)
+    if _asks_of_fmus(bench.simulation.method) or _is_finished(bench, configuration):
+        prepare(bench, [configuration])
+
+
+def _asks_of_fmus(method: Method) -> bool:
+    """Whether only the FMUs know if they bear *method*."""
+    return bool(method.steps) or method.adaptive is not None or method.coupling is Coupling.PROPAGATE
+
+
+def _is_finished(bench: TestBench, configuration: Configuration) -> bool:
+    """Whether there is nothing to build."""
+    parts = [*configuration.parts.values(), *(part.component for part in bench.test_components)]
+    return all(isinstance(component.source, FmuSource) for component in parts)
 
 
 def _study(workspace: Workspace, path: str) -> None:

@@ -2,22 +2,55 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
 
+from dse.domain.bench import Simulation
+from dse.domain.component import Component, FmuSource
+from dse.domain.method import PLAIN
+from dse.errors import Problem, raise_if_any
 from dse.fmu.fusion.fuse import Wanted, fuse_all
+from dse.fmu.together import Tell
 from dse.testbench.plan import Plan
-from dse.testbench.prepared import PreparedBench
 
 
-def fused(prepared: Mapping[str, PreparedBench], *, cache: Path | None = None) -> dict[str, PreparedBench]:
-    """The same benches, each with its fused library. Raises one DseError naming all that cannot be fused."""
+def fused_plan(plan: Plan, *, cache: Path | None = None, tell: Tell | None = None) -> Plan:
+    """*plan* with a fused library for each of its benches: the same study with the same results, faster.
+
+    *tell* is told how many libraries are made.
+
+    Raises one DseError naming all that cannot be fused, located in the bench and the components.
+    """
+    prepared = plan.prepared
+    raise_if_any([*_of_method(plan.study.bench.simulation), *_of_components(plan)])
     wanted = {name: Wanted(bench.system, bench.system_columns, bench.method) for name, bench in prepared.items()}
-    libraries = fuse_all(wanted, cache=cache)
-    return {name: replace(bench, fused=libraries[name]) for name, bench in prepared.items()}
+    libraries = fuse_all(wanted, cache=cache, tell=tell)
+    return replace(plan, prepared={name: replace(bench, fused=libraries[name]) for name, bench in prepared.items()})
 
 
-def fused_plan(plan: Plan, *, cache: Path | None = None) -> Plan:
-    """*plan* with fused benches: the same study with the same results, faster."""
-    return replace(plan, prepared=fused(plan.prepared, cache=cache))
+def _of_method(simulation: Simulation) -> Iterator[Problem]:
+    method = simulation.method
+    asked = {
+        "algorithm": method.algorithm != PLAIN.algorithm,
+        "coupling": method.coupling != PLAIN.coupling,
+        "extrapolation": method.extrapolation != PLAIN.extrapolation or bool(method.extrapolations),
+        "steps": bool(method.steps),
+        "adaptive": method.adaptive is not None,
+        "bonds": bool(method.bonds),
+    }
+    keys = [f"'{key}'" for key, is_asked in asked.items() if is_asked]
+    if keys:
+        what = f"{' and '.join(keys)} cannot be fused: a fused loop steps all parts in parallel, inputs held"
+        yield Problem(what, simulation.where, "leave out --fuse, or these keys")
+
+
+def _of_components(plan: Plan) -> Iterator[Problem]:
+    components: dict[str, Component] = {}
+    for bench in plan.prepared.values():
+        components |= {component.name: component for component in bench.configuration.parts.values()}
+    components |= {part.component.name: part.component for part in plan.study.bench.test_components}
+    for component in components.values():
+        if isinstance(component.source, FmuSource):
+            what = f"{component.name} is a finished FMU, which cannot be fused"
+            yield Problem(what, component.where, "leave out --fuse, or choose configurations without it")

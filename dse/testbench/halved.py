@@ -43,8 +43,8 @@ class Halved:
     ) -> tuple[dict[str, float], str]:
         """How much each of *metrics* differs with half the step, by ``NAME.error``, and why that cannot be told.
 
-        An error bar is NaN where the metric is undefined in one of the two runs and 0 where it is in both, or where it
-        is infinite in both alike. For a method of order p the error of the metric itself is about 2^p / (2^p - 1)
+        An error bar is NaN where the metric is undefined in both runs, infinite where it is in one of them, and 0 where
+        it is infinite in both alike. For a method of order p the error of the metric itself is about 2^p / (2^p - 1)
         error bars (Richardson).
         """
         prepared = self._prepared
@@ -75,6 +75,6 @@ def finer(method: Method) -> Method:
 
 
 def _distance(a: float, b: float) -> float:
-    if a == b or (math.isnan(a) and math.isnan(b)):
-        return 0.0
-    return abs(a - b)
+    if math.isnan(a) or math.isnan(b):
+        return math.nan if math.isnan(a) and math.isnan(b) else math.inf
+    return 0.0 if a == b else abs(a - b)

@@ -7,30 +7,39 @@ import shutil
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from dse.domain.component import Component, Interface
+from dse.domain.component import Component, Interface, Value
 from dse.errors import Location, Problem, fail, raise_if_any
 from dse.fmu.unpack import open_fmu
 from dse.loading.component_writer import write_fmu_component, write_interfaces
 from dse.loading.names import check_choice
 from dse.loading.workspace import Workspace
 from dse.loading.yaml import shown
+from dse.loading.yaml_text import write_value
 from dse.system.fmu_component import implementing, offer
+from dse.units import DIMENSIONLESS
 
 
 @dataclass(frozen=True, slots=True)
 class Imported:
-    """A component that was written to *path*; *left_out* are variables it does without, each with the reason."""
+    """A component that was written to *path*.
+
+    *starts* are the FMU's own values of its inputs, as a test bench gives them. *left_out* are variables it does
+    without, each with the reason; *told* says what became something else than it is in the FMU.
+    """
 
     component: Component
     path: Path
     has_own_interface: bool
+    starts: tuple[str, ...]
     left_out: tuple[str, ...]
+    told: tuple[str, ...]
 
 
 def import_component(file: Path, folder: Path, name: str | None = None, *, cache: Path | None = None) -> Imported:
     """Copy the FMU in *file* into the workspace *folder* and write its component beside it.
 
-    It implements that interface of the workspace whose ports it has by name, kind and dimension, else one of its own.
+    It implements that interface of the workspace whose ports it has by name, kind and dimension if all its inputs are
+    among them, else one of its own.
     Raises DseError: no FMU that can be simulated, a name that is none, a component that is there already, a workspace
     that cannot be read. Nothing is written then.
     """
@@ -43,8 +52,8 @@ def import_component(file: Path, folder: Path, name: str | None = None, *, cache
         problems.append(Problem("is there already", Location(shown(target)), "give another --name"))
     raise_if_any(problems)
     known = _interfaces(folder)
-    offered = offer(own, model, target / f"{own}.fmu")
-    component = implementing(offered, known.values())
+    offered = implementing(offer(own, model, target / f"{own}.fmu"), known.values())
+    component = offered.component
     has_own = component.interface.name not in known or component.interface != known[component.interface.name]
     if has_own:
         component = replace(component, interface=replace(component.interface, name=_free(own, set(known))))
@@ -57,13 +66,20 @@ def import_component(file: Path, folder: Path, name: str | None = None, *, cache
     except OSError as error:
         shutil.rmtree(target, ignore_errors=True)
         raise fail(f"cannot be written: {error.strerror or error}", Location(shown(target))) from error
-    return Imported(component, target / "component.yaml", has_own, offered.left_out)
+    starts = (_start(component, port, value) for port, value in offered.starts.items())
+    return Imported(component, target / "component.yaml", has_own, tuple(starts), offered.left_out, offered.told)
 
 
 def name_of(file: Path) -> str:
     """A component's name from a file's: ``Supplier Radar-2.fmu`` is ``supplier_radar_2``."""
     plain = re.sub(r"[^A-Za-z0-9]+", "_", re.sub(r"(?<=[a-z])(?=[A-Z])", "_", file.stem)).strip("_").lower()
     return plain if plain and not plain[0].isdigit() else f"fmu_{plain}".rstrip("_")
+
+
+def _start(component: Component, name: str, value: Value) -> str:
+    port = component.interface.port(name)
+    unit = port.type.unit if port is not None else DIMENSIONLESS
+    return f"{name}: {write_value(value, unit, None)} {unit}".rstrip()
 
 
 def _interfaces(folder: Path) -> dict[str, Interface]:

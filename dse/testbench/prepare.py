@@ -59,7 +59,7 @@ def check_bench(bench: TestBench, configuration: Configuration) -> None:
     """Check wiring, metrics and recorded names for one configuration without building an FMU. Raises DseError."""
     parts, connections = parts_and_wiring(bench, configuration)
     problems: list[Problem] = []
-    joined = check_wiring(parts, connections, _values(bench, parts), problems)
+    joined = check_wiring(parts, connections, _values(bench, parts), problems, bench.where)
     behind = faces(bench.design, configuration.choices)
     types, signals = _names(parts, {connection.target for connection in joined}, behind)
     method = method_of(bench.simulation.method, parts, joined, behind, bench.simulation.where, problems)
@@ -117,12 +117,12 @@ def _prepare(
     kept = _kept(bench, signals)
     columns = tuple(dict.fromkeys((*program.signals, *kept)))
     sources = [behind.get(name, name) for name in columns]
-    system = assemble(configuration.id, parts, connections, models, values, sources)
+    system = assemble(configuration.id, parts, connections, models, values, sources, bench.where)
     settings, constants = _settings(parts, connected, values)
     facts = facts_of(system, cache=cache)
     raise_if_any(
         Problem(p.what, p.where or bench.simulation.where, p.hint)
-        for p in [*_unfit(bench.simulation, system, method), *refusals(system, method, facts)]
+        for p in [*_crowded(system), *_unfit(bench.simulation, system, method), *refusals(system, method, facts)]
     )
     return PreparedBench(
         configuration,
@@ -183,6 +183,22 @@ def _unfit(simulation: Simulation, system: SystemStructure, method: Method) -> t
     except DseError as error:
         return error.problems
     return ()
+
+
+def _crowded(system: SystemStructure) -> list[Problem]:
+    """FMUs that say they can be there once only, and are to stand at several places."""
+    places: dict[Path, list[str]] = {}
+    for element in system.elements:
+        if element.model.capabilities.once_per_process:
+            places.setdefault(element.model.library, []).append(element.name)
+    return [
+        Problem(f"{' and '.join(names)}: {library.stem} can be instantiated only once in a process", hint=_ONE_PLACE)
+        for library, names in places.items()
+        if len(names) > 1
+    ]
+
+
+_ONE_PLACE = "let it stand at one place of a configuration only"
 
 
 def _energies(method: Method) -> dict[str, Type]:

@@ -54,8 +54,12 @@ class _Variant:
     simulation: Simulation
 
 
-def import_ssp(path: Path, folder: Path, *, cache: Path | None = None) -> Imported:
+def import_ssp(
+    path: Path, folder: Path, *, stop: float | None = None, step: float | None = None, cache: Path | None = None
+) -> Imported:
     """Make the workspace *folder* of the package at *path*; nothing that is there is overwritten.
+
+    Benches simulate to *stop* in steps of *step* (seconds); None for what the package says.
 
     Raises DseError with what a workspace has no words for (a transformation on a connection, a wire of strings, a start
     value of what is no parameter), each where it stands in the package; nothing is written then.
@@ -67,7 +71,8 @@ def import_ssp(path: Path, folder: Path, *, cache: Path | None = None) -> Import
     problems: list[Problem] = []
     for name in (first.variant, *(other for other in first.variants if other != first.variant)):
         try:
-            variants.append(_variant(path, name, catalogue, [v.bench for v in variants], told, cache))
+            taken = [variant.bench for variant in variants]
+            variants.append(_variant(path, name, catalogue, taken, told, (stop, step), cache))
         except DseError as error:
             problems += error.problems
     raise_if_any(problems)
@@ -92,7 +97,13 @@ def import_ssp(path: Path, folder: Path, *, cache: Path | None = None) -> Import
 
 
 def _variant(
-    path: Path, variant: str, catalogue: Catalogue, taken: list[str], told: list[str], cache: Path | None
+    path: Path,
+    variant: str,
+    catalogue: Catalogue,
+    taken: list[str],
+    told: list[str],
+    times: tuple[float | None, float | None],
+    cache: Path | None,
 ) -> _Variant:
     ssp, models = read_package(path, variant, cache)
     _require_usual_kind(ssp, models, cache)
@@ -107,11 +118,13 @@ def _variant(
     parts = {names[name]: components[name] for name in order}
     parameters = given_values(resolved, names, catalogue, components)
     where = Location(shown(path))
-    timing = timing_of(resolved.experiment, list(models.values()), None, None, where)
-    every = ssp.experiment.record_every or timing.step
+    timing = timing_of(resolved.experiment, list(models.values()), *times, where)
+    every = ssp.experiment.record_every if times == (None, None) else None
     record = _record(resolved, names, catalogue, components, told)
-    simulation = Simulation(timing.stop, timing.step, record, every)
-    return _Variant(ssp, free_name(ssp.name, taken), parts, connections, parameters, simulation)
+    simulation = Simulation(timing.stop, timing.step, record, every or timing.step)
+    # Variants are told apart by their files, as with 'dse simulate --variant'; the first is the system itself.
+    name = ssp.name if ssp.variant == next(iter(ssp.variants)) else ssp.variant
+    return _Variant(ssp, free_name(name, taken), parts, connections, parameters, simulation)
 
 
 def _require_usual_kind(ssp: SspSystem, models: Models, cache: Path | None) -> None:

@@ -233,6 +233,8 @@ def test_a_setting_changes_a_package_too(package, dse_in, simulated):
         (["ramped.ssp", "-o", "out.txt"], 2, "must end in .csv or .json"),
         (["ramped.ssp", "--algorithm", "jakobi"], 2, "'jakobi' is none of jacobi, gauss_seidel"),
         (["ramped", "--stop", "1 s"], 2, "this is for a package"),
+        (["ramped.ssp", "--fmi", "3"], 2, "this is for a bench"),
+        (["radar.fmu"], 1, "'radar.fmu' is an FMU\n    hint: 'dse import fmu radar.fmu' makes a component of it"),
         (["gone.ssp"], 1, "gone.ssp: there is no such file"),
     ],
 )  # fmt: skip
@@ -289,13 +291,27 @@ def test_a_foreign_package_and_its_variants_are_simulated(foreign, dse_in, tmp_p
 def test_variants_become_benches_of_one_design(foreign, dse_in, tmp_path):
     done = dse_in(tmp_path, "import", "ssp", "foreign.ssp", "work")
     assert done.returncode == 0, done.stderr
-    assert sorted(p.name for p in (tmp_path / "work" / "testbenches").iterdir()) == ["fast.yaml", "slow.yaml"]
+    assert sorted(p.name for p in (tmp_path / "work" / "testbenches").iterdir()) == ["Fast.yaml", "slow.yaml"]
     assert [p.name for p in (tmp_path / "work" / "designs").iterdir()] == ["slow.yaml"]
-    for bench, rate in (("slow", 1.0), ("fast", 2.0)):
+    for bench, rate in (("slow", 1.0), ("Fast", 2.0)):
         done = dse_in(tmp_path / "work", "simulate", bench, "--format", "json")
         assert done.returncode == 0, done.stderr
         (value,) = json.loads(done.stdout)["metrics"].values()
         assert value == pytest.approx(np.exp(-rate), abs=(0.1 * rate) ** 5)
+
+
+def test_benches_of_an_import_simulate_as_long_as_is_asked(tmp_path, dahlquist, dse_in):
+    late = decay("1", "late").replace('stopTime="1"', 'startTime="1" stopTime="2"')
+    pack(tmp_path / "late.ssp", {"SystemStructure.ssd": late, "resources/Dahlquist.fmu": dahlquist})
+    refused = dse_in(tmp_path, "import", "ssp", "late.ssp", "work")
+    assert refused.returncode == 1
+    assert "starts at 1 s" in refused.stderr
+    assert "--stop '10 s'" in refused.stderr
+    done = dse_in(tmp_path, "import", "ssp", "late.ssp", "work", "--stop", "3 s", "--step", "0.5 s")
+    assert done.returncode == 0, done.stderr
+    bench = (tmp_path / "work" / "testbenches" / "late.yaml").read_text(encoding="utf-8")
+    assert 'stop: "3.0 s"' in bench
+    assert 'step: "0.5 s"' in bench
 
 
 @pytest.mark.thorough
@@ -310,7 +326,7 @@ def test_variants_with_other_fmus_become_alternatives(dse_in, tmp_path, dahlquis
     pack(tmp_path / "two.ssp", files)
     done = dse_in(tmp_path, "import", "ssp", "two.ssp", "work")
     assert done.returncode == 0, done.stderr
-    (command,) = [line for line in done.stdout.splitlines() if line.startswith("next: ") and "fast.yaml" in line]
+    (command,) = [line for line in done.stdout.splitlines() if line.startswith("next: ") and "Fast.yaml" in line]
     assert "--configuration" in command
     assert "alternatives:" in (tmp_path / "work" / "designs" / "slow.yaml").read_text(encoding="utf-8")
     done = dse_in(tmp_path, "check", "work")

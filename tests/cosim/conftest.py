@@ -49,6 +49,7 @@ VARIABLES = {
         **dict.fromkeys(("mode", "size", "heard"), REAL),
         **dict.fromkeys(("said", "given"), ("String", "String")),
         **dict.fromkeys(("bytes", "taken"), ("Binary", "Binary")),
+        "events": WHOLE,
     },
     "faulty": {"mode": WHOLE, "at": REAL, "y": REAL, "n": ("Integer", "Int64"), "u": REAL},
 }
@@ -80,6 +81,7 @@ class Shelf:
                     source,
                     "-o",
                     str(library),
+                    "-lm",
                 ],
                 check=True,
             )

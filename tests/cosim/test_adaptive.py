@@ -114,6 +114,28 @@ def test_why_a_step_cannot_be_adaptive_is_told_all_at_once_and_before_anything_i
         assert what in said
 
 
+def test_an_adaptive_step_needs_something_to_be_judged_by(folder):
+    made = system(swing(1.0), RING, folder)
+    whole = {name: replace(v, variability="discrete") for name, v in made.elements[0].model.variables.items()}
+    a, b = (
+        replace(e, model=replace(e.model, variables=whole), outputs=tuple(whole[v.name] for v in e.outputs))
+        for e in made.elements
+    )
+    with pytest.raises(DseError, match="no output that is wired or recorded is a continuous real number"):
+        check_system(replace(made, elements=(a, b)), Method(adaptive=Adaptive()))
+    check_system(replace(made, elements=(a, made.elements[1])), Method(adaptive=Adaptive()))
+
+
+@pytest.mark.thorough
+def test_a_tolerance_that_takes_for_ever_is_given_up_by_name(folder):
+    # A step of 2^-40 of 0.5 s would do: errors of two integrators go with its square.
+    made = system(swing(1.0), RING, folder)
+    method = Method(adaptive=Adaptive(1e-24, 1e-24, smallest=1e-300))
+    with Simulator(made, ["a.y0"], method=method) as simulator, pytest.raises(RunFailed) as failed:
+        simulator.run(stop=1, step=0.5)
+    assert "asks for more than 1048576 steps between two communication points, at t = " in str(failed.value)
+
+
 def test_own_steps_are_whole_multiples_or_fractions(folder):
     made = system(swing(1.0), RING, folder)
     a, b = own_steps(made, Method(steps={"a": 0.3, "b": 0.1 / 3}), stop=0.6, step=0.1)

@@ -78,9 +78,43 @@ def test_discrete_inputs_are_set_in_event_mode_and_only_when_they_change(shelf, 
     rows = same_bits(shelf.system(elements, wires, start, [*RECORD, "c.count"]), [*RECORD, "c.count"], method)
     assert rows[:, 5].tolist() == [0, 2, 4, 6, 8]
     still = shelf.system(elements, wires, start | {"c.increment": 0}, RECORD)
-    # One update at the end of the initialization and one for the value that is first given; then nothing changes.
-    assert same_bits(still, RECORD, method)[-1, 3] == 2
+    # The value is given before the initialization ends with an update, which sees it; then nothing changes.
+    assert same_bits(still, RECORD, method)[-1, 3] == 1
     assert rows[-1, 3] > 2
+
+
+def test_a_step_that_is_taken_back_is_no_reason_to_give_discrete_inputs_again(shelf):
+    # d is 2 all the time: one update sees it, at the end of the initialization.
+    model = shelf.fmu("eventful", 3, "-DMAY_ROLL_BACK", "-DSAVES")
+    able = replace(model.capabilities, has_event_mode=True, can_save_state=True)
+    source = shelf.fmu("linear", 2, "-DMAY_ROLL_BACK", "-DSAVES")
+    elements = {"c": replace(source, capabilities=replace(source.capabilities, can_save_state=True))}
+    start = {"c.y0": 2.0, "c.a": 1.0, "e.u": 1.0}
+    system = shelf.system(elements | {"e": replace(model, capabilities=able)}, ["c.y -> e.d"], start, RECORD)
+    rows = same_bits(system, RECORD, Method(adaptive=Adaptive(1e-3, 1e-3)))
+    assert rows[-1, [1, 3]].tolist() == [2, 1]
+    # It grows by a half each second, and so often has e an event: as often in the steps that are kept.
+    growing = shelf.system(
+        elements | {"e": replace(model, capabilities=able)}, ["c.y -> e.d"], start | {"c.a": 2.0}, RECORD
+    )
+    rows = same_bits(growing, RECORD, Method(adaptive=Adaptive(1e30, 1e30)))
+    assert rows[:, 3].tolist() == [1, 2, 4, 6, 8]  # two half steps each, the first with what it was given before
+
+
+def test_a_text_that_a_step_taken_back_has_changed_is_what_it_was(shelf):
+    model = shelf.fmu("speaker", 3, "-DMAY_ROLL_BACK", "-DSAVES", "-DEVENTS")
+    able = replace(model.capabilities, has_event_mode=True, can_save_state=True)
+    growing = 5
+    system = shelf.system(
+        dict.fromkeys(("a", "b"), replace(model, capabilities=able)),
+        ["a.said -> b.given"],
+        {"a.mode": growing, "a.size": 1.0},
+        ["b.heard", "b.events"],
+    )
+    rows = same_bits(system, ["b.heard", "b.events"], Method(adaptive=Adaptive()), stop=3.0, step=0.5)
+    # The text grows at 1, 2 and 3 s, in the second of two half steps, and is given where the next begins.
+    assert rows[:, 0].tolist() == [1, 1, 1, 2, 2, 3, 3]
+    assert rows[:, 1].tolist() == [1, 1, 1, 2, 2, 3, 3]
 
 
 def test_the_discrete_inputs_of_each_step_are_seen_once(shelf):

@@ -10,10 +10,11 @@ from hypothesis import HealthCheck, assume, given, settings
 from hypothesis import strategies as st
 from linear_fmus import Linear, system
 
-from dse.cosim.dependency import Loop, Read, Write, order_of
+from dse.cosim.dependency import Loop, Read, Write, doubtful_reads, order_of
 from dse.cosim.reference import run_reference
 from dse.cosim.simulator import RunFailed, Simulator
 from dse.cosim.wiring import wire_up
+from dse.domain.method import Coupling, Method
 from dse.domain.system import Wire
 
 
@@ -78,6 +79,100 @@ def test_a_loop_that_is_none_in_truth_is_found_exactly(folder):
     made = system(elements, wires, folder)
     assert any(isinstance(step, Loop) for step in order_of(wire_up(made), initially=True))
     assert first_row(made, [f"{name}.y0" for name in names]).tolist() == [0.1 * i for i in range(6)]
+
+
+def test_a_loop_without_a_solution_or_with_any_is_not_answered(folder):
+    wires = ["a.y0 -> b.u0", "b.y0 -> a.u0"]
+    loop = "a.y0 -> b.u0, b.y0 -> a.u0"
+    # a = k a + c: without a solution, and so near to that that rounding decides on the fifth digit.
+    for k, c in ((1.0, 1e-10), (1.0 - 1e-11, 5e-10)):
+        made = system({"a": gain(k, c), "b": gain(1.0)}, wires, folder)
+        with Simulator(made, ["a.y0"]) as simulator, pytest.raises(RunFailed) as fast:
+            simulator.run(stop=0.1, step=0.1)
+        with pytest.raises(RunFailed) as slow:
+            run_reference(made, ["a.y0"], stop=0.1, step=0.1)
+        assert str(slow.value) == str(fast.value)
+        assert str(fast.value).startswith(
+            f"initialization found no solution of the algebraic loop {loop}: it is nearly singular, the last step of "
+            f"Newton's method "
+        )
+    # What can be solved is: to 1e-6, which is what may be left to go, and a little, as the slope is known to 1e-8 only.
+    near = system({"a": gain(1.0 - 1e-8, 1e-5), "b": gain(1.0)}, wires, folder)
+    assert first_row(near, ["a.y0"]) == pytest.approx([1e-5 / (1.0 - (1.0 - 1e-8))], rel=3e-6)
+
+
+def test_a_value_that_an_fmu_discards_is_no_solution_of_a_loop_but_no_failure_either(shelf):
+    # y = sqrt(u), u = 10 - 10 y: walking round, u is 10, then -21.6.
+    elements = {"root": shelf.fmu("gain", 2, "-DROOT"), "line": shelf.fmu("gain", 3)}
+    wires = ["root.y -> line.u", "line.y -> root.u"]
+    made = shelf.system(elements, wires, {"line.k": -10.0, "line.c": 10.0}, ["root.y"])
+    assert first_row(made, ["root.y"]) == pytest.approx([np.sqrt(35.0) - 5.0], rel=1e-9)  # y^2 + 10 y - 10 = 0
+    never = shelf.system(elements, wires, {"line.k": 1.0, "line.c": -10.0}, ["root.y"])
+    with Simulator(never, ["root.y"]) as simulator, pytest.raises(RunFailed) as fast:
+        simulator.run(stop=0.1, step=0.1)
+    with pytest.raises(RunFailed) as slow:
+        run_reference(never, ["root.y"], stop=0.1, step=0.1)
+    assert str(slow.value) == str(fast.value)
+    assert "found no solution of the algebraic loop" in str(fast.value)
+
+
+@pytest.mark.parametrize("version", [2, 3])
+def test_what_is_not_finite_is_not_passed_on_in_the_initialization(shelf, version):
+    model = shelf.fmu("gain", version)
+    made = shelf.system({"a": model, "b": model}, ["a.y -> b.u"], {"a.c": np.nan, "b.k": 0.0}, ["b.y"])
+    with Simulator(made, ["b.y"]) as simulator, pytest.raises(RunFailed) as fast:
+        simulator.run(stop=0.1, step=0.1)
+    with pytest.raises(RunFailed) as slow:
+        run_reference(made, ["b.y"], stop=0.1, step=0.1)
+    assert (str(slow.value), slow.value.time) == (str(fast.value), fast.value.time)
+    assert str(fast.value) == "a.y became nan at t = 0 s"
+    assert fast.value.time is None  # before the first communication point
+
+
+def lying(made, *names):
+    """The same FMUs, of which those with these names say that their outputs depend on nothing."""
+    nothing = {f"y{i}": () for i in range(3)}
+    return replace(
+        made,
+        elements=tuple(
+            replace(e, model=replace(e.model, initially_depends=nothing, depends=nothing)) if e.name in names else e
+            for e in made.elements
+        ),
+    )
+
+
+@pytest.mark.parametrize("names", [("b",), ("b", "c"), ("a", "b", "c", "d")])
+@pytest.mark.parametrize("method", [Method(), Method(coupling=Coupling.SOLVE)], ids=["plain", "by plan"])
+def test_an_fmu_that_denies_its_dependencies_is_not_believed(folder, names, method):
+    # Nobody waits for a where b is believed: d would begin with what b shows before it has been given anything.
+    elements = {"d": gain(2.0), "c": gain(2.0), "b": gain(2.0), "a": gain(0.0, 7.0)}
+    wires = ["a.y0 -> b.u0", "b.y0 -> c.u0", "c.y0 -> d.u0"]
+    made = lying(system(elements, wires, folder), *names)
+    record = [f"{name}.y0" for name in "abcd"]
+    slow = run_reference(made, record, stop=0.2, step=0.1, method=method)
+    assert slow[0].tolist() == [7, 14, 28, 56]
+    with Simulator(made, record, method=method) as simulator:
+        for trusted in (None, None, True):
+            assert simulator.run(stop=0.2, step=0.1).tobytes() == slow.tobytes()
+            assert simulator.reset_is_trusted is trusted or trusted is None
+
+
+def test_an_fmu_that_denies_its_part_in_a_loop_is_not_believed(folder):
+    elements = {"a": gain(3.0, 1.0), "b": gain(0.5, -2.0)}
+    made = lying(system(elements, ["a.y0 -> b.u0", "b.y0 -> a.u0"], folder), "a")
+    assert not any(isinstance(step, Loop) for step in order_of(wire_up(made), initially=True))
+    assert first_row(made, ["a.y0", "b.y0"]) == pytest.approx([10.0, 3.0], rel=1e-11)
+
+
+def test_who_tells_the_truth_is_asked_once(folder):
+    elements = {"a": gain(0.0, 7.0), "b": Linear(d=[[2.0, 0.0], [0.0, 5.0]]), "c": gain(1.0)}
+    wires = ["a.y0 -> b.u0", "a.y1 -> b.u1", "b.y0 -> c.u0"]
+    whole = system({"a": gain(0.0, 7.0), "c": gain(1.0)}, ["a.y0 -> c.u0", "c.y0 -> a.u0"], folder)
+    assert doubtful_reads(wire_up(whole)) == (Read(0, (0,)),)  # a says that it depends on nothing
+    # b.y0 may be read before b.u1 is there: that is looked at again.
+    assert doubtful_reads(wire_up(system(elements, wires, folder))) == (Read(1, (0,)),)
+    single = system({"a": gain(0.0, 7.0), "c": gain(1.0)}, ["a.y0 -> c.u0"], folder)
+    assert doubtful_reads(wire_up(single)) == ()
 
 
 def test_few_outputs_are_torn(folder):

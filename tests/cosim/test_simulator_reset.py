@@ -7,7 +7,7 @@ from time import perf_counter
 import pytest
 
 from dse.cosim.reference import run_reference
-from dse.cosim.simulator import Simulator
+from dse.cosim.simulator import RunFailed, Simulator
 from dse.domain.method import PLAIN, Algorithm, Coupling, Method
 from dse.errors import DseError
 
@@ -44,6 +44,22 @@ def test_a_reset_that_keeps_state_is_found_out_and_results_are_right_anyway(shel
 
 
 @BOTH
+def test_what_another_run_has_set_is_never_left_to_a_reset(shelf, version):
+    model = shelf.fmu("gain", version, "-DKEEPS_PARAMETERS")
+    system = shelf.system({"a": model}, (), {"a.c": 1.0}, ["a.y"])
+    with Simulator(system, ["a.y"]) as simulator:
+
+        def last(**start):
+            return simulator.run(stop=0.2, step=0.1, start={f"a.{k}": v for k, v in start.items()})[-1, 0]
+
+        # y = k u + c: the proof of the second run cannot see that k stays, as it is set again.
+        assert [last(k=k, u=1.0) for k in (5.0, 5.0, 6.0)] == [6, 6, 7]
+        assert [last(u=1.0), last(k=3.0, u=1.0), last(), last()] == [2, 4, 1, 1]
+        assert simulator.reset_is_trusted is True
+        assert last(c=8.0) == 8  # the system's own are set by every run
+
+
+@BOTH
 def test_an_fmu_that_refuses_to_reset_is_made_anew(lone, version):
     system = lone(version)
     with Simulator(system, ["car.y"]) as simulator:
@@ -51,6 +67,18 @@ def test_an_fmu_that_refuses_to_reset_is_made_anew(lone, version):
         assert simulator.reset_is_trusted is False
         assert simulator.reset_differs == ("world",)
     assert len(set(runs)) == 1
+
+
+def test_fresh_instances_that_differ_from_each_other_are_no_results(shelf):
+    good, counting = shelf.fmu("gain"), shelf.fmu("gain", 2, "-DCOUNTS")
+    system = shelf.system({"good": good, "odd": counting}, ["odd.y -> good.u"], {}, ["good.y"])
+    with Simulator(system, ["good.y"]) as simulator:
+        assert simulator.run(stop=0.2, step=0.1)[-1, 0] == 0
+        assert simulator.runs_left is None
+        for _ in range(2):
+            with pytest.raises(RunFailed, match="odd: the outputs of two fresh instances differ"):
+                simulator.run(stop=0.2, step=0.1)
+        assert simulator.runs_left == 0
 
 
 def test_resets_can_be_declined_from_the_start(shelf):
@@ -103,7 +131,7 @@ def test_five_thousand_runs_leave_memory_and_open_files_as_they_were(shelf, trus
         with Simulator(system, ["a.y"], method=method) as simulator:
             simulator.reset_is_trusted = trust
             for number in range(runs):
-                simulator.run(stop=1, step=0.1, start={"a.y0": float(number)} if number % 2 else {"a.a": 1.0})
+                simulator.run(stop=1, step=0.1, start={"a.y0": float(number)} if number % 4 < 2 else {"a.a": 1.0})
         gc.collect()
         pages = int(Path("/proc/self/statm").read_text(encoding="utf-8").split()[1])
         return pages * 4096, len(list(Path("/proc/self/fd").iterdir()))

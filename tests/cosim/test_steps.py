@@ -9,11 +9,11 @@ import pytest
 
 from dse.cosim.reference import run_reference
 from dse.cosim.simulator import RunFailed, Simulator
-from dse.domain.method import Extrapolation, Method
+from dse.domain.method import Algorithm, Coupling, Extrapolation, Method
 from dse.domain.system import Conversion
 
 BOTH = pytest.mark.parametrize("version", [1, 2])
-WHOLE, IN_PART, STUCK, WANTS_TO_END, ASKED_FOR, CALLS_BACK, FAILS_LATE = range(7)
+WHOLE, IN_PART, STUCK, WANTS_TO_END, ASKED_FOR, CALLS_BACK, FAILS_LATE, ALWAYS_CALLS_BACK, BEYOND = range(9)
 RECORD = ["s.y", "s.steps", "s.sum"]
 
 
@@ -27,12 +27,13 @@ def same_bits(system, record, method=None, **run):
     return fast
 
 
-def same_failure(system, record, **run):
+def same_failure(system, record, method=None, **run):
     run = {"stop": 1.0, "step": 0.1} | run
-    with Simulator(system, record) as simulator, pytest.raises(RunFailed) as fast:
+    method = method or Method()
+    with Simulator(system, record, method=method) as simulator, pytest.raises(RunFailed) as fast:
         simulator.run(**run)
     with pytest.raises(RunFailed) as slow:
-        run_reference(system, record, **run)
+        run_reference(system, record, method=method, **run)
     assert str(slow.value) == str(fast.value)
     assert (slow.value.element, slow.value.time) == (fast.value.element, fast.value.time)
     return fast.value
@@ -52,9 +53,10 @@ def test_what_a_discarded_step_left_is_made_up_for(shelf, version):
 
 @BOTH
 def test_a_discarded_step_that_got_nowhere_fails(shelf, version):
-    failure = same_failure(stepper(shelf, version, STUCK, most=0.05), RECORD)
-    name = "fmiDoStep" if version == 1 else "fmi2DoStep"
-    assert str(failure) == f"s: {name} at t = 0 s returned discard"
+    for mode in (STUCK, BEYOND):  # beyond the end it cannot have got either
+        failure = same_failure(stepper(shelf, version, mode, most=0.05), RECORD)
+        name = "fmiDoStep" if version == 1 else "fmi2DoStep"
+        assert str(failure) == f"s: {name} at t = 0 s returned discard"
 
 
 def test_an_fmu_that_wants_to_end_the_simulation_is_told_so(shelf):
@@ -67,6 +69,13 @@ def test_an_asynchronous_step_is_waited_for(shelf, version, mode):
     rows = same_bits(stepper(shelf, version, mode, most=0.05), RECORD, step=0.25)
     assert rows[:, 0].tolist() == [0, 0.25, 0.5, 0.75, 1]
     assert rows[:, 1].tolist() == [0, 1, 2, 3, 4]
+
+
+@pytest.mark.parametrize("method", [Method(), Method(Algorithm.GAUSS_SEIDEL)], ids=["plain", "by plan"])
+def test_a_call_back_for_a_step_that_was_over_already_does_not_end_the_next_one(shelf, method):
+    # The first step of three is made at once, the two after it take a millisecond each: read too early, y stands still.
+    rows = same_bits(stepper(shelf, 2, ALWAYS_CALLS_BACK, most=0.05), RECORD, method, step=0.125)
+    assert rows[:, 0].tolist() == [k / 8 for k in range(9)]
 
 
 def test_an_asynchronous_step_may_fail_when_it_is_over(shelf):
@@ -170,6 +179,38 @@ def test_a_value_that_is_no_item_is_named(shelf):
     wrong_input = replace(system, elements=(a, replace(b, conversions={"from_Int64": items})))
     failure = same_failure(wrong_input, ["b.to_Int64"])
     assert str(failure) == "b.from_Int64 cannot take the value 10: it is none of the enumeration's items"
+
+
+@pytest.mark.parametrize("method", [Method(), Method(coupling=Coupling.PROPAGATE)], ids=["plain", "by plan"])
+def test_a_value_that_is_too_large_when_it_arrives_is_no_infinity_but_a_failure(shelf, method):
+    model = shelf.fmu("gain", 3)
+    built = shelf.system({"a": model, "b": model}, ["a.y -> b.u"], {"a.c": 1e300, "b.k": 0.0}, ["b.y"])
+    a, b = built.elements
+    by_wire = replace(built, wires=(replace(built.wires[0], factor=-1e10),))
+    by_unit = replace(built, elements=(a, replace(b, conversions={"u": Conversion(1e-10)})))
+    for system, what in ((by_wire, "-inf"), (by_unit, "inf")):
+        failure = same_failure(system, ["b.y"], method=method)
+        assert (
+            str(failure)
+            == f"b.u would become {what}: the factor of its wire or its unit makes it too large for a number"
+        )
+    assert same_bits(built, ["b.y"], method)[-1, 0] == 0
+
+
+def test_a_number_that_is_too_large_for_a_float_is_no_infinity_but_a_failure(shelf):
+    model = shelf.fmu("relay", 3)
+    wires = ["a.to_Float64 -> b.from_Float32"]
+    system = shelf.system({"a": model, "b": model}, wires, {"a.from_Float64": 1e39}, ["b.to_Float32"])
+    failure = same_failure(system, ["b.to_Float32"])
+    assert str(failure) == "b.from_Float32 cannot take the value 9.9999999999999994e+38: it is of type Float32"
+    large = shelf.system({"a": model, "b": model}, wires, {"a.from_Float64": 3e38}, ["b.to_Float32"])
+    assert same_bits(large, ["b.to_Float32"])[-1, 0] == np.float32(3e38)
+    start = shelf.system({"a": model}, (), {"a.from_Float32": 1e39}, ["a.to_Float32"])
+    failure = same_failure(start, ["a.to_Float32"])
+    assert str(failure) == "a.from_Float32 cannot take the value 9.9999999999999994e+38: it is of type Float32"
+    # A parameter that is infinite from the start is meant to be.
+    endless = shelf.system({"a": model}, (), {"a.from_Float32": np.inf}, ["a.to_Float32"])
+    assert same_bits(endless, ["a.to_Float32"])[-1, 0] == np.inf
 
 
 def test_units_are_converted_at_the_border(shelf):

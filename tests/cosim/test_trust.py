@@ -5,6 +5,7 @@ from __future__ import annotations
 import pickle
 import subprocess
 import sys
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -13,7 +14,7 @@ from dse.cosim.reference import run_reference
 from dse.cosim.simulator import RunFailed, Simulator
 from dse.cosim.trust import most_runs, refusals
 from dse.domain.facts import Answer, FmuFacts, Question
-from dse.domain.method import PLAIN, Adaptive, Method
+from dse.domain.method import PLAIN, Adaptive, Coupling, Method
 from dse.errors import DseError
 
 
@@ -52,6 +53,23 @@ def test_two_elements_of_an_fmu_that_bears_one_instance_are_refused_by_name(pair
     known = facts({Question[question.upper()]: "y differs at t = 0.1 s"}, **{question: Answer.NO})
     with pytest.raises(DseError, match=r"a, b: thing does not bear several instances in one process: y differs"):
         Simulator(pair, ["b.y"], facts={"a": known, "b": known})
+
+
+def test_coupling_is_refused_where_outputs_are_known_not_to_follow(pair):
+    known = {"a": facts(feeds_through=Answer.NO), "b": facts(feeds_through=Answer.NO)}
+    a, b = pair.elements
+    declared = replace(pair, elements=(a, replace(b, model=replace(b.model, depends={"y": ("u",)}))))
+    solve = Method(coupling=Coupling.SOLVE)
+    (problem,) = refusals(declared, solve, known)
+    assert problem.what.startswith("b: coupling: solve needs outputs that follow inputs between two steps")
+    assert list(refusals(declared, PLAIN, known)) == []
+    assert list(refusals(pair, solve, known)) == []  # nobody says that they do
+
+
+def test_adaptive_steps_are_refused_where_uneven_ones_are_known_to_fail(pair):
+    known = facts({Question.VARIES_STEP: "y differs"}, varies_step=Answer.NO)
+    (problem,) = refusals(pair, Method(adaptive=Adaptive()), {"a": known})
+    assert problem.what == "a: an adaptive step varies, and thing was seen not to bear that: y differs"
 
 
 def test_one_element_of_it_is_fine(shelf):

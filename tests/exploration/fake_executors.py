@@ -10,6 +10,7 @@ import sys
 import threading
 import time
 from collections.abc import Mapping
+from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -77,10 +78,18 @@ class FakeExecutor:
             time.sleep(bench.seconds)
         if bench.mischief == "leaks":
             hoard.append(bytearray(os.urandom(1)) * 50_000_000)
+        if bench.mischief == "leaks files":
+            for _ in range(20):
+                os.open(os.devnull, os.O_RDONLY)
         if bench.mischief == "tells its process":
             with (bench.file or Path()).open("a", encoding="utf-8") as file:
                 file.write(f"{os.getpid()} {threading.get_ident()}\n")
         first = bench.file is None or bench.mischief == "tells its process" or not bench.file.exists()
+        if bench.mischief == "fails after a greedy one":
+            try:
+                os.close(os.dup(0))
+            except OSError:
+                return Run(request, Outcome.FAILED, problem="world: cannot read its tables")
         if request.number in bench.when and first:
             if bench.file is not None:
                 bench.file.touch()
@@ -117,6 +126,19 @@ class FakeExecutor:
                 for _ in range(100):
                     sys.stderr.write("x" * 100_000 + "\n")
                     time.sleep(0.01)
+            case "forks":
+                os.fork()  # and both go on
+            case "scribbles":
+                scribble(b"garbage garbage garbage ")
+            case "stops in a message":
+                scribble(b"dse line")
+                os.kill(os.getpid(), signal.SIGSTOP)
+            case "leaves no file to open" | "fails after a greedy one":
+                use_up_files()
+            case "leaves few files to write":
+                import resource
+
+                resource.setrlimit(resource.RLIMIT_FSIZE, (0, resource.getrlimit(resource.RLIMIT_FSIZE)[1]))
             case "hangs":
                 time.sleep(3600)
             case "raises":
@@ -132,6 +154,20 @@ class FakeExecutor:
                 _, hard = resource.getrlimit(resource.RLIMIT_AS)
                 resource.setrlimit(resource.RLIMIT_AS, (4 << 30, hard))
                 bytearray(16 << 30)
+
+
+def use_up_files() -> None:
+    """Open files until no more can be opened."""
+    with suppress(OSError):
+        while True:
+            os.dup(0)
+
+
+def scribble(content: bytes) -> None:
+    """Write *content* to whatever is open, as what does not know its own files may do."""
+    for handle in range(3, 64):
+        with suppress(OSError):
+            os.write(handle, content)
 
 
 def waveforms(number: int) -> Waveforms:

@@ -23,7 +23,7 @@ CASES = [
     # file, old text, new text, place, message
     ("testbenches/following.yaml", "world.scene -> sensor.scene", "world.scene -> sensor.picture", "testbenches/following.yaml:6:27", "no port"),
     ("testbenches/following.yaml", "world.scene -> sensor.scene", "world.speed -> sensor.scene.range", "testbenches/following.yaml:6:5", "world.speed -> sensor.scene.range: units differ: m/s and m"),
-    ("testbenches/following.yaml", "  - controller.torque -> world.torque\n", "", "components/road/component.yaml:1:12", "input world.torque (road) is neither connected nor given a value"),
+    ("testbenches/following.yaml", "  - controller.torque -> world.torque\n", "", "testbenches/following.yaml:1:12", "input world.torque (road) is neither connected nor given a value"),
     ("testbenches/following.yaml", "undershoot(world.gap,", "undershoot(world.gapp,", "testbenches/following.yaml:11:30", "world.gapp"),
     ("testbenches/following.yaml", "undershoot(world.gap,", "undershot(world.gap,", "testbenches/following.yaml:11:19", "undershot"),
     ("testbenches/following.yaml", "at_most: 1 %", "at_most: 1 m", "testbenches/following.yaml:13:3", "'gap_undershoot' is"),

@@ -263,9 +263,39 @@ def test_names_that_are_markup_stay_text(sliced: ReportContent, open_report: Ope
     assert page.locator("img").count() == 0
 
 
-@pytest.mark.parametrize("width", [900, 1280, 1920])
+@pytest.mark.parametrize("width", [420, 900, 1280, 1920])
 def test_nothing_sticks_out_sideways(sliced: ReportContent, open_report: Open, width: int) -> None:
     page = open_report(sliced)
     page.set_viewport_size({"width": width, "height": 900})
     settle(page)
     assert page.evaluate("document.documentElement.scrollWidth") <= width
+
+
+def test_values_are_shown_to_the_last_digit_of_their_error_bars(sliced: ReportContent, open_report: Open) -> None:
+    first, second, third = sliced.metrics
+    runs = len(sliced.runs)
+    bars = {0.00022: "0.00022", 0.0: "0", np.inf: "\u221e", np.nan: "?"}
+    for error, shown in bars.items():
+        checked = dataclasses.replace(first, values=np.full(runs, 40.00512), error=np.full(runs, error))
+        page = open_report(dataclasses.replace(sliced, metrics=(checked, second, third)))
+        value = page.locator("#metrics tbody td").first.inner_text()
+        assert value == f"40.0{'0512' if shown == '0.00022' else '1'} \u00b1\u202f{shown}\u202f%"
+
+
+def test_an_undefined_value_has_no_error_bar(sliced: ReportContent, open_report: Open) -> None:
+    nothing = np.full(len(sliced.runs), np.nan)
+    checked = dataclasses.replace(sliced.metrics[0], values=nothing, error=nothing)
+    page = open_report(dataclasses.replace(sliced, metrics=(checked, *sliced.metrics[1:])))
+    assert page.locator("#metrics tbody td").first.inner_text() == "undefined\u202f%"
+
+
+def test_a_small_page_shows_every_verdict(sliced: ReportContent, open_report: Open) -> None:
+    runs = len(sliced.runs)
+    checked = tuple(dataclasses.replace(m, error=np.full(runs, 0.00022)) for m in sliced.metrics)
+    page = open_report(dataclasses.replace(sliced, metrics=checked))
+    page.set_viewport_size({"width": 420, "height": 900})
+    settle(page)
+    box = page.locator("#metrics tbody td.verdict").first.bounding_box()
+    assert box is not None
+    assert box["x"] + box["width"] <= 420
+    assert page.evaluate("document.querySelector('#metrics').scrollWidth") <= 420

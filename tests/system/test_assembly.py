@@ -95,6 +95,14 @@ def test_units_that_differ_are_refused_and_the_fitting_port_is_hinted():
     )
 
 
+def test_cycles_and_angles_cannot_be_connected():
+    turning = component("turning", ("rate", OUT, Type(Kind.REAL, parse_unit("rad/s"))))
+    beating = component("beating", ("rate", IN, Type(Kind.REAL, parse_unit("Hz"))))
+    parts = {"a": turning, "b": beating}
+    with pytest.raises(DseError, match=r"units differ by 2 pi: rad/s and Hz"):
+        assemble("s", parts, [Connection("a.rate", "b.rate")], {}, {}, [])
+
+
 def test_types_that_differ_are_refused():
     parts = {"sensor": SENSOR, "display": DISPLAY}
     with pytest.raises(DseError, match=r"types differ: m and enum\[speed, distance\]"):
@@ -105,6 +113,19 @@ def test_an_input_with_neither_source_nor_value_is_refused():
     text = problem(wires=WIRES[:1])
     assert "input controller.speed (pd) is neither connected nor given a value" in text
     assert "-> controller.speed" in text
+
+
+def test_inputs_of_one_part_that_lack_a_source_are_told_at_once_where_the_bench_is():
+    with pytest.raises(DseError) as caught:
+        assemble("s", PARTS, [], MODELS, {}, [], HERE)
+    (found,) = caught.value.problems
+    assert found.what == "2 inputs of controller (pd) are neither connected nor given a value: distance, speed"
+    assert found.where == HERE
+
+
+def test_an_input_whose_connection_is_refused_is_told_once():
+    text = problem(wires=[WIRES[0], Connection("sensor.gap", "controller.speed", HERE)])
+    assert "units differ" in text
 
 
 def test_an_input_with_two_sources_is_refused():

@@ -13,7 +13,7 @@ from dse.domain.system import Conversion
 from dse.errors import DseError
 from dse.system.assemble import assemble
 from dse.system.binding import bind
-from dse.units import parse_unit
+from dse.units import is_rounded, parse_unit
 
 SPEED = Type(Kind.REAL, parse_unit("m/s"))
 MODE = Type(Kind.ENUMERATION, items=("speed", "distance"))
@@ -114,7 +114,7 @@ def test_one_value_of_an_array_is_mapped_by_its_label():
 @pytest.mark.parametrize("label", ["x[3,1]", "x[0,1]", "x[1]", "x[1,1", "x]", "[1,1]"])
 def test_a_label_outside_of_the_array_is_refused(label):
     fmu = model(output("x", shape=(2, 3)))
-    assert f"has no variable '{label}'" in refusal(component(name=label), SPEED, fmu)
+    assert f"has no '{label}'" in refusal(component(name=label), SPEED, fmu)
 
 
 def test_a_whole_array_is_no_port():
@@ -156,7 +156,7 @@ def test_a_structural_parameter_sizes_the_arrays_of_its_element():
         Variable("n", 0, "UInt64", "structuralParameter", Kind.INTEGER, start=("2",)),
         output("y", shape=(2,), sized_by=("n",)),
     )
-    with pytest.raises(DseError, match=r"no variable 'y\[3\]'"):
+    with pytest.raises(DseError, match=r"has no 'y\[3\]'"):
         assemble("x", {"s": part}, [], {"source": fmu}, {}, ["s.b"])
     element = assemble("x", {"s": part}, [], {"source": fmu}, {"s.n": 3}, ["s.b"]).element("s")
     assert element.outputs[0].shape == (3,)
@@ -172,3 +172,68 @@ def test_a_text_goes_to_a_variable_that_takes_texts():
     number = model(Variable("file", 0, "Float64", "parameter", Kind.REAL))
     with pytest.raises(DseError, match="is real, not string"):
         assemble("x", {"p": part}, [], {"p": number}, {}, [])
+
+
+@pytest.mark.parametrize(("inside", "outside"), [("rpm", "Hz"), ("Hz", "rad/s"), ("deg/s", "kHz")])
+def test_cycles_and_angles_are_not_taken_for_each_other(inside, outside):
+    type_ = Type(Kind.REAL, parse_unit(outside))
+    assert f"is in {inside}, expected {outside}" in refusal(component(type_=type_), type_, model(output(unit=inside)))
+
+
+@pytest.mark.parametrize(("inside", "outside"), [("rpm", "rad/s"), ("Hz", "1/s"), ("rad/s", "1/s"), ("kHz", "Hz")])
+def test_what_counts_alike_is_converted(inside, outside):
+    type_ = Type(Kind.REAL, parse_unit(outside))
+    found = bind(component(type_=type_), "v", type_, model(output(unit=inside)), ("output",)).conversion
+    assert found.factor == float(parse_unit(inside).factor)
+
+
+@pytest.mark.parametrize(
+    ("usual", "written", "same"),
+    [
+        (1 / 3.6, 0.27778, True),
+        (1 / 3.6, 0.27777, True),
+        (1 / 3.6, 0.2777777777777778, True),
+        (0.3048, 1200 / 3937, False),  # the foot of American surveyors
+        (0.3048, 0.3, False),
+        (273.15, 273.15, True),
+        (0.0, 0.0, True),
+        (0.0, 1e-9, False),
+    ],
+)
+def test_only_a_factor_with_fewer_digits_stands_for_the_usual_one(usual, written, same):
+    assert is_rounded(usual, written) is same
+
+
+def sized() -> FmuModel:
+    size = Variable("m", 2, "UInt64", "structuralParameter", Kind.INTEGER, start=("3",))
+    return model(size, output("y", shape=(3,), sized_by=("m",)))
+
+
+def sized_part() -> Component:
+    count = Parameter("m", Type(Kind.INTEGER), 3)
+    ports = (Port("y_3", Causality.OUTPUT, Type(Kind.REAL)),)
+    return Component("x", Interface("i", ports), parameters=(count,), names={"y_3": "y[3]"})
+
+
+def test_an_array_that_became_too_small_is_told_by_its_size():
+    with pytest.raises(DseError) as caught:
+        assemble("x", {"s": sized_part()}, [], {"x": sized()}, {"s.m": 2}, [])
+    (found,) = caught.value.problems
+    assert found.what == "the FMU of x has no 'y[3]': 'y' has 2 values"
+    assert found.hint == "its size is set by 'm'"
+
+
+def test_an_array_beyond_all_measure_is_refused_before_its_values_get_names():
+    with pytest.raises(DseError, match=r"with m = 200000000 the array 'y' has 200,000,000 values"):
+        assemble("x", {"s": sized_part()}, [], {"x": sized()}, {"s.m": 200_000_000}, [])
+
+
+def test_a_number_that_is_none_of_an_enumerations_items_is_refused():
+    kind = Variable("k", 1, "Int64", "parameter", Kind.ENUMERATION, start=("1",), items={"Option 1": 1, "Option 2": 7})
+    part = Component("p", Interface("i", ()), parameters=(Parameter("k", Type(Kind.INTEGER), 1),))
+    assert assemble("x", {"p": part}, [], {"p": model(kind)}, {"p.k": 7}, []).element("p").start == {"k": 7.0}
+    with pytest.raises(DseError) as caught:
+        assemble("x", {"p": part}, [], {"p": model(kind)}, {"p.k": 3}, [])
+    (found,) = caught.value.problems
+    assert found.what == "'k' in the FMU of p cannot be 3: it is an enumeration"
+    assert found.hint == "its items: 1 (Option 1), 7 (Option 2)"

@@ -106,10 +106,20 @@ def test_the_error_bar_is_what_half_the_step_changes(bench):
     assert true_error == pytest.approx(2 * run.metrics["end.error"], rel=0.05)
 
 
-def test_a_metric_that_is_undefined_in_both_runs_has_no_error(bench):
+def test_a_metric_that_is_undefined_in_both_runs_has_no_error_bar(bench):
     run, _ = run_of(bench)
     assert math.isnan(run.metrics["never"])
-    assert run.metrics["never.error"] == 0.0
+    assert math.isnan(run.metrics["never.error"])
+
+
+def test_a_metric_that_only_one_of_the_runs_defines_has_an_infinite_error_bar(bench):
+    first, _ = run_of(bench)
+    step = replace(bench.simulation, step=0.005, record_every=0.005, check_step=False)
+    second, _ = run_of(replace(bench, simulation=step))
+    # The mass falls all the time: between the two ends lies what only one of the runs reaches, by 2 %.
+    between = (first.metrics["end"] + second.metrics["end"]) / 2
+    run, _ = run_of(bench, **{"mass.far": between / 1.02})
+    assert math.isinf(run.metrics["never.error"])
 
 
 def test_a_run_that_fails_with_half_the_step_says_so_and_keeps_its_metrics(bench):

@@ -5,16 +5,19 @@ from __future__ import annotations
 import os
 import subprocess
 import sys
+import zipfile
 from pathlib import Path
 
 import pytest
 from reference_fmus import MODELS, build
 
-from dse.domain.component import Kind
+from dse.domain.component import Causality, Kind
 from dse.errors import DseError
 from dse.loading.workspace import Workspace
 from dse.testbench.check import check_workspace
+from dse.testbench.fuse import fused_plan
 from dse.testbench.importing import import_component, name_of
+from dse.testbench.plan import bench_study, plan
 
 
 def workspace(folder: Path) -> Workspace:
@@ -64,18 +67,28 @@ def test_a_second_fmu_with_the_same_ports_implements_the_same_interface(tmp_path
     assert second.component.interface.name == first.component.interface.name
 
 
-def test_an_interface_with_fewer_ports_in_another_spelling_is_found(tmp_path):
+def test_an_interface_with_fewer_outputs_in_another_spelling_is_found(tmp_path):
     folder = tmp_path / "w" / "components"
     folder.mkdir(parents=True)
-    (folder / "interfaces.yaml").write_text(
-        "interfaces:\n  relay:\n    inputs: {int32_input: int, booleanInput: bool}\n"
-        "    outputs: {int32: {output: int}}\n"
-    )
-    imported = import_component(build("Feedthrough", 2, "CoSimulation", tmp_path), tmp_path / "w", "x")
-    assert imported.component.interface.name == "relay"
-    assert imported.component.names["int32.output"] == "Int32_output"
-    assert "Float64_continuous_input" in {p.name for p in imported.component.parameters}
+    (folder / "interfaces.yaml").write_text("interfaces: {oscillator: {outputs: {x: {_0: '1'}}}}\n")
+    imported = import_component(build("VanDerPol", 2, "CoSimulation", tmp_path), tmp_path / "w", "x")
+    assert imported.component.interface.name == "oscillator"
+    assert imported.component.names == {"x._0": "x0"}
+    assert imported.left_out == ("x1: an output that oscillator does not have",)
     assert check_workspace(workspace(tmp_path / "w"))[0] == []
+
+
+def test_an_interface_without_inputs_of_the_fmu_is_not_taken(tmp_path):
+    folder = tmp_path / "w" / "components"
+    folder.mkdir(parents=True)
+    (folder / "interfaces.yaml").write_text("interfaces: {blub: {outputs: {Int32_output: int}}}\n")
+    imported = import_component(build("Feedthrough", 2, "CoSimulation", tmp_path), tmp_path / "w", "x")
+    assert imported.has_own_interface
+    assert imported.component.interface.name == "x"
+    inputs = [p.name for p in imported.component.interface.ports if p.causality is Causality.INPUT]
+    assert "Float64_continuous_input" in inputs
+    assert not set(inputs) & {p.name for p in imported.component.parameters}
+    assert [start.partition(":")[0] for start in imported.starts] == inputs
 
 
 def test_nothing_is_overwritten(tmp_path):
@@ -113,6 +126,59 @@ def test_a_name_is_made_of_the_files(file, name):
     assert name_of(Path(file)) == name
 
 
+def test_check_tells_of_a_map_to_what_the_fmu_does_not_have(tmp_path):
+    imported = import_component(build("VanDerPol", 2, "CoSimulation", tmp_path), tmp_path / "w", "vdp")
+    text = imported.path.read_text(encoding="utf-8")
+    imported.path.write_text(text + "map: {x0: x9}\n", encoding="utf-8")
+    (problem,) = check_workspace(workspace(tmp_path / "w"))[0]
+    assert "the FMU of vdp has no variable 'x9'" in problem.what
+
+
+def test_check_tells_of_fmus_that_do_not_bear_the_algorithm(tmp_path):
+    import_component(build("VanDerPol", 1, "CoSimulation", tmp_path), tmp_path, "vdp")  # FMI 1.0 cannot save its state
+    lay_out(tmp_path, "adaptive: {},")
+    (problem,) = check_workspace(workspace(tmp_path))[0]
+    assert problem.what == "oscillator: an adaptive step takes steps back, but VanDerPol cannot save its state"
+    assert str(problem.where).endswith("oscillating.yaml:3:1")
+
+
+def test_an_fmu_for_one_instance_cannot_stand_at_two_places(tmp_path):
+    model = build("VanDerPol", 2, "CoSimulation", tmp_path)
+    once = tmp_path / "once.fmu"
+    with zipfile.ZipFile(model) as source, zipfile.ZipFile(once, "w") as target:
+        for name in source.namelist():
+            text = source.read(name)
+            if name == "modelDescription.xml":
+                text = text.replace(b"<CoSimulation ", b'<CoSimulation canBeInstantiatedOnlyOncePerProcess="true" ')
+            target.writestr(name, text)
+    import_component(once, tmp_path, "vdp")
+    lay_out(tmp_path, "")
+    (tmp_path / "designs" / "one.yaml").write_text("design: one\nroot: {compound: {oscillator: vdp, other: vdp}}\n")
+    (problem,) = check_workspace(workspace(tmp_path))[0]
+    assert problem.what == "oscillator and other: VanDerPol can be instantiated only once in a process"
+    assert str(problem.where).endswith("oscillating.yaml:3:1")
+
+
+def lay_out(folder: Path, key: str) -> None:
+    for name, text in {"designs/one.yaml": DESIGN, "testbenches/oscillating.yaml": BENCH}.items():
+        (folder / name).parent.mkdir()
+        (folder / name).write_text(text.replace("step: 10 ms,", f"step: 10 ms, {key}"), encoding="utf-8")
+
+
+def test_what_cannot_be_fused_is_told_in_the_files(tmp_path):
+    import_component(build("VanDerPol", 2, "CoSimulation", tmp_path), tmp_path, "vdp")
+    lay_out(tmp_path, "coupling: solve,")
+    bench = workspace(tmp_path).bench("oscillating")
+    with pytest.raises(DseError) as caught:
+        fused_plan(plan(bench_study(bench), cache=tmp_path / "cache"))
+    component, method = caught.value.problems
+    assert method.what.startswith("'coupling' cannot be fused")
+    assert str(method.where).endswith("oscillating.yaml:3:1")
+    assert component.what == "vdp is a finished FMU, which cannot be fused"
+    assert str(component.where).endswith("vdp/component.yaml:1:12")
+
+
+DESIGN = "design: one\nroot: {compound: {oscillator: vdp}}\n"
 BENCH = """\
 testbench: oscillating
 design: one
@@ -134,12 +200,16 @@ def test_an_imported_fmu_is_simulated_as_a_user_would(tmp_path):
 
     said = dse("import", "fmu", str(fmu), "--name", "vdp")
     assert said.returncode == 0, said.stderr
-    assert "vdp/component.yaml: 2 ports, 1 parameters" in said.stdout.replace(os.sep, "/")
+    assert "vdp/component.yaml: 2 ports, 1 parameter\n" in said.stdout.replace(os.sep, "/")
     (tmp_path / "designs").mkdir()
-    (tmp_path / "designs" / "one.yaml").write_text("design: one\nroot: {compound: {oscillator: vdp}}\n")
+    (tmp_path / "designs" / "one.yaml").write_text(DESIGN)
     (tmp_path / "testbenches").mkdir()
     (tmp_path / "testbenches" / "oscillating.yaml").write_text(BENCH)
     assert dse("check").returncode == 0
+    # Like all commands, this one looks for the workspace upwards.
+    inside = [sys.executable, "-m", "dse", "import", "fmu", str(fmu), "--name", "second"]
+    subprocess.run(inside, cwd=tmp_path / "components" / "vdp", env=environment, capture_output=True, check=True)
+    assert (tmp_path / "components" / "second" / "component.yaml").is_file()
     done = dse("simulate", "oscillating")
     assert done.returncode == 0, done.stderr
     assert "pass" in done.stdout

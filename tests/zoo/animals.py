@@ -61,7 +61,7 @@ ANIMALS: Mapping[str, Animal] = {
     ),
     "hangs": Animal({"step": "for (volatile long i = 0;; i++) { }"}, ("no answer for 2 s", HALF)),
     "stops_itself": Animal({"step": "raise(SIGSTOP);"}, ("no answer for 2 s", HALF)),
-    "is_killed": Animal({"step": "raise(SIGKILL);"}, ("killed from outside", "for the second time", HALF)),
+    "is_killed": Animal({"step": "raise(SIGKILL);"}, ("killed from outside", HALF)),
     "hangs_in_initialization": Animal(
         {"initialization": "for (volatile long i = 0;; i++) { }"}, ("no answer for 2 s", "fmi2ExitInitializationMode")
     ),

@@ -68,17 +68,16 @@ def _fmus(names: list[str] | None, version: int, workspace: Path) -> dict[str, P
 
 
 def _fused(bench: str, configuration: str | None, version: int, workspace: Path) -> dict[str, Path]:
+    from dse.cli.exploring import ready
     from dse.domain.study import Selection
     from dse.loading.workspace import Workspace
-    from dse.testbench.fuse import fused
-    from dse.testbench.plan import bench_study, plan
+    from dse.testbench.plan import bench_study
     from dse.testbench.select import one
 
     space = Workspace.around(workspace) if workspace != Path() else workspace_of(bench)
     loaded = space.bench(bench)
     chosen = None if configuration is None else Selection((one(loaded.design, configuration).id,))
-    with console(stderr=True).status("building FMUs, fusing configurations"):
-        prepared = fused(plan(bench_study(loaded, chosen), version=version).prepared)
+    prepared = ready(bench_study(loaded, chosen), version=version, fuse=True).prepared
     return {name: each.fused.path for name, each in prepared.items() if each.fused is not None}
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -10,6 +11,8 @@ import typer
 from dse.cli.app import app, console, plain
 
 if TYPE_CHECKING:
+    from collections.abc import Sized
+
     from dse.domain.design import DesignSpace
 
 import_app = typer.Typer(
@@ -53,8 +56,14 @@ def import_uvl(
 def import_fmu(
     files: Annotated[list[Path], typer.Argument(metavar="FMU...", help="Finished FMUs.")],
     folder: Annotated[
-        Path, typer.Option("--output", "-o", metavar="DIR", help="The workspace to write to; made if it is new.")
-    ] = Path(),
+        Path | None,
+        typer.Option(
+            "--output",
+            "-o",
+            metavar="DIR",
+            help="The workspace to write to; made if it is new. Else the one around this folder, or this folder.",
+        ),
+    ] = None,
     name: Annotated[
         str | None, typer.Option("--name", metavar="NAME", help="The component's name; else that of the file.")
     ] = None,
@@ -62,18 +71,29 @@ def import_fmu(
     """Make components of finished FMUs.
 
     Each is copied to DIR/components/NAME with a component.yaml beside it. A component implements the interface of the
-    workspace whose ports it has; if there is none it gets one of its own, in interfaces.yaml beside it.
+    workspace whose ports it has, if that has all its inputs; else it gets one of its own, in interfaces.yaml beside it.
+
+    What is neither a port nor a parameter is listed as left out.
     """
+    from dse.loading.root import find_root
     from dse.testbench.importing import import_component
 
+    # Relative to this folder, so that the paths that are shown can be clicked and copied.
+    target = folder or Path(os.path.relpath(find_root(Path()) or Path()))
     if name is not None and len(files) > 1:
         raise typer.BadParameter("only one FMU can be given a name", param_hint="--name")
     for file in files:
-        written = import_component(file, folder, name)
+        written = import_component(file, target, name)
         implements = "of its own" if written.has_own_interface else "of the workspace"
-        ports, parameters = len(written.component.interface.ports), len(written.component.parameters)
-        console().print(f"{written.path}: {ports} ports, {parameters} parameters", soft_wrap=True)
-        console().print(f"  implements {written.component.interface.name}, an interface {implements}", soft_wrap=True)
+        component = written.component
+        counts = f"{_counted(component.interface.ports, 'port')}, {_counted(component.parameters, 'parameter')}"
+        console().print(f"{written.path}: {counts}", soft_wrap=True)
+        console().print(f"  implements {component.interface.name}, an interface {implements}", soft_wrap=True)
+        if written.starts:
+            starts = plain(", ".join(written.starts))
+            console().print(f"  inputs, with the values the FMU gives them itself: {starts}", soft_wrap=True)
+        for what in written.told:
+            console().print(f"  {plain(what)}", soft_wrap=True)
         for what in written.left_out:
             console().print(f"  left out: {plain(what)}", soft_wrap=True)
     console().print("next: dse check", soft_wrap=True)
@@ -83,15 +103,18 @@ def import_fmu(
 def import_ssp(
     package: Annotated[Path, typer.Argument(metavar="FILE", help="An SSP package (.ssp), or an unpacked one's .ssd.")],
     folder: Annotated[Path, typer.Argument(metavar="DIR", help="The workspace to write to; made if it is new.")],
+    stop: Annotated[str | None, typer.Option("--stop", metavar="TIME", help="How long its benches simulate.")] = None,
+    step: Annotated[str | None, typer.Option("--step", metavar="TIME", help="Their communication step.")] = None,
 ) -> None:
     """Make a workspace of an SSP package.
 
     Its FMUs become components, its system a design space, and each of its variants a test bench with its parameter
     values. Where variants have different FMUs at a place, these are alternatives of the design.
     """
+    from dse.cli.packages import seconds
     from dse.testbench.ssp_import import import_ssp as make
 
-    made = make(package, folder)
+    made = make(package, folder, stop=seconds("--stop", stop), step=seconds("--step", step))
     screen = console()
     for path in made.files:
         screen.print(str(path), soft_wrap=True)
@@ -100,6 +123,10 @@ def import_ssp(
     for bench in made.benches:
         more = f" --configuration {bench.configuration}" if bench.configuration else ""
         screen.print(f"next: dse simulate {folder / 'testbenches' / bench.name}.yaml{more}", soft_wrap=True)
+
+
+def _counted(things: Sized, what: str) -> str:
+    return f"{len(things)} {what}" if len(things) == 1 else f"{len(things)} {what}s"
 
 
 def _files(space: DesignSpace, folder: Path) -> dict[Path, str]:

@@ -79,7 +79,7 @@ def simulate(
     )
     if is_package(bench):
         meant = {"--configuration": configuration, "--plot": plot, "--fuse": fuse, "--gate": gate}
-        _refuse({**meant, "--check-step": check_step}, "bench")
+        _refuse({**meant, "--check-step": check_step, "--fmi": version != 2}, "bench")  # the default
         simulate_package(Path(bench), wishes, waveforms, output)
     asked = {"--output": waveforms, "--variant": variant, "--stop": stop, "--step": step, "--record": record}
     words = {"--algorithm": algorithm, "--coupling": coupling, "--extrapolation": extrapolation, "--timeout": timeout}

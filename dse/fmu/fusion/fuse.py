@@ -2,18 +2,15 @@
 
 from __future__ import annotations
 
-import os
 import re
-from collections.abc import Callable, Iterable, Mapping, Sequence
-from concurrent.futures import Future, ThreadPoolExecutor
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TypeVar
 
 from dse.domain.fused import FusedLibrary
 from dse.domain.method import PLAIN, Method
 from dse.domain.system import SystemStructure
-from dse.errors import DseError, Problem, fail, raise_if_any
+from dse.errors import Problem, fail, raise_if_any
 from dse.fmu.cache import cache_folder, content_key, keep_file
 from dse.fmu.compilation import CompilationError, compile_object, link_library, options
 from dse.fmu.fusion.check import fusion_problems, not_ours, unknown_place
@@ -21,6 +18,7 @@ from dse.fmu.fusion.loop import Seat, loop_text
 from dse.fmu.fusion.part import Part, build_part
 from dse.fmu.fusion.sources import NotOursError, OwnSources, own_sources, runtime_file
 from dse.fmu.platforms import this_platform
+from dse.fmu.together import Tell, together
 from dse.fmu.toolchain import Compiler, find_compiler
 
 
@@ -38,8 +36,10 @@ def fuse(system: SystemStructure, record: Sequence[str], *, cache: Path | None =
     return fuse_all({system.name: Wanted(system, tuple(record))}, cache=cache)[system.name]
 
 
-def fuse_all(wanted: Mapping[str, Wanted], *, cache: Path | None = None) -> dict[str, FusedLibrary]:
-    """A library for each of *wanted*, by the same keys.
+def fuse_all(
+    wanted: Mapping[str, Wanted], *, cache: Path | None = None, tell: Tell | None = None
+) -> dict[str, FusedLibrary]:
+    """A library for each of *wanted*, by the same keys; *tell* is told how many are made.
 
     They compute the same numbers, bit for bit, as the FMUs do. From the cache if they were made before; a component
     that several systems share is compiled once. Raises one DseError naming all that cannot be fused: a component that
@@ -47,29 +47,11 @@ def fuse_all(wanted: Mapping[str, Wanted], *, cache: Path | None = None) -> dict
     """
     sources = _sources(wanted.values())
     compiler = find_compiler()
-    parts = _each(sources, lambda library: _part(library, sources[library], compiler, cache))
-    return _each(wanted, lambda key: _library(wanted[key], sources, parts, compiler, cache))
+    parts = together(sources, lambda library: _part(library, sources[library], compiler, cache))
+    return together(wanted, lambda key: _library(wanted[key], sources, parts, compiler, cache), tell)
 
-
-_Key = TypeVar("_Key")
-_Made = TypeVar("_Made")
 
 _REPORT = "this is a mistake of dse: please report it with the components; without --fuse they can be simulated"
-
-
-def _each(keys: Iterable[_Key], make: Callable[[_Key], _Made]) -> dict[_Key, _Made]:
-    """What *make* makes of each key, several at a time; DseError with the problems of all."""
-    made: dict[_Key, _Made] = {}
-    problems: list[Problem] = []
-    with ThreadPoolExecutor(max_workers=os.cpu_count() or 1) as pool:
-        pending: dict[_Key, Future[_Made]] = {key: pool.submit(make, key) for key in keys}
-        for key, result in pending.items():
-            try:
-                made[key] = result.result()
-            except DseError as error:
-                problems += error.problems
-    raise_if_any(dict.fromkeys(problems))
-    return made
 
 
 def _sources(wanted: Iterable[Wanted]) -> dict[Path, OwnSources]:

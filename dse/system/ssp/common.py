@@ -66,7 +66,8 @@ def require_root(root: XmlElement, tag: str, namespace: str) -> None:
     if root.namespace != namespace:
         what = f"<{tag}> is in the namespace '{shortened(root.namespace)}', not '{namespace}'"
         raise fail(what, root.where, "drafts before SSP 1.0 are not supported; export it as SSP 1.0 or 2.0")
-    version = root.get("version")
+    # OMSimulator leaves it out where one file is written into another; then the namespace has to do.
+    version = root.get("version", "1.0")
     if not re.fullmatch(r"[12]\.\d+(?:-.*)?", version):
         what = f"the version '{shortened(version)}' of SSP is not supported"
         raise fail(what, root.where, "export it as SSP 1.0 or 2.0")

@@ -11,9 +11,8 @@ from dse.domain.component import Kind
 from dse.domain.fmu import UnitDefinition
 from dse.loading.xml_values import flag_of, whole_of
 from dse.system.ssp.structure import NamedUnit, SignalType, Transformation
-from dse.units import UnitError, parse_unit
+from dse.units import UnitError, counts_otherwise, is_rounded, parse_unit
 
-_ROUNDED = 1e-4
 """Relative difference up to which a factor may be the usual one, rounded."""
 
 _FACTS = {
@@ -184,6 +183,8 @@ def _units(source: NamedUnit | None, target: NamedUnit | None) -> Carry:
     a, b = definition(source), definition(target)
     if _dimension(a) != _dimension(b):
         raise ConversionError(f"units differ: {source.name} and {target.name}")
+    if counts_otherwise(source.name, target.name):
+        raise ConversionError(f"units differ by 2 pi: {source.name} and {target.name}")
     factor = Fraction(a.factor) / Fraction(b.factor)
     return Carry(factor, (Fraction(a.offset) - Fraction(b.offset)) / Fraction(b.factor))
 
@@ -200,9 +201,9 @@ def definition(unit: NamedUnit) -> UnitDefinition:
         return usual
     if usual is None or _dimension(usual) != _dimension(unit.definition):
         return unit.definition
-    near = abs(usual.factor - unit.definition.factor) <= _ROUNDED * abs(usual.factor)
-    level = abs(usual.offset - unit.definition.offset) <= _ROUNDED * abs(usual.offset)
-    return usual if near and level else unit.definition
+    written = unit.definition
+    is_usual = is_rounded(usual.factor, written.factor) and is_rounded(usual.offset, written.offset)
+    return usual if is_usual else written
 
 
 def _usual(name: str) -> UnitDefinition | None:

@@ -47,7 +47,10 @@ class ResolvedSystem:
 
 @dataclass(slots=True)
 class _Parts:
-    """What is known of one element while the system is put together; *driven* are values that come over connections."""
+    """What is known of one element while the system is put together.
+
+    *driven* are start values that come over connections, *wired* the values that arrive all the time, by label.
+    """
 
     model: FmuModel
     inputs: set[str] = field(default_factory=set)
@@ -56,6 +59,7 @@ class _Parts:
     texts: dict[str, str | bytes] = field(default_factory=dict)
     places: dict[str, Location] = field(default_factory=dict)
     driven: set[str] = field(default_factory=set)
+    wired: set[str] = field(default_factory=set)
 
 
 def system_of(
@@ -186,6 +190,7 @@ def _wire(surroundings: Surroundings, parts: Mapping[Way, _Parts], route: Route)
     parts[route.source.way].outputs.add(source.name)
     parts[route.target.way].inputs.add(target.name)
     parts[route.target.way].places[target_label] = last.where
+    parts[route.target.way].wired |= {target_label} if route.target_indices else set(target.labels)
     return Wire(
         ".".join(route.source.way),
         source_label,
@@ -241,7 +246,8 @@ def _give(
         assigned, part = given[node], parts[node.way]
         name = node.connector if node in wholes else node.connector.rpartition("[")[0]
         variable = part.model.variables[name]
-        if variable.causality == "independent" or variable.variability == "constant" or name in part.inputs:
+        is_wired = part.wired >= ({*variable.labels} if node in wholes else {node.connector})
+        if variable.causality == "independent" or variable.variability == "constant" or is_wired:
             # What arrives over a wire replaces it before it is ever used.
             continue
         if {node.connector, *variable.labels} & part.driven and assigned.value.type != TYPED:
@@ -281,6 +287,8 @@ def _store(
         problems.append(Problem(what, assigned.where))
         return
     for name, value in zip(names, values, strict=True):
+        if name in part.wired:
+            continue
         part.places[name] = assigned.where
         part.start.pop(name, None)
         part.texts.pop(name, None)

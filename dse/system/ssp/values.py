@@ -166,6 +166,8 @@ def _number(text: str, type_: str) -> float:
         value = real_of(text)
     if value is None:
         raise ConversionError(f"'{shortened(text)}' is no {type_}")
+    if not math.isfinite(value):
+        raise ConversionError(f"'{shortened(text)}' is no number that an FMU can begin with")
     return float(value)
 
 

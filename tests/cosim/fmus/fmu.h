@@ -221,6 +221,28 @@ EXPORT int RESET(void *m)
 }
 EXPORT int TERMINATE(void *m) { return finish(m); }
 
+#ifdef SAVES
+#if FMI == 2
+#define STATE(verb) fmi2##verb##FMUstate
+#else
+#define STATE(verb) fmi3##verb##FMUState
+#endif
+EXPORT int STATE(Get)(void *m, void **state)
+{
+    *state = *state ? *state : malloc(sizeof(Model));
+    memcpy(*state, m, sizeof(Model));
+    return OK;
+}
+EXPORT int STATE(Set)(void *m, void *state) { return memcpy(m, state, sizeof(Model)), OK; }
+EXPORT int STATE(Free)(void *m, void **state)
+{
+    (void)m;
+    free(*state);
+    *state = NULL;
+    return OK;
+}
+#endif
+
 static int before_reading(Model *m) { return m->initializing ? initialize(m) : OK; }
 
 #if FMI < 3

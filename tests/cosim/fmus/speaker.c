@@ -1,10 +1,13 @@
 /* FMI 2 and 3: a string and, in FMI 3, a binary; heard is the length of the string it was given. What it says is up to
- * *mode*; "large" is *size* bytes. Its log lines name variables by reference, and come from a thread if asked to. */
+ * *mode*; "large" is *size* bytes, "growing" a byte more each second; *events* counts those of FMI 3. Its log lines name variables by reference, and come from a thread if asked to. */
 #define _POSIX_C_SOURCE 200809L
+#ifdef EVENTS
+#define HAS_EVENTS
+#endif
 #include "fmu.h"
 #include <pthread.h>
-enum { MODE, SIZE, HEARD, SAID, GIVEN, BYTES, TAKEN };
-enum { ECHO, LARGE, NOTHING, LOGS, LOGS_FROM_THREADS };
+enum { MODE, SIZE, HEARD, SAID, GIVEN, BYTES, TAKEN, EVENTS_SEEN };
+enum { ECHO, LARGE, NOTHING, LOGS, LOGS_FROM_THREADS, GROWING };
 static char *large;
 static char heard[32][64];
 static void set_defaults(Model *m) { memset(m->value, 0, sizeof m->value), strcpy(heard[0], "hello"); }
@@ -18,7 +21,8 @@ static void *babble(void *model)
 }
 static int step(Model *m, double time, double h)
 {
-    (void)time, (void)h;
+    if ((int)m->value[MODE] == GROWING)
+        return m->value[SIZE] = 1.0 + (int)(time + h), OK;
     if ((int)m->value[MODE] == LOGS)
         say(m, "the size #r1# is ##1, not #r99#", 7);
     pthread_t threads[4];
@@ -32,7 +36,7 @@ static const char *said(const Model *m)
 {
     if ((int)m->value[MODE] == NOTHING)
         return NULL;
-    if ((int)m->value[MODE] != LARGE)
+    if ((int)m->value[MODE] != LARGE && (int)m->value[MODE] != GROWING)
         return heard[0];
     const size_t size = (size_t)m->value[SIZE];
     large = realloc(large, size + 1);
@@ -63,4 +67,16 @@ EXPORT int fmi3SetBinary(void *m, const uint32_t *reference, size_t n, const siz
     ((Model *)m)->value[HEARD] = (double)*sizes;
     return n == 1 && count == 1 && *value && *reference == TAKEN ? OK : ERROR;
 }
+#endif
+#ifdef EVENTS
+EXPORT int fmi3EnterEventMode(void *m) { return (void)m, OK; }
+EXPORT int fmi3UpdateDiscreteStates(void *m, bool *again, bool *ends, bool *nominals, bool *states, bool *has_next,
+                                    double *next)
+{
+    ((Model *)m)->value[EVENTS_SEEN] += 1;
+    *again = *ends = *nominals = *states = *has_next = false;
+    *next = 0;
+    return OK;
+}
+EXPORT int fmi3EnterStepMode(void *m) { return (void)m, OK; }
 #endif

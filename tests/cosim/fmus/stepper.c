@@ -1,11 +1,12 @@
 /* FMI 1 and 2: y is the time stepped over, sum the integral of u along its slope; how a step ends is up to *mode*.
- * A step of more than *most* seconds is made in part, or not at all, or asynchronously. */
+ * A step of more than *most* seconds is made in part, or not at all, or asynchronously; ALWAYS_CALLS_BACK makes every
+ * third step at once and calls back all the same. */
 #define _POSIX_C_SOURCE 200809L
 #include "fmu.h"
 #include <pthread.h>
 #include <time.h>
-enum { MODE, MOST, U, Y, STEPS, SUM, REACHED, SLOPE, ASKED };
-enum { WHOLE, IN_PART, STUCK, WANTS_TO_END, ASKED_FOR, CALLS_BACK, FAILS_LATE };
+enum { MODE, MOST, U, Y, STEPS, SUM, REACHED, SLOPE, ASKED, LATER };
+enum { WHOLE, IN_PART, STUCK, WANTS_TO_END, ASKED_FOR, CALLS_BACK, FAILS_LATE, ALWAYS_CALLS_BACK, BEYOND };
 enum { PENDING = 5 };
 static void set_defaults(Model *m) { memset(m->value, 0, sizeof m->value), m->value[MOST] = 1.0; }
 static int reset(Model *m) { return set_defaults(m), OK; }
@@ -20,20 +21,32 @@ static void *finish_later(void *model)
 {
     Model *m = model;
     nanosleep(&(struct timespec){0, 1000000}, NULL);
+    if ((int)m->value[MODE] == ALWAYS_CALLS_BACK)
+        advance(m, m->value[LATER]);
     m->finished(m->environment, (int)m->value[MODE] == FAILS_LATE ? ERROR : OK);
     return NULL;
 }
 static int step(Model *m, double time, double h)
 {
     const int mode = (int)m->value[MODE];
+    if (mode == ALWAYS_CALLS_BACK && (int)m->value[STEPS] % 3 == 0) {
+        advance(m, h);
+        m->finished(m->environment, OK);
+        return OK;
+    }
     if (mode == WHOLE || h <= m->value[MOST])
         return advance(m, h), OK;
     m->value[REACHED] = time + (mode == IN_PART ? m->value[MOST] : 0.0);
     if (mode == IN_PART)
         advance(m, m->value[MOST]);
-    if (mode <= WANTS_TO_END)
+    if (mode == BEYOND)
+        m->value[REACHED] = 1e300;
+    if (mode <= WANTS_TO_END || mode == BEYOND)
         return DISCARD;
-    advance(m, h);
+    if (mode == ALWAYS_CALLS_BACK)
+        m->value[LATER] = h;
+    else
+        advance(m, h);
     m->value[ASKED] = 0;
     pthread_t thread;
     if (mode != ASKED_FOR && (pthread_create(&thread, NULL, finish_later, m) != 0 || pthread_detach(thread) != 0))

@@ -341,6 +341,14 @@ def test_a_mapping_renames_transforms_and_leaves_out_what_it_does_not_name(tmp_p
     assert starts(tmp_path, description(elements(one(prefixed)))) == {"gain": {"k": 2.0}}
 
 
+def test_what_is_written_into_another_file_need_not_say_its_version(tmp_path):
+    # OMSimulator writes mappings like this.
+    values, rules = parameter_set("stiffness Real 2"), mapping(entry("stiffness", "k"))
+    without = bindings(binding(*(text.replace(' version="1.0"', "") for text in (values, rules))))
+    assert "version" not in without
+    assert starts(tmp_path, description(elements(one(without)))) == {"gain": {"k": 2.0}}
+
+
 def test_a_value_of_a_systems_connector_goes_where_it_is_connected(tmp_path):
     inner = (
         f'<ssd:System name="s">{connectors("parameter stiffness")}'
@@ -549,6 +557,21 @@ def test_whole_arrays_and_single_values_are_connected(tmp_path):
         ("source.y[2]", "sink.w"),
         ("source.z", "sink.u[3]"),
     ]
+
+
+def test_values_of_an_array_that_nothing_arrives_at_keep_what_they_are_given(tmp_path):
+    given = bindings(binding(parameter_set("u[1] Real 4", "u[2] Real 5", "u[3] Real 6", "w Real 7")))
+    inner = [component("source", "output y", "output z"), component("sink", "input u", "input w", more=given)]
+    placed = connections(connection("source.z", "sink.u", endIndices="1"), connection("source.z", "sink.w"))
+    found = resolved(tmp_path, description(elements(*inner) + placed, version="2.0"), ARRAYS)
+    assert dict(found.structure.element("sink").start) == {"u[2]": 5.0, "u[3]": 6.0}
+
+
+@pytest.mark.parametrize("number", ["NaN", "INF", "-INF"])
+def test_a_start_value_is_finite(tmp_path, number):
+    given = bindings(binding(parameter_set(f"k Real {number}")))
+    (found,) = problems(tmp_path, description(elements(component("gain", "input u", more=given))), REAL)
+    assert f"gain.k: '{number}' is no number that an FMU can begin with" in found
 
 
 @pytest.mark.parametrize(

@@ -109,6 +109,16 @@ def test_what_is_written_is_valid(tmp_path):
     require_valid(written(tmp_path, system))
 
 
+def test_the_start_values_of_all_components_are_sets_of_one_name(tmp_path):
+    # Some programs take the name of the sets to apply, and only one.
+    one = plant(tmp_path)
+    parts = tuple(element(name, one, start={"k": value}) for name, value in (("a", 3.0), ("b", 4.0)))
+    root = etree.fromstring(text_of(written(tmp_path, SystemStructure("s", parts, ()))).encode())
+    names = [found.get("name") for found in root.iter("{*}ParameterSet")]
+    assert len(names) == 2
+    assert len(set(names)) == 1
+
+
 def test_what_is_written_is_read_as_the_same_system(tmp_path):
     system, one = full_system(tmp_path)
     again = read_again(tmp_path, written(tmp_path, system), one)

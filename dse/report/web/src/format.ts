@@ -30,6 +30,21 @@ export function columnText(values: Float64Array): (value: number) => string {
   };
 }
 
+// Of a value with an error bar; a bar below them is rounding.
+const MOST_DIGITS = 10;
+
+/** A value and its error bar of two digits, the value to the bar's last digit; `text` is for what has no bar. */
+export function checked(value: number, error: number | null, text: (value: number) => string): string {
+  if (error === null || !Number.isFinite(value)) return text(value);
+  const sign = " \u00b1\u202f";
+  if (Number.isNaN(error)) return `${text(value)}${sign}?`;
+  if (error === 0 || error === Infinity) return text(value) + sign + number(error);
+  const decimals = 1 - Math.floor(Math.log10(error));
+  const digits = decimals + Math.floor(Math.log10(Math.max(Math.abs(value), error))) + 1;
+  if (decimals < 0 || digits > MOST_DIGITS) return number(value, MOST_DIGITS) + sign + number(error, 2);
+  return minus(value.toFixed(decimals)) + sign + error.toFixed(decimals);
+}
+
 export function withUnit(text: string, unit: string): string {
   return unit ? `${text}\u202f${unit}` : text;
 }

@@ -1,6 +1,6 @@
 // The selected run: its parameters, its metrics against the thresholds, and its parameters as YAML.
 import { el } from "../dom";
-import { number, withUnit } from "../format";
+import { checked, number, withUnit } from "../format";
 import type { Store } from "../store";
 import type { Study } from "../study";
 import { CLASSES, margin, SIGNS, WORDS, type Threshold } from "../verdicts";
@@ -80,7 +80,7 @@ function metricsTable(store: Store, run: number): HTMLElement {
     const value = metric.values[run]!;
     const bound = study.requirements.flatMap((requirement, place) => (requirement.metric === index ? [place] : []));
     const error = study.done[run] ? (metric.error?.[run] ?? null) : null;
-    const shown = study.done[run] ? withUnit(metric.text(value) + plusMinus(error), metric.unit) : "\u2013";
+    const shown = study.done[run] ? withUnit(checked(value, error, metric.text), metric.unit) : "\u2013";
     const name = el("th", { scope: "row", title: metric.name }, metric.title);
     if (!bound.length) {
       body.append(el("tr", {}, name, el("td", {}, shown), el("td"), el("td"), el("td")));
@@ -120,10 +120,6 @@ export function bounds({ atMost, atLeast }: Threshold, unit: string): string {
   if (atLeast !== null) parts.push(`\u2265\u202f${number(atLeast)}`);
   if (atMost !== null) parts.push(`\u2264\u202f${number(atMost)}`);
   return withUnit(parts.join(" and "), unit);
-}
-
-function plusMinus(error: number | null): string {
-  return error === null ? "" : ` \u00b1\u202f${Number.isNaN(error) ? "?" : number(error, 2)}`;
 }
 
 function signed(value: number, unit: string): string {

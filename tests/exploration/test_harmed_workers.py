@@ -1,0 +1,130 @@
+"""What a run does to its process costs this run at most: never another one, and never the study."""
+
+from __future__ import annotations
+
+import os
+import signal
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+from fake_executors import FakeBench, header_of, make_fake, study_of
+from test_worn_workers import explored
+
+from dse.domain.run import Outcome
+from dse.domain.study import Keep
+from dse.exploration import process
+from dse.exploration.explore import explore
+from dse.exploration.surroundings import Surroundings
+from dse.results.folder import StudyFolder
+
+pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="forks, signals, limits")
+
+BOTH = pytest.mark.parametrize("keep", [Keep.NONE, Keep.ALL])
+
+
+@BOTH
+@pytest.mark.parametrize("threads", [1, 2])
+def test_a_process_that_makes_a_copy_of_itself_stays_one_worker(tmp_path: Path, keep: Keep, threads: int) -> None:
+    bench = FakeBench("a", "forks", (7, 40, 41), seconds=0.0005)
+    study = study_of(levels=50, keep=keep)
+    summary, failures, kept = explored(tmp_path, study, bench, runs=2500, threads=threads)
+    assert failures == {}
+    assert (summary.simulated, summary.irreproducible, summary.kept) == (2500, 0, len(kept))
+
+
+@BOTH
+@pytest.mark.parametrize("levels", [5, 50])
+def test_a_run_that_writes_where_it_must_not_is_told_and_no_other_is(tmp_path: Path, keep: Keep, levels: int) -> None:
+    # 2,500 runs make chunks of 32, in which it shows only later that something was written.
+    bench = FakeBench("a", "scribbles", (7, 20), timeout=5)
+    summary, failures, kept = explored(tmp_path, study_of(levels=levels, keep=keep), bench, runs=levels**2)
+    assert failures == dict.fromkeys((7, 20), "wrote into a file that is not its own: the line to the study")
+    assert summary.irreproducible == 0
+    if keep is Keep.ALL:
+        assert {number for number, name in kept.items() if name} == set(range(levels**2)) - {7, 20}
+
+
+def test_nobody_waits_for_the_rest_of_a_message(tmp_path: Path) -> None:
+    bench = FakeBench("a", "stops in a message", (7,), timeout=0.5)
+    _, failures, _ = explored(tmp_path, study_of(), bench)
+    assert failures == {7: "no answer for 0.5 s in fake: fmi2DoStep of run 7"}
+
+
+@BOTH
+def test_runs_that_leave_files_open_have_their_worker_renewed_and_none_is_blamed(
+    tmp_path: Path, keep: Keep, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(process, "_MOST_HANDLES", 150)
+    bench = FakeBench("a", "leaks files", seconds=0.06)
+    summary, failures, kept = explored(tmp_path, study_of(keep=keep), bench)
+    assert failures == {}
+    assert summary.retried >= 1
+    assert summary.irreproducible == 0
+    if keep is Keep.ALL:
+        assert all(kept[number] for number in range(25))
+
+
+@pytest.fixture
+def few_files() -> Iterator[None]:
+    """Processes that are started from here can open only a few hundred files."""
+    import resource
+
+    soft, hard = resource.getrlimit(resource.RLIMIT_NOFILE)
+    resource.setrlimit(resource.RLIMIT_NOFILE, (400, hard))
+    yield
+    resource.setrlimit(resource.RLIMIT_NOFILE, (soft, hard))
+
+
+@pytest.mark.parametrize("mischief", ["leaves no file to open", "leaves few files to write"])
+@pytest.mark.parametrize("levels", [5, 50])
+def test_a_run_after_which_no_waveforms_can_be_written_is_told_and_no_other_is(
+    tmp_path: Path, mischief: str, levels: int, few_files: None
+) -> None:
+    bench = FakeBench("a", mischief, (7,))
+    study = study_of(levels=levels, keep=Keep.ALL)
+    summary, failures, kept = explored(tmp_path, study, bench, runs=levels**2)
+    assert set(failures) == {7}
+    assert ("open files" in failures[7]) is (mischief == "leaves no file to open")
+    assert summary.irreproducible == 0
+    assert {number for number, name in kept.items() if name} == set(range(levels**2)) - {7}
+
+
+@pytest.mark.parametrize("threads", [1, 2])
+def test_a_run_that_fails_as_others_have_used_up_all_files_is_made_again(
+    tmp_path: Path, few_files: None, threads: int
+) -> None:
+    # Run 7 is a good one and leaves no file to open, of which the ones after it die: in a process of their own.
+    bench = FakeBench("a", "fails after a greedy one", (7,))
+    _, failures, _ = explored(tmp_path, study_of(levels=50), bench, runs=2500, threads=threads)
+    assert failures == {}
+
+
+def test_a_configuration_that_cannot_be_loaded_as_files_are_used_up_is_loaded_by_another_process(
+    tmp_path: Path, few_files: None
+) -> None:
+    study = study_of(levels=2)
+    with StudyFolder.create(tmp_path, header_of(study, 8, ("a", "b"))) as folder:
+        prepared = {"a": FakeBench("a", "leaves no file to open", (3,)), "b": FakeBench("b")}
+        explore(study, prepared, folder, workers=1, make_executor=make_fake, on_progress=lambda progress: None)
+        assert [run.outcome for run in folder.table().runs()] == [Outcome.DONE] * 8
+
+
+def test_what_a_run_changes_for_new_files_is_put_back() -> None:
+    before = os.umask(0o022)
+    try:
+        surroundings = Surroundings()
+        os.umask(0o777)
+        surroundings.restore()
+        assert os.umask(0o022) == 0o022
+    finally:
+        os.umask(before)
+
+
+@pytest.mark.parametrize("timer", [signal.ITIMER_REAL, signal.ITIMER_VIRTUAL, signal.ITIMER_PROF])
+def test_an_alarm_does_not_outlast_the_run_that_set_it(timer: int) -> None:
+    surroundings = Surroundings()
+    signal.setitimer(timer, 100.0, 100.0)
+    surroundings.restore()
+    assert signal.getitimer(timer) == (0.0, 0.0)
