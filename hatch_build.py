@@ -117,3 +117,5 @@ def _check_web(root: Path) -> None:
 
 if __name__ == "__main__":
     _check_web(Path(__file__).parent)
+    if _needs_bundle(Path(__file__).parent):
+        _bundle(Path(__file__).parent / "dse" / "report" / "web")

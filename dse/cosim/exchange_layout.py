@@ -6,7 +6,7 @@ import ctypes
 from collections.abc import Mapping
 from typing import Any, ClassVar
 
-from dse.cosim.exchange_calls import ExchangeCall
+from dse.cosim.calls import Call
 
 STAGES, SAMPLES, DENSE = 8, 10, 4
 """Vectors of a step, of its looks at the indicators, of its dense output."""
@@ -43,19 +43,19 @@ class Refusal(ctypes.Structure):
     _fields_: ClassVar[_Fields] = [(name, ctypes.c_int64) for name in ("kind", "status", "position", "call")]
 
 
-FUNCTIONS: Mapping[str, ExchangeCall] = {
-    "enter_event_mode": ExchangeCall.ENTER_EVENT_MODE,
-    "update_discrete_states": ExchangeCall.UPDATE_DISCRETE_STATES,
-    "enter_continuous_time": ExchangeCall.ENTER_CONTINUOUS_TIME,
-    "set_time": ExchangeCall.SET_TIME,
-    "set_states": ExchangeCall.SET_CONTINUOUS_STATES,
-    "get_states": ExchangeCall.GET_CONTINUOUS_STATES,
-    "get_derivatives": ExchangeCall.GET_DERIVATIVES,
-    "get_indicators": ExchangeCall.GET_EVENT_INDICATORS,
-    "completed_step": ExchangeCall.COMPLETED_INTEGRATOR_STEP,
-    "get_nominals": ExchangeCall.GET_NOMINALS,
-    "count_states": ExchangeCall.GET_STATE_COUNT,
-    "count_indicators": ExchangeCall.GET_INDICATOR_COUNT,
+FUNCTIONS: Mapping[str, Call] = {
+    "enter_event_mode": Call.ENTER_EVENT_MODE,
+    "update_discrete_states": Call.UPDATE_DISCRETE_STATES,
+    "enter_continuous_time": Call.ENTER_CONTINUOUS_TIME,
+    "set_time": Call.SET_TIME,
+    "set_states": Call.SET_CONTINUOUS_STATES,
+    "get_states": Call.GET_CONTINUOUS_STATES,
+    "get_derivatives": Call.GET_DERIVATIVES,
+    "get_indicators": Call.GET_EVENT_INDICATORS,
+    "completed_step": Call.COMPLETED_INTEGRATOR_STEP,
+    "get_nominals": Call.GET_NOMINALS,
+    "count_states": Call.GET_STATE_COUNT,
+    "count_indicators": Call.GET_INDICATOR_COUNT,
 }
 """The fields that hold addresses of FMI functions."""
 

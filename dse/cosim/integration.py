@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import ctypes
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from dse.cosim.exchange_calls import INSTANTIATE, exchange_function
+from dse.cosim.calls import function_name
 from dse.cosim.exchange_layout import DENSE, FUNCTIONS, SAMPLES, STAGES, Exchange
 from dse.cosim.library import address
 from dse.domain.fmu import FmuModel
@@ -21,6 +21,9 @@ DEFAULT_TOLERANCE = 1e-6
 
 MOST_STIFF_STATES = 2000
 """An FMU with more states is integrated by the explicit solver only: the other one's matrices are dense."""
+
+_INSTANTIATE: Mapping[int, str] = {2: "fmi2Instantiate", 3: "fmi3InstantiateModelExchange"}
+"""The function that makes an instance, by FMI version."""
 
 REALS = frozenset({"Real", "Float64", "Float32"})
 """Types of states and event indicators."""
@@ -51,10 +54,10 @@ class Integration:
             n_kept=3 * n + m,
             state_references=self._take(np.array(exchange.states, np.uint32)),
             derivative_references=self._take(np.array(exchange.derivatives, np.uint32)),
-            instantiate=address(model, library, INSTANTIATE[model.version]),
+            instantiate=address(model, library, _INSTANTIATE[model.version]),
         )
         for field, call in FUNCTIONS.items():
-            if name := exchange_function(call, model.version):
+            if name := function_name(call, model.version):
                 setattr(structure, field, address(model, library, name))
         self._lay_out(n, m)
 

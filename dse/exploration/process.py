@@ -5,7 +5,6 @@ from __future__ import annotations
 import multiprocessing
 import os
 import socket
-import sys
 import time
 from collections import deque
 from collections.abc import Iterator
@@ -23,7 +22,7 @@ from dse.exploration.worker import work
 _TAIL = 2000
 _LARGEST_LOG = 4_000_000
 _PATIENCE = 5.0
-_MOST_HANDLES = 10_000
+_TURN = 1e-3
 
 
 @dataclass(slots=True)
@@ -65,7 +64,7 @@ class WorkerProcess:
 
     @property
     def sentinel(self) -> int:
-        """Ready when the process has ended."""
+        """Ready when the process has ended, or has written where it must not."""
         return self._process.sentinel
 
     @property
@@ -77,6 +76,14 @@ class WorkerProcess:
     def has_ended(self) -> bool:
         """Whether the process is no more."""
         return self._process.exitcode is not None
+
+    def ends_within(self, patience: float) -> bool:
+        """Whether the process ends in so many seconds."""
+        # Not by what `sentinel` is: the worker can write into it, and `Process.join` would then wait for ever.
+        until = time.monotonic() + patience
+        while not self.has_ended and time.monotonic() < until:
+            time.sleep(_TURN)
+        return self.has_ended
 
     def give(self, batch: Batch) -> None:
         """Hand over *batch*. If the worker is no longer there to take it, `reports` tells."""
@@ -123,13 +130,6 @@ class WorkerProcess:
         except psutil.Error:
             return 0
 
-    def handles(self) -> int:
-        """How many files and the like the process has open; 0 if it is no more."""
-        try:
-            return int(self._memory.num_handles() if sys.platform == "win32" else self._memory.num_fds())
-        except psutil.Error:
-            return 0
-
     def last_words(self, since: int = 0) -> str:
         """The end of what the process printed, after so many bytes."""
         with self._log.open("rb") as log:
@@ -153,8 +153,7 @@ class WorkerProcess:
 
     def bury(self) -> int:
         """Wait for the process to end, not for long, and free what belongs to it; its exit code, < 0 for a signal."""
-        self._process.join(_PATIENCE)
-        if self._process.exitcode is None:
+        if not self.ends_within(_PATIENCE):
             self.kill()
             self._process.join()
         code = self._process.exitcode or 0
@@ -163,13 +162,3 @@ class WorkerProcess:
         for heart in self._hearts:
             heart.close()
         return code
-
-
-def most_handles() -> int:
-    """How many files a worker may have open; the system lets it have a third more at least."""
-    if sys.platform == "win32":
-        return _MOST_HANDLES
-    import resource
-
-    soft, _ = resource.getrlimit(resource.RLIMIT_NOFILE)
-    return _MOST_HANDLES if soft == resource.RLIM_INFINITY else min(_MOST_HANDLES, soft * 3 // 4)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import errno
 import os
 import pickle
 import traceback
@@ -12,6 +11,7 @@ from dse.domain.run import Outcome, Run, RunRequest
 from dse.errors import DseError, FreshProcessNeeded
 from dse.exploration.heartbeat import Heartbeat, Phase
 from dse.exploration.job import Batch, Executor, Setup
+from dse.exploration.open_files import are_many_open
 from dse.exploration.surroundings import Surroundings
 
 
@@ -34,6 +34,7 @@ class Seat:
     def __init__(self, setup: Setup, heart: Heartbeat) -> None:
         self.runs = 0
         self.hurt = ""
+        self.has_many_open = False
         self._setup = setup
         self._heart = heart
         self._progress = heart.block
@@ -63,7 +64,7 @@ class Seat:
             bench = pickle.loads(bench_file(self._setup, batch.configuration).read_bytes())  # noqa: S301  # our supervisor's
             self._executor = self._setup.make_executor(bench, self._progress)
         except Exception as error:  # noqa: BLE001  # each of its runs fails, other configurations go on
-            self._spent |= self.runs > 0 and (isinstance(error, FreshProcessNeeded) or not can_open_files())
+            self._spent |= self.runs > 0 and (isinstance(error, FreshProcessNeeded) or are_many_open())
             self._problem = _in_words(error)
         self._leave_if_copied()
         self._surroundings.restore()
@@ -88,9 +89,11 @@ class Seat:
             run = failed_run(request, _in_words(error))
         self._leave_if_copied()
         self._surroundings.restore()
-        if run.outcome is Outcome.FAILED and not can_open_files():
-            self.hurt, self._spent = f"{run.problem}; there were too many open files", True
-            return None
+        if are_many_open():
+            self._spent = self.has_many_open = True
+            if run.outcome is Outcome.FAILED:
+                self.hurt = f"{run.problem}; there were too many open files"
+                return None
         return run
 
     def rest(self) -> None:
@@ -112,19 +115,6 @@ class Seat:
         # An FMU has made a copy of the process (fork) that went on: there must not be a second worker on the line.
         if os.getpid() != self._process:
             os._exit(0)
-
-
-OUT_OF_FILES = frozenset({errno.EMFILE, errno.ENFILE})
-"""What is wrong with a process, or the system, that has too many open files."""
-
-
-def can_open_files() -> bool:
-    """Whether this process may open another file."""
-    try:
-        os.close(os.open(os.devnull, os.O_RDONLY))
-    except OSError as error:
-        return error.errno not in OUT_OF_FILES
-    return True
 
 
 def _complete(run: Run, setup: Setup) -> Run:

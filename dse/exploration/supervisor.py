@@ -31,7 +31,7 @@ from dse.exploration.heartbeat import Phase
 from dse.exploration.inquest import Traces, cause_of, outside_of_runs, told, traces_of
 from dse.exploration.job import Batch, Bench, Report, Setup
 from dse.exploration.line import GarbledError
-from dse.exploration.process import Assignment, WorkerProcess, most_handles
+from dse.exploration.process import Assignment, WorkerProcess
 from dse.exploration.seat import bench_file, failed_run
 from dse.results.rows import RowBlock, block_of
 from dse.results.waveforms import file_name
@@ -46,6 +46,9 @@ MOST_FRUITLESS_DEATHS = 3
 """Workers that may die in a row outside of any run before the exploration is given up."""
 
 _LOOK_EVERY = 0.05
+
+_LAST_BREATH = 2.0
+"""Seconds a process needs at most to be gone when its files are closed already."""
 
 _SCRIBBLED = "wrote into a file that is not its own: the line to the study"
 
@@ -84,7 +87,6 @@ class Supervisor:
         self._deadly: dict[str, list[str]] = {}
         self._looked = 0.0
         self._spare = count(1 << 40)
-        self._most_handles = most_handles()
 
     @property
     def retried(self) -> int:
@@ -172,7 +174,12 @@ class Supervisor:
         ready = wait([*lines, *(worker.sentinel for worker in self._workers)], _LOOK_EVERY)
         for worker in list(self._workers):
             # Dead is dead, even if something the worker started still holds the far end of its pipe.
-            if not self._receive(worker) or worker.sentinel in ready:
+            if not self._receive(worker):
+                self._bury(worker)
+            elif worker.sentinel in ready:
+                if not worker.ends_within(_LAST_BREATH):
+                    worker.offence = _SCRIBBLED
+                self._receive(worker)
                 self._bury(worker)
 
     def _receive(self, worker: WorkerProcess) -> bool:
@@ -231,9 +238,6 @@ class Supervisor:
             if worker.resident() > limit:
                 self._receive(worker)
                 self._bury(worker, f"grew beyond {limit / 1e9:.3g} GB of memory", again=worker.useful)
-            elif worker.handles() > self._most_handles:
-                self._receive(worker)
-                self._bury(worker, f"has more than {self._most_handles} open files", again=worker.useful)
             elif worker.has_ended:
                 # What it has started may hold on to what tells of its end.
                 self._receive(worker)

@@ -13,7 +13,7 @@ import sys
 import threading
 import time
 from collections.abc import Sequence
-from multiprocessing import parent_process
+from multiprocessing import parent_process, resource_tracker
 from pathlib import Path
 from typing import NoReturn
 
@@ -22,7 +22,8 @@ from dse.exploration.crew import are_spent, simulate
 from dse.exploration.heartbeat import Heartbeat, Phase
 from dse.exploration.job import Batch, Report, Setup
 from dse.exploration.line import receive, send
-from dse.exploration.seat import OUT_OF_FILES, Seat
+from dse.exploration.open_files import OUT_OF_FILES, SpareFiles
+from dse.exploration.seat import Seat
 from dse.results.rows import block_of
 from dse.results.waveforms import write_waveforms
 
@@ -39,6 +40,8 @@ def work(line: socket.socket, setup: Setup, heartbeat: Path, log: Path) -> None:
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     threading.Thread(target=_leave_with_parent, daemon=True).start()
     _print_to(log)
+    _let_go_of_the_tracker()
+    spare = SpareFiles()
     hearts = [Heartbeat(heartbeat, seat) for seat in range(setup.threads)]
     seats = [Seat(setup, heart) for heart in hearts]
     if setup.threads > 1:
@@ -50,7 +53,7 @@ def work(line: socket.socket, setup: Setup, heartbeat: Path, log: Path) -> None:
         while (batch := receive(line)) is not None:
             if _is_too_much(batch, seats):
                 _retire(line, Report(batch.identity, retired=True))
-            _carry_out(batch, seats, line, setup, hearts[0])
+            _carry_out(batch, seats, line, setup, hearts[0], spare)
             hearts[0].beat(Phase.WAITING)
         for seat in seats:
             seat.clear()
@@ -67,7 +70,10 @@ def _is_too_much(batch: Batch, seats: Sequence[Seat]) -> bool:
     return left is not None and left < len(batch.numbers)
 
 
-def _carry_out(batch: Batch, seats: Sequence[Seat], line: socket.socket, setup: Setup, heart: Heartbeat) -> None:
+def _carry_out(
+    batch: Batch, seats: Sequence[Seat], line: socket.socket, setup: Setup, heart: Heartbeat, spare: SpareFiles
+) -> None:
+    is_fresh = not any(seat.runs for seat in seats)
     runs: list[Run] = []
     wall: list[float] = []
     kept: list[tuple[int, Waveforms]] = []
@@ -83,11 +89,15 @@ def _carry_out(batch: Batch, seats: Sequence[Seat], line: socket.socket, setup: 
             send(line, Report(batch.identity, block_of(runs, wall, setup.metrics, setup.requirements)))
             runs, wall, sent = [], [], time.perf_counter()
     hurt = next((seat.hurt for seat in seats if seat.hurt), "")
+    if done < len(batch.numbers) and batch.keep and is_fresh and any(seat.has_many_open for seat in seats):
+        # No other process would come to the end of it either.
+        hurt = hurt or "too many open files"
     if done < len(batch.numbers) or hurt:
         block = block_of(runs, wall, setup.metrics, setup.requirements) if runs else None
         _retire(line, Report(batch.identity, block, retired=not hurt, hurt=hurt))
     if kept:
         heart.beat(Phase.WRITING, batch.identity)
+        spare.give()
         try:
             # Threads finish in any order.
             write_waveforms(setup.waveforms / batch.file, sorted(kept, key=lambda entry: entry[0]))
@@ -97,6 +107,7 @@ def _carry_out(batch: Batch, seats: Sequence[Seat], line: socket.socket, setup: 
                 _retire(line, Report(batch.identity, hurt=problem))
             send(line, Report(batch.identity, broken=problem))
             return
+        spare.take()
     block = block_of(runs, wall, setup.metrics, setup.requirements) if runs else None
     report = Report(batch.identity, block, ended=True, kept=tuple(sorted(n for n, _ in kept)), retired=are_spent(seats))
     if report.retired:
@@ -108,6 +119,16 @@ def _retire(line: socket.socket, report: Report) -> NoReturn:
     send(line, report)
     # At once: an FMU that must not be called any more could be, by what its library does at the end of a process.
     os._exit(0)
+
+
+def _let_go_of_the_tracker() -> None:
+    # A helper process of multiprocessing, of no use here: whatever an FMU wrote to it would appear on the terminal.
+    if sys.platform != "win32":
+        tracker = resource_tracker.getfd()
+        nowhere = os.open(os.devnull, os.O_WRONLY)
+        if tracker is not None:
+            os.dup2(nowhere, tracker)
+        os.close(nowhere)
 
 
 def _leave_with_parent() -> None:

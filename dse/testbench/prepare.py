@@ -137,7 +137,7 @@ def _prepare(
         constants,
         method,
         facts,
-        is_thread_safe(system, facts, parts),
+        is_thread_safe(system, facts, parts, cache=cache),
     )
 
 

@@ -16,6 +16,7 @@ from dse.domain.fmu import FmuModel
 from dse.domain.system import SystemStructure
 from dse.fmu.cache import cache_folder, keep_file
 from dse.fmu.platforms import this_platform
+from dse.fmu.statics import shares_nothing
 
 
 def known_facts(model: FmuModel, *, cache: Path | None = None) -> FmuFacts | None:
@@ -43,13 +44,19 @@ def facts_of(system: SystemStructure, *, cache: Path | None = None) -> dict[str,
     return {e.name: known[_key(e.model)] for e in system.elements if _key(e.model) in known}
 
 
-def is_thread_safe(system: SystemStructure, facts: Mapping[str, FmuFacts], parts: Mapping[str, Component]) -> bool:
+def is_thread_safe(
+    system: SystemStructure,
+    facts: Mapping[str, FmuFacts],
+    parts: Mapping[str, Component],
+    *,
+    cache: Path | None = None,
+) -> bool:
     """Whether *system* may be simulated several times at once in threads of one process.
 
-    Its FMUs were seen to bear it; or they are built from source here, so that instances share nothing, and nothing
-    else was seen. *parts* are the components by element.
+    Its FMUs were seen to bear it; or they are built from source here, without static variables, so that instances
+    share nothing, and nothing else was seen. *parts* are the components by element.
     """
-    return all(_bears_threads(e.model, facts.get(e.name), parts.get(e.name)) for e in system.elements)
+    return all(_bears_threads(e.model, facts.get(e.name), parts.get(e.name), cache) for e in system.elements)
 
 
 def consequences(facts: FmuFacts) -> tuple[str, ...]:
@@ -97,10 +104,11 @@ def _file(content: str, platform: str, interface: str, cache: Path | None) -> Pa
     return cache_folder(cache) / "facts" / f"{content[:32]}-{interface}-{platform}-{VERSION}.json"
 
 
-def _bears_threads(model: FmuModel, facts: FmuFacts | None, component: Component | None) -> bool:
+def _bears_threads(model: FmuModel, facts: FmuFacts | None, component: Component | None, cache: Path | None) -> bool:
     if model.capabilities.once_per_process:
         return False
     if facts is not None and facts.answer(Question.THREADS) is not Answer.UNKNOWN:
         limited = facts.denies(Question.RENEWS) or facts.denies(Question.LASTS)
         return facts.answer(Question.THREADS) is Answer.YES and not limited
-    return component is not None and isinstance(component.source, CSource | ModelicaSource)
+    from_source = component is not None and isinstance(component.source, CSource | ModelicaSource)
+    return from_source and shares_nothing(model, cache=cache)

@@ -5,11 +5,12 @@ from __future__ import annotations
 import math
 import os
 import signal
+import stat
 import struct
 import sys
 import threading
 import time
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
@@ -78,7 +79,7 @@ class FakeExecutor:
             time.sleep(bench.seconds)
         if bench.mischief == "leaks":
             hoard.append(bytearray(os.urandom(1)) * 50_000_000)
-        if bench.mischief == "leaks files":
+        if bench.mischief == "leaks files" and request.number in bench.when:
             for _ in range(20):
                 os.open(os.devnull, os.O_RDONLY)
         if bench.mischief == "tells its process":
@@ -131,7 +132,7 @@ class FakeExecutor:
             case "scribbles":
                 scribble(b"garbage garbage garbage ")
             case "stops in a message":
-                scribble(b"dse line")
+                scribble(b"dse line", only=stat.S_ISSOCK)
                 os.kill(os.getpid(), signal.SIGSTOP)
             case "leaves no file to open" | "fails after a greedy one":
                 use_up_files()
@@ -163,11 +164,12 @@ def use_up_files() -> None:
             os.dup(0)
 
 
-def scribble(content: bytes) -> None:
+def scribble(content: bytes, only: Callable[[int], bool] = lambda mode: True) -> None:
     """Write *content* to whatever is open, as what does not know its own files may do."""
     for handle in range(3, 64):
         with suppress(OSError):
-            os.write(handle, content)
+            if only(os.fstat(handle).st_mode):
+                os.write(handle, content)
 
 
 def waveforms(number: int) -> Waveforms:

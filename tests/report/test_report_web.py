@@ -30,3 +30,9 @@ def test_page_and_python_agree_on_what_the_numbers_mean() -> None:
     names = {"PASS": Mark.PASS, "FAIL": Mark.FAIL, "NOT_EXERCISED": Mark.NOT_EXERCISED, "FAILED": Mark.FAILED_TO_RUN}
     for name, mark in names.items():
         assert f"export const {name} = {int(mark)};" in verdicts
+
+
+def test_the_bundle_is_not_older_than_its_sources() -> None:
+    built = (WEB / "dist" / "report.js").stat().st_mtime
+    newer = [path.name for path in (WEB / "src").rglob("*") if path.is_file() and path.stat().st_mtime > built]
+    assert newer == [], "build it: make web"

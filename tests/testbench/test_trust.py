@@ -104,14 +104,13 @@ THEIRS = Component("theirs", Interface("", ()), source=FmuSource(Path("x.fmu")))
 @pytest.mark.parametrize(
     ("component", "known", "safe"),
     [
-        (OURS, None, True),
         (THEIRS, None, False),
         (THEIRS, facts(answers={Question.THREADS: Answer.YES}), True),
         (THEIRS, facts(answers={Question.THREADS: Answer.UNKNOWN}), False),
         (OURS, facts(answers={Question.THREADS: Answer.NO}), False),
         (THEIRS, facts(answers={Question.THREADS: Answer.YES, Question.LASTS: Answer.NO}), False),
     ],
-    ids=["ours", "theirs", "probed", "unclear", "ours, but seen to fail", "wears out"],
+    ids=["theirs", "probed", "unclear", "ours, but seen to fail", "wears out"],
 )
 def test_threads_are_for_fmus_that_bear_them(component: Component, known: FmuFacts | None, safe: bool):
     assert is_thread_safe(system(a=model()), {"a": known} if known else {}, {"a": component}) is safe

@@ -163,6 +163,15 @@ ANIMALS: Mapping[str, Animal] = {
         {"step": "feenableexcept(FE_INVALID | FE_DIVBYZERO);"}, (f"head: {HALF}", "floating-point mode")
     ),
     "forks": Animal({"step": "if (!fork()) sleep(2), _exit(0);"}),
+    "forks_and_goes_on": Animal({"step": "fork();"}),
+    "sets_an_alarm": Animal({"step": "alarm(1);"}),
+    "hides_its_files": Animal({"step": "umask(0777);"}, before="#include <sys/stat.h>"),
+    "scribbles": Animal(
+        {"step": "for (int i = 3; i < 64; i++) if (write(i, line, sizeof line) < 0) continue;"},
+        ("wrote into a file that is not its own",),
+        before='static const char line[] = "all work and no play";',
+    ),
+    "leaves_files_open": Animal({"step": "while (dup(0) >= 0) { }"}),
     "crashes_when_freed": Animal({"free": "if (a->real[BITES] == 1) abort();"}),
     "closes_files": Animal({"step": "for (int i = 3; i < 64; i++) close(i);"}, ("ended by itself (exit code 1)", HALF)),
 }

@@ -11,19 +11,7 @@ from dse.domain.component import Kind
 from dse.domain.fmu import UnitDefinition
 from dse.loading.xml_values import flag_of, whole_of
 from dse.system.ssp.structure import NamedUnit, SignalType, Transformation
-from dse.units import UnitError, counts_otherwise, is_rounded, parse_unit
-
-"""Relative difference up to which a factor may be the usual one, rounded."""
-
-_FACTS = {
-    "mass": "kg",
-    "length": "m",
-    "time": "s",
-    "current": "A",
-    "temperature": "K",
-    "substance": "mol",
-    "luminosity": "cd",
-}
+from dse.units import SI_SYMBOLS, UnitError, counts_otherwise, is_rounded, parse_unit
 
 
 class ConversionError(ValueError):
@@ -211,9 +199,9 @@ def _usual(name: str) -> UnitDefinition | None:
         known = parse_unit(name)
     except UnitError:
         return None
-    if any(base not in _FACTS or exponent.denominator != 1 for base, exponent in known.dimension):
+    if any(base not in SI_SYMBOLS or exponent.denominator != 1 for base, exponent in known.dimension):
         return None
-    exponents = {_FACTS[base]: int(exponent) for base, exponent in known.dimension}
+    exponents = {SI_SYMBOLS[base]: int(exponent) for base, exponent in known.dimension}
     return UnitDefinition(float(known.factor), float(known.offset), exponents)
 
 
