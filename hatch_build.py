@@ -16,7 +16,7 @@ _SUFFIX = {"win32": ".dll", "darwin": ".dylib"}.get(sys.platform, ".so")
 
 
 class CustomBuildHook(BuildHookInterface):  # type: ignore[type-arg]  # hatchling leaves its configuration type open
-    """Compiles dse/cosim/kernel.c and bundles dse/report/web, with the machine's tools or those from wheels."""
+    """Compiles dse/cosim/kernel and bundles dse/report/web, with the machine's tools or those from wheels."""
 
     def dependencies(self) -> list[str]:
         """Wheels that stand in for a C compiler or Node where the machine has none."""
@@ -52,9 +52,9 @@ def _machine_compiler() -> list[str] | None:
 
 def _compile_kernel(folder: Path) -> None:
     target = folder / f"_kernel{_SUFFIX}"
-    sources = [folder / "kernel.c"]
+    sources = [folder / "kernel" / "kernel.c"]
     shared = (folder.parent / "fmu" / "runtime").glob("*.h")
-    if not _is_stale(target, [*folder.glob("*.c"), *folder.glob("*.h"), *shared]):
+    if not _is_stale(target, [*(folder / "kernel").glob("*.c"), *(folder / "kernel").glob("*.h"), *shared]):
         return
     compiler = _machine_compiler() or [sys.executable, "-m", "ziglang", "cc"]
     scratch = target.with_suffix(".tmp")

@@ -4,13 +4,17 @@ from __future__ import annotations
 
 import json
 
+import pytest
 
+
+@pytest.mark.thorough
 def test_a_fused_configuration_gives_the_same_metrics(dse):
     plain, fused = (dse("simulate", "acc_following", "--format", "json", *more) for more in ([], ["--fuse"]))
     assert fused.returncode == 0, fused.stderr
     assert json.loads(fused.stdout) == json.loads(plain.stdout)
 
 
+@pytest.mark.thorough
 def test_a_fused_study_fills_the_same_table(dse, explored, tmp_path):
     done = dse("explore", "small", "--fuse", "-o", str(tmp_path / "fused"))
     assert done.returncode == 0, done.stderr

@@ -288,6 +288,7 @@ def test_a_foreign_package_and_its_variants_are_simulated(foreign, dse_in, tmp_p
         assert data["signals"]["level"]["end"] == pytest.approx(np.exp(-rate), abs=(0.1 * rate) ** 5)
 
 
+@pytest.mark.thorough
 def test_variants_become_benches_of_one_design(foreign, dse_in, tmp_path):
     done = dse_in(tmp_path, "import", "ssp", "foreign.ssp", "work")
     assert done.returncode == 0, done.stderr

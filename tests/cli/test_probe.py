@@ -78,6 +78,7 @@ def test_what_was_found_is_taken_from_the_cache_until_it_is_asked_for_again(tmp_
     assert again[0]["answers"]["resets"] == "yes"
 
 
+@pytest.mark.thorough
 def test_an_fmu_that_does_not_run_is_told_of_and_the_next_one_is_probed(tmp_path: Path):
     bad, good = odd_fmu(tmp_path, "INITIALIZATION_HANGS"), odd_fmu(tmp_path)
     done = probe(tmp_path, str(bad), str(good), "--timeout", "1")
@@ -96,6 +97,7 @@ def test_what_is_not_there_is_a_located_problem(tmp_path: Path, name: str, messa
     assert "Traceback" not in done.stderr
 
 
+@pytest.mark.thorough
 def test_a_component_of_the_workspace_is_built_and_probed(tmp_path: Path):
     done = probe(tmp_path, "pd_acc", "--format", "json")
     assert done.returncode == 0, done.stderr
@@ -105,6 +107,7 @@ def test_a_component_of_the_workspace_is_built_and_probed(tmp_path: Path):
     ) | {"feeds through": "?", "saves": "?", "serializes": "?"}
 
 
+@pytest.mark.thorough
 def test_threads_give_the_same_study_as_processes(dse, explored: Path, tmp_path: Path):
     done = dse("explore", "small", "-o", str(tmp_path / "threads"), "--workers", "1", "--threads", "2")
     assert done.returncode == 0, done.stderr

@@ -10,7 +10,7 @@ from hypothesis import HealthCheck, event, given, settings
 from hypothesis import strategies as st
 from linear_fmus import Linear, system
 
-from dse.cosim.reference import run_reference
+from dse.cosim.oracle.reference import run_reference
 from dse.cosim.simulator import RunFailed, Simulator
 from dse.domain.method import Adaptive, Algorithm, Bond, Coupling, Extrapolation, Method
 from dse.errors import DseError

@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import pytest
 
-from dse.cosim.reference import run_reference
+from dse.cosim.oracle.reference import run_reference
 from dse.cosim.simulator import RunFailed, Simulator
 from dse.domain.method import Adaptive, Algorithm, Coupling, Extrapolation, Method
 

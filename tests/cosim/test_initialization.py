@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from linear_fmus import Linear, system
 
 from dse.cosim.dependency import Loop, Read, Write, doubtful_reads, order_of
-from dse.cosim.reference import run_reference
+from dse.cosim.oracle.reference import run_reference
 from dse.cosim.simulator import RunFailed, Simulator
 from dse.cosim.wiring import wire_up
 from dse.domain.method import Coupling, Method

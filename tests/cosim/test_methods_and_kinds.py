@@ -8,7 +8,7 @@ from functools import cache
 import pytest
 from reference_fmus import build
 
-from dse.cosim.reference import run_reference
+from dse.cosim.oracle.reference import run_reference
 from dse.cosim.simulator import Simulator
 from dse.cosim.wiring import wire_up
 from dse.domain.fmu import FmuModel

@@ -6,7 +6,7 @@ from time import perf_counter
 
 import pytest
 
-from dse.cosim.reference import run_reference
+from dse.cosim.oracle.reference import run_reference
 from dse.cosim.simulator import RunFailed, Simulator
 from dse.domain.method import PLAIN, Algorithm, Coupling, Method
 from dse.errors import DseError

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from dse.cosim.reference import run_reference
+from dse.cosim.oracle.reference import run_reference
 from dse.cosim.simulator import RunFailed, Simulator
 from dse.domain.fmu import Variable
 from dse.domain.system import Wire

@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from dse.cosim.reference import run_reference
+from dse.cosim.oracle.reference import run_reference
 from dse.cosim.simulator import RunFailed, Simulator
 from dse.cosim.trust import most_runs, refusals
 from dse.domain.facts import Answer, FmuFacts, Question

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from reference_fmus import build
 
-from dse.cosim.reference import run_reference
+from dse.cosim.oracle.reference import run_reference
 from dse.cosim.simulator import Simulator
 from dse.domain.fmu import FmiInterface
 from dse.domain.method import Algorithm, Coupling, Method

@@ -9,9 +9,9 @@ from ctypes import CDLL
 
 from dse.cosim.clock import end_of
 from dse.cosim.library import load
+from dse.cosim.oracle.element import ReferenceElement, Value
 from dse.cosim.probing.drive import Drive, driven, watched
 from dse.cosim.probing.journal import Journal
-from dse.cosim.reference_element import ReferenceElement, Value
 from dse.domain.fmu import FmuModel
 from dse.domain.system import Element
 

@@ -1,4 +1,4 @@
-/* What the co-simulation kernel and a fused loop say to each other. dse/cosim/kernel.c includes this file, too.
+/* What the co-simulation kernel and a fused loop say to each other. dse/cosim/kernel/kernel.c includes this file, too.
  *
  * A fused library holds the components of one system and one loop over them that knows their structs, the connections
  * and what is recorded. Everything outside of the loop goes through the components' FMI functions as always.

@@ -3,8 +3,8 @@
 #ifndef DSE_COSIM_EXCHANGE_STIFF_H
 #define DSE_COSIM_EXCHANGE_STIFF_H
 
-#include "../fmu/runtime/linear.h"
-#include "../fmu/runtime/rosenbrock_tableau.h"
+#include "../../fmu/runtime/linear.h"
+#include "../../fmu/runtime/rosenbrock_tableau.h"
 #include "exchange_explicit.h"
 
 #include <float.h>

@@ -24,8 +24,8 @@ from dse.cosim.calls import (
     type_of,
 )
 from dse.cosim.failure import RunFailed, place
-from dse.cosim.instance_handle import Handle
 from dse.cosim.library import find
+from dse.cosim.oracle.handle import Handle
 from dse.domain.fmu import FmiInterface, Variable
 
 _FMI2_TYPES = {FmiInterface.MODEL_EXCHANGE: 0, FmiInterface.CO_SIMULATION: 1}

@@ -15,8 +15,8 @@ from dse.cosim.check import OwnStep, extrapolation_of
 from dse.cosim.conversion import carried
 from dse.cosim.dependency import Loop, Read, Step, doubtful_reads, order_of
 from dse.cosim.failure import RunFailed
+from dse.cosim.oracle.newton import NoSolution, newton, same_bits
 from dse.cosim.plan import DISCRETE_WALKS, declared_nominal, nominal_of
-from dse.cosim.reference_newton import NoSolution, newton, same_bits
 from dse.cosim.wiring import Wiring, links_of
 from dse.domain.method import Adaptive, Algorithm, Coupling, Extrapolation, Method
 

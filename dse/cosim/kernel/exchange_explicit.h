@@ -2,7 +2,7 @@
 #ifndef DSE_COSIM_EXCHANGE_EXPLICIT_H
 #define DSE_COSIM_EXCHANGE_EXPLICIT_H
 
-#include "../fmu/runtime/dormand_prince_tableau.h"
+#include "../../fmu/runtime/dormand_prince_tableau.h"
 #include "exchange_crossings.h"
 
 /* How large an error of state *k* may be; the absolute part is what FMI 2.0.4 proposes where it speaks of nominals. */

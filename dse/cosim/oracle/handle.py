@@ -18,7 +18,8 @@ from dse.cosim.calls import (
     function_name,
 )
 from dse.cosim.failure import RunFailed, place
-from dse.cosim.instance_callbacks import (
+from dse.cosim.library import address, resources
+from dse.cosim.oracle.callbacks import (
     BETWEEN,
     FINISHED,
     Fmi1Callbacks,
@@ -27,7 +28,6 @@ from dse.cosim.instance_callbacks import (
     logger,
     memory,
 )
-from dse.cosim.library import address, resources
 from dse.domain.fmu import FmiInterface, FmuModel
 
 _FMI2_TYPES = {FmiInterface.MODEL_EXCHANGE: 0, FmiInterface.CO_SIMULATION: 1}

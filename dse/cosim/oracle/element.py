@@ -11,9 +11,9 @@ from dse.cosim import diagnosis
 from dse.cosim.abilities import Ability, takes_slopes
 from dse.cosim.calls import text_type_of
 from dse.cosim.conversion import inside, outside
-from dse.cosim.instance import Instance
-from dse.cosim.instance_steps import make_step
-from dse.cosim.reference_exchange import ReferenceExchange
+from dse.cosim.oracle.exchange import ReferenceExchange
+from dse.cosim.oracle.instance import Instance
+from dse.cosim.oracle.steps import make_step
 from dse.cosim.starts import starts_of
 from dse.cosim.wiring import groups_by_type, is_discrete_input, moves_within_steps
 from dse.domain.fmu import FmiInterface, Variable
