@@ -33,6 +33,7 @@ from dse.exploration.job import Batch, Bench, Report, Setup
 from dse.exploration.line import GarbledError
 from dse.exploration.process import Assignment, WorkerProcess
 from dse.exploration.seat import bench_file, failed_run
+from dse.exploration.worker import LINE_CLOSED
 from dse.results.rows import RowBlock, block_of
 from dse.results.waveforms import file_name
 
@@ -46,6 +47,8 @@ MOST_FRUITLESS_DEATHS = 3
 """Workers that may die in a row outside of any run before the exploration is given up."""
 
 _LOOK_EVERY = 0.05
+
+_CLOSED = "closed files that are not its own: the line to the study"
 
 _LAST_BREATH = 2.0
 """Seconds a process needs at most to be gone when its files are closed already."""
@@ -250,11 +253,13 @@ class Supervisor:
         """
         self._workers.remove(worker)
         traces = traces_of(worker)
-        suspect = worker.assignments[0] if worker.offence and worker.assignments else None
-        offence = worker.offence or offence
-        if offence:
+        if offence or worker.offence:
             worker.kill()
         code = worker.bury()
+        if code == LINE_CLOSED:
+            worker.offence = worker.offence or _CLOSED
+        suspect = worker.assignments[0] if worker.offence and worker.assignments else None
+        offence = worker.offence or offence
         cause = offence or cause_of(code)
         if traces.loading and not suspect:
             place = self._benches[traces.loading].describe_progress(traces.progress)

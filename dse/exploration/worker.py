@@ -30,6 +30,9 @@ from dse.results.waveforms import write_waveforms
 _SEND_EVERY = 0.1
 _TURN = 1e-4
 
+LINE_CLOSED = 117
+"""Exit code of a worker whose line was closed behind its back."""
+
 _HARMED = OUT_OF_FILES | {errno.EFBIG}
 """What another process would not be told when it writes a file: a run has used up or changed the limits of this one."""
 
@@ -59,6 +62,10 @@ def work(line: socket.socket, setup: Setup, heartbeat: Path, log: Path) -> None:
             seat.clear()
     except (EOFError, BrokenPipeError, ConnectionResetError):
         return
+    except OSError as error:
+        if error.errno not in (errno.EBADF, errno.ENOTSOCK):
+            raise
+        os._exit(LINE_CLOSED)
 
 
 def _is_too_much(batch: Batch, seats: Sequence[Seat]) -> bool:
@@ -135,8 +142,9 @@ def _leave_with_parent() -> None:
     # A simulation that hangs never comes back to the line to learn that nobody listens any more.
     parent = parent_process()
     if parent is not None:
+        before = os.getppid()
         parent.join()
-        os._exit(1)
+        os._exit(1 if os.getppid() != before or sys.platform == "win32" else LINE_CLOSED)
 
 
 def _print_to(log: Path) -> None:

@@ -121,7 +121,8 @@ def test_a_system_its_fmus_do_not_bear_is_refused_before_the_first_run(workspace
 def test_threads_are_taken_only_where_they_are_known_to_be_borne(workspace, tmp_path):
     study, cache = workspace.study("gains"), tmp_path / "cache"
     (ours,) = plan(study, cache=cache).prepared.values()
-    assert ours.thread_safe
-    know(plan(study, cache=cache), cache, {Question.THREADS: Answer.NO})
-    (probed,) = plan(study, cache=cache).prepared.values()
-    assert not probed.thread_safe
+    assert not ours.thread_safe  # its instances have a variable in common
+    for answer in (Answer.YES, Answer.NO):
+        know(plan(study, cache=cache), cache, {Question.THREADS: answer})
+        (probed,) = plan(study, cache=cache).prepared.values()
+        assert probed.thread_safe is (answer is Answer.YES)

@@ -173,7 +173,7 @@ ANIMALS: Mapping[str, Animal] = {
     ),
     "leaves_files_open": Animal({"step": "while (dup(0) >= 0) { }"}),
     "crashes_when_freed": Animal({"free": "if (a->real[BITES] == 1) abort();"}),
-    "closes_files": Animal({"step": "for (int i = 3; i < 64; i++) close(i);"}, ("ended by itself (exit code 1)", HALF)),
+    "closes_files": Animal({"step": "for (int i = 3; i < 64; i++) close(i);"}, ("closed files that are not its own",)),
 }
 
 

@@ -1,8 +1,8 @@
 """The loop over a system's components, as C: Jacobi with the connections, types, checks and recording compiled in.
 
 It does what the kernel's loop (dse/cosim/kernel/kernel.c) does by FMI calls, in the same order. Where one of those
-calls would be refused, or a value on a wire is not finite, and at the last communication point, it stops before anything
-is changed, and leaves the rest to FMI calls.
+calls would be refused, or a value on a wire is not finite, and at the last communication point, it stops before
+anything is changed, and leaves the rest to FMI calls.
 """
 
 from __future__ import annotations
