@@ -13,6 +13,7 @@ from dse.cosim.abilities import Ability, abilities_of, takes_slopes
 from dse.cosim.calls import Call
 from dse.cosim.groups import GroupMaker, Place, Slot, in_place, parts_of, slots_of
 from dse.cosim.integration import Integration
+from dse.cosim.lasting import borrow, give_back
 from dse.cosim.library import about, lifecycle, load, resources
 from dse.cosim.log import expanded
 from dse.cosim.start_table import StartTable
@@ -36,10 +37,9 @@ class Tables:
         self.wiring = wiring
         elements = wiring.system.elements
         self.values = np.zeros(len(wiring.values), np.float64)
-        self._logs = [layout.Log() for _ in elements]
+        self.elements, self._logs = borrow(len(elements))
         self._block = _block(progress)
         self.libraries = {str(e.model.library): self._load(index, e) for index, e in enumerate(elements)}
-        self.elements = (layout.Element * len(elements))()
         self.abilities = tuple(abilities_of(e.model, self.libraries[str(e.model.library)]) for e in elements)
         are_plain = (_is_plain(e.model, able) for e, able in zip(elements, self.abilities, strict=True))
         self.plain = plain and not wiring.texts and all(are_plain)
@@ -128,6 +128,7 @@ class Tables:
         layout.kernel().dse_forget_texts(ctypes.byref(self.system))
         self.system.progress = None
         self._block = None
+        give_back(self.elements, self._logs)
 
     def publish(self, starts: Sequence[layout.Groups]) -> None:
         """Let the kernel know of all groups that have been made, and of those of start values."""

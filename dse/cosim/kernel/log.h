@@ -10,9 +10,13 @@
 /* Loggers of FMI 1.0 are not told whose line it is: it is the element's this thread is calling. */
 static _Thread_local const System *calling;
 
+static Log nobodys; /* of lines that come after their element is gone */
+
 static char *next_line(Log *log)
 {
     /* FMUs log from threads of their own: a line may be overwritten, never the memory beside it. */
+    if (!log)
+        log = &nobodys;
     return log->lines[__atomic_fetch_add(&log->count, 1, __ATOMIC_RELAXED) % LOG_LINES];
 }
 
