@@ -61,6 +61,8 @@ def is_thread_safe(
 
 def consequences(facts: FmuFacts) -> tuple[str, ...]:
     """What dse does with an FMU of which this is known, in words."""
+    if facts.denies(Question.RUNS):
+        return ("cannot be simulated as it stands",)
     said = []
     if facts.denies(Question.RESETS):
         said.append("is made anew before every run, never reset")

@@ -24,11 +24,10 @@ def failure_of(system, *, mode=0, at=0.5, start=None) -> RunFailed:
     if mode != STEP_FATAL:
         with pytest.raises(RunFailed) as slow:
             run_reference(system, ["car.y"], stop=1, step=0.1, start=start)
-        assert (slow.value.element, slow.value.time, slow.value.what) == (
-            fast.value.element,
-            fast.value.time,
-            fast.value.what,
+        seen, expected = (
+            (failed.value.element, failed.value.time, failed.value.what, failed.value.log) for failed in (slow, fast)
         )
+        assert seen == expected
     return fast.value
 
 

@@ -123,6 +123,11 @@ def test_an_fmu_that_can_be_instantiated_only_once_is_never_run_in_threads():
 
 def test_a_good_fmu_has_no_consequences_and_a_bad_one_has_each():
     assert consequences(facts(answers=dict.fromkeys(Question, Answer.YES))) == ()
-    bad = consequences(facts(answers=dict.fromkeys(Question, Answer.NO), instances=300))
+    answers = {**dict.fromkeys(Question, Answer.NO), Question.RUNS: Answer.YES}
+    bad = consequences(facts(answers=answers, instances=300))
     assert len(bad) == 6
     assert bad[-1] == "has its process renewed in time, as it died after 300 instances"
+
+
+def test_of_an_fmu_that_does_not_run_nothing_else_is_said():
+    assert consequences(facts(answers={Question.RUNS: Answer.NO})) == ("cannot be simulated as it stands",)

@@ -97,14 +97,20 @@ def _show(name: str, model: FmuModel, facts: FmuFacts) -> None:
     from rich.table import Table
     from rich.text import Text
 
+    from dse.domain.facts import Question
     from dse.testbench.trust import consequences
 
-    kind = f"FMI {model.version}, {model.interface}, {facts.steps} steps of {facts.step:.6g} s"
+    kind = f"FMI {model.version}, {model.interface}"
+    if not math.isnan(facts.step):
+        kind += f", {facts.steps} steps of {facts.step:.6g} s"
     console().print(Text.assemble((plain(name), "bold"), f"  {kind}"), soft_wrap=True)
     table = Table(box=None, pad_edge=False, show_header=False)
     for column in ("what", "answer", "detail"):
         table.add_column(column, no_wrap=column != "detail", overflow="fold")
-    for question, answer in facts.answers.items():
+    for question in Question:
+        if question not in facts.answers:
+            continue
+        answer = facts.answers[question]
         style = "" if str(question) in _GOOD_EITHER_WAY else _STYLES[str(answer)]
         table.add_row(f"  {_TITLES[str(question)]}", Text(str(answer), style), plain(_detail(facts, question)))
     for what, number in _measured(facts):

@@ -175,6 +175,19 @@ void dse_free(System *system)
     enter_call(system, 0, IDLE);
 }
 
+void dse_tell_line(void *environment, const char *name, int status, const char *category, const char *format, ...)
+{
+    (void)name, (void)status, (void)category;
+    char line[LOG_WIDTH];
+    va_list values;
+    if (!environment || !format)
+        return;
+    va_start(values, format);
+    vsnprintf(line, sizeof line, format, values);
+    va_end(values);
+    ((void (*)(const char *))environment)(line);
+}
+
 void dse_forget_texts(System *system)
 {
     forget_texts(system);

@@ -218,6 +218,11 @@ DSE_API int dse_run(System *system, const Request *request);
 /* Free every instance there is. */
 DSE_API void dse_free(System *system);
 
+/* A logger of FMI 2 for callers that cannot read a variable number of arguments: *environment* is a function that takes
+ * the finished line. */
+DSE_API void dse_tell_line(void *environment, const char *name, int status, const char *category, const char *format,
+                           ...);
+
 /* Free what was allocated for texts. */
 DSE_API void dse_forget_texts(System *system);
 

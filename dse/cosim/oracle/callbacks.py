@@ -7,7 +7,8 @@ from collections.abc import Callable
 from ctypes import POINTER, c_bool, c_char_p, c_double, c_int, c_size_t, c_void_p
 from typing import Any, ClassVar
 
-FMI2_LOG = ctypes.CFUNCTYPE(None, c_void_p, c_char_p, c_int, c_char_p, c_char_p)  # the values after it: unread
+FMI1_LOG = ctypes.CFUNCTYPE(None, c_void_p, c_char_p, c_int, c_char_p, c_char_p)  # the values after it: unread
+LINE = ctypes.CFUNCTYPE(None, c_char_p)
 FMI3_LOG = ctypes.CFUNCTYPE(None, c_void_p, c_int, c_char_p, c_char_p)
 FINISHED = ctypes.CFUNCTYPE(None, c_void_p, c_int)
 BETWEEN = ctypes.CFUNCTYPE(None, c_void_p, c_double, c_bool, c_bool, c_bool, c_bool, POINTER(c_bool), POINTER(c_double))
@@ -43,7 +44,13 @@ def at(function: Any) -> int | None:
 
 
 def logger(keep: Callable[[bytes | None], None], version: int) -> Any:
-    """A logger that hands each message to *keep*, as FMI *version* wants it."""
+    """A logger that hands each message to *keep*, as FMI *version* wants it.
+
+    For FMI 2 it is the function that the kernel's own logger is given as its environment: Python cannot read what
+    stands behind the format.
+    """
     if version == 3:  # FMI 3
         return FMI3_LOG(lambda _environment, _status, _category, message: keep(message))
-    return FMI2_LOG(lambda _environment, _name, _status, _category, message: keep(message))
+    if version == 2:  # FMI 2
+        return LINE(keep)
+    return FMI1_LOG(lambda _environment, _name, _status, _category, message: keep(message))

@@ -18,6 +18,7 @@ from dse.cosim.calls import (
     function_name,
 )
 from dse.cosim.failure import RunFailed, place
+from dse.cosim.layout import kernel
 from dse.cosim.library import address, resources
 from dse.cosim.oracle.callbacks import (
     BETWEEN,
@@ -122,7 +123,8 @@ class Handle:
         return make(name, token, where, _MIME_TYPE, 0.0, 0, 0, callbacks, 0)
 
     def _make_fmi2(self, function: str) -> Any:
-        callbacks = Fmi2Callbacks(*self._callbacks(), None)
+        line, *others = self._callbacks()
+        callbacks = Fmi2Callbacks(at(kernel().dse_tell_line), *others, line)
         self._keep = (*self._keep, callbacks)
         types = (c_char_p, c_int, c_char_p, c_char_p, POINTER(Fmi2Callbacks), c_int, c_int)
         name, token, where = self._words()
