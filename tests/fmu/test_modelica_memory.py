@@ -73,7 +73,7 @@ def lag(library: Path, **starts: float) -> Component:
 
 
 def start_of(component: Component, name: str, cache: Path) -> float:
-    return float(open_fmu(build(component, cache=cache), cache=cache).variables[name].start)
+    return float(open_fmu(build(component, cache=cache), cache=cache).variables[name].start[0])
 
 
 def test_another_start_value_asks_no_front_end_and_compiles_one_small_file(
