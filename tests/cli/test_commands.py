@@ -59,6 +59,7 @@ def test_reading_commands_import_neither_pandas_nor_matplotlib_nor_fmpy(example,
     assert done.stderr.strip() == "[]"
 
 
+@pytest.mark.thorough
 def test_check_counts_what_it_read(dse):
     done = dse("check")
     assert done.returncode == 0
@@ -66,6 +67,7 @@ def test_check_counts_what_it_read(dse):
     assert "3 studies" in done.stdout
 
 
+@pytest.mark.thorough
 def test_enumerate_counts_for_a_program(dse):
     counted = json.loads(dse("enumerate", "acc_vehicle", "--count", "--format", "json").stdout)
     listed = json.loads(dse("enumerate", "acc_vehicle", "--format", "json").stdout)
@@ -74,6 +76,7 @@ def test_enumerate_counts_for_a_program(dse):
     assert len({entry["id"] for entry in listed}) == len(listed)
 
 
+@pytest.mark.thorough
 def test_enumerate_lists_as_table_and_csv(dse):
     rows = list(csv.DictReader(io.StringIO(dse("enumerate", "acc_vehicle", "--format", "csv").stdout)))
     table = dse("enumerate", "acc_vehicle", "--limit", "3").stdout
@@ -81,6 +84,7 @@ def test_enumerate_lists_as_table_and_csv(dse):
     assert rows[3]["id"] not in table
 
 
+@pytest.mark.thorough
 def test_simulate_prints_metrics_and_verdicts_for_a_program(dse):
     done = dse("simulate", "acc_following", "--format", "json")
     data = json.loads(done.stdout)
@@ -90,18 +94,21 @@ def test_simulate_prints_metrics_and_verdicts_for_a_program(dse):
     assert {entry["verdict"] for entry in data["requirements"].values()} == {"pass"}
 
 
+@pytest.mark.thorough
 def test_simulate_draws_its_figures(dse, tmp_path):
     picture = tmp_path / "run.png"
     assert dse("simulate", "acc_following", "--plot", str(picture)).returncode == 0
     assert picture.read_bytes().startswith(b"\x89PNG")
 
 
+@pytest.mark.thorough
 def test_a_failed_requirement_gates(dse):
     settings = ["--set", "controller.kp_speed=4.5", "--set", "controller.kd_speed=0"]
     assert dse("simulate", "acc_following", *settings).returncode == 0
     assert dse("simulate", "acc_following", *settings, "--gate").returncode == 3
 
 
+@pytest.mark.thorough
 def test_a_setting_must_name_a_parameter_in_its_unit(dse):
     wrong = dse("simulate", "acc_following", "--set", "controller.kp_sped=1")
     assert wrong.returncode == 1
@@ -152,6 +159,7 @@ def test_one_worker_and_two_give_the_same_bytes(dse, explored, tmp_path):
     assert pages[0] == pages[1]
 
 
+@pytest.mark.thorough
 def test_another_study_does_not_overwrite_a_folder(dse, explored):
     done = dse("run", "acc_following", "-o", str(explored))
     assert done.returncode == 1
@@ -159,6 +167,7 @@ def test_another_study_does_not_overwrite_a_folder(dse, explored):
     assert "--fresh" in done.stderr
 
 
+@pytest.mark.thorough
 def test_results_come_in_every_format(dse, explored, tmp_path):
     rows = list(csv.DictReader(io.StringIO(dse("results", str(explored)).stdout)))
     runs = json.loads(dse("results", str(explored), "--format", "json").stdout)["runs"]
@@ -178,6 +187,7 @@ def test_the_report_is_one_file_made_without_simulating(dse, explored, tmp_path)
     assert "http-equiv" in text
 
 
+@pytest.mark.thorough
 def test_figures_are_drawn_in_every_format(dse, explored, tmp_path):
     for kind, start in (("png", b"\x89PNG"), ("svg", b"<?xml"), ("pdf", b"%PDF")):
         done = dse("figure", str(explored), "--format", kind, "-o", str(tmp_path / kind))
@@ -266,6 +276,7 @@ def test_a_bench_coarser_than_a_sample_time_is_refused(dse, example, tmp_path):
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="interrupts are sent otherwise there")
+@pytest.mark.thorough
 def test_an_interrupted_study_says_how_to_go_on(example, cache, tmp_path):
     study = (example / "testbenches" / "small.pet.yaml").read_text(encoding="utf-8")
     (example / "testbenches" / "long.pet.yaml").write_text(

@@ -21,6 +21,7 @@ def listed(dse, *options):
 
 
 @pytest.mark.parametrize("suffix", ["csv", "json", "jsonl", "parquet"])
+@pytest.mark.thorough
 def test_a_file_is_written_in_the_format_of_its_suffix(dse, tmp_path, suffix):
     target = tmp_path / f"out.{suffix}"
     done = dse("enumerate", "acc_vehicle", "-o", str(target))
@@ -39,6 +40,7 @@ def test_a_file_is_written_in_the_format_of_its_suffix(dse, tmp_path, suffix):
     assert f"{len(wanted)} configurations" in done.stdout
 
 
+@pytest.mark.thorough
 def test_a_condition_narrows_the_list_and_the_count(dse):
     condition = "sensor is lidar_905nm and sum(cost) <= 9000 EUR"
     wanted = [
@@ -56,6 +58,7 @@ def test_a_wrong_condition_is_located_in_the_option(dse):
     assert "lidar_905nm" in done.stderr
 
 
+@pytest.mark.thorough
 def test_a_sample_is_drawn_from_the_list_and_repeats_with_its_seed(dse):
     drawn = listed(dse, "--sample", "20", "--seed", "3")
     assert drawn == listed(dse, "--sample", "20", "--seed", "3") != listed(dse, "--sample", "20", "--seed", "4")
@@ -63,6 +66,7 @@ def test_a_sample_is_drawn_from_the_list_and_repeats_with_its_seed(dse):
     assert "20 drawn" in dse("enumerate", "acc_vehicle", "--sample", "20").stdout
 
 
+@pytest.mark.thorough
 def test_a_table_of_many_stops_and_says_so(dse, tmp_path, example):
     text = (example / "designs" / "acc_vehicle.yaml").read_text(encoding="utf-8")
     free = example / "designs" / "free.yaml"
@@ -97,6 +101,7 @@ def test_options_that_do_not_go_together_are_wrong_usage(dse, options, said):
     assert said in " ".join(done.stderr.split())
 
 
+@pytest.mark.thorough
 def test_an_unknown_suffix_and_an_unknown_set_are_named(dse, tmp_path):
     assert (
         "cannot tell the format of 'out.xlsx'"
@@ -105,6 +110,7 @@ def test_an_unknown_suffix_and_an_unknown_set_are_named(dse, tmp_path):
     assert "has no constraint set 'budgets'" in dse("enumerate", "acc_vehicle", "--off", "budgets").stderr
 
 
+@pytest.mark.thorough
 def test_the_graph_is_drawn_with_the_configuration(dse, tmp_path):
     target = tmp_path / "graph.svg"
     entry = listed(dse, "--limit", "1")[0]
@@ -148,6 +154,7 @@ def test_a_reader_that_goes_away_is_no_failure(example, options):
     assert (done.returncode, done.stderr) == (0, b"")
 
 
+@pytest.mark.thorough
 def test_a_count_under_a_condition_says_so(dse):
     options = ["enumerate", "acc_vehicle", "--count", "--where", "sensor is lidar_905nm"]
     assert "combinations are valid and meet the condition" in dse(*options).stdout

@@ -22,6 +22,7 @@ def test_a_fused_study_fills_the_same_table(dse, explored, tmp_path):
     assert json.loads(tables[0]) == json.loads(tables[1])
 
 
+@pytest.mark.thorough
 def test_build_fuse_makes_the_library_of_a_configuration(dse, tmp_path):
     wanted = json.loads(dse("simulate", "acc_following", "--format", "json").stdout)["configuration"]
     done = dse("build", "--fuse", "acc_following", "--configuration", wanted, "-o", str(tmp_path))

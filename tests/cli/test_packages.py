@@ -138,6 +138,7 @@ def test_a_package_is_simulated_as_it_says(dse, package):
     assert [line.split()[0] for line in done.stdout.splitlines()[4:]][:3] == ["drive.y", "first.x", "first.steps"]
 
 
+@pytest.mark.thorough
 def test_the_package_gives_what_the_bench_gives_bit_for_bit(workspace, dse_in, package, tmp_path):
     done = dse_in(workspace, "run", "ramped", "-o", str(tmp_path / "study"))
     assert done.returncode == 0, done.stderr
@@ -192,6 +193,7 @@ def test_import_and_export_again_gives_the_same_bytes(package, dse_in, imported,
     assert (tmp_path / "again.ssp").read_bytes() == package.read_bytes()
 
 
+@pytest.mark.thorough
 def test_an_imported_workspace_is_checked_and_simulated_at_once(dse_in, imported, simulated):
     done = dse_in(imported, "check")
     assert done.returncode == 0, done.stderr
@@ -208,6 +210,7 @@ def test_nothing_that_is_there_is_overwritten(package, dse_in, imported):
     assert "back/designs/ramped.yaml: the file is there already" in done.stderr
 
 
+@pytest.mark.thorough
 def test_waveforms_are_written_as_json_too_and_the_values_are_the_same(package, dse_in, tmp_path, simulated):
     target = tmp_path / "out.json"
     done = dse_in(package.parent, "simulate", package.name, "--step", "15.625 ms", "-o", str(target))
@@ -278,6 +281,7 @@ def foreign(tmp_path, dahlquist) -> Path:
     return pack(tmp_path / "foreign.ssp", files)
 
 
+@pytest.mark.thorough
 def test_a_foreign_package_and_its_variants_are_simulated(foreign, dse_in, tmp_path):
     for variant, rate in (("SystemStructure", 1.0), ("fast", 2.0)):
         done = dse_in(tmp_path, "simulate", "foreign.ssp", "--variant", variant, "--format", "json")
@@ -345,6 +349,7 @@ def rezipped(archive: bytes, target: Path) -> bytes:
     return target.read_bytes()
 
 
+@pytest.mark.thorough
 def test_what_a_workspace_has_no_words_for_is_refused_at_its_line(dse_in, tmp_path, dahlquist, tmp_path_factory):
     through = build("Feedthrough", 2, "CoSimulation", tmp_path_factory.mktemp("through")).read_bytes()
     text = elements(
@@ -387,6 +392,7 @@ def test_an_fmu_that_fails_is_named(dse_in, tmp_path, dahlquist):
     assert "resources/d.fmu/modelDescription.xml:1:1: there is neither <CoSimulation> nor" in done.stderr
 
 
+@pytest.mark.thorough
 def test_an_fmu_that_a_workspace_would_take_otherwise_is_refused(dse_in, tmp_path, tmp_path_factory):
     both = build("VanDerPol", 3, None, tmp_path_factory.mktemp("both")).read_bytes()
     part = component("v", "output x0").replace("source=", 'implementation="ModelExchange" source=')

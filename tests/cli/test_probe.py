@@ -53,6 +53,7 @@ def probe(folder: Path, *arguments: str) -> subprocess.CompletedProcess[str]:
     )
 
 
+@pytest.mark.thorough
 def test_the_answers_are_shown_with_what_follows_from_them(tmp_path: Path):
     fmu = odd_fmu(tmp_path, "KEEPS_PARAMETERS")
     done = probe(tmp_path, str(fmu))
@@ -63,6 +64,7 @@ def test_the_answers_are_shown_with_what_follows_from_them(tmp_path: Path):
     assert "  → is made anew before every run, never reset" in lines
 
 
+@pytest.mark.thorough
 def test_what_was_found_is_taken_from_the_cache_until_it_is_asked_for_again(tmp_path: Path):
     fmu = odd_fmu(tmp_path)
     first = json.loads(probe(tmp_path, str(fmu), "--format", "json").stdout)

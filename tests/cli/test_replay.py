@@ -43,6 +43,7 @@ def execute(folder, statement, *values):
         connection.commit()
 
 
+@pytest.mark.thorough
 def test_a_replayed_run_is_given_with_its_own_point(dse, explored):
     data = json.loads(dse("replay", str(explored), "8", "--format", "json").stdout)
     stored = json.loads(dse("results", str(explored), "--format", "json").stdout)["runs"][8]
@@ -67,6 +68,7 @@ def test_another_bound_is_not_the_same(dse, explored, workspace):
     assert "bit for bit" not in done.stderr
 
 
+@pytest.mark.thorough
 def test_another_fmu_is_not_the_same_even_if_it_gives_the_same(dse, explored, workspace):
     (source,) = workspace.parents[1].rglob("pd_acc.c")
     source.write_text(source.read_text(encoding="utf-8") + "\n/* another */\n", encoding="utf-8")
@@ -76,6 +78,7 @@ def test_another_fmu_is_not_the_same_even_if_it_gives_the_same(dse, explored, wo
     assert "bit for bit" not in done.stderr
 
 
+@pytest.mark.thorough
 def test_another_waveform_is_not_the_same(dse, folder):
     with StudyFolder.open(folder) as store:
         file = folder / "waveforms" / store.kept()[8]
@@ -90,6 +93,7 @@ def test_another_waveform_is_not_the_same(dse, folder):
     assert dse("replay", str(folder), "7").returncode == 0
 
 
+@pytest.mark.thorough
 def test_lost_waveforms_are_left_out_of_the_report_and_made_again(dse, folder, explored, tmp_path):
     shutil.rmtree(folder / "waveforms")
     with StudyFolder.open(folder) as store:

@@ -84,6 +84,7 @@ def test_the_blocks_are_a_workspace_without_a_mistake(dse):
     assert done.stdout.startswith("ok: 3 interfaces, 4 components, 1 design space, 1 test bench, 1 study")
 
 
+@pytest.mark.thorough
 def test_the_bench_of_the_document_runs_and_gives_every_metric_and_verdict(dse):
     done = dse("simulate", "speed_step", "--format", "json")
     assert done.returncode == 0, done.stderr
@@ -94,6 +95,7 @@ def test_the_bench_of_the_document_runs_and_gives_every_metric_and_verdict(dse):
     assert {judgement["verdict"] for judgement in run["requirements"].values()} == {"pass"}
 
 
+@pytest.mark.thorough
 def test_every_configuration_of_the_document_runs(dse, tmp_path):
     done = dse("run", "speed_step", "-o", str(tmp_path / "all"), "-j", "1")
     assert done.returncode == 0, done.stderr

@@ -23,6 +23,7 @@ def workspace(tmp_path, monkeypatch):
     monkeypatch.setenv("COLUMNS", "100")
 
 
+@pytest.mark.thorough
 def test_every_command_prints_what_is_shown(workspace, monkeypatch, capsys):
     shown = [text.partition("\n") for kind, text in BLOCK.findall(TEXT) if kind == "console"]
     assert len(shown) >= 10

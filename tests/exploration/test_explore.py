@@ -157,6 +157,7 @@ with StudyFolder.resume(Path({folder!r}), header_of(study, 288, ("a", "b"))) as 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="process groups")
 @pytest.mark.parametrize("keep", [Keep.NONE, Keep.ALL])
+@pytest.mark.thorough
 def test_killed_at_once_with_all_its_workers_it_later_runs_only_what_is_missing(tmp_path: Path, keep: Keep) -> None:
     # The script has no main guard, and its process no importable main module: workers start all the same.
     here = Path(__file__).parent

@@ -25,6 +25,7 @@ BOTH = pytest.mark.parametrize("keep", [Keep.NONE, Keep.ALL])
 
 @BOTH
 @pytest.mark.parametrize("threads", [1, 2])
+@pytest.mark.thorough
 def test_a_process_that_makes_a_copy_of_itself_stays_one_worker(tmp_path: Path, keep: Keep, threads: int) -> None:
     bench = FakeBench("a", "forks", (7, 40, 41), seconds=0.0005)
     study = study_of(levels=50, keep=keep)
@@ -65,6 +66,7 @@ def few_files() -> Iterator[None]:
 @BOTH
 @pytest.mark.parametrize("levels", [5, 50])
 @pytest.mark.parametrize("mischief", ["leaks files", "leaves no file to open"])
+@pytest.mark.thorough
 def test_runs_that_leave_files_open_have_their_worker_renewed_and_none_is_blamed(
     tmp_path: Path, keep: Keep, mischief: str, levels: int, few_files: None
 ) -> None:

@@ -130,6 +130,7 @@ def test_workers_that_die_before_any_run_end_the_exploration(tmp_path: Path) -> 
 
 
 @pytest.mark.parametrize("workers", [1, 2])
+@pytest.mark.thorough
 def test_a_configuration_that_kills_workers_while_it_is_loaded_fails_alone(workers: int, tmp_path: Path) -> None:
     study = study_of(levels=5)
     with StudyFolder.create(tmp_path, header_of(study, 75, ("a", "b", "c"))) as folder:

@@ -42,6 +42,7 @@ def test_a_run_that_grows_beyond_its_memory_is_ended_and_named(tmp_path: Path, t
     assert failures[7].endswith("in fake: fmi2DoStep of run 7")
 
 
+@pytest.mark.thorough
 def test_runs_that_leak_a_little_have_their_worker_renewed_and_none_is_blamed(tmp_path: Path) -> None:
     # 25 runs of 50 MB: twice as much as a worker may hold, and no run of them too much by itself.
     bench = FakeBench("a", "leaks", memory=BASELINE + 400e6, seconds=0.1)
@@ -86,6 +87,7 @@ def test_after_a_fatal_failure_the_other_runs_are_made_by_another_process(tmp_pa
 
 @pytest.mark.skipif(sys.platform == "win32", reason="signals")
 @pytest.mark.parametrize("mischief", ["crashes", "hangs", "exits"])
+@pytest.mark.thorough
 def test_in_threads_the_run_at_fault_is_blamed_and_no_other(tmp_path: Path, mischief: str) -> None:
     study = study_of(levels=50)
     bench = FakeBench("a", mischief, (40, 70), timeout=0.5)

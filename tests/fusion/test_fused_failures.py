@@ -94,6 +94,7 @@ MODELS = {
 
 # What the versions of FMI answer differs where a model ends the simulation.
 @pytest.mark.parametrize(("kind", "version"), [("assert", 2), ("terminate", 2), ("terminate", 3), ("nan", 3)])
+@pytest.mark.thorough
 def test_a_model_that_ends_the_simulation_or_cannot_go_on_fails_alike(workshop, kind):
     extra = MODELS[kind]
     equation = "y = sqrt(0.5 - u);" if kind == "nan" else "y = u;"

@@ -149,6 +149,7 @@ KINDS = {
 }
 
 
+@pytest.mark.thorough
 def test_every_c_type_of_a_member_is_read_and_written(workshop):
     """Sources of every C type feed members of every C type of the same kind, through a component that counts up."""
     members = [(f"{kind}_{n}", port, c_type) for kind, (port, types) in KINDS.items() for n, c_type in enumerate(types)]
@@ -206,6 +207,7 @@ void pulse_step(pulse *c) { c->n++; c->out.on = c->n % 20 < 7; c->out.y = cos(0.
 """
 
 
+@pytest.mark.thorough
 def test_models_from_modelica_and_c_work_together(workshop):
     lag = workshop.modelica("Lag", LAG, LAG_PORTS, [Parameter("T", REAL, 0.2)])
     members = "struct { int level; } in; struct { double y; bool on; } out; int n;"

@@ -33,6 +33,7 @@ def reference(model: str, initial_speed: float = 0.0) -> CombustionCar:
 
 @pytest.mark.parametrize("initial_speed", [0.0, 25.0])
 @pytest.mark.parametrize("model", ["Automatic", "DualClutch"])
+@pytest.mark.thorough
 def test_a_car_with_a_combustion_powertrain_moves_as_the_physics_says(
     model: str, initial_speed: float, cache: Path
 ) -> None:
@@ -84,6 +85,7 @@ def test_parameters_reach_every_part(cache: Path) -> None:
     assert np.abs(found[:, 1] - expected.states[:, ENGINE]).max() < 5e-5
 
 
+@pytest.mark.thorough
 def test_the_hybrid_gearbox_moves_as_the_physics_says(cache: Path) -> None:
     points = (0, 1, 2, 6, 7, 12, 13, 18, 20, 30)
     times = np.linspace(0.0, 30.0, 301)

@@ -64,6 +64,7 @@ def loss_map(cache: Path) -> LossMap:
     return LossMap(cache)
 
 
+@pytest.mark.thorough
 def test_a_battery_electric_car_moves_as_the_physics_says(
     cache: Path, dynamic: tuple[DynamicDrive, np.ndarray]
 ) -> None:
@@ -79,6 +80,7 @@ def test_a_battery_electric_car_moves_as_the_physics_says(
     assert lacking(rows[:, 3:]) < 1e-9
 
 
+@pytest.mark.thorough
 def test_a_quasi_static_electric_car_moves_as_the_physics_says(cache: Path, loss_map: LossMap) -> None:
     drive = QuasiStaticDrive(loss=loss_map)
     states = integrate(drive, drive.start(), TIMES[::4], 1e-11, 0.1).states

@@ -49,6 +49,7 @@ def lacking(rows: np.ndarray) -> float:
     return float(np.abs(entered - left - lost - (stored - stored[0])).max() / max(np.abs(entered).max(), left.max()))
 
 
+@pytest.mark.thorough
 def test_a_car_with_range_extender_moves_as_the_physics_says(cache: Path) -> None:
     times = np.linspace(0.0, 60.0, 241)
     car = RangeExtenderCar()
@@ -68,6 +69,7 @@ def test_a_car_with_range_extender_moves_as_the_physics_says(cache: Path) -> Non
     assert (states[times < 25, 5].max() / car.battery.capacity) > car.stop_soc
 
 
+@pytest.mark.thorough
 def test_a_car_with_p2_hybrid_moves_as_the_physics_says(cache: Path) -> None:
     times = np.linspace(0.0, 40.0, 161)
     car = HybridDrive()
@@ -81,6 +83,7 @@ def test_a_car_with_p2_hybrid_moves_as_the_physics_says(cache: Path) -> None:
 
 
 @pytest.mark.parametrize("architecture", ["RangeExtender", "Hybrid"])
+@pytest.mark.thorough
 def test_energy_is_kept_over_a_cycle_and_the_charge_comes_back(cache: Path, architecture: str) -> None:
     names = ("speed", "car.distance", "soc", *ENERGIES)
     found = on_cycle(opened(f"Electric.{architecture}OnCycle", cache), names, 1.0)
@@ -101,6 +104,7 @@ def coupled(cache: Path, step: float, stop: float) -> np.ndarray:
     return drive(EXTENDED, STARTS, RANGE_EXTENDER, car, demand, watched, stop, cache, step)
 
 
+@pytest.mark.thorough
 def test_parts_coupled_by_signals_at_ten_milliseconds_move_the_car_nearly_like_one_model(cache: Path) -> None:
     rows = coupled(cache, 0.01, 40.0)
     exact = run(opened("Electric.RangeExtenderInCar", cache), ("speed", "soc"), rows[:, 0], 1e-8)
@@ -116,6 +120,7 @@ def test_parts_coupled_by_signals_at_ten_milliseconds_move_the_car_nearly_like_o
     assert np.abs(finer[:, 1] - exact[:, 0]).max() < 0.5 * apart[rows[:, 0] < 10].max()
 
 
+@pytest.mark.thorough
 def test_the_parts_of_the_p2_hybrid_are_stable_at_ten_milliseconds(cache: Path) -> None:
     watched = [("gearbox", "torque_front"), ("gearbox", "engine_speed"), ("gearbox", "machine_speed")]
     car = Car(mass=1550.0, wheel_radius=0.32, drag_area=0.66)

@@ -124,6 +124,7 @@ class _WithPosition:
         return [*self.car.derivative(time, state[:-1]), state[CAR]]
 
 
+@pytest.mark.thorough
 def test_the_loop_with_a_modelica_powertrain_and_a_c_controller_is_that_of_one_program(
     tmp_path_factory: pytest.TempPathFactory,
 ) -> None:

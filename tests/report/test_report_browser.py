@@ -271,6 +271,7 @@ def test_nothing_sticks_out_sideways(sliced: ReportContent, open_report: Open, w
     assert page.evaluate("document.documentElement.scrollWidth") <= width
 
 
+@pytest.mark.thorough
 def test_values_are_shown_to_the_last_digit_of_their_error_bars(sliced: ReportContent, open_report: Open) -> None:
     first, second, third = sliced.metrics
     runs = len(sliced.runs)

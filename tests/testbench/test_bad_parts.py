@@ -93,6 +93,7 @@ def workspace(tmp_path: Path) -> Workspace:
     return Workspace(tmp_path)
 
 
+@pytest.mark.thorough
 def test_each_bad_run_is_a_row_that_names_the_fmu_the_call_and_the_time(workspace, tmp_path):
     study = workspace.study("moods")
     planned = plan(study, cache=tmp_path / "cache")

@@ -93,6 +93,7 @@ def problems(planned: Plan, folder: Path, threads: int = 1) -> list[str]:
 
 
 @pytest.mark.parametrize("keep", [Keep.NONE, Keep.ALL])
+@pytest.mark.thorough
 def test_a_process_is_renewed_before_an_fmu_dies_of_too_many_instances(workspace, tmp_path, keep):
     study, cache = replace(workspace.study("gains"), keep=keep), tmp_path / "cache"
     unknown = plan(study, cache=cache)

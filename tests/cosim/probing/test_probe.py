@@ -24,6 +24,7 @@ def asked(model: object, *questions: Question, limits: Limits = HURRY) -> FmuFac
 
 
 @BOTH
+@pytest.mark.thorough
 def test_an_fmu_that_does_all_right_is_told_so(odd, version):
     facts = probe(odd(version=version), "x86_64-test", limits=HURRY)
     good = dict.fromkeys(Question, Answer.YES) | {Question.FEEDS_THROUGH: Answer.NO}
