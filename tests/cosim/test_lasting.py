@@ -12,17 +12,27 @@ def addresses(simulator: Simulator) -> int:
     return ctypes.addressof(simulator._tables.elements)
 
 
-def test_the_next_simulator_takes_over_the_memory_of_a_closed_one(shelf):
+def test_memory_does_not_grow_with_the_simulators_that_were_closed(shelf):
     system = shelf.system({"a": shelf.fmu("linear"), "b": shelf.fmu("linear")}, ["a.y -> b.u", "b.y -> a.u"])
-    with Simulator(system, ["a.y"]) as first:
-        first.run(stop=1.0, step=0.1)
-        was = addresses(first)
-    kept = len(lasting._lasting)
-    for _ in range(20):
+    counts = []
+    for _ in range(3 * lasting.QUARANTINE):
+        with Simulator(system, ["a.y"]) as simulator:
+            simulator.run(stop=1.0, step=0.1)
+        counts.append(len(lasting._lasting))
+    assert counts[-1] == counts[2 * lasting.QUARANTINE]
+
+
+def test_memory_that_somebody_still_writes_to_is_not_used_again(shelf):
+    system = shelf.system({"a": shelf.fmu("linear")}, (), {"a.u": 1.0}, ["a.y"])
+    with Simulator(system, ["a.y"]) as haunted:
+        where = addresses(haunted)
+        logs = haunted._tables._logs
+    logs[0].count += 1
+    seen = set()
+    for _ in range(2 * lasting.QUARANTINE):
         with Simulator(system, ["a.y"]) as later:
-            later.run(stop=1.0, step=0.1)
-            assert addresses(later) == was
-    assert len(lasting._lasting) == kept
+            seen.add(addresses(later))
+    assert where not in seen
 
 
 def test_simulators_that_are_open_at_once_have_memory_of_their_own(shelf):
