@@ -23,12 +23,12 @@ from dse.domain.bench import Judgement, Verdict
 from dse.domain.run import Outcome, Run, RunRequest
 from dse.domain.study import DesignVariable, FullFactorial, Keep, Study
 from dse.exploration.explore import explore
-from dse.exploration.job import Bench, MakeExecutor
+from dse.exploration.job import Bench, MakeRunner
 from dse.exploration.samplers import requests
 from dse.loading.workspace import Workspace
 from dse.results.folder import StudyFolder
 from dse.results.header import StudyHeader
-from dse.testbench.execute import Executor, make_executor
+from dse.testbench.execute import Runner, make_runner
 from dse.testbench.plan import Plan, plan
 from dse.testbench.prepared import PreparedBench
 
@@ -44,7 +44,7 @@ def main() -> None:
     whole, kernel = [], []
     for _ in range(TURNS):
         kernel.append(kernel_alone(planned, asked))
-        whole.append(whole_study(study, planned.prepared, planned.definition, make_executor))
+        whole.append(whole_study(study, planned.prepared, planned.definition, make_runner))
     print(f"{study.name}: {len(asked)} runs on {WORKERS} workers, median of {TURNS}")
     print(f"  kernel alone {len(asked) / median(kernel):8.0f} runs/s")
     print(f"  whole study  {len(asked) / median(whole):8.0f} runs/s")
@@ -58,7 +58,7 @@ def main() -> None:
 
 
 def whole_study(
-    study: Study, prepared: Mapping[str, Bench], definition: Mapping[str, Any], make: MakeExecutor
+    study: Study, prepared: Mapping[str, Bench], definition: Mapping[str, Any], make: MakeRunner
 ) -> float:
     """Seconds from the start of the workers to the last committed row."""
     runs = len(requests(study, tuple(prepared)))
@@ -67,7 +67,7 @@ def whole_study(
         StudyFolder.create(Path(scratch) / "study", StudyHeader(definition, "", runs)) as folder,
     ):
         start = time.perf_counter()
-        summary = explore(study, prepared, folder, workers=WORKERS, make_executor=make, on_progress=lambda _: None)
+        summary = explore(study, prepared, folder, workers=WORKERS, make_runner=make, on_progress=lambda _: None)
         seconds = time.perf_counter() - start
     assert summary.failed == 0
     assert summary.irreproducible == 0
@@ -83,7 +83,7 @@ def kernel_alone(planned: Plan, asked: Sequence[RunRequest]) -> float:
 
 def simulate_only(prepared: dict[str, PreparedBench], asked: Sequence[RunRequest]) -> float:
     """Seconds in the kernel for *asked*: no metrics, no waveforms, nothing stored."""
-    executors = {name: Executor(bench) for name, bench in prepared.items()}
+    executors = {name: Runner(bench) for name, bench in prepared.items()}
     seconds = 0.0
     for request in asked:
         bench = prepared[request.configuration]
@@ -117,7 +117,7 @@ class Nothing:
         return ""
 
 
-class NothingExecutor:
+class NothingRunner:
     """Gives the same metrics at every point."""
 
     runs_left = None
@@ -128,15 +128,15 @@ class NothingExecutor:
             Judgement(entry["name"], Verdict.PASS, 0.5) for entry in bench.definition["requirements"]
         )
 
-    def run(self, request: RunRequest, *, keep: bool) -> Run:  # noqa: ARG002  # as Executor has it
+    def run(self, request: RunRequest, *, keep: bool) -> Run:  # noqa: ARG002  # as Runner has it
         return Run(request, Outcome.DONE, self._metrics, self._judgements)
 
     def close(self) -> None:
         pass
 
 
-def make_nothing(bench: Nothing, _: memoryview) -> NothingExecutor:
-    return NothingExecutor(bench)
+def make_nothing(bench: Nothing, _: memoryview) -> NothingRunner:
+    return NothingRunner(bench)
 
 
 if __name__ == "__main__":

@@ -22,7 +22,7 @@ from dse.exploration.plan import missing_runs
 from dse.exploration.samplers import requests
 from dse.exploration.seat import Seat, bench_file
 from dse.loading.workspace import Workspace
-from dse.testbench.execute import make_executor
+from dse.testbench.execute import make_runner
 from dse.testbench.plan import plan
 
 RUNS = 600
@@ -45,7 +45,7 @@ def main() -> None:
     sys.setswitchinterval(1e-4)  # as a worker with threads does
     with tempfile.TemporaryDirectory(prefix="dse-bench-") as scratch:
         folder = Path(scratch)
-        setup = Setup(make_executor, folder, folder, tuple(m.name for m in study.bench.metrics), (), 2)
+        setup = Setup(make_runner, folder, folder, tuple(m.name for m in study.bench.metrics), (), 2)
         bench_file(setup, batch.configuration).write_bytes(pickle.dumps(prepared))
         Heartbeat.lay_out(folder / "beat", 2)
         seats = [Seat(setup, Heartbeat(folder / "beat", seat)) for seat in range(2)]

@@ -210,25 +210,6 @@ class VariableSection(Section):
     title: str = ""
 
 
-class FullFactorialSection(Section):
-    """Options of the full factorial."""
-
-    slices: list[list[str]] = []
-
-
-class LatinHypercubeSection(Section):
-    """Options of the Latin hypercube."""
-
-    samples: int
-
-
-class SamplerSection(Section):
-    """A sampler with its options."""
-
-    full_factorial: FullFactorialSection | None = None
-    latin_hypercube: LatinHypercubeSection | None = None
-
-
 class SelectionSection(Section):
     """Configurations by condition."""
 
@@ -247,6 +228,7 @@ class StudyFile(Section):
     testbench: str
     configurations: str | list[str] | SelectionSection = "all"
     design_variables: dict[str, VariableSection]
-    sampler: str | SamplerSection = "full_factorial"
+    sampler: str | dict[str, dict[str, Any]] = "full_factorial"
+    executor: str | dict[str, dict[str, Any]] = "local"
     keep_waveforms: str = "near_boundary"
     seed: int = 0

@@ -3,7 +3,7 @@ from __future__ import annotations
 from collections.abc import Callable
 
 import numpy as np
-from fake_executors import header_of, study_of
+from fake_runners import header_of, study_of
 from hypothesis import given
 from hypothesis import strategies as st
 

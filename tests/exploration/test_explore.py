@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from fake_executors import benches, header_of, make_fake, study_of
+from fake_runners import benches, header_of, make_fake, study_of
 
 from dse.domain.study import FullFactorial, Keep, LatinHypercube, Study
 from dse.errors import DseError
@@ -36,7 +36,7 @@ def run(
     runs = len(points(study)) * len(NAMES)
     with StudyFolder.resume(path, header_of(study, runs, NAMES)) as folder:
         return explore(
-            study, benches(*NAMES, **mischief), folder, workers=workers, make_executor=make_fake, on_progress=tell
+            study, benches(*NAMES, **mischief), folder, workers=workers, make_runner=make_fake, on_progress=tell
         )
 
 
@@ -143,14 +143,14 @@ KILLED = """
 import sys
 from pathlib import Path
 sys.path[:0] = {paths!r}
-from fake_executors import benches, header_of, make_fake, study_of
+from fake_runners import benches, header_of, make_fake, study_of
 from dse.domain.study import Keep
 from dse.exploration.explore import explore
 from dse.results.folder import StudyFolder
 
 study = study_of(levels=12, keep=Keep({keep!r}))
 with StudyFolder.resume(Path({folder!r}), header_of(study, 288, ("a", "b"))) as folder:
-    explore(study, benches("a", "b", seconds=0.01), folder, workers=2, make_executor=make_fake,
+    explore(study, benches("a", "b", seconds=0.01), folder, workers=2, make_runner=make_fake,
             on_progress=lambda progress: None)
 """
 
@@ -218,5 +218,5 @@ def test_a_folder_for_another_number_of_runs_is_refused(tmp_path: Path) -> None:
         pytest.raises(DseError, match="9 runs"),
     ):
         explore(
-            study_of(levels=4), benches("a"), folder, workers=1, make_executor=make_fake, on_progress=lambda p: None
+            study_of(levels=4), benches("a"), folder, workers=1, make_runner=make_fake, on_progress=lambda p: None
         )

@@ -1,6 +1,6 @@
 from __future__ import annotations
 
-from fake_executors import study_of
+from fake_runners import study_of
 from hypothesis import given
 from hypothesis import strategies as st
 

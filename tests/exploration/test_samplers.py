@@ -5,7 +5,7 @@ from collections import Counter
 
 import numpy as np
 import pytest
-from fake_executors import study_of
+from fake_runners import study_of
 from hypothesis import given
 from hypothesis import strategies as st
 

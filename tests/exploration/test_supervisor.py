@@ -10,7 +10,7 @@ from typing import Any
 
 import deadly_when_imported
 import pytest
-from fake_executors import METRICS, benches, header_of, make_fake, study_of
+from fake_runners import METRICS, benches, header_of, make_fake, study_of
 
 from dse.domain.run import Outcome
 from dse.domain.study import Keep, Study
@@ -30,7 +30,7 @@ def explored(path: Path, study: Study, *, workers: int = 1, **mischief: Any) -> 
             benches("a", **mischief),
             folder,
             workers=workers,
-            make_executor=make_fake,
+            make_runner=make_fake,
             on_progress=lambda progress: None,
         )
         return summary, folder.table(), folder
@@ -83,7 +83,7 @@ def test_a_run_that_gets_its_worker_killed_again_is_recorded(tmp_path: Path) -> 
 def test_an_unexpected_exception_is_a_failed_run(tmp_path: Path) -> None:
     _, table, _ = explored(tmp_path, study_of(), mischief="raises", when=(3, 4))
     assert set(failures(table)) == {3, 4}
-    assert failures(table)[3].startswith("unexpected ValueError at fake_executors.py:")
+    assert failures(table)[3].startswith("unexpected ValueError at fake_runners.py:")
     assert failures(table)[3].endswith(": bad run 3")
 
 
@@ -109,7 +109,7 @@ def test_a_configuration_that_cannot_be_loaded_fails_in_each_of_its_runs(tmp_pat
     study = study_of(levels=2)
     with StudyFolder.create(tmp_path, header_of(study, 8, ("a", "b"))) as folder:
         prepared = {**benches("a", mischief="refuses"), **benches("b")}
-        explore(study, prepared, folder, workers=1, make_executor=make_fake, on_progress=lambda progress: None)
+        explore(study, prepared, folder, workers=1, make_runner=make_fake, on_progress=lambda progress: None)
         problems = failures(folder.table())
     assert set(problems) == {0, 1, 2, 3}
     assert problems[0].startswith("sensor.gap -> controller.speed: units differ")
@@ -122,7 +122,7 @@ def test_workers_that_die_before_any_run_end_the_exploration(tmp_path: Path) -> 
         pytest.raises(DseError, match=r"3 workers in a row ended outside of any run, the last while starting.*code 7"),
     ):
         explore(
-            study, benches("a"), folder, workers=2, make_executor=deadly_when_imported.make, on_progress=lambda p: None
+            study, benches("a"), folder, workers=2, make_runner=deadly_when_imported.make, on_progress=lambda p: None
         )
     with StudyFolder.open(tmp_path) as folder:
         assert folder.finished() == set()
@@ -139,7 +139,7 @@ def test_a_configuration_that_kills_workers_while_it_is_loaded_fails_alone(worke
             **benches("b"),
             **benches("c", mischief="dies loading"),
         }
-        explore(study, prepared, folder, workers=workers, make_executor=make_fake, on_progress=lambda p: None)
+        explore(study, prepared, folder, workers=workers, make_runner=make_fake, on_progress=lambda p: None)
         problems = failures(folder.table())
         assert folder.finished() == set(range(75))
     assert set(problems) == {*range(25), *range(50, 75)}
@@ -181,7 +181,7 @@ def test_waveforms_of_a_chunk_survive_a_crash_in_it(tmp_path: Path) -> None:
     study = study_of(levels=50, keep=Keep.ALL)
     with StudyFolder.create(tmp_path, header_of(study, 2500)) as folder:
         prepared = benches("a", mischief="crashes", when=(40,))
-        summary = explore(study, prepared, folder, workers=2, make_executor=make_fake, on_progress=lambda p: None)
+        summary = explore(study, prepared, folder, workers=2, make_runner=make_fake, on_progress=lambda p: None)
         assert (summary.failed, summary.kept, summary.irreproducible) == (1, 2499, 0)
         assert set(folder.kept()) == set(range(2500)) - {40}
         for number in (32, 39, 41, 63, 2499):

@@ -9,7 +9,7 @@ import sys
 from pathlib import Path
 
 import pytest
-from fake_executors import FakeBench, header_of, make_fake, study_of
+from fake_runners import FakeBench, header_of, make_fake, study_of
 
 from dse.exploration import process
 from dse.exploration.explore import explore
@@ -62,7 +62,7 @@ def test_what_a_single_run_prints_does_not_fill_the_disk(tmp_path: Path, monkeyp
     study = study_of(levels=1, variables=1)
     with StudyFolder.create(tmp_path, header_of(study, 1)) as folder:
         prepared = {"a": FakeBench("a", mischief="prints for a second", when=(0,))}
-        explore(study, prepared, folder, workers=1, make_executor=make_fake, on_progress=lambda p: None)
+        explore(study, prepared, folder, workers=1, make_runner=make_fake, on_progress=lambda p: None)
     # It was cut at least once while the run went on, and it never came to hold all of the ten megabytes.
     assert any(before > 100_000 and after < before for before, after in zip(sizes[::2], sizes[1::2], strict=True))
     assert max(sizes) < 10_000_000

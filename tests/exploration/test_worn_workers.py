@@ -7,7 +7,7 @@ import sys
 from pathlib import Path
 
 import pytest
-from fake_executors import FakeBench, header_of, make_fake, study_of
+from fake_runners import FakeBench, header_of, make_fake, study_of
 
 from dse.domain.run import Outcome
 from dse.domain.study import Keep, Study
@@ -22,7 +22,7 @@ BASELINE = 200e6  # a worker by itself, with room to spare
 def explored(path: Path, study: Study, bench: FakeBench, *, runs: int = 25, threads: int = 1, workers: int = 1):
     with StudyFolder.create(path, header_of(study, runs)) as folder:
         summary: Summary = explore(
-            study, {"a": bench}, folder, workers=workers, threads=threads, make_executor=make_fake,
+            study, {"a": bench}, folder, workers=workers, threads=threads, make_runner=make_fake,
             on_progress=lambda progress: None,
         )  # fmt: skip
         table = folder.table()

@@ -11,7 +11,7 @@ import pytest
 from dse.domain.method import Adaptive, Method
 from dse.domain.run import Outcome, RunRequest
 from dse.loading.workspace import Workspace
-from dse.testbench.execute import Executor
+from dse.testbench.execute import Runner
 from dse.testbench.halved import finer
 from dse.testbench.plan import bench_study, plan
 
@@ -92,7 +92,7 @@ def bench(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
 def run_of(bench, **point: float):
     planned = plan(bench_study(bench))
     ((identity, prepared),) = planned.prepared.items()
-    with Executor(prepared) as executor:
+    with Runner(prepared) as executor:
         return executor.run(RunRequest(0, identity, point), keep=False), planned
 
 

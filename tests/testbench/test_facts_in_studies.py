@@ -15,7 +15,7 @@ from dse.exploration.header import header_of
 from dse.fmu.platforms import this_platform
 from dse.loading.workspace import Workspace
 from dse.results.folder import StudyFolder
-from dse.testbench.execute import make_executor
+from dse.testbench.execute import make_runner
 from dse.testbench.plan import Plan, bench_study, plan
 from dse.testbench.trust import keep_facts
 
@@ -86,7 +86,7 @@ def know(planned: Plan, cache: Path, answers: dict[Question, Answer], instances:
 def problems(planned: Plan, folder: Path, threads: int = 1) -> list[str]:
     with StudyFolder.create(folder, header_of(planned)) as store:
         explore(
-            planned.study, planned.prepared, store, workers=1, threads=threads, make_executor=make_executor,
+            planned.study, planned.prepared, store, workers=1, threads=threads, make_runner=make_runner,
             on_progress=lambda _: None,
         )  # fmt: skip
         return [run.problem for run in store.table().runs() if run.problem]

@@ -15,7 +15,7 @@ from dse.domain.run import Outcome, Run, Waveforms
 from dse.exploration.explore import Summary, explore
 from dse.exploration.header import header_of
 from dse.results.folder import StudyFolder
-from dse.testbench.execute import make_executor
+from dse.testbench.execute import make_runner
 from dse.testbench.plan import plan
 from zoo.animals import ANIMALS
 from zoo.workspace import lay_out
@@ -59,7 +59,7 @@ def visit(folder: Path, chosen: Sequence[str]) -> Visit:
     try:
         with StudyFolder.create(Path("out"), header_of(planned)) as store:
             summary = explore(
-                study, planned.prepared, store, workers=2, make_executor=make_executor, on_progress=lambda _: None
+                study, planned.prepared, store, workers=2, make_runner=make_runner, on_progress=lambda _: None
             )
             runs: dict[str, list[Run]] = {name: [] for name in chosen}
             waveforms: dict[str, list[Waveforms | None]] = {name: [] for name in chosen}

@@ -52,7 +52,7 @@ hoard: list[bytearray] = []
 """Memory that is never freed."""
 
 
-class FakeExecutor:
+class FakeRunner:
     """Metrics are simple functions of the point, so that any mistake on their way shows."""
 
     def __init__(self, bench: FakeBench, progress: memoryview) -> None:
@@ -177,8 +177,8 @@ def waveforms(number: int) -> Waveforms:
     return Waveforms(time_axis, {"world.speed": time_axis * number, "world.gap": np.full(11, float(number))})
 
 
-def make_fake(bench: FakeBench, progress: memoryview) -> FakeExecutor:
-    return FakeExecutor(bench, progress)
+def make_fake(bench: FakeBench, progress: memoryview) -> FakeRunner:
+    return FakeRunner(bench, progress)
 
 
 def study_of(sampler: Sampler | None = None, levels: int = 5, variables: int = 2, **changes: object) -> Study:
