@@ -17,17 +17,18 @@ from dataclasses import dataclass, replace
 from multiprocessing import get_context
 from pathlib import Path
 from statistics import median
-from typing import Any
 
 from dse.domain.bench import Judgement, Verdict
+from dse.domain.definition import DefinedConfiguration, StudyDefinition
 from dse.domain.run import Outcome, Run, RunRequest
-from dse.domain.study import DesignVariable, FullFactorial, Keep, Study
+from dse.domain.study import DesignVariable, Keep, Study
+from dse.exploration.asking import first_ask
+from dse.exploration.executors.local import Local
 from dse.exploration.explore import explore
 from dse.exploration.job import Bench, MakeRunner
-from dse.exploration.samplers import requests
+from dse.exploration.samplers.full_factorial import FullFactorial
 from dse.loading.workspace import Workspace
 from dse.results.folder import StudyFolder
-from dse.results.header import StudyHeader
 from dse.testbench.execute import Runner, make_runner
 from dse.testbench.plan import Plan, plan
 from dse.testbench.prepared import PreparedBench
@@ -40,7 +41,7 @@ ROWS = 100_000
 def main() -> None:
     study = replace(Workspace.around(Path(__file__).parent).study("acc_gains"), keep=Keep.NEAR_BOUNDARY)
     planned = plan(study)
-    asked = requests(study, tuple(planned.prepared))
+    asked = first_ask(study, tuple(planned.prepared))
     whole, kernel = [], []
     for _ in range(TURNS):
         kernel.append(kernel_alone(planned, asked))
@@ -50,24 +51,25 @@ def main() -> None:
     print(f"  whole study  {len(asked) / median(whole):8.0f} runs/s")
     print(f"  ratio        {median(kernel) / median(whole):8.2f}   (wanted: at least 0.5)")
     bare = replace(study, sampler=FullFactorial(), variables=tuple(levelled(study)), keep=Keep.NONE)
-    names = [{"name": variable.name} for variable in bare.variables]
-    definition = {**planned.definition, "variables": names, "configurations": [{"id": "nothing"}]}
+    definition = replace(
+        planned.definition,
+        variables=planned.definition.variables[:2],
+        configurations=(DefinedConfiguration("nothing"),),
+        explored=("nothing",),
+    )
     seconds = whole_study(bare, {"nothing": Nothing(definition)}, definition, make_nothing)
-    runs = len(requests(bare, ("nothing",)))
+    runs = len(first_ask(bare, ("nothing",)))
     print(f"runs that take no time: {runs} in {seconds:.2f} s, {runs / seconds:.0f} runs/s")
 
 
-def whole_study(
-    study: Study, prepared: Mapping[str, Bench], definition: Mapping[str, Any], make: MakeRunner
-) -> float:
+def whole_study(study: Study, prepared: Mapping[str, Bench], definition: StudyDefinition, make: MakeRunner) -> float:
     """Seconds from the start of the workers to the last committed row."""
-    runs = len(requests(study, tuple(prepared)))
     with (
         tempfile.TemporaryDirectory(prefix="dse-bench-") as scratch,
-        StudyFolder.create(Path(scratch) / "study", StudyHeader(definition, "", runs)) as folder,
+        StudyFolder.create(Path(scratch) / "study", definition) as folder,
     ):
         start = time.perf_counter()
-        summary = explore(study, prepared, folder, workers=WORKERS, make_runner=make, on_progress=lambda _: None)
+        summary = explore(study, prepared, folder, executor=Local(workers=WORKERS), make_runner=make)
         seconds = time.perf_counter() - start
     assert summary.failed == 0
     assert summary.irreproducible == 0
@@ -107,7 +109,7 @@ def levelled(study: Study) -> list[DesignVariable]:
 class Nothing:
     """A bench whose runs take no time."""
 
-    definition: Mapping[str, Any]
+    definition: StudyDefinition
     timeout: float = 60.0
     memory: float = 4e9
     thread_safe: bool = True
@@ -123,9 +125,9 @@ class NothingRunner:
     runs_left = None
 
     def __init__(self, bench: Nothing) -> None:
-        self._metrics = {entry["name"]: 1.5 for entry in bench.definition["metrics"]}
+        self._metrics = {metric.name: 1.5 for metric in bench.definition.metrics}
         self._judgements = tuple(
-            Judgement(entry["name"], Verdict.PASS, 0.5) for entry in bench.definition["requirements"]
+            Judgement(requirement.name, Verdict.PASS, 0.5) for requirement in bench.definition.requirements
         )
 
     def run(self, request: RunRequest, *, keep: bool) -> Run:  # noqa: ARG002  # as Runner has it

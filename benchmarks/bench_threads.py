@@ -15,13 +15,14 @@ from dataclasses import replace
 from pathlib import Path
 from statistics import median
 
+from dse.exploration.asking import first_ask
 from dse.exploration.crew import simulate
 from dse.exploration.heartbeat import Heartbeat
 from dse.exploration.job import Batch, Setup
 from dse.exploration.plan import missing_runs
-from dse.exploration.samplers import requests
 from dse.exploration.seat import Seat, bench_file
 from dse.loading.workspace import Workspace
+from dse.results.asks import Asks, blocks_of
 from dse.testbench.execute import make_runner
 from dse.testbench.plan import plan
 
@@ -32,8 +33,8 @@ TURNS = 5
 def main() -> None:
     study = Workspace.around(Path(__file__).parent).study("acc_gains")
     planned = plan(study)
-    asked = requests(study, tuple(planned.prepared))
-    (batch,) = missing_runs([r for r in asked if r.configuration == asked[0].configuration][:1], set())
+    asked = first_ask(study, tuple(planned.prepared))
+    (batch,) = missing_runs([0], {0: asked[0]}, Asks(blocks_of(asked[:1], 0, 0)))
     chosen = [r for r in asked if r.configuration == batch.configuration][:RUNS]
     batch = replace(
         batch,

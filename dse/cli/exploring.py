@@ -62,7 +62,7 @@ def run_alone(study: Study, *, version: int, fuse: bool = False) -> tuple[Run, S
         tempfile.TemporaryDirectory(prefix="dse-") as scratch,
         StudyFolder.create(Path(scratch) / "run", planned.definition) as store,
     ):
-        explore(study, planned.prepared, store, executor=Local(workers=1), on_progress=lambda _: None)
+        explore(study, planned.prepared, store, executor=Local(workers=1))
         run = store.run(0)
     return run, planned.definition
 

@@ -20,7 +20,7 @@ from dse.results.folder import StudyFolder
 from dse.results.rows import VERDICTS
 from dse.results.table import RunTable
 
-_MOST_IDLE_ASKS = 1000
+_MOST_IDLE_ASKS = 100
 
 Key = tuple[str, Point]
 """A run by its configuration and point."""
@@ -29,14 +29,14 @@ Key = tuple[str, Point]
 class Asking:
     """The asks of one *study*, which are noted in *folder*.
 
-    *requests* holds every run that was asked for so far by its number, *wanted* those that the present definition asks
-    for.
+    *requests* holds every run that was asked for so far by its number, *asked* are the numbers of the last ask.
     """
 
     def __init__(self, study: Study, folder: StudyFolder) -> None:
         header = folder.header
         self.requests: dict[int, RunRequest] = {}
-        self.wanted: set[int] = set()
+        self.asked: list[int] = []
+        self._wanted: set[int] = set()
         self._study = study
         self._folder = folder
         self._names = header.variables
@@ -44,7 +44,6 @@ class Asking:
         self._next = header.base
         self._made = 0
         self._idle = 0
-        self._asked: list[int] = []
         self._stored: RunTable | None = None
         if header.base or not study.sampler.once:
             self._stored = folder.table()
@@ -73,19 +72,19 @@ class Asking:
         if self._idle > _MOST_IDLE_ASKS:
             what = f"the sampler '{self._study.sampler.name}' asked {self._idle} times in a row for runs that are there"
             raise fail(what, self._study.where)
-        self._folder.ask(self._made, fresh, len(self.wanted))
+        self._folder.ask(self._made, fresh, len(self._wanted))
         self._made += 1
         return True
 
     def tell(self) -> None:
         """Tell the sampler what came of its last ask, all of whose runs are stored."""
         if not self._study.sampler.once:
-            self._search.tell(_outcomes(self._folder.table(sorted(set(self._asked))), self._asked))
+            self._search.tell(_outcomes(self._folder.table(sorted(set(self.asked))), self.asked))
 
     def _take(self, candidates: Sequence[Candidate]) -> list[RunRequest]:
         """Give numbers to *candidates*; those that are new."""
         fresh = []
-        self._asked = []
+        self.asked = []
         for candidate in candidates:
             number = self._numbers.setdefault((candidate.configuration, candidate.point), self._next)
             if number == self._next:
@@ -93,8 +92,8 @@ class Asking:
                 fresh.append(RunRequest(number, candidate.configuration, point))
                 self.requests[number] = fresh[-1]
                 self._next += 1
-            self._asked.append(number)
-        self.wanted.update(self._asked)
+            self.asked.append(number)
+        self._wanted.update(self.asked)
         if self._stored is not None:
             self._compare(fresh)
         return fresh
@@ -121,6 +120,18 @@ class Asking:
 
     def _refused(self, what: str) -> DseError:
         return fail(f"the sampler '{self._study.sampler.name}' asks for {what}", self._study.where)
+
+
+def first_ask(study: Study, configurations: Sequence[str]) -> list[RunRequest]:
+    """What *study* asks for first in a new folder, on *configurations*, numbered from 0."""
+    names = [variable.name for variable in study.variables]
+    none = np.zeros(0)
+    nothing = Outcomes((), dict.fromkeys(names, none), none.astype(np.bool_), {}, {}, {})
+    search = study.sampler.start(Brief(study.variables, tuple(configurations), study.seed, nothing))
+    return [
+        RunRequest(number, configuration, dict(zip(names, point, strict=True)))
+        for number, (configuration, point) in enumerate(search.ask())
+    ]
 
 
 def _point(request: RunRequest) -> Point:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from collections.abc import Set as AbstractSet
 from dataclasses import dataclass
 
@@ -57,7 +57,7 @@ def explore(
     folder: StudyFolder,
     *,
     executor: Executor,
-    on_progress: Callable[[Progress], None],
+    on_progress: Callable[[Progress], None] = lambda _: None,
     make_runner: MakeRunner = make_runner,
 ) -> Summary:
     """Have *executor* simulate what is missing in *folder*; *prepared* holds each configuration's bench.
@@ -77,25 +77,27 @@ def explore(
         asking = Asking(study, folder)
         with executor.open(work, sink) as pool:
             while asking.ask():
-                wanted, kept = frozenset(asking.wanted), folder.kept()
+                asked = set(asking.asked)
                 if study.keep is Keep.ALL:
-                    there = sink.finished & (folder.failed() | kept.keys())
-                    sink.begin(Stage.RUNS, wanted, wanted & there)
-                    pool.work_off(missing_waveforms(wanted - there, asking.requests, folder.asks, kept, most))
+                    there = asked & sink.finished & (sink.failed | sink.kept.keys())
+                    sink.begin(Stage.RUNS, asked, there)
+                    missing = asked - there
+                    pool.work_off(missing_waveforms(missing, asking.requests, folder.asks, sink.kept, most))
                 else:
-                    sink.begin(Stage.RUNS, wanted, wanted & sink.finished)
-                    pool.work_off(missing_runs(wanted - sink.finished, asking.requests, folder.asks, most))
+                    sink.begin(Stage.RUNS, asked, asked & sink.finished)
+                    pool.work_off(missing_runs(asked - sink.finished, asking.requests, folder.asks, most))
                 asking.tell()
             if study.keep is Keep.NEAR_BOUNDARY:
-                near, kept = _near(study, folder, prepared), folder.kept()
-                sink.begin(Stage.WAVEFORMS, near, near & kept.keys())
-                pool.work_off(missing_waveforms(near - kept.keys(), asking.requests, folder.asks, kept, most))
+                near = _near(study, folder, prepared)
+                sink.begin(Stage.WAVEFORMS, near, near & sink.kept.keys())
+                lacking = near - sink.kept.keys()
+                pool.work_off(missing_waveforms(lacking, asking.requests, folder.asks, sink.kept, most))
     except KeyboardInterrupt:
         raise ExplorationInterruptedError(len(folder.finished()), folder.header.runs) from None
     finally:
         folder.commit()
     sink.tell()
-    kept_files = sum(bool(file) for file in folder.kept().values())
+    kept_files = sum(bool(file) for file in sink.kept.values())
     return Summary(
         len(sink.finished), len(sink.failed), sink.simulated, kept_files, pool.retried, len(sink.irreproducible)
     )
@@ -117,19 +119,21 @@ class _Sink:
     def __init__(self, folder: StudyFolder, on_progress: Callable[[Progress], None]) -> None:
         self.finished = folder.finished()
         self.failed = folder.failed()
+        self.kept = dict(folder.kept())
         self.simulated = 0
         self.irreproducible: set[int] = set()
         self._folder = folder
         self._on_progress = on_progress
-        self._meter: Meter | None = None
-        self._stage = Stage.RUNS
-        self.begin(Stage.RUNS, frozenset(), set())
+        self._stage: Stage | None = None
 
-    def begin(self, stage: Stage, wanted: frozenset[int], there: AbstractSet[int]) -> None:
-        """Count what comes as *stage*, of whose *wanted* runs some are *there* already."""
-        if self._meter is None or stage is not self._stage:
-            self._meter, self._told = Meter(self.simulated), 0.0
-        self._stage, self._wanted, self._there = stage, wanted, set(there)
+    def begin(self, stage: Stage, wanted: AbstractSet[int], there: AbstractSet[int]) -> None:
+        """Count what comes as *stage*, of whose *wanted* runs some are *there* already; more of a stage adds to it."""
+        if stage is not self._stage:
+            self._stage, self._meter, self._told = stage, Meter(self.simulated), 0.0
+            self._wanted: set[int] = set()
+            self._there: set[int] = set()
+        self._wanted |= wanted
+        self._there |= there
 
     def rows(self, batch: Batch, block: RowBlock) -> None:
         """Store the runs of *block* that are new, compare the others with what is stored."""
@@ -146,8 +150,8 @@ class _Sink:
     def ended(self, batch: Batch, kept: tuple[int, ...]) -> None:
         """Note which waveforms are there, and of which runs none ever will be."""
         if batch.keep:
-            self._folder.add_kept(kept, batch.file)
-            self._folder.add_kept([n for n in batch.numbers if n not in kept and n not in self.failed], "")
+            self._keep(kept, batch.file)
+            self._keep([n for n in batch.numbers if n not in kept and n not in self.failed], "")
 
     def tick(self) -> None:
         """Commit and tell, each when it is time."""
@@ -157,10 +161,15 @@ class _Sink:
 
     def tell(self) -> None:
         """Tell how far it has come."""
-        done = len(self._there)
+        if self._stage is None:
+            return
         self._told = time.monotonic()
-        rate = self._meter.rate(self.simulated) if self._meter else 0.0
+        done, rate = len(self._there), self._meter.rate(self.simulated)
         self._on_progress(Progress(self._stage, done, len(self._wanted), len(self.failed), rate))
+
+    def _keep(self, numbers: Sequence[int], file: str) -> None:
+        self._folder.add_kept(numbers, file)
+        self.kept |= dict.fromkeys(numbers, file)
 
     def _store(self, batch: Batch, block: RowBlock) -> None:
         numbers = block.numbers.tolist()
@@ -179,4 +188,4 @@ class _Sink:
             self._folder.set_problem(number, f"not reproducible: simulated again it gave {why}")
             self.irreproducible.add(number)
             if not again.done[row]:
-                self._folder.add_kept((number,), "")
+                self._keep((number,), "")

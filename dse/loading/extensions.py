@@ -36,10 +36,14 @@ class Surroundings:
 
 
 class Extension(Section):
-    """A section that is found by its *name*; *examples* are options that it can do with, the simplest first."""
+    """A section that is found by its *name*.
+
+    *examples* are options that it can do with, the simplest first; *example_files* are what these name, as texts.
+    """
 
     name: ClassVar[str]
     examples: ClassVar[tuple[Mapping[str, Any], ...]] = ({},)
+    example_files: ClassVar[Mapping[str, str]] = {}
 
     def options(self) -> Mapping[str, Any]:
         """What it was given, as plain data."""

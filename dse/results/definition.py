@@ -26,10 +26,11 @@ def definition_from_json(data: Json) -> StudyDefinition:
     """The definition that *data* holds, of this format or an earlier one. ValueError says what is wrong with it."""
     if not isinstance(data, Mapping):
         raise ValueError("definition is no object")  # noqa: TRY004  # what a file holds is wrong, not its caller
-    if data.get("format", 1) == 1:
+    version = data.get("format", 1)
+    if version not in (1, FORMAT) or version is True:
+        raise ValueError(f"definition.format is {json.dumps(version)[:40]}")
+    if version == 1:
         data = _from_first(data)
-    if data["format"] != FORMAT:
-        raise ValueError(f"definition.format is {json.dumps(data['format'])[:40]}")
     definition: StudyDefinition = _read(data, StudyDefinition, "definition")
     flaws = [*_flaws(definition)]
     if flaws:
@@ -76,7 +77,7 @@ def _flaws(definition: StudyDefinition) -> Iterator[str]:
 
 def _from_first(data: Mapping[str, Any]) -> dict[str, Any]:
     """Format 1 as format 2. What is not shaped as format 1 was is left to be refused."""
-    later = {**data, "format": FORMAT}
+    later = dict(data)
     if isinstance(sampler := data.get("sampler"), Mapping):
         options = {key: value for key, value in sampler.items() if key != "kind"}
         later["sampler"] = {"kind": sampler.get("kind"), "options": options, "slices": options.get("slices")}

@@ -10,8 +10,8 @@ import pytest
 from dse.domain.facts import Answer, FmuFacts, Question
 from dse.domain.study import Keep
 from dse.errors import DseError
+from dse.exploration.executors.local import Local
 from dse.exploration.explore import explore
-from dse.exploration.header import header_of
 from dse.fmu.platforms import this_platform
 from dse.loading.workspace import Workspace
 from dse.results.folder import StudyFolder
@@ -84,11 +84,10 @@ def know(planned: Plan, cache: Path, answers: dict[Question, Answer], instances:
 
 
 def problems(planned: Plan, folder: Path, threads: int = 1) -> list[str]:
-    with StudyFolder.create(folder, header_of(planned)) as store:
+    with StudyFolder.create(folder, planned.definition) as store:
         explore(
-            planned.study, planned.prepared, store, workers=1, threads=threads, make_runner=make_runner,
-            on_progress=lambda _: None,
-        )  # fmt: skip
+            planned.study, planned.prepared, store, executor=Local(workers=1, threads=threads), make_runner=make_runner
+        )
         return [run.problem for run in store.table().runs() if run.problem]
 
 

@@ -32,6 +32,7 @@ class Csv(OnceSampler):
 
     name: ClassVar[str] = "csv"
     examples: ClassVar[tuple[Mapping[str, Any], ...]] = ({"file": "points.csv"},)
+    example_files: ClassVar[Mapping[str, str]] = {"points.csv": "part.y,part.x\n-0.5,0.25\n1,2\n"}
 
     file: str
     rows: tuple[Point, ...] = Field(default=(), exclude=True)
@@ -82,7 +83,7 @@ def _text(path: Path, where: Location) -> str:
 
 
 def _columns(path: Path, head: Sequence[str], variables: Sequence[DesignVariable]) -> _Columns:
-    line = Location(shown(path), 1)
+    line = Location(shown(path), 1, 1)
     problems = []
     found: dict[str, tuple[int, Unit]] = {}
     known = {variable.name: variable for variable in variables}
@@ -115,7 +116,7 @@ def _numbered(lines: Sequence[Sequence[str]]) -> Iterator[tuple[int, Sequence[st
 def _row(path: Path, number: int, line: Sequence[str], columns: _Columns, problems: list[Problem]) -> list[float]:
     point = []
     for index, variable, unit in columns:
-        where = Location(shown(path), number)
+        where = Location(shown(path), number, 1)
         cell = line[index].strip() if index < len(line) else ""
         try:
             value = unit.to_si(float(cell))
