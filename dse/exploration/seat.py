@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import pickle
 import traceback
+from collections.abc import Sequence
 from pathlib import Path
 
 from dse.domain.run import Outcome, Run, RunRequest
@@ -65,7 +66,7 @@ class Seat:
             self._runner = self._setup.make_runner(bench, self._progress)
         except Exception as error:  # noqa: BLE001  # each of its runs fails, other configurations go on
             self._spent |= self.runs > 0 and (isinstance(error, FreshProcessNeeded) or are_many_open())
-            self._problem = _in_words(error)
+            self._problem = in_words(error)
         self._leave_if_copied()
         self._surroundings.restore()
         self._configuration = batch.configuration
@@ -81,12 +82,12 @@ class Seat:
         self._progress[:] = bytes(len(self._progress))
         self._heart.beat(Phase.RUNNING, batch.identity, request.number)
         try:
-            run = _complete(self._runner.run(request, keep=batch.keep), self._setup)
+            run = checked_run(self._runner.run(request, keep=batch.keep), self._setup.metrics, self._setup.requirements)
         except Exception as error:  # noqa: BLE001  # a failed run is a row, not the end of the study
             # What state the simulation is in now is anyone's guess: the next run starts with a new one.
             self._leave_if_copied()
             self.clear()
-            run = failed_run(request, _in_words(error))
+            run = failed_run(request, in_words(error))
         self._leave_if_copied()
         self._surroundings.restore()
         if are_many_open():
@@ -117,15 +118,17 @@ class Seat:
             os._exit(0)
 
 
-def _complete(run: Run, setup: Setup) -> Run:
+def checked_run(run: Run, metrics: Sequence[str], requirements: Sequence[str]) -> Run:
+    """*run* itself; LookupError if it came to its end without one of *metrics* or *requirements*."""
     if run.outcome is Outcome.DONE:
-        missing = {*setup.metrics} - {*run.metrics} or {*setup.requirements} - {j.requirement for j in run.judgements}
+        missing = {*metrics} - {*run.metrics} or {*requirements} - {j.requirement for j in run.judgements}
         if missing:
             raise LookupError(f"the simulation gave no {', '.join(sorted(missing))}")
     return run
 
 
-def _in_words(error: Exception) -> str:
+def in_words(error: Exception) -> str:
+    """What a run or a configuration failed of; what was not foreseen is printed, too."""
     if isinstance(error, DseError):
         return str(error)
     traceback.print_exception(error)

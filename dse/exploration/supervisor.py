@@ -10,7 +10,6 @@ batch in which something was done to the worker that showed only later.
 
 from __future__ import annotations
 
-import pickle
 import signal
 import sys
 import tempfile
@@ -30,6 +29,7 @@ from dse.exploration.heartbeat import Phase
 from dse.exploration.inquest import Traces, cause_of, outside_of_runs, told, traces_of
 from dse.exploration.job import Batch, Bench, Report, Setup, Sink
 from dse.exploration.line import GarbledError
+from dse.exploration.parcel import packed
 from dse.exploration.process import Assignment, WorkerProcess
 from dse.exploration.seat import bench_file, failed_run
 from dse.exploration.worker import LINE_CLOSED
@@ -156,7 +156,7 @@ class Supervisor:
     def _store_bench(self, configuration: str) -> None:
         file = bench_file(self._setup, configuration)
         if not file.exists():
-            file.write_bytes(pickle.dumps(self._benches[configuration], protocol=pickle.HIGHEST_PROTOCOL))
+            file.write_bytes(packed(self._benches[configuration])[0])
 
     def _listen(self) -> None:
         lines = [worker.line for worker in self._workers]

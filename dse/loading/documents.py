@@ -228,7 +228,7 @@ class StudyFile(Section):
     testbench: str
     configurations: str | list[str] | SelectionSection = "all"
     design_variables: dict[str, VariableSection]
-    sampler: str | dict[str, dict[str, Any]] = "full_factorial"
-    executor: str | dict[str, dict[str, Any]] = "local"
+    sampler: str | dict[str, Any] = "full_factorial"
+    executor: str | dict[str, Any] = "local"
     keep_waveforms: str = "near_boundary"
     seed: int = 0

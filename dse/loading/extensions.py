@@ -86,8 +86,11 @@ def read_extension(
             raise fail(f"'{written}' needs {lacking}", where, f"{key}: {_shown(shape)}") from None
     if len(written) != 1:
         raise fail(f"give exactly one {registry.word}", where, closest("", registry.names()))
-    (name,) = written
+    ((name, options),) = written.items()
     shape = registry.get(name, document.key((key, name)))
+    if not isinstance(options, Mapping):
+        what = f"'{key}.{name}': expected its options"
+        raise fail(what, document.place((key, name)), f"{key}: {_shown(shape)}")
     return read_section(document, shape, (key, name)), (key, name)
 
 

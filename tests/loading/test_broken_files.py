@@ -108,7 +108,10 @@ CASES = [
     ("sample of configurations", "testbenches/gains.pet.yaml", "sampler:", "configurations: {sample: 3}\nsampler:", "testbenches/gains.pet.yaml:5:18", "'sample' is not supported in this version", "docs/formats.md"),
     ("number for a sampler", "testbenches/gains.pet.yaml", "sampler: full_factorial", "sampler: 3", "testbenches/gains.pet.yaml:5:10", "'sampler': expected text or a mapping, found 3", ""),
     ("list for a value", "testbenches/following.yaml", "set_gap: 40 m}", "set_gap: [40]}", "testbenches/following.yaml:8:34", "'parameters.controller.set_gap': expected text, a number or true or false, found a list", ""),
-    ("unknown key where text could stand", "testbenches/gains.pet.yaml", "sampler: full_factorial", "sampler: {latin: 3}", "testbenches/gains.pet.yaml:5:11", "unknown key 'latin'", "latin_hypercube"),
+    ("unknown sampler with options", "testbenches/gains.pet.yaml", "sampler: full_factorial", "sampler: {latin_cube: {samples: 3}}", "testbenches/gains.pet.yaml:5:11", "unknown sampler 'latin_cube'", "latin_hypercube"),
+    ("sampler without its options", "testbenches/gains.pet.yaml", "sampler: full_factorial", "sampler: {sobol: 3}", "testbenches/gains.pet.yaml:5:18", "'sampler.sobol': expected its options", "{sobol: {samples: 16}}"),
+    ("points that are not in the workspace", "testbenches/gains.pet.yaml", "sampler: full_factorial", "sampler: {csv: {file: points.csv}}", "testbenches/gains.pet.yaml:5:23", "points.csv cannot be read: No such file or directory", "check its name"),
+    ("executor nobody has", "testbenches/gains.pet.yaml", "sampler:", "executor: lokal\nsampler:", "testbenches/gains.pet.yaml:5:11", "unknown executor 'lokal'", "did you mean 'local'"),
     # names
     ("part called and", "designs/car.yaml", "    controller: pd\n", "    controller: pd\n    and: {optional: pd}\n", "designs/car.yaml:6:5", "'and' is a word of the expression language", "another name"),
     ("metric called if", "testbenches/following.yaml", "metrics:\n", "metrics:\n  if: final(world.gap)\n", "testbenches/following.yaml:11:3", "'if' is a word of the expression language", "another name"),

@@ -107,7 +107,7 @@ def test_what_is_known_changes_neither_the_study_nor_its_numbers(workspace, tmp_
     before = plan(study, cache=cache)
     know(before, cache, {Question.RESETS: Answer.NO, Question.THREADS: Answer.NO})
     after = plan(study, cache=cache)
-    assert after.fingerprint == before.fingerprint
+    assert after.definition == before.definition
 
 
 def test_a_system_its_fmus_do_not_bear_is_refused_before_the_first_run(workspace, tmp_path):
