@@ -1,0 +1,1 @@
+"""Suites of tests for what others add to dse; they need pytest."""
