@@ -24,24 +24,6 @@ class InterfacesFile(Section):
     interfaces: dict[str, InterfaceSection]
 
 
-class SourceSection(Section):
-    """Where a component's behaviour comes from."""
-
-    kind: str
-    files: list[str] = []
-    header: str | None = None
-    struct: str | None = None
-    init: str | None = None
-    step_function: str | None = None
-    step: Plain | None = None
-    file: str | None = None
-    model: str | None = None
-    modelica_path: list[str] = []
-    compiler: str | None = None
-    solver: str | None = None
-    tolerance: Plain | None = None
-
-
 class ParameterSection(Section):
     """One parameter of a component."""
 
@@ -65,10 +47,10 @@ class FactsSection(Section):
 
 
 class ComponentFile(FactsSection):
-    """``component.yaml``."""
+    """``component.yaml``. What stands below *source* is read by its kind."""
 
     component: str
-    source: SourceSection | None = None
+    source: dict[str, Any] | None = None
     map: dict[str, str] = {}
 
 

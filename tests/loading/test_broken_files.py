@@ -67,7 +67,7 @@ CASES = [
     ("not a connection", "testbenches/following.yaml", "controller.torque -> world.torque", "controller.torque world.torque", "testbenches/following.yaml:7:5", "'controller.torque world.torque' is not a connection", "->"),
     ("part named twice", "testbenches/following.yaml", "world: {component: road}", "world: {component: road}\n  sensor: {component: road}", "testbenches/following.yaml:5:3", "'sensor' is a part of the design already", "rename"),
     ("unknown sampler", "testbenches/gains.pet.yaml", "full_factorial", "full_factoral", "testbenches/gains.pet.yaml:5:10", "unknown sampler 'full_factoral'", "full_factorial"),
-    ("unknown source kind", "components/pd/component.yaml", "kind: c", "kind: cpp", "components/pd/component.yaml:3:16", "unknown kind of source 'cpp'", "c"),
+    ("unknown source kind", "components/pd/component.yaml", "kind: c", "kind: cpp", "components/pd/component.yaml:3:16", "unknown component kind 'cpp'", "c"),
     ("missing source file", "components/pd/component.yaml", "[pd.c]", "[pe.c]", "components/pd/component.yaml:3:27", "no such file: components/pd/pe.c", "relative to"),
     ("enumeration item", "testbenches/following.yaml", "set_gap: 40 m}", "set_gap: 40 m, sensor.setting: close}", "testbenches/following.yaml:8:56", "'close' is not one of enum[near, far]", "near"),
     ("constraint that says two things", "designs/car.yaml", "because: target price", "forbid: [sensor is radar]", "designs/car.yaml:9:3", "constraint 'budget' says require and forbid", "one of"),
