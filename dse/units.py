@@ -222,7 +222,8 @@ def parse_quantity(text: str) -> Quantity:
     if len(match["number"]) > _LONGEST_NUMBER:
         raise UnitError(f"a number of more than {_LONGEST_NUMBER} characters")
     unit = parse_unit(match["unit"])
-    si = Fraction(match["number"]) * unit.factor + unit.offset
+    number = Fraction(int(match["number"]) if match["number"].isdecimal() else match["number"])
+    si = number if unit.is_coherent else number * unit.factor + unit.offset
     if abs(si) > LARGEST:
         raise UnitError(f"'{text}' is beyond the range of numbers")
     return Quantity(si, unit, text.strip())
