@@ -224,7 +224,7 @@ def parse_quantity(text: str) -> Quantity:
     unit = parse_unit(match["unit"])
     number = Fraction(int(match["number"]) if match["number"].isdecimal() else match["number"])
     si = number if unit.is_coherent else number * unit.factor + unit.offset
-    if abs(si) > LARGEST:
+    if abs(si.numerator) > LARGEST * si.denominator:
         raise UnitError(f"'{text}' is beyond the range of numbers")
     return Quantity(si, unit, text.strip())
 

@@ -100,8 +100,8 @@ def _join(mine: Document, other: Document) -> tuple[Document, list[Problem]]:
                 take((section, key), (section, key))
         elif isinstance(own, list) and isinstance(value, list):
             data[section] = own + value
-            below = [_of(other, entry, mark) for entry in mark[2]]
-            marks[section] = _with(marks[section], marks[section][2][2] + below)
+            further = [_of(other, entry, mark) for entry in mark[2]]
+            marks[section] = _with(marks[section], marks[section][2][2] + further)
             for i in range(len(value)):
                 take((section, i), (section, len(own) + i))
         else:

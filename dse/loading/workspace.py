@@ -6,7 +6,6 @@ import os
 from collections.abc import Iterator
 from functools import cached_property
 from pathlib import Path
-
 from typing import TYPE_CHECKING
 
 from dse.domain.component import Component, Interface
@@ -62,9 +61,7 @@ class Workspace:
         """Every interface of the workspace, by name."""
         found: dict[str, Interface] = {}
         problems: list[Problem] = []
-        for path in self._components_yaml:
-            if path.name != "interfaces.yaml":
-                continue
+        for path in self._components_yaml.get("interfaces.yaml", []):
             try:
                 for name, interface in read_interfaces(path, self.root).items():
                     if name in found:
@@ -82,9 +79,7 @@ class Workspace:
         """The file of every component by its name: a ``component.yaml`` by that of its folder, or one with many."""
         found: dict[str, Path] = {}
         problems: list[Problem] = []
-        for path in self._components_yaml:
-            if path.name != "component.yaml":
-                continue
+        for path in self._components_yaml.get("component.yaml", []):
             name = path.parent.name
             if name in found:
                 problems.append(
@@ -104,12 +99,11 @@ class Workspace:
         """The components of files with many, each with its file."""
         found: list[tuple[Component, Path]] = []
         problems: list[Problem] = []
-        for path in self._components_yaml:
-            if path.name not in ("component.yaml", "interfaces.yaml") and not path.name.startswith("_"):
-                try:
-                    found += [(component, path) for component in read_collection(path, self.interfaces, self.root)]
-                except DseError as error:
-                    problems += error.problems
+        for path in self._components_yaml.get("", []):
+            try:
+                found += [(component, path) for component in read_collection(path, self.interfaces, self.root)]
+            except DseError as error:
+                problems += error.problems
         raise_if_any(problems)
         return found
 
@@ -170,8 +164,13 @@ class Workspace:
                 yield path
 
     @cached_property
-    def _components_yaml(self) -> list[Path]:
-        return list(_yaml_below(self.root / "components"))
+    def _components_yaml(self) -> dict[str, list[Path]]:
+        """The files below ``components/``: by their name, where it says what they hold, else by ""."""
+        found: dict[str, list[Path]] = {}
+        for path in self.files("components"):
+            name = path.name
+            found.setdefault(name if name in ("component.yaml", "interfaces.yaml") else "", []).append(path)
+        return found
 
     def _file(self, name: str, folder: str, suffix: str, where: Location | None) -> Path:
         typed = Path(name)

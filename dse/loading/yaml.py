@@ -53,11 +53,11 @@ class Document:
 
     def key(self, path: Path_) -> Location:
         """Where the key at the end of *path* stands; the nearest value around it if it is absent."""
-        file, mark, steps = self._along(path[:-1])
-        if path and steps == len(path) - 1 and len(mark) > 2 and isinstance(mark[2], dict) and path[-1] in mark[2]:
-            line, column, value = mark[2][path[-1]]
-            return Location(file if len(value) < 4 else value[3], line, column)
-        return self.place(path)
+        file, mark, steps = self._along(path)
+        if steps < len(path) or not isinstance(path[-1] if path else 0, str):
+            return Location(file, mark[0], mark[1])
+        line, column, _ = self._along(path[:-1])[1][2][path[-1]]
+        return Location(file, line, column)
 
     def has(self, path: Path_) -> bool:
         """Whether a value stands at *path*."""
@@ -71,13 +71,11 @@ class Document:
         """The file and the mark of the value that as many steps of *path* lead to as there are, and their number."""
         file, mark, steps = self.file, self.mark, 0
         for step in path:
-            below = mark[2] if len(mark) > 2 else None
-            if isinstance(below, dict) and step in below:
-                mark = below[step][2]
-            elif isinstance(below, list) and isinstance(step, int) and step < len(below):
-                mark = below[step]
-            else:
+            try:
+                entry = mark[2][step]
+            except (IndexError, KeyError, TypeError):
                 break
+            mark = entry[2] if isinstance(step, str) else entry
             file = file if len(mark) < 4 else mark[3]
             steps += 1
         return file, mark, steps
