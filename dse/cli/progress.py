@@ -52,7 +52,7 @@ _PATIENCE = 1.0
 
 @contextmanager
 def status_line() -> Iterator[Callable[[str], None]]:
-    """Shows the text it was last given, once the context has lasted a second; only where standard error is a terminal."""
+    """Shows the text it was last given on a terminal's standard error, once the context has lasted a second."""
     screen = console(stderr=True)
     if not screen.is_terminal:
         yield lambda _: None
