@@ -1,6 +1,7 @@
 """Units and quantities: exact factors to SI, and dimensions that can be multiplied and compared.
 
-pint knows the units; nothing above this module sees it, and it is imported on first use only.
+pint knows the units; nothing above this module sees it, and it is imported only for units that no earlier process
+of this user has read: what it said of the others is in the cache folder.
 """
 
 from __future__ import annotations
@@ -11,7 +12,10 @@ from dataclasses import dataclass
 from decimal import Decimal
 from fractions import Fraction
 from functools import lru_cache
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
+
+from dse.cache import cache_folder, keep, kept
 
 if TYPE_CHECKING:
     import pint
@@ -176,6 +180,18 @@ def parse_unit(text: str) -> Unit:
         raise UnitError(f"unknown unit '{text}'")
     if text in _MISREAD:
         raise UnitError(f"unknown unit '{text}': write {_MISREAD[text]}")
+    known = _remembered()
+    if text not in known:
+        known[text] = _read(text)
+    factor, offset, dimension = known[text]
+    return Unit(text, factor, offset, dimension)
+
+
+_Meaning = tuple[Fraction, Fraction, Dimension]
+
+
+def _read(text: str) -> _Meaning:
+    """Factor, offset and dimension of a unit, by pint."""
     import pint
 
     registry: Any = _registry()
@@ -194,7 +210,7 @@ def parse_unit(text: str) -> Unit:
     factor = Fraction(str(one.magnitude)) - offset
     if not Fraction(1, LARGEST) <= abs(factor) <= LARGEST:
         raise UnitError(f"the unit '{text}' is beyond the range of numbers")
-    return Unit(text, factor, offset, dimension)
+    return factor, offset, dimension
 
 
 @lru_cache(maxsize=4096)
@@ -206,8 +222,9 @@ def parse_quantity(text: str) -> Quantity:
     if len(match["number"]) > _LONGEST_NUMBER:
         raise UnitError(f"a number of more than {_LONGEST_NUMBER} characters")
     unit = parse_unit(match["unit"])
-    si = Fraction(match["number"]) * unit.factor + unit.offset
-    if abs(si) > LARGEST:
+    number = Fraction(int(match["number"]) if match["number"].isdecimal() else match["number"])
+    si = number if unit.is_coherent else number * unit.factor + unit.offset
+    if abs(si.numerator) > LARGEST * si.denominator:
         raise UnitError(f"'{text}' is beyond the range of numbers")
     return Quantity(si, unit, text.strip())
 
@@ -237,6 +254,69 @@ def _registry() -> pint.UnitRegistry[Any]:
     for line in _OWN_UNITS.strip().splitlines():
         registry.define(line)
     return registry
+
+
+_MOST_KEPT = 4096
+
+
+@lru_cache(maxsize=1)
+def _remembered() -> dict[str, _Meaning]:
+    """What is known of units, from earlier processes too; what is new is handed on when this one ends."""
+    import atexit
+
+    known = _kept()
+    before = len(known)
+
+    def hand_on() -> None:
+        if before < len(known) <= _MOST_KEPT:
+            _keep({**_kept(), **known})
+
+    atexit.register(hand_on)
+    return known
+
+
+def _kept() -> dict[str, _Meaning]:
+    import json
+
+    try:
+        entries = json.loads(kept(*_shelf()) or b"{}")
+        return {text: _meaning(*entry) for text, entry in entries.items()}
+    except (TypeError, ValueError, AttributeError, ZeroDivisionError, RecursionError):
+        return {}
+
+
+def _meaning(factor: list[int], offset: list[int], dimension: list[tuple[str, list[int]]]) -> _Meaning:
+    return Fraction(*factor), Fraction(*offset), tuple((str(name), Fraction(*power)) for name, power in dimension)
+
+
+def _keep(known: dict[str, _Meaning]) -> None:
+    import json
+
+    entries = {
+        text: [factor.as_integer_ratio(), offset.as_integer_ratio(), [(n, p.as_integer_ratio()) for n, p in dimension]]
+        for text, (factor, offset, dimension) in known.items()
+    }
+    keep(*_shelf(), json.dumps(entries).encode(), most=4)
+
+
+@lru_cache(maxsize=1)
+def _shelf() -> tuple[Path, str]:
+    """Where units are kept, and under which key: with another pint or other rules of reading they are read anew."""
+    from hashlib import sha256
+    from importlib.util import find_spec
+
+    spec = find_spec("pint")
+    site = Path(spec.origin).parents[1] if spec and spec.origin else Path()
+    # importlib.metadata would say the same in a hundred times the time.
+    versions = ",".join(sorted(path.name for path in site.glob("pint-*.dist-info"))) or _version("pint")
+    key = sha256(versions.encode() + Path(__file__).read_bytes()).hexdigest()[:32]
+    return cache_folder() / "units" / key, key
+
+
+def _version(package: str) -> str:
+    from importlib.metadata import version
+
+    return version(package)
 
 
 def _as_float(value: Fraction) -> float:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import gc
+import os
 import sys
 
 from dse.cli.app import WRONG_FILES, app, show_problems
@@ -17,7 +19,11 @@ def main() -> None:
         # Windows and the C locale would refuse × and …; files and pipes are UTF-8 everywhere.
         if hasattr(stream, "reconfigure") and (stream.encoding or "").lower() != "utf-8":
             stream.reconfigure(encoding="utf-8")
-    register()
+    # The shapes of our files need no plugin, and looking for one reads the metadata of every installed package.
+    os.environ.setdefault("PYDANTIC_DISABLE_PLUGINS", "__all__")
+    register(sys.argv[1:])
+    # What a command reads and imports stays until its end: looking through it again and again is in vain.
+    gc.set_threshold(50_000, 20, 20)
     try:
         app()
     except DseError as error:

@@ -1,4 +1,4 @@
-"""The progress bar of a study."""
+"""The progress bar of a study, and a line that says what is being waited for."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import TYPE_CHECKING
 
-from dse.cli.app import console
+from dse.cli.app import console, plain
 
 if TYPE_CHECKING:
     from rich.progress import TaskID
@@ -44,3 +44,29 @@ def progress_bar() -> Iterator[Callable[[Progress], None]]:
 
     with bar:
         yield show
+
+
+_PATIENCE = 1.0
+"""Seconds before a line says what is being waited for."""
+
+
+@contextmanager
+def status_line() -> Iterator[Callable[[str], None]]:
+    """Shows the text it was last given on a terminal's standard error, once the context has lasted a second."""
+    screen = console(stderr=True)
+    if not screen.is_terminal:
+        yield lambda _: None
+        return
+    from threading import Timer
+
+    from rich.text import Text
+
+    status = screen.status("")
+    late = Timer(_PATIENCE, status.start)
+    late.start()
+    try:
+        yield lambda text: status.update(Text(plain(text)))
+    finally:
+        late.cancel()
+        late.join()
+        status.stop()

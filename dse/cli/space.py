@@ -48,12 +48,16 @@ def space_of(design: str, on: list[str], off: list[str]) -> DesignSpace:
     from pathlib import Path
 
     from dse.errors import DseError
-    from dse.loading.uvl import read_uvl
     from dse.space.check import check
     from dse.space.switch import switched
 
     path = Path(design)
-    space = read_uvl(path) if path.suffix.lower() == ".uvl" else workspace_of(design).design(design)
+    if path.suffix.lower() == ".uvl":
+        from dse.loading.uvl import read_uvl
+
+        space = read_uvl(path)
+    else:
+        space = workspace_of(design).design(design)
     problems = check(space)
     if problems:
         raise DseError(*problems)

@@ -20,7 +20,7 @@ class Section(BaseModel):
     later: ClassVar[frozenset[str]] = frozenset()
     hints: ClassVar[Mapping[str, str]] = {}
 
-    model_config = ConfigDict(extra="forbid", strict=True, frozen=True)
+    model_config = ConfigDict(extra="forbid", strict=True, frozen=True, defer_build=True)
 
 
 def _plain(value: object) -> object:
@@ -75,7 +75,7 @@ def _path(document: Document, loc: tuple[str | int, ...], at: Path_) -> Path_:
     """The part of pydantic's *loc* below *at* that stands in the document: union members' names are left out."""
     path = at
     for step in loc:
-        if (*path, step) in document.places:
+        if document.has((*path, step)):
             path = (*path, step)
     return path
 

@@ -2,17 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import replace
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import Any
 
-from dse.domain.expression import Piece
 from dse.errors import DseError, Location, Problem, fail
+from dse.loading.kept import read_kept
 from dse.loading.root import named_file, root_of
-from dse.loading.yaml import Document, Path_, read_yaml, shown
-
-T = TypeVar("T")
+from dse.loading.yaml import Document, Mark, Path_, shown
 
 _DEEPEST = 20
 _MOST = 200
@@ -25,19 +22,19 @@ def read_document(path: Path, inside: Path | None = None) -> Document:
     a problem. Included files must lie in the folder *inside*, by default the workspace around *path*. Raises
     DseError, also when files include each other in a circle, too deeply or too often.
     """
-    return _read(path.resolve(), (), inside or root_of(path), [])
+    return _read(path, (), inside or root_of(path), [])
 
 
 def _read(path: Path, chain: tuple[Path, ...], inside: Path, seen: list[Path]) -> Document:
-    document = read_yaml(path)
+    document = read_kept(path, inside)
+    path = document.path
     seen.append(path)
     included = document.data.get("include")
     if included is None:
         return document
     if not isinstance(included, list) or not all(isinstance(entry, str) for entry in included):
         raise fail("'include' must be a list of files", document.place(("include",)), "include: [common.yaml]")
-    data = {key: value for key, value in document.data.items() if key != "include"}
-    marks = _Marks(dict(document.places), dict(document.keys), dict(document.pieces))
+    joined = _without_include(document)
     problems: list[Problem] = []
     for number, entry in enumerate(included):
         where = document.place(("include", number))
@@ -53,25 +50,17 @@ def _read(path: Path, chain: tuple[Path, ...], inside: Path, seen: list[Path]) -
             other = _read(target, (*chain, path), inside, seen)
         except DseError as error:
             raise DseError(*(_at(problem, where) for problem in error.problems)) from None
-        problems += _join(data, marks, other)
+        joined, further = _join(joined, other)
+        problems += further
     if problems:
         raise DseError(*problems)
-    return Document(document.path, data, marks.places, marks.keys, marks.pieces)
+    return joined
 
 
-@dataclass(frozen=True, slots=True)
-class _Marks:
-    """Where the values, keys and texts joined so far stand."""
-
-    places: dict[Path_, Location]
-    keys: dict[Path_, Location]
-    pieces: dict[Path_, tuple[Piece, ...]]
-
-    def take(self, other: Document, source: Path_, target: Path_) -> None:
-        """Add what *other* says at and below *source* as that of *target*."""
-        _copy(other.places, self.places, source, target)
-        _copy(other.keys, self.keys, source, target)
-        _copy(other.pieces, self.pieces, source, target)
+def _without_include(document: Document) -> Document:
+    line, column, marks = document.mark
+    data = {key: value for key, value in document.data.items() if key != "include"}
+    return replace(document, data=data, mark=[line, column, {key: marks[key] for key in data}])
 
 
 def _at(problem: Problem, where: Location) -> Problem:
@@ -80,44 +69,53 @@ def _at(problem: Problem, where: Location) -> Problem:
     return problem
 
 
-def _join(data: dict[str, Any], marks: _Marks, other: Document) -> list[Problem]:
+def _join(mine: Document, other: Document) -> tuple[Document, list[Problem]]:
+    """*mine* with what *other* says besides, and what both say."""
+    data, marks, pieces = {**mine.data}, {**mine.mark[2]}, {**mine.pieces}
     problems: list[Problem] = []
+
+    def twice(path: Path_) -> None:
+        what = f"'{'.'.join(map(str, path))}' stands in an including file too"
+        problems.append(Problem(what, other.key(path), f"see {mine.key(path)}"))
+
+    def take(source: Path_, target: Path_) -> None:
+        found = {path: origin for path, origin in other.pieces.items() if path[: len(source)] == source}
+        pieces.update({target + path[len(source) :]: origin for path, origin in found.items()})
+
     for section, value in other.data.items():
-        mine = data.get(section)
-        if mine is None:
-            data[section] = value
-            marks.take(other, (section,), (section,))
-        elif isinstance(mine, dict) and isinstance(value, dict):
-            data[section] = dict(mine)
-            for key, entry in value.items():
-                if key in mine:
-                    first = marks.keys[(section, key)]
-                    problems.append(
-                        Problem(
-                            f"'{section}.{key}' stands in an including file too",
-                            other.key((section, key)),
-                            f"see {first}",
-                        )
-                    )
-                    continue
-                data[section][key] = entry
-                marks.take(other, (section, key), (section, key))
-        elif isinstance(mine, list) and isinstance(value, list):
-            data[section] = mine + value
+        own = data.get(section)
+        line, column, mark = other.mark[2][section]
+        if own is None:
+            data[section], marks[section] = value, [line, column, _of(other, mark)]
+            take((section,), (section,))
+        elif isinstance(own, dict) and isinstance(value, dict):
+            new = {key: entry for key, entry in value.items() if key not in own}
+            for key in value:
+                if key in own:
+                    twice((section, key))
+            below = {key: [*mark[2][key][:2], _of(other, mark[2][key][2], mark)] for key in new}
+            data[section] = own | new
+            marks[section] = _with(marks[section], marks[section][2][2] | below)
+            for key in new:
+                take((section, key), (section, key))
+        elif isinstance(own, list) and isinstance(value, list):
+            data[section] = own + value
+            further = [_of(other, entry, mark) for entry in mark[2]]
+            marks[section] = _with(marks[section], marks[section][2][2] + further)
             for i in range(len(value)):
-                marks.take(other, (section, i), (section, len(mine) + i))
+                take((section, i), (section, len(own) + i))
         else:
-            problems.append(
-                Problem(
-                    f"'{section}' stands in an including file too",
-                    other.key((section,)),
-                    f"see {marks.keys[(section,)]}",
-                )
-            )
-    return problems
+            twice((section,))
+    return replace(mine, data=data, mark=[*mine.mark[:2], marks], pieces=pieces), problems
 
 
-def _copy(theirs: Mapping[Path_, T], mine: dict[Path_, T], source: Path_, target: Path_) -> None:
-    for path, mark in theirs.items():
-        if path[: len(source)] == source:
-            mine[target + path[len(source) :]] = mark
+def _of(document: Document, mark: Mark, *around: Mark) -> Mark:
+    """*mark*, which stands in *document*, for use in another one; *around* are the marks of what holds it."""
+    file = next((found[3] for found in (mark, *around) if len(found) > 3), document.file)
+    return [*mark[:2], mark[2] if len(mark) > 2 else None, file]
+
+
+def _with(entry: list[Any], below: Any) -> list[Any]:
+    """The *entry* of a section whose value holds what *below* marks instead."""
+    line, column, mark = entry
+    return [line, column, [*mark[:2], below, *mark[3:]]]

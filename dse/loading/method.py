@@ -110,7 +110,7 @@ def _adaptive(document: Document, section: AdaptiveSection, step: float, problem
 
 
 def _positive(document: Document, at: Path_, raw: Raw, unit: str, problems: list[Problem]) -> float | None:
-    where = document.place(at) if at in document.places else document.key(at[:-1])
+    where = document.place(at) if document.has(at) else document.key(at[:-1])
     try:
         value = read_number(raw, read_unit(unit, where), where)
     except DseError as error:

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import os
 import stat
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -28,62 +28,102 @@ _YAML_TAG = "tag:yaml.org,2002"
 _PLAIN_TAGS = (f"{_YAML_TAG}:map", f"{_YAML_TAG}:seq")
 
 
+Mark = list[Any]
+"""Where a value stands: line and column; then, if it holds others, what they are marked with; then its file, if that is
+not the document's. In a mapping, keys have their line and column and the mark of their value."""
+
+
 @dataclass(frozen=True, slots=True)
 class Document:
-    """The data of one file, and where each value (*places*) and each mapping key (*keys*) stands.
+    """The data of one file, and where each value and each mapping key stands (*mark*) in *file*, as it is shown.
 
     Texts over several lines, or with escapes, have *pieces*.
     """
 
     path: Path
     data: Mapping[str, Any]
-    places: Mapping[Path_, Location]
-    keys: Mapping[Path_, Location]
+    file: str
+    mark: Mark
     pieces: Mapping[Path_, tuple[Piece, ...]] = field(default_factory=dict)
 
     def place(self, path: Path_) -> Location:
         """Where the value at *path* stands; the nearest value around it if it is absent."""
-        return _nearest(self.places, path)
+        file, mark, _ = self._along(path)
+        return Location(file, mark[0], mark[1])
 
     def key(self, path: Path_) -> Location:
         """Where the key at the end of *path* stands; the nearest value around it if it is absent."""
-        return self.keys.get(path) or self.place(path)
+        file, mark, steps = self._along(path)
+        if steps < len(path) or not isinstance(path[-1] if path else 0, str):
+            return Location(file, mark[0], mark[1])
+        line, column, _ = self._along(path[:-1])[1][2][path[-1]]
+        return Location(file, line, column)
+
+    def has(self, path: Path_) -> bool:
+        """Whether a value stands at *path*."""
+        return self._along(path)[2] == len(path)
 
     def origin(self, path: Path_) -> Location | tuple[Piece, ...]:
         """Where the text at *path* stands, character by character."""
         return self.pieces.get(path) or self.place(path)
 
+    def _along(self, path: Path_) -> tuple[str, Mark, int]:
+        """The file and the mark of the value that as many steps of *path* lead to as there are, and their number."""
+        file, mark, steps = self.file, self.mark, 0
+        for step in path:
+            try:
+                entry = mark[2][step]
+            except (IndexError, KeyError, TypeError):
+                break
+            mark = entry[2] if isinstance(step, str) else entry
+            file = file if len(mark) < 4 else mark[3]
+            steps += 1
+        return file, mark, steps
+
 
 def shown(path: Path) -> str:
     """*path* as a person at the current folder would type it."""
+    text, here = str(path), os.getcwd()  # noqa: PTH109  # asked for each of thousands of files
+    if text.startswith(here + os.sep) and os.pardir not in text:
+        return text[len(here) + 1 :].replace(os.sep, "/")
     try:
         relative = os.path.relpath(path)
     except ValueError:  # another drive on Windows
-        return str(path)
-    return str(path) if relative.startswith(os.pardir) else Path(relative).as_posix()
+        return text
+    return text if relative.startswith(os.pardir) else Path(relative).as_posix()
 
 
 def read_yaml(path: Path) -> Document:
     """Read one file whose top level is a mapping. Raises DseError with every duplicate key and odd value."""
-    text = _read_text(path)
-    root = compose(text, shown(path))
+    return parse_yaml(path, read_content(path))
+
+
+def parse_yaml(path: Path, content: bytes) -> Document:
+    """The document that *content* is, what stands in the file *path*. Raises DseError as `read_yaml` does."""
+    file = shown(path)
+    try:
+        text = content.decode("utf-8-sig")
+    except UnicodeDecodeError as error:
+        raise fail(f"not UTF-8 text (byte {error.start})", Location(file), "save the file as UTF-8") from None
+    root = compose(text, file)
     if root is None:
-        raise fail("the file is empty", Location(shown(path)), "docs/formats.md says what each file holds")
-    reader = _Reader(shown(path), text)
+        raise fail("the file is empty", Location(file), "docs/formats.md says what each file holds")
+    reader = _Reader(file, text)
     reader.expect_few(root)
-    data = reader.value(root, (), 0)
+    data, mark = reader.value(root, (), 0)
     if reader.problems:
         raise DseError(*reader.problems)
     if not isinstance(data, dict):
         raise fail(
             f"expected a mapping at the top of the file, found {_describe(data)}",
-            reader.places[()],
+            Location(file, mark[0], mark[1]),
             "start with a line that says what the file defines, as 'design: my_design' or 'component: my_part'",
         )
-    return Document(path, data, reader.places, reader.keys, reader.pieces)
+    return Document(path, data, file, mark, reader.pieces)
 
 
-def _read_text(path: Path) -> str:
+def read_content(path: Path) -> bytes:
+    """What stands in a file that may hold YAML. Raises DseError: none, too large, or not to be read."""
     where = Location(shown(path))
     try:
         mode = path.stat().st_mode
@@ -94,15 +134,13 @@ def _read_text(path: Path) -> str:
             raise fail("not a regular file", where, "name a file that holds YAML")
         with path.open("rb") as file:
             content = file.read(_MAX_BYTES + 1)
-        if len(content) > _MAX_BYTES:
-            raise fail(f"the file is larger than {_MAX_BYTES // 1_000_000} MB", where, "split it with 'include'")
-        return content.decode("utf-8-sig")
     except FileNotFoundError:
         raise fail("no such file", where, _similar_file(path)) from None
-    except UnicodeDecodeError as error:
-        raise fail(f"not UTF-8 text (byte {error.start})", where, "save the file as UTF-8") from None
     except OSError as error:
         raise fail(f"cannot be read: {error.strerror or error}", where, "check the file's permissions") from None
+    if len(content) > _MAX_BYTES:
+        raise fail(f"the file is larger than {_MAX_BYTES // 1_000_000} MB", where, "split it with 'include'")
+    return content
 
 
 def _similar_file(path: Path) -> str:
@@ -120,8 +158,6 @@ class _Reader:
         self.file = file
         self.text = text
         self.pieces: dict[Path_, tuple[Piece, ...]] = {}
-        self.places: dict[Path_, Location] = {}
-        self.keys: dict[Path_, Location] = {}
         self.problems: list[Problem] = []
 
     def expect_few(self, root: Any) -> None:
@@ -150,28 +186,32 @@ class _Reader:
                 advice = "an alias repeats all that its anchor (&name) holds; use fewer of them, or split the file"
                 raise fail(what, self._where(node), advice)
 
-    def value(self, node: Any, path: Path_, depth: int) -> Any:
+    def value(self, node: Any, path: Path_, depth: int) -> tuple[Any, Mark]:
+        """What *node*, at *path*, stands for, and where."""
         where = self._where(node)
-        self.places[path] = where
+        mark: Mark = [where.line, where.column]
         if depth > MOST_LEVELS:
             what = f"more than {MOST_LEVELS} levels once aliases (*name) are expanded"
             raise fail(what, where, "flatten it; an alias within its own anchor never ends")
         if node.id != "scalar" and str(node.tag) not in _PLAIN_TAGS:
             self._tagged(node)
-            return None
+            return None, mark
         if node.id == "mapping":
-            return self._mapping(node, path, depth)
+            data, marks = self._mapping(node, path, depth)
+            return data, [*mark, marks]
         if node.id == "sequence":
-            return [self.value(child, (*path, i), depth + 1) for i, child in enumerate(node.value)]
+            pairs = [self.value(child, (*path, i), depth + 1) for i, child in enumerate(node.value)]
+            return [value for value, _ in pairs], [*mark, [mark for _, mark in pairs]]
         value = self._scalar(node, where)
         if isinstance(value, str):
             found = pieces(self._raw(node), value, self._start(node))
             if found:
                 self.pieces[path] = found
-        return value
+        return value, mark
 
-    def _mapping(self, node: Any, path: Path_, depth: int) -> dict[str, Any]:
+    def _mapping(self, node: Any, path: Path_, depth: int) -> tuple[dict[str, Any], dict[str, Mark]]:
         result: dict[str, Any] = {}
+        marks: dict[str, Mark] = {}
         for key_node, value_node in node.value:
             where = self._where(key_node)
             if key_node.id != "scalar" or str(key_node.tag) == "tag:yaml.org,2002:merge":
@@ -185,14 +225,12 @@ class _Reader:
                 self.problems += unsafe(key, where).problems
                 continue
             if key in result:
-                first = self.keys[(*path, key)]
-                self.problems.append(
-                    Problem(f"duplicate key '{key}'", where, f"it stands first in line {first.line}; keep one of them")
-                )
+                hint = f"it stands first in line {marks[key][0]}; keep one of them"
+                self.problems.append(Problem(f"duplicate key '{key}'", where, hint))
                 continue
-            self.keys[(*path, key)] = where
-            result[key] = self.value(value_node, (*path, key), depth + 1)
-        return result
+            result[key], mark = self.value(value_node, (*path, key), depth + 1)
+            marks[key] = [where.line, where.column, mark]
+        return result, marks
 
     def _scalar(self, node: Any, where: Location) -> str | int | float | bool | None:
         tag, text = str(node.tag).rsplit(":", 1)[-1], str(node.value)
@@ -246,18 +284,6 @@ def _below(node: Any) -> list[Any]:
     if node.id == "mapping":
         return [value for _, value in node.value]
     return list(node.value) if node.id == "sequence" else []
-
-
-def _nearest(places: Mapping[Path_, Location], path: Path_) -> Location:
-    for candidate in _prefixes(path):
-        if candidate in places:
-            return places[candidate]
-    return places[()]
-
-
-def _prefixes(path: Path_) -> Iterator[Path_]:
-    for length in range(len(path), -1, -1):
-        yield path[:length]
 
 
 def _describe(data: object) -> str:

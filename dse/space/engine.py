@@ -2,7 +2,8 @@
 
 The order of the attempts: the decision diagram of hierarchy and rules, with sums compiled in where they fit; grids
 of sums over its nodes; tilted sampling, which is an estimate and says so. Where the diagram is too wide in every
-order, as in large feature models, see `dse.space.entangled`.
+order, as in large feature models, see `dse.space.entangled`. Each method is imported where it is used: together they
+take longer to import than most spaces to count.
 """
 
 from __future__ import annotations
@@ -10,6 +11,7 @@ from __future__ import annotations
 from collections.abc import Collection, Iterator
 from dataclasses import replace
 from functools import cached_property
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -17,21 +19,14 @@ from dse.domain.design import DesignSpace
 from dse.errors import DseError, fail
 from dse.space.budget import TooMuchError
 from dse.space.decisions import decisions, product_of
-from dse.space.entangled import Entangled
 from dse.space.flat import FlatSpace, Rows, Rule, Table
-from dse.space.grid.exact import exact_count
-from dse.space.listing.blocks import blocks, first
 from dse.space.lowering import flatten
 from dse.space.mdd.diagram import Diagram, count, restrict
-from dse.space.mdd.expand import expand
-from dse.space.mdd.growth import TooWideError
-from dse.space.mdd.ordering import compile_best
-from dse.space.optimum.emptiness import is_empty
-from dse.space.sampling.estimate import RELATIVE, Shares, estimate, estimate_occurrences, exact_shares, taken
-from dse.space.sampling.sample import sample
-from dse.space.sampling.tilt import EmptyError, TooRareError, tilt
-from dse.space.sampling.uniform import generator
 from dse.space.tally import Tally
+
+if TYPE_CHECKING:
+    from dse.space.entangled import Entangled
+    from dse.space.sampling.estimate import Shares
 
 DIAGRAM = 200_000
 """Nodes a diagram may have before reduction; beyond, the decision-DNNF takes over."""
@@ -88,6 +83,9 @@ class Engine:
     @cached_property
     def diagram(self) -> Diagram | None:
         """The decision diagram of hierarchy and rules, sums aside; None where it is too wide in every order."""
+        from dse.space.mdd.growth import TooWideError
+        from dse.space.mdd.ordering import compile_best
+
         if self._model is not None and self._model.diagram is None and self._model.entangled.graph is not None:
             return None
         try:
@@ -100,6 +98,9 @@ class Engine:
         """The diagram of exactly the valid rows; None where it is too wide."""
         if self.diagram is None:
             return None
+        from dse.space.mdd.expand import expand
+        from dse.space.mdd.growth import TooWideError
+
         try:
             return expand(self.diagram, EXPANSION)
         except TooWideError:
@@ -108,6 +109,8 @@ class Engine:
     @cached_property
     def entangled(self) -> Entangled:
         """What answers where there is no diagram."""
+        from dse.space.entangled import Entangled
+
         return Entangled(self.flat)
 
     def is_structural(self) -> bool:
@@ -119,19 +122,22 @@ class Engine:
         return product_of(decisions(space))
 
     def count(
-        self, seed: int = 0, *, most_work: float = WORK, relative: float = RELATIVE, size: int | None = None
+        self, seed: int = 0, *, most_work: float = WORK, relative: float | None = None, size: int | None = None
     ) -> Tally:
         """How many rows are valid: exact if that takes no more than *most_work*, else an estimate within *relative*.
 
-        *size* as in `estimate`. Raises DseError if neither can be had.
+        *relative*, unless it is given, and *size* are as in `estimate`. Raises DseError if neither can be had.
         """
         exact = self.exact_count(most_work)
         if exact is not None:
             return Tally(exact)
         if self.diagram is None:
             return self.entangled.estimate(seed)
+        from dse.space.sampling.estimate import RELATIVE, estimate
+        from dse.space.sampling.tilt import TooRareError
+
         try:
-            return estimate(self.diagram, seed, relative, size=size)
+            return estimate(self.diagram, seed, RELATIVE if relative is None else relative, size=size)
         except TooRareError as error:
             listed = self._listed(LISTED)
             if listed is None:
@@ -149,6 +155,8 @@ class Engine:
             return 0
         if self.expanded is not None:
             return count(self.expanded)
+        from dse.space.grid.exact import exact_count
+
         try:
             return exact_count(self.diagram, most_work=most_work)
         except TooMuchError:
@@ -168,6 +176,8 @@ class Engine:
         """Whether no row is valid. Raises DseError if a complete search has to give up."""
         if self.diagram is None:
             return self.entangled.first() is None
+        from dse.space.optimum.emptiness import is_empty
+
         try:
             return is_empty(self.diagram)
         except TooMuchError as error:
@@ -177,6 +187,8 @@ class Engine:
         """The first valid row in the engine's order, shape (variables,), or None. Raises like `is_empty`."""
         if self.diagram is None:
             return self.entangled.first()
+        from dse.space.listing.blocks import first
+
         try:
             return first(self.diagram)
         except TooMuchError as error:
@@ -187,7 +199,11 @@ class Engine:
 
         It is that of the file, the last decision the fastest, unless the diagram of the space only fits in another.
         """
-        return blocks(self.diagram) if self.diagram is not None else self.entangled.blocks()
+        if self.diagram is None:
+            return self.entangled.blocks()
+        from dse.space.listing.blocks import blocks
+
+        return blocks(self.diagram)
 
     def rows(self, most: int) -> Rows:
         """The first rows of `blocks`, at most so many."""
@@ -202,6 +218,9 @@ class Engine:
 
     def sample(self, number: int, seed: int = 0) -> Rows:
         """*number* rows drawn uniformly among the valid ones, independently. Raises DseError if there is none."""
+        from dse.space.sampling.sample import sample
+        from dse.space.sampling.tilt import EmptyError, TooRareError
+
         try:
             if self.diagram is None:
                 return self.entangled.sample(number, seed)
@@ -216,6 +235,9 @@ class Engine:
 
         Raises DseError if there is no valid row.
         """
+        from dse.space.sampling.estimate import estimate_occurrences
+        from dse.space.sampling.tilt import EmptyError, TooRareError
+
         try:
             if self.diagram is None:
                 return self.entangled.shares()
@@ -230,6 +252,8 @@ class Engine:
         """Whether a bound proves that no row is valid, before anything is spent on it."""
         if self.diagram is None:
             return False
+        from dse.space.sampling.tilt import EmptyError, tilt
+
         try:
             tilt(self.diagram)
         except EmptyError:
@@ -258,11 +282,15 @@ class Engine:
         return every
 
     def _drawn_from_list(self, number: int, seed: int) -> Rows:
+        from dse.space.sampling.uniform import generator
+
         every = self._every()
         drawn: Rows = every[generator(seed).integers(len(every), size=number)]
         return drawn
 
     def _shares_of_list(self) -> Shares:
+        from dse.space.sampling.estimate import exact_shares, taken
+
         every = self._every()
         times = [found.tolist() for found in taken(self.flat, every)]
         return exact_shares(times, len(every))

@@ -9,9 +9,11 @@ from collections.abc import Callable
 from typing import ParamSpec
 
 from dse.domain.bench import TestBench
+from dse.domain.component import Component
 from dse.domain.design import Configuration
 from dse.domain.method import Coupling, Method
 from dse.errors import DseError, Problem
+from dse.fmu.together import together
 from dse.loading.kind import kind_of
 from dse.loading.workspace import Workspace
 from dse.space.check import check as check_space
@@ -22,19 +24,45 @@ from dse.testbench.select import one, selected
 P = ParamSpec("P")
 
 
-def check_workspace(workspace: Workspace) -> tuple[list[Problem], dict[str, int]]:
+OnProgress = Callable[[str, int, int, str], None]
+"""Is told what is being checked, as "components": which one, of how many, and its name."""
+
+
+def check_workspace(
+    workspace: Workspace, on_progress: OnProgress | None = None
+) -> tuple[list[Problem], dict[str, int]]:
     """All problems, each once, and how many files of each kind were read."""
+    tell = on_progress or (lambda *_: None)
     counts: dict[str, int] = {}
     found = _of(_survey, workspace, counts)
     if not found:
-        for name in workspace.component_files:
-            found += _of(_component, workspace, name)
-        for path in workspace.files("designs"):
-            found += _of(_design, workspace, str(path))
-        for path in workspace.files("testbenches"):
-            reader = _study if path.name.endswith(".pet.yaml") else _bench
-            found += _of(reader, workspace, str(path))
+        found += _components(workspace, tell)
+        for what, folder in (("design spaces", "designs"), ("test benches and studies", "testbenches")):
+            paths = list(workspace.files(folder))
+            for number, path in enumerate(paths, 1):
+                tell(what, number, len(paths), path.name)
+                bench = _study if path.name.endswith(".pet.yaml") else _bench
+                found += _of(_design if folder == "designs" else bench, workspace, str(path))
     return list(dict.fromkeys(found)), counts
+
+
+def _components(workspace: Workspace, tell: OnProgress) -> list[Problem]:
+    """Reads them one by one, then looks into several at a time: models are translated, which takes seconds."""
+    problems: list[Problem] = []
+    read: dict[str, Component] = {}
+    for name in workspace.component_files:
+        try:
+            read[name] = workspace.component(name)
+        except DseError as error:
+            problems += error.problems
+    names = list(read)
+
+    def done(number: int, of: int) -> None:
+        if number < of:
+            tell("components", number + 1, of, names[number])
+
+    done(0, len(names))
+    return problems + _of(together, names, lambda name: _component(read[name]), done)
 
 
 def _of(action: Callable[P, object], *args: P.args, **kwargs: P.kwargs) -> list[Problem]:
@@ -64,8 +92,7 @@ def _design(workspace: Workspace, path: str) -> None:
     one(workspace.design(path), None)
 
 
-def _component(workspace: Workspace, name: str) -> None:
-    component = workspace.component(name)
+def _component(component: Component) -> None:
     kind = kind_of(component)
     if kind is not None:
         kind.check(component, component.source)

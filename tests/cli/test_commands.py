@@ -17,7 +17,6 @@ from defusedxml import ElementTree
 COMMANDS = (
     "init check components build enumerate space simulate run explore results report figure replay".split()  # noqa: SIM905  # reads as the help does
 )
-HEAVY = ("pandas", "matplotlib", "fmpy", "scipy", "pyarrow", "pint", "pydantic", "numpy", "networkx", "textual")
 
 
 @pytest.mark.parametrize("command", COMMANDS)
@@ -32,31 +31,6 @@ def test_the_version_is_the_packages(dse):
     from dse import __version__
 
     assert dse("--version").stdout == f"dse {__version__}\n"
-
-
-def test_help_imports_nothing_heavy():
-    code = (
-        "import sys; sys.argv = ['dse', '--help']\n"
-        "from dse.cli import main\n"
-        "try: main()\n"
-        "except SystemExit: pass\n"
-        f"print([name for name in {HEAVY} if name in sys.modules], file=sys.stderr)"
-    )
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
-    assert done.stderr.strip() == "[]"
-
-
-@pytest.mark.parametrize("command", [["check"], ["enumerate", "acc_vehicle"], ["components"]])
-def test_reading_commands_import_neither_pandas_nor_matplotlib_nor_fmpy(example, command):
-    code = (
-        f"import sys; sys.argv = ['dse', *{command}]\n"
-        "from dse.cli import main\n"
-        "try: main()\n"
-        "except SystemExit: pass\n"
-        "print([n for n in ('pandas', 'matplotlib', 'fmpy', 'pyarrow') if n in sys.modules], file=sys.stderr)"
-    )
-    done = subprocess.run([sys.executable, "-c", code], cwd=example, capture_output=True, text=True, check=True)
-    assert done.stderr.strip() == "[]"
 
 
 @pytest.mark.thorough

@@ -124,3 +124,18 @@ def test_newton_metres_are_not_read_as_nanometres(files):
     files.edit("components/interfaces.yaml", "torque: N.m", "torque: Nm")
     problems = check_workspace(Workspace(files.root))[0]
     assert problems[0].what == "unknown unit 'Nm': write N.m"
+
+
+def test_what_is_being_checked_is_told(files):
+    told = []
+    check_workspace(Workspace(files.root), lambda *said: told.append(said))
+    assert [said for said in told if said[0] == "components"] == [
+        ("components", 1, 3, "pd"),
+        ("components", 2, 3, "radar"),
+        ("components", 3, 3, "road"),
+    ]
+    assert told[3:] == [
+        ("design spaces", 1, 1, "car.yaml"),
+        ("test benches and studies", 1, 2, "following.yaml"),
+        ("test benches and studies", 2, 2, "gains.pet.yaml"),
+    ]

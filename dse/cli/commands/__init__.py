@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from importlib import import_module
 
 COMMANDS = (
@@ -32,7 +33,9 @@ COMMANDS = (
 )
 
 
-def register() -> None:
-    """Import every command, which adds it to the application."""
-    for name in COMMANDS:
+def register(words: Sequence[str] = ()) -> None:
+    """Import the command that *words*, as they were typed, start with, which adds it to the application; else all."""
+    first, second = (*words[:2], "", "")[:2]
+    asked = {first, f"{first}_", f"{first}_{second}"} & {*COMMANDS}
+    for name in asked or COMMANDS:
         import_module(f"{__name__}.{name}")

@@ -8,6 +8,7 @@ from typing import Annotated
 import typer
 
 from dse.cli.app import app, console
+from dse.cli.progress import status_line
 from dse.errors import DseError
 
 
@@ -23,7 +24,11 @@ def check(
     from dse.loading.workspace import Workspace
     from dse.testbench.check import check_workspace
 
-    problems, counts = check_workspace(Workspace.around(workspace))
+    with status_line() as show:
+        problems, counts = check_workspace(
+            Workspace.around(workspace),
+            lambda what, number, of, name: show(f"checking {what}: {number} of {of} ({name})"),
+        )
     if problems:
         raise DseError(*problems)
     plural = {"study": "studies", "test bench": "test benches"}

@@ -1,0 +1,138 @@
+"""Heavy packages are imported by the commands that need them, and by no other."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+from importlib import import_module
+
+import pytest
+import typer
+
+from dse.cli.app import app
+from dse.cli.commands import COMMANDS, register
+
+# pydantic is not among them: typer imports it itself for every command that is run.
+HEAVY = {"fmpy", "matplotlib", "networkx", "numpy", "pandas", "pint", "pyarrow", "ruamel.yaml", "scipy", "textual"}
+SPACE = {"numpy"}
+SEARCH = {"numpy", "scipy"}
+RUNS = {"networkx", "numpy", "pint", "pyarrow", "ruamel.yaml", "scipy"}
+DRAWN = {*RUNS, "matplotlib"}
+
+# What each command may import in a workspace that was read before; {s} is a study folder, {o} a new name.
+MAY_IMPORT = {
+    "--help": set(),
+    "--version": set(),
+    "space --help": set(),
+    "init {o}": set(),
+    "components": set(),
+    "components --graph {o}": {"networkx", "numpy"},
+    "enumerate acc_vehicle": SPACE,
+    "enumerate acc_vehicle --count": SPACE,
+    "enumerate acc_vehicle --format csv": SPACE,
+    "enumerate acc_vehicle --sample 3": SPACE,
+    "enumerate acc_vehicle -o {o}.parquet": {"numpy", "pandas", "pyarrow"},  # pyarrow.array asks for pandas
+    "space count acc_vehicle": SPACE,
+    "space constraints acc_vehicle": SEARCH,
+    "space choices acc_vehicle": SPACE,
+    "space conflict acc_vehicle": SEARCH,
+    "space explain acc_vehicle --choose sensor=lidar_905nm": SEARCH,
+    "space best acc_vehicle --minimize cost": SEARCH,
+    "space pareto acc_vehicle --minimize cost --minimize mass": SEARCH,
+    "space compare acc_vehicle acc_vehicle": SPACE,
+    "space graph acc_vehicle": {"networkx", "numpy"},
+    "space refine acc_vehicle --choose sensor=lidar_905nm": {"numpy", "ruamel.yaml"},
+    "export uvl acc_vehicle -o {o}.uvl": SPACE,
+    "export csv acc_vehicle -o {o}.csv": SPACE,
+    "results {s}": {"numpy", "pandas", "pyarrow"},
+    "report {s} -o {o}.html": {*RUNS, "pandas"},
+    "figure {s} -o {o}": {*DRAWN, "pandas"},
+    "replay {s} 1": RUNS,
+    "check": {"networkx", "numpy", "pint", "scipy"},
+    "build pd_acc": set(),
+    "probe {f}": {"numpy"},
+    "import fmu {f} -o {o}": RUNS,
+    "simulate acc_following": RUNS,
+    "run acc_following -o {o}": RUNS,
+    "explore small -o {o}": RUNS,
+}
+SLOW = ("results", "report", "figure", "replay", "check", "build", "probe", "import fmu", "simulate", "run", "explore")
+
+LOOK = f"""
+import sys
+from dse.cli import main
+code = 0
+try:
+    main()
+except SystemExit as end:
+    code = end.code
+print(code or 0, *sorted({HEAVY} & {{*sys.modules}}), file=sys.stderr)
+"""
+
+
+@pytest.fixture(scope="module")
+def imported(example, cache):
+    def imported(*arguments):
+        environment = {**os.environ, "DSE_CACHE": str(cache)}
+        command = [sys.executable, "-c", LOOK, *arguments]
+        done = subprocess.run(command, cwd=example, env=environment, capture_output=True, text=True, check=True)
+        code, *names = done.stderr.splitlines()[-1].split()
+        return code, set(names), done.stderr
+
+    imported("components")
+    imported("enumerate", "acc_vehicle", "--count")
+    return imported
+
+
+@pytest.mark.parametrize(
+    "command",
+    [pytest.param(line, marks=[pytest.mark.thorough] * line.startswith(SLOW)) for line in MAY_IMPORT],
+)
+def test_a_command_imports_what_it_needs(imported, tmp_path, request, command):
+    words = {"o": tmp_path / "new"}
+    if "{s}" in command:
+        words["s"] = request.getfixturevalue("explored")
+    if "{f}" in command:
+        dse = request.getfixturevalue("dse")
+        words["f"] = dse("build", "pd_acc", "--output", str(tmp_path)).stdout and next(tmp_path.rglob("*.fmu"))
+    code, names, said = imported(*command.format(**words).split(" "))
+    assert code == "0", said
+    assert names <= MAY_IMPORT[command]
+
+
+def test_every_command_is_in_the_table():
+    register()
+    known = typer.main.get_command(app)
+    lines = {
+        f"{name} {below}" if hasattr(group, "commands") else name
+        for name, group in known.commands.items()
+        for below in getattr(group, "commands", [""])
+    }
+    # These two write into new folders what the others read: `import uvl` a design, the SSP commands packages.
+    assert {line for line in lines if not any(tried.startswith(line) for tried in MAY_IMPORT)} <= {
+        "import uvl",
+        "import ssp",
+        "export ssp",
+    }
+
+
+@pytest.mark.parametrize("name", COMMANDS)
+def test_a_command_is_found_without_the_others(name):
+    assert import_module(f"dse.cli.commands.{name}")
+    words = name.removesuffix("_").split("_")
+    code = (
+        "import sys; from dse.cli.commands import register\n"
+        f"register({words!r})\n"
+        "print(*[m.rpartition('.')[2] for m in sys.modules if m.startswith('dse.cli.commands.')])"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    found = done.stdout.split()
+    assert name in found
+    assert len(found) <= 2  # two share words with another
+
+
+def test_the_package_is_imported_at_once():
+    code = "import sys; before = {*sys.modules}; import dse; print(*({*sys.modules} - before))"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert not {name.partition(".")[0] for name in done.stdout.split()} & {*HEAVY, "pydantic", "rich", "typer"}
