@@ -24,13 +24,11 @@ def counted(marks: Marks) -> str:
     return text + f"{counts[Mark.NOT_EXERCISED]:,} not exercised, {counts[Mark.FAILED_TO_RUN]:,} failed to run."
 
 
-def hidden(values: Floats, judged: Flags, low: float | None, high: float | None) -> str:
-    """A sentence on the *judged* runs whose value no axis from *low* to *high* can show; "" if there are none."""
-    parts = [
-        (np.isnan(values), "undefined (they fail)"),
-        (np.isinf(values), "infinite"),
-        (np.isfinite(values) & ((values < (low or -np.inf)) | (values > (high or np.inf))), "beyond the axis"),
-    ]
-    counts = [(int(np.count_nonzero(judged & flags)), words) for flags, words in parts]
+def hidden(values: Floats, runs: Flags, low: float | None, high: float | None) -> str:
+    """A sentence on those of *runs* whose value no axis from *low* to *high* can show; "" if there are none."""
+    finite = np.isfinite(values)
+    beyond = finite & ((values < (-np.inf if low is None else low)) | (values > (np.inf if high is None else high)))
+    parts = ((np.isnan(values), "undefined"), (np.isinf(values), "infinite"), (beyond, "beyond the axis"))
+    counts = [(int(np.count_nonzero(runs & flags)), words) for flags, words in parts]
     shown = ", ".join(f"{count:,} {words}" for count, words in counts if count)
     return f" Not drawn: {shown}." if shown else ""

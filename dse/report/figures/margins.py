@@ -51,8 +51,8 @@ def _chart(content: ReportContent, requirement: RequirementRow) -> Chart | None:
     return Chart(
         requirement.name,
         f"{requirement.title or requirement.name}: {metric.title or metric.name} {words}",
-        Axis(f"margin to the bound, {metric.title or metric.name}", metric.unit_symbol, low=low, high=high),
-        Axis("runs with at most this margin", "%", low=0.0, high=100.0),
+        Axis(f"margin of {metric.title or metric.name}", metric.unit_symbol, low=low, high=high),
+        Axis("runs with at most this margin", "%"),
         (steps, Rule("x", 0.0, f"bound: {words}"), *points),
         counted(marks) + hidden(margin, judged, low, high),
     )

@@ -46,5 +46,5 @@ def _chart(content: ReportContent, requirement: RequirementRow) -> Chart | None:
         Axis("run number"),
         Axis(metric.title or metric.name, metric.unit_symbol, low=low, high=high),
         (*(Rule("y", bound, words) for bound, words in limits), *points),
-        counted(marks) + hidden(metric.values, marks <= Mark.FAIL, low, high),
+        counted(marks) + hidden(metric.values, content.runs.done, low, high),
     )
