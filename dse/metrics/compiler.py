@@ -257,7 +257,7 @@ def _offered(expression: Expression, node: Call) -> Function:
         raise error_in(expression, node.span, error.problems[0].what, error.problems[0].hint) from error
     if not isinstance(function, Function):
         package = OFFERED.package(node.function)
-        what = f"the metric function '{node.function}' of {package} is a {type(function).__name__}, no Function"
+        what = f"the metric function '{node.function}' of {package} is of type {type(function).__name__}, not Function"
         raise error_in(expression, node.span, what, f"mend or uninstall {package}")
     return function
 

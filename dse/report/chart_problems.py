@@ -20,7 +20,7 @@ _NAME = re.compile(r"\w[\w.-]*")
 def chart_problems(chart: object, runs: Collection[int]) -> list[str]:
     """What keeps *chart* from being drawn for a study of these *runs*, in words."""
     if not isinstance(chart, Chart):
-        return [f"a {type(chart).__name__} is no Chart"]
+        return [f"something of type {type(chart).__name__} is no Chart"]
     if not isinstance(chart.name, str) or not _NAME.fullmatch(chart.name):
         return [f"the name {chart.name!r} of a chart is not made of letters, digits, '_', '-' and '.'"]
     found = [f"{what} is no text" for what in ("title", "note") if not isinstance(getattr(chart, what), str)]
@@ -35,7 +35,7 @@ def chart_problems(chart: object, runs: Collection[int]) -> list[str]:
 
 def _axis_problems(axis: object) -> Iterable[str]:
     if not isinstance(axis, Axis):
-        yield f"a {type(axis).__name__} is no Axis"
+        yield f"something of type {type(axis).__name__} is no Axis"
         return
     if not all(isinstance(text, str) for text in (axis.label, axis.unit, *axis.names)):
         yield "label, unit and names must be texts"

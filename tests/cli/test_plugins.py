@@ -98,4 +98,4 @@ def test_metric_functions_of_another_package_are_computed_in_workers(dse_in, exa
     assert done.returncode == (3 if failed else 0)
     assert all("metric function careless: ValueError: a swing of" in run["problem"] for run in failed)
     assert len(failed) == 1
-    assert all(50 < run["swing"] <= 161.1 for run in runs if run not in failed)
+    assert all(50 < run["metrics"]["swing"] <= 161.1 for run in runs if run not in failed)

@@ -79,7 +79,7 @@ def test_it_is_used_like_one_of_ours(others):
         ("peak_to_peak(a.x, a.n, 3)", "m", "the form is peak_to_peak(x, scale = 1)"),
         ("peak_to_peek(a.x)", "m", "unknown function 'peak_to_peek'\n    hint: did you mean 'peak_to_peak'?"),
         ("maximun(a.x)", "m", "unknown function 'maximun'\n    hint: did you mean 'maximum'?"),
-        ("nonsense(a.x)", "m", "the metric function 'nonsense' of other_metrics is a int, no Function"),
+        ("nonsense(a.x)", "m", "the metric function 'nonsense' of other_metrics is of type int, not Function"),
         ("lost(a.x)", "m", "the metric function 'lost' of other_metrics cannot be loaded: AttributeError"),
     ],
 )

@@ -8,6 +8,9 @@ import { clipTo, drawAxes, drawGrid, type Frame, type Scale } from "./frame";
 import { drawShape, paintShape } from "./points";
 import { colourOf } from "./regions";
 
+// Beyond some thousand points a path of circles is slow, and no shape can be told any more.
+const MOST_SHAPES = 4000;
+
 export function paintChart(canvas: HTMLCanvasElement, chart: Chart, colours: Palette): Frame {
   const { pen, width, height } = fit(canvas);
   const frame = chartFrame(chart, width, height);
@@ -103,11 +106,16 @@ function paintDrawn(pen: CanvasRenderingContext2D, frame: Frame, drawn: Drawn, c
     case "points": {
       const spacing = Math.sqrt(((right - left) * (bottom - top)) / Math.max(1, drawn.x.length));
       const size = Math.min(1, Math.max(0.4, spacing / 22));
+      const crowded = drawn.x.length > MOST_SHAPES;
+      pen.fillStyle = drawn.verdict === null ? colour : [colours.pass, colours.ink, colours.muted, colours.broken][drawn.verdict]!;
       drawn.x.forEach((value, i) => {
         const [a, b] = [x(value), y(drawn.y[i]!)];
         // What lies beyond the axes is not drawn at their edge.
-        if (a >= left && a <= right && b >= top && b <= bottom) drawShape(pen, a, b, drawn.verdict ?? PASS, size);
+        if (!(a >= left && a <= right && b >= top && b <= bottom)) return;
+        if (crowded) pen.fillRect(a - 1, b - 1, 2, 2);
+        else drawShape(pen, a, b, drawn.verdict ?? PASS, size);
       });
+      if (crowded) return;
       paintPoints(pen, drawn.verdict, size, colour, colours);
     }
   }
