@@ -1,1 +1,1 @@
-"""Conformance suites: what every kind, figure, metric function, … must do, as tests a package runs over its own."""
+"""Suites that show whether what others add to dse is what dse expects; each in a module of its own, run by pytest."""
