@@ -17,18 +17,19 @@ from dataclasses import dataclass, replace
 from multiprocessing import get_context
 from pathlib import Path
 from statistics import median
-from typing import Any
 
 from dse.domain.bench import Judgement, Verdict
+from dse.domain.definition import DefinedConfiguration, StudyDefinition
 from dse.domain.run import Outcome, Run, RunRequest
-from dse.domain.study import DesignVariable, FullFactorial, Keep, Study
+from dse.domain.study import DesignVariable, Keep, Study
+from dse.exploration.asking import first_ask
+from dse.exploration.executors.local import Local
 from dse.exploration.explore import explore
-from dse.exploration.job import Bench, MakeExecutor
-from dse.exploration.samplers import requests
+from dse.exploration.job import Bench, MakeRunner
+from dse.exploration.samplers.full_factorial import FullFactorial
 from dse.loading.workspace import Workspace
 from dse.results.folder import StudyFolder
-from dse.results.header import StudyHeader
-from dse.testbench.execute import Executor, make_executor
+from dse.testbench.execute import Runner, make_runner
 from dse.testbench.plan import Plan, plan
 from dse.testbench.prepared import PreparedBench
 
@@ -40,34 +41,35 @@ ROWS = 100_000
 def main() -> None:
     study = replace(Workspace.around(Path(__file__).parent).study("acc_gains"), keep=Keep.NEAR_BOUNDARY)
     planned = plan(study)
-    asked = requests(study, tuple(planned.prepared))
+    asked = first_ask(study, tuple(planned.prepared))
     whole, kernel = [], []
     for _ in range(TURNS):
         kernel.append(kernel_alone(planned, asked))
-        whole.append(whole_study(study, planned.prepared, planned.definition, make_executor))
+        whole.append(whole_study(study, planned.prepared, planned.definition, make_runner))
     print(f"{study.name}: {len(asked)} runs on {WORKERS} workers, median of {TURNS}")
     print(f"  kernel alone {len(asked) / median(kernel):8.0f} runs/s")
     print(f"  whole study  {len(asked) / median(whole):8.0f} runs/s")
     print(f"  ratio        {median(kernel) / median(whole):8.2f}   (wanted: at least 0.5)")
     bare = replace(study, sampler=FullFactorial(), variables=tuple(levelled(study)), keep=Keep.NONE)
-    names = [{"name": variable.name} for variable in bare.variables]
-    definition = {**planned.definition, "variables": names, "configurations": [{"id": "nothing"}]}
+    definition = replace(
+        planned.definition,
+        variables=planned.definition.variables[:2],
+        configurations=(DefinedConfiguration("nothing"),),
+        explored=("nothing",),
+    )
     seconds = whole_study(bare, {"nothing": Nothing(definition)}, definition, make_nothing)
-    runs = len(requests(bare, ("nothing",)))
+    runs = len(first_ask(bare, ("nothing",)))
     print(f"runs that take no time: {runs} in {seconds:.2f} s, {runs / seconds:.0f} runs/s")
 
 
-def whole_study(
-    study: Study, prepared: Mapping[str, Bench], definition: Mapping[str, Any], make: MakeExecutor
-) -> float:
+def whole_study(study: Study, prepared: Mapping[str, Bench], definition: StudyDefinition, make: MakeRunner) -> float:
     """Seconds from the start of the workers to the last committed row."""
-    runs = len(requests(study, tuple(prepared)))
     with (
         tempfile.TemporaryDirectory(prefix="dse-bench-") as scratch,
-        StudyFolder.create(Path(scratch) / "study", StudyHeader(definition, "", runs)) as folder,
+        StudyFolder.create(Path(scratch) / "study", definition) as folder,
     ):
         start = time.perf_counter()
-        summary = explore(study, prepared, folder, workers=WORKERS, make_executor=make, on_progress=lambda _: None)
+        summary = explore(study, prepared, folder, executor=Local(workers=WORKERS), make_runner=make)
         seconds = time.perf_counter() - start
     assert summary.failed == 0
     assert summary.irreproducible == 0
@@ -83,7 +85,7 @@ def kernel_alone(planned: Plan, asked: Sequence[RunRequest]) -> float:
 
 def simulate_only(prepared: dict[str, PreparedBench], asked: Sequence[RunRequest]) -> float:
     """Seconds in the kernel for *asked*: no metrics, no waveforms, nothing stored."""
-    executors = {name: Executor(bench) for name, bench in prepared.items()}
+    executors = {name: Runner(bench) for name, bench in prepared.items()}
     seconds = 0.0
     for request in asked:
         bench = prepared[request.configuration]
@@ -107,7 +109,7 @@ def levelled(study: Study) -> list[DesignVariable]:
 class Nothing:
     """A bench whose runs take no time."""
 
-    definition: Mapping[str, Any]
+    definition: StudyDefinition
     timeout: float = 60.0
     memory: float = 4e9
     thread_safe: bool = True
@@ -117,26 +119,26 @@ class Nothing:
         return ""
 
 
-class NothingExecutor:
+class NothingRunner:
     """Gives the same metrics at every point."""
 
     runs_left = None
 
     def __init__(self, bench: Nothing) -> None:
-        self._metrics = {entry["name"]: 1.5 for entry in bench.definition["metrics"]}
+        self._metrics = {metric.name: 1.5 for metric in bench.definition.metrics}
         self._judgements = tuple(
-            Judgement(entry["name"], Verdict.PASS, 0.5) for entry in bench.definition["requirements"]
+            Judgement(requirement.name, Verdict.PASS, 0.5) for requirement in bench.definition.requirements
         )
 
-    def run(self, request: RunRequest, *, keep: bool) -> Run:  # noqa: ARG002  # as Executor has it
+    def run(self, request: RunRequest, *, keep: bool) -> Run:  # noqa: ARG002  # as Runner has it
         return Run(request, Outcome.DONE, self._metrics, self._judgements)
 
     def close(self) -> None:
         pass
 
 
-def make_nothing(bench: Nothing, _: memoryview) -> NothingExecutor:
-    return NothingExecutor(bench)
+def make_nothing(bench: Nothing, _: memoryview) -> NothingRunner:
+    return NothingRunner(bench)
 
 
 if __name__ == "__main__":

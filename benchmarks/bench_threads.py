@@ -15,14 +15,15 @@ from dataclasses import replace
 from pathlib import Path
 from statistics import median
 
+from dse.exploration.asking import first_ask
 from dse.exploration.crew import simulate
 from dse.exploration.heartbeat import Heartbeat
 from dse.exploration.job import Batch, Setup
 from dse.exploration.plan import missing_runs
-from dse.exploration.samplers import requests
 from dse.exploration.seat import Seat, bench_file
 from dse.loading.workspace import Workspace
-from dse.testbench.execute import make_executor
+from dse.results.asks import Asks, blocks_of
+from dse.testbench.execute import make_runner
 from dse.testbench.plan import plan
 
 RUNS = 600
@@ -32,8 +33,8 @@ TURNS = 5
 def main() -> None:
     study = Workspace.around(Path(__file__).parent).study("acc_gains")
     planned = plan(study)
-    asked = requests(study, tuple(planned.prepared))
-    (batch,) = missing_runs([r for r in asked if r.configuration == asked[0].configuration][:1], set())
+    asked = first_ask(study, tuple(planned.prepared))
+    (batch,) = missing_runs([0], {0: asked[0]}, Asks(blocks_of(asked[:1], 0, 0)))
     chosen = [r for r in asked if r.configuration == batch.configuration][:RUNS]
     batch = replace(
         batch,
@@ -45,7 +46,7 @@ def main() -> None:
     sys.setswitchinterval(1e-4)  # as a worker with threads does
     with tempfile.TemporaryDirectory(prefix="dse-bench-") as scratch:
         folder = Path(scratch)
-        setup = Setup(make_executor, folder, folder, tuple(m.name for m in study.bench.metrics), (), 2)
+        setup = Setup(make_runner, folder, folder, tuple(m.name for m in study.bench.metrics), (), 2)
         bench_file(setup, batch.configuration).write_bytes(pickle.dumps(prepared))
         Heartbeat.lay_out(folder / "beat", 2)
         seats = [Seat(setup, Heartbeat(folder / "beat", seat)) for seat in range(2)]

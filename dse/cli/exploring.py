@@ -9,12 +9,9 @@ from typing import TYPE_CHECKING
 import typer
 
 from dse.cli.app import DONE, INTERRUPTED, RUNS_FAILED, console, plain
-from dse.cli.arguments import processes
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
-    from typing import Any
-
+    from dse.domain.definition import StudyDefinition
     from dse.domain.run import Run
     from dse.domain.study import Study
     from dse.results.table import RunTable
@@ -28,15 +25,14 @@ def explore_into(
 ) -> None:
     """Explore *study* into *folder* with a progress bar, say what came of it, and exit as it deserves."""
     from dse.cli.progress import progress_bar
+    from dse.exploration.executors.local import Local
     from dse.exploration.explore import ExplorationInterruptedError, explore
-    from dse.exploration.header import header_of
     from dse.results.folder import StudyFolder
-    from dse.testbench.execute import make_executor
 
     planned = ready(study, version=version, fuse=fuse)
     if fresh:
         StudyFolder.discard(folder)
-    with StudyFolder.resume(folder, header_of(planned)) as store:
+    with StudyFolder.resume(folder, planned.definition) as store:
         before = len(store.finished())
         try:
             with progress_bar() as show:
@@ -44,9 +40,7 @@ def explore_into(
                     study,
                     planned.prepared,
                     store,
-                    workers=processes(workers, threads),
-                    threads=threads,
-                    make_executor=make_executor,
+                    executor=Local(workers=workers, threads=threads),
                     on_progress=show,
                 )
         except ExplorationInterruptedError as stop:
@@ -57,19 +51,18 @@ def explore_into(
     raise typer.Exit(exit_code(table, gate=gate))
 
 
-def run_alone(study: Study, *, version: int, fuse: bool = False) -> tuple[Run, Mapping[str, Any]]:
+def run_alone(study: Study, *, version: int, fuse: bool = False) -> tuple[Run, StudyDefinition]:
     """The single run of *study*, made in a process of its own, with waveforms; and the study's definition."""
+    from dse.exploration.executors.local import Local
     from dse.exploration.explore import explore
-    from dse.exploration.header import header_of
     from dse.results.folder import StudyFolder
-    from dse.testbench.execute import make_executor
 
     planned = ready(study, version=version, fuse=fuse)
     with (
         tempfile.TemporaryDirectory(prefix="dse-") as scratch,
-        StudyFolder.create(Path(scratch) / "run", header_of(planned)) as store,
+        StudyFolder.create(Path(scratch) / "run", planned.definition) as store,
     ):
-        explore(study, planned.prepared, store, workers=1, make_executor=make_executor, on_progress=lambda _: None)
+        explore(study, planned.prepared, store, executor=Local(workers=1))
         run = store.run(0)
     return run, planned.definition
 
@@ -114,7 +107,7 @@ def _say(folder: Path, table: RunTable, before: int, simulated: int) -> None:
     if again:
         what += f", {again} made again for their waveforms"
     screen.print(f"{folder}: {what}", soft_wrap=True)
-    titles = {entry["name"]: entry["title"] for entry in table.header.definition["requirements"]}
+    titles = {requirement.name: requirement.title for requirement in table.header.definition.requirements}
     counts = verdict_counts(table)
     if counts:
         shown = Table(box=None, pad_edge=False, header_style="bold")

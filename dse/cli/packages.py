@@ -63,7 +63,7 @@ def waveform_file(path: Path | None) -> Path | None:
 def simulate_package(path: Path, wishes: Wishes, target: Path | None, output: Output) -> None:
     """Simulate the package once, show or write its waveforms, and exit as it deserves."""
     from dse.exploration.alone import simulate_alone
-    from dse.testbench.execute import make_executor
+    from dse.testbench.execute import make_runner
     from dse.testbench.ssp import prepare_ssp
 
     with console(stderr=True).status("opening FMUs"):
@@ -78,7 +78,7 @@ def simulate_package(path: Path, wishes: Wishes, target: Path | None, output: Ou
             timeout=seconds("--timeout", wishes.timeout) or _TIMEOUT,
         )
     _say_notes(prepared)
-    waveforms, problem = simulate_alone(prepared.bench, make_executor)
+    waveforms, problem = simulate_alone(prepared.bench, make_runner)
     if waveforms is None:
         console(stderr=True).print(plain(f"{path.name} failed to run: {problem}"), style="bold red", soft_wrap=True)
         raise typer.Exit(RUNS_FAILED)

@@ -3,19 +3,18 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from dse.cli.app import console, plain, print_json, print_table
 from dse.cli.arguments import Output
 from dse.cli.tables import metric_table, run_data
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
-
+    from dse.domain.definition import StudyDefinition
     from dse.domain.run import Run
 
 
-def present_run(run: Run, definition: Mapping[str, Any], output: Output, plot: Path | None) -> None:
+def present_run(run: Run, definition: StudyDefinition, output: Output, plot: Path | None) -> None:
     """Print the run for a person or for a program, and draw its figures if a file for them is given."""
     if output is Output.JSON:
         print_json(run_data(run))
@@ -25,14 +24,14 @@ def present_run(run: Run, definition: Mapping[str, Any], output: Output, plot: P
         draw_run(run, definition, plot)
 
 
-def show_run(run: Run, definition: Mapping[str, Any]) -> None:
+def show_run(run: Run, definition: StudyDefinition) -> None:
     """The configuration, the point, and every metric with its verdicts."""
     from dse.domain.run import Outcome
 
     screen = console()
-    (configuration,) = [c for c in definition["configurations"] if c["id"] == run.request.configuration]
-    chosen = ", ".join(f"{place} {choice}" for place, choice in configuration["choices"].items())
-    screen.print(plain(definition["title"]), style="bold")
+    configuration = definition.configuration(run.request.configuration)
+    chosen = ", ".join(f"{place} {choice}" for place, choice in configuration.choices.items())
+    screen.print(plain(definition.title), style="bold")
     screen.print(f"configuration {run.request.configuration}{f': {chosen}' if chosen else ''}", soft_wrap=True)
     if run.problem and run.outcome is Outcome.FAILED:
         screen.print(plain(f"failed to run: {run.problem}"), style="bold red", soft_wrap=True)
@@ -41,7 +40,7 @@ def show_run(run: Run, definition: Mapping[str, Any]) -> None:
     print_table(metric_table(run, definition))
 
 
-def draw_run(run: Run, definition: Mapping[str, Any], target: Path) -> None:
+def draw_run(run: Run, definition: StudyDefinition, target: Path) -> None:
     """Draw the bench's figures for *run* into *target*; nothing is drawn for a run that failed."""
     from dse.report.draw import draw_waveforms, save
     from dse.report.figures import waveform_data

@@ -6,10 +6,9 @@ import math
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
-
     from rich.table import Table
 
+    from dse.domain.definition import DefinedRequirement, StudyDefinition
     from dse.domain.run import Run
 
 _MOST_DIGITS = 10  # of a value with an error bar; a bar below them is rounding
@@ -28,7 +27,7 @@ def run_data(run: Run) -> dict[str, Any]:
     }
 
 
-def metric_table(run: Run, definition: Mapping[str, Any]) -> Table:
+def metric_table(run: Run, definition: StudyDefinition) -> Table:
     """Every metric in its unit, with its error bar if it was checked, and the requirements if there are any."""
     from rich.table import Table
 
@@ -36,20 +35,20 @@ def metric_table(run: Run, definition: Mapping[str, Any]) -> Table:
 
     table = Table(box=None, pad_edge=False, header_style="bold")
     headings = {"metric": "left", "value": "right"}
-    if definition["requirements"]:
+    if definition.requirements:
         headings |= {"requirement": "left", "bound": "right", "margin": "right", "verdict": "left"}
     for heading, justify in headings.items():
         table.add_column(heading, justify=justify)  # type: ignore[arg-type]  # one of rich's words
-    for metric in definition["metrics"]:
-        if "error_of" in metric:
+    for metric in definition.metrics:
+        if metric.error_of:
             continue
-        rows = [r for r in definition["requirements"] if r["metric"] == metric["name"]] or [None]
+        rows: list[DefinedRequirement | None] = [r for r in definition.requirements if r.metric == metric.name]
         value = checked_quantity(
-            run.metrics.get(metric["name"], float("nan")), run.metrics.get(metric["name"] + ERROR_BAR), metric["unit"]
+            run.metrics.get(metric.name, float("nan")), run.metrics.get(metric.name + ERROR_BAR), metric.unit
         )
-        for number, requirement in enumerate(rows):
-            head = (metric["title"], value) if number == 0 else ("", "")
-            table.add_row(*head, *(_judgement(run, requirement) if definition["requirements"] else ()))
+        for number, requirement in enumerate(rows or [None]):
+            head = (metric.title, value) if number == 0 else ("", "")
+            table.add_row(*head, *(_judgement(run, requirement) if definition.requirements else ()))
     return table
 
 
@@ -87,21 +86,21 @@ def difference(value: float, unit: str) -> str:
     return f"{value / float(parse_unit(unit).factor):.4g} {unit}".rstrip()
 
 
-def _judgement(run: Run, requirement: Mapping[str, Any] | None) -> tuple[Any, ...]:
+def _judgement(run: Run, requirement: DefinedRequirement | None) -> tuple[Any, ...]:
     from rich.text import Text
 
     if requirement is None:
         return ("", "", "", "")
-    judgement = next(j for j in run.judgements if j.requirement == requirement["name"])
-    unit = requirement["unit"]
+    judgement = next(j for j in run.judgements if j.requirement == requirement.name)
+    unit = requirement.unit
     bounds = [
-        f"{sign} {quantity(requirement[key], unit)}"
-        for key, sign in (("at_most", "≤"), ("at_least", "≥"))
-        if requirement[key] is not None
+        f"{sign} {quantity(bound, unit)}"
+        for bound, sign in ((requirement.at_most, "≤"), (requirement.at_least, "≥"))
+        if bound is not None
     ]
     verdict = str(judgement.verdict)
     return (
-        requirement["name"],
+        requirement.name,
         ", ".join(bounds),
         difference(judgement.margin, unit),
         Text(verdict, style=_STYLES[verdict]),

@@ -112,14 +112,47 @@ class Parameter:
     where: Location | None = None
 
 
+class Source:
+    """Where a component's behaviour comes from. Each kind of component has a noun of its own that derives from this.
+
+    Other rooms ask it what they have to know; what is done with it, its `dse.loading.kind.ComponentKind` knows.
+    """
+
+    __slots__ = ()
+
+    is_finished: bool = False
+    """Whether it is an FMU already, made elsewhere: nothing is built, and nothing is known of what is inside."""
+
+    takes_texts: bool = False
+    """Whether parameters may be texts."""
+
+    @property
+    def kind(self) -> str:
+        """The word that selects its kind, as in ``source: {kind: …}``."""
+        raise NotImplementedError
+
+    @property
+    def label(self) -> str:
+        """The kind as people call it."""
+        return self.kind
+
+    @property
+    def sample_time(self) -> float | None:
+        """Seconds from one step of sampled code to the next; None for what is not sampled."""
+        return None
+
+
 @dataclass(frozen=True, slots=True)
-class CSource:
+class CSource(Source):
     """A component written in C99: a struct, ``init`` and ``step``; it knows nothing of FMI.
 
     Ports live in the struct as ``in.<port>`` and ``out.<port>``, parameters as ``par.<parameter>`` (dots
     are nested structs). With *step* the code is sampled: ``void step(T *)`` runs every *step* seconds.
     Without it the code is a plant: ``void step(T *, double h)`` runs once per communication step.
     """
+
+    kind = "c"
+    label = "C"
 
     files: tuple[Path, ...]
     header: Path
@@ -128,12 +161,10 @@ class CSource:
     step_function: str
     step: float | None
 
-
-@dataclass(frozen=True, slots=True)
-class FmuSource:
-    """A finished FMU, untouched."""
-
-    file: Path
+    @property
+    def sample_time(self) -> float | None:
+        """The *step*."""
+        return self.step
 
 
 class ModelicaCompiler(StrEnum):
@@ -154,11 +185,14 @@ class Solver(StrEnum):
 
 
 @dataclass(frozen=True, slots=True)
-class ModelicaSource:
+class ModelicaSource(Source):
     """A Modelica model by its full name, in *files*: Modelica files or folders that hold a ``package.mo``.
 
     *roots* are folders of libraries outside of the workspace. *tolerance* is relative; None is the model's default.
     """
+
+    kind = "modelica"
+    label = "Modelica"
 
     model: str
     files: tuple[Path, ...] = ()
@@ -169,13 +203,10 @@ class ModelicaSource:
 
 
 @dataclass(frozen=True, slots=True)
-class UnsupportedSource:
+class UnsupportedSource(Source):
     """A kind of source this version can list and enumerate but not build."""
 
     kind: str
-
-
-Source = CSource | FmuSource | ModelicaSource | UnsupportedSource
 
 
 @dataclass(frozen=True, slots=True)

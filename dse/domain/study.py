@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from enum import StrEnum
+from typing import Any
 
 from dse.domain.bench import TestBench
 from dse.domain.expression import Expression
+from dse.domain.sampler import Sampler
 from dse.errors import Location
 from dse.units import Unit
 
@@ -29,23 +32,6 @@ class DesignVariable:
     where: Location | None = None
 
 
-@dataclass(frozen=True, slots=True)
-class FullFactorial:
-    """Every combination of levels; with *slices* only within each slice's variables, the rest at nominal."""
-
-    slices: tuple[tuple[str, ...], ...] = ()
-
-
-@dataclass(frozen=True, slots=True)
-class LatinHypercube:
-    """*samples* points, stratified in every variable."""
-
-    samples: int
-
-
-Sampler = FullFactorial | LatinHypercube
-
-
 class Keep(StrEnum):
     """Which runs' waveforms are stored."""
 
@@ -63,6 +49,14 @@ class Selection:
 
 
 @dataclass(frozen=True, slots=True)
+class ExecutorChoice:
+    """What makes the runs, by the name it is found by, with its options as plain data. Results do not depend on it."""
+
+    name: str = "local"
+    options: Mapping[str, Any] = field(default_factory=dict)
+
+
+@dataclass(frozen=True, slots=True)
 class Study:
     """Design variables × sampler on one bench."""
 
@@ -75,3 +69,4 @@ class Study:
     seed: int = 0
     title: str = ""
     where: Location | None = None
+    executor: ExecutorChoice = ExecutorChoice()

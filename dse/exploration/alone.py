@@ -8,7 +8,7 @@ from pathlib import Path
 
 from dse.domain.run import Waveforms
 from dse.errors import DseError
-from dse.exploration.job import Batch, Bench, MakeExecutor, Setup
+from dse.exploration.job import Batch, Bench, MakeRunner, Setup
 from dse.exploration.supervisor import Supervisor
 from dse.results.rows import RowBlock
 from dse.results.waveforms import file_name, read_waveforms
@@ -32,7 +32,7 @@ class _Keeper:
         pass
 
 
-def simulate_alone(bench: Bench, make_executor: MakeExecutor) -> tuple[Waveforms | None, str]:
+def simulate_alone(bench: Bench, make_runner: MakeRunner) -> tuple[Waveforms | None, str]:
     """The waveforms of *bench* at its own point, or None and what was wrong.
 
     Raises DseError if the worker cannot even start.
@@ -41,7 +41,7 @@ def simulate_alone(bench: Bench, make_executor: MakeExecutor) -> tuple[Waveforms
     file = file_name(0, 0)
     batch = Batch(0, "alone", (), (0,), ((),), file)
     with tempfile.TemporaryDirectory(prefix="dse-") as scratch:
-        setup = Setup(make_executor, Path(scratch), Path(scratch), (), ())
+        setup = Setup(make_runner, Path(scratch), Path(scratch), (), ())
         try:
             with Supervisor(setup, {"alone": bench}, keeper, 1) as supervisor:
                 supervisor.work_off([batch])

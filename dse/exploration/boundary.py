@@ -5,15 +5,16 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from dse.domain.study import LatinHypercube, Study
+from dse.domain.sampler import Grid
+from dse.domain.study import Study
 from dse.results.table import RunTable
 
 
-def near_boundary(study: Study, table: RunTable) -> frozenset[int]:
+def near_boundary(study: Study, table: RunTable, grid: Grid | None) -> frozenset[int]:
     """Numbers of the finished, not failed runs near a boundary in any requirement, or next to a failed run.
 
-    Neighbours belong to the same configuration. In a factorial they are one level apart in one variable; in a
-    Latin hypercube of d variables they are the 2 d nearest, each variable scaled to its range.
+    Neighbours belong to the same configuration. On a *grid* they are one level apart in one variable; of points of d
+    variables that lie anywhere they are the 2 d nearest, each variable scaled to its range.
     """
     if not study.variables or not len(table):
         return frozenset()
@@ -23,7 +24,7 @@ def near_boundary(study: Study, table: RunTable) -> frozenset[int]:
     near = np.zeros(len(table), dtype=np.bool_)
     for name in dict.fromkeys(table.configurations):
         rows = np.flatnonzero(names == name)
-        if isinstance(study.sampler, LatinHypercube):
+        if grid is None:
             near[rows] = _differs_from_nearest(points[rows], kinds[rows])
         else:
             near[rows] = _differs_along_an_axis(points[rows], kinds[rows])

@@ -3,23 +3,22 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from collections.abc import Set as AbstractSet
 from dataclasses import dataclass
-from pathlib import Path
 
 import numpy as np
 
 from dse.domain.study import Keep, Study
-from dse.errors import fail
+from dse.exploration.asking import Asking
 from dse.exploration.boundary import near_boundary
-from dse.exploration.job import Batch, Bench, MakeExecutor, Setup
+from dse.exploration.executor import Executor
+from dse.exploration.job import Batch, Bench, MakeRunner, Work
 from dse.exploration.plan import missing_runs, missing_waveforms
 from dse.exploration.progress import Meter, Progress, Stage
-from dse.exploration.samplers import requests
-from dse.exploration.supervisor import Supervisor
 from dse.results.folder import StudyFolder
 from dse.results.rows import RowBlock
+from dse.testbench.execute import make_runner
 
 _TELL_EVERY = 0.1
 
@@ -57,50 +56,61 @@ def explore(
     prepared: Mapping[str, Bench],
     folder: StudyFolder,
     *,
-    workers: int,
-    make_executor: MakeExecutor,
-    on_progress: Callable[[Progress], None],
-    threads: int = 1,
+    executor: Executor,
+    on_progress: Callable[[Progress], None] = lambda _: None,
+    make_runner: MakeRunner = make_runner,
 ) -> Summary:
-    """Simulate what is missing in *folder* with *workers* processes; *prepared* holds each configuration's bench.
+    """Have *executor* simulate what is missing in *folder*; *prepared* holds each configuration's bench.
 
-    Each makes *threads* runs at once; where FMUs do not bear that, there are as many more processes instead. The
-    results are the same, bit for bit.
+    The study's sampler is asked, and asked again when the runs it wanted are there, until it wants no more. Waveforms
+    are kept with the runs (`Keep.ALL`) or, for the runs near a boundary, by simulating these again, which must give the
+    same bits. A finished folder is left as it is and no worker is started. The results are the same with any executor,
+    bit for bit.
 
-    First every run that has no row. Waveforms are kept with them (`Keep.ALL`) or, for the runs near a boundary,
-    by simulating these again, which must give the same bits. A finished folder is left as it is and no worker is
-    started. Raises DseError if workers cannot work at all, ExplorationInterruptedError on Ctrl-C.
+    Raises DseError if workers cannot work at all, ExplorationInterruptedError on Ctrl-C.
     """
-    asked = requests(study, folder.header.configurations)
-    if len(asked) != folder.header.runs:
-        raise fail(f"the folder is for {folder.header.runs} runs, the study has {len(asked)}")
     header = folder.header
-    setup = Setup(make_executor, Path(), folder.waveform_folder, header.metrics, header.requirements, threads)
+    work = Work(prepared, make_runner, folder.waveform_folder, header.metrics, header.requirements)
     most = {name: bench.most_runs for name, bench in prepared.items() if bench.most_runs is not None}
     sink = _Sink(folder, on_progress)
     try:
-        with Supervisor(setup, prepared, sink, workers) as supervisor:
-            every = frozenset(range(len(asked)))
-            if study.keep is Keep.ALL:
-                wanted = every - folder.failed()
-                sink.begin(Stage.RUNS, every, sink.finished & (folder.failed() | set(folder.kept())))
-                supervisor.work_off(missing_waveforms(asked, wanted, folder.kept(), most))
-            else:
-                sink.begin(Stage.RUNS, every, sink.finished)
-                supervisor.work_off(missing_runs(asked, sink.finished, most))
+        asking = Asking(study, folder)
+        with executor.open(work, sink) as pool:
+            while asking.ask():
+                asked = set(asking.asked)
+                if study.keep is Keep.ALL:
+                    there = asked & sink.finished & (sink.failed | sink.kept.keys())
+                    sink.begin(Stage.RUNS, asked, there)
+                    missing = asked - there
+                    pool.work_off(missing_waveforms(missing, asking.requests, folder.asks, sink.kept, most))
+                else:
+                    sink.begin(Stage.RUNS, asked, asked & sink.finished)
+                    pool.work_off(missing_runs(asked - sink.finished, asking.requests, folder.asks, most))
+                asking.tell()
             if study.keep is Keep.NEAR_BOUNDARY:
-                near, kept = near_boundary(study, folder.table()), folder.kept()
-                sink.begin(Stage.WAVEFORMS, near, near & kept.keys())
-                supervisor.work_off(missing_waveforms(asked, near, kept, most))
+                near = _near(study, folder, prepared)
+                sink.begin(Stage.WAVEFORMS, near, near & sink.kept.keys())
+                lacking = near - sink.kept.keys()
+                pool.work_off(missing_waveforms(lacking, asking.requests, folder.asks, sink.kept, most))
     except KeyboardInterrupt:
-        raise ExplorationInterruptedError(len(folder.finished()), len(asked)) from None
+        raise ExplorationInterruptedError(len(folder.finished()), folder.header.runs) from None
     finally:
         folder.commit()
     sink.tell()
-    kept_files = sum(bool(file) for file in folder.kept().values())
+    kept_files = sum(bool(file) for file in sink.kept.values())
     return Summary(
-        len(asked), len(sink.failed), sink.simulated, kept_files, supervisor.retried, len(sink.irreproducible)
+        len(sink.finished), len(sink.failed), sink.simulated, kept_files, pool.retried, len(sink.irreproducible)
     )
+
+
+def _near(study: Study, folder: StudyFolder, prepared: Mapping[str, Bench]) -> frozenset[int]:
+    """Runs near a boundary that can be simulated: an extended study may have some of configurations it left."""
+    table = folder.table()
+    near = near_boundary(study, table, folder.header.slices)
+    if all(name in prepared for name in folder.header.configurations):
+        return near
+    here = np.array([name in prepared for name in table.configurations], dtype=np.bool_)
+    return near & frozenset(table.numbers[here].tolist())
 
 
 class _Sink:
@@ -109,17 +119,21 @@ class _Sink:
     def __init__(self, folder: StudyFolder, on_progress: Callable[[Progress], None]) -> None:
         self.finished = folder.finished()
         self.failed = folder.failed()
+        self.kept = dict(folder.kept())
         self.simulated = 0
         self.irreproducible: set[int] = set()
         self._folder = folder
         self._on_progress = on_progress
-        self.begin(Stage.RUNS, frozenset(), set())
+        self._stage: Stage | None = None
 
-    def begin(self, stage: Stage, wanted: frozenset[int], there: AbstractSet[int]) -> None:
-        """Count what comes as *stage*, of whose *wanted* runs some are *there* already."""
-        self._stage, self._wanted, self._there = stage, wanted, set(there)
-        self._meter = Meter(len(there))
-        self._told = 0.0
+    def begin(self, stage: Stage, wanted: AbstractSet[int], there: AbstractSet[int]) -> None:
+        """Count what comes as *stage*, of whose *wanted* runs some are *there* already; more of a stage adds to it."""
+        if stage is not self._stage:
+            self._stage, self._meter, self._told = stage, Meter(self.simulated), 0.0
+            self._wanted: set[int] = set()
+            self._there: set[int] = set()
+        self._wanted |= wanted
+        self._there |= there
 
     def rows(self, batch: Batch, block: RowBlock) -> None:
         """Store the runs of *block* that are new, compare the others with what is stored."""
@@ -136,8 +150,8 @@ class _Sink:
     def ended(self, batch: Batch, kept: tuple[int, ...]) -> None:
         """Note which waveforms are there, and of which runs none ever will be."""
         if batch.keep:
-            self._folder.add_kept(kept, batch.file)
-            self._folder.add_kept([n for n in batch.numbers if n not in kept and n not in self.failed], "")
+            self._keep(kept, batch.file)
+            self._keep([n for n in batch.numbers if n not in kept and n not in self.failed], "")
 
     def tick(self) -> None:
         """Commit and tell, each when it is time."""
@@ -147,9 +161,15 @@ class _Sink:
 
     def tell(self) -> None:
         """Tell how far it has come."""
-        done = len(self._there)
+        if self._stage is None:
+            return
         self._told = time.monotonic()
-        self._on_progress(Progress(self._stage, done, len(self._wanted), len(self.failed), self._meter.rate(done)))
+        done, rate = len(self._there), self._meter.rate(self.simulated)
+        self._on_progress(Progress(self._stage, done, len(self._wanted), len(self.failed), rate))
+
+    def _keep(self, numbers: Sequence[int], file: str) -> None:
+        self._folder.add_kept(numbers, file)
+        self.kept |= dict.fromkeys(numbers, file)
 
     def _store(self, batch: Batch, block: RowBlock) -> None:
         numbers = block.numbers.tolist()
@@ -168,4 +188,4 @@ class _Sink:
             self._folder.set_problem(number, f"not reproducible: simulated again it gave {why}")
             self.irreproducible.add(number)
             if not again.done[row]:
-                self._folder.add_kept((number,), "")
+                self._keep((number,), "")

@@ -1,8 +1,8 @@
-"""What a worker process is given and what it sends back."""
+"""What an executor is given, what its workers are, and what they send back."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, Protocol
@@ -35,7 +35,7 @@ class Bench(Protocol):
         """Where a simulation was, from the progress block it left."""
 
 
-class Executor(Protocol):
+class Runner(Protocol):
     """Simulates one configuration again and again in a worker process."""
 
     @property
@@ -49,8 +49,8 @@ class Executor(Protocol):
         """Free what the simulation holds."""
 
 
-MakeExecutor = Callable[[Any, memoryview], Executor]
-"""Makes an executor from a `Bench` and a progress block; a function that can be imported by name."""
+MakeRunner = Callable[[Any, memoryview], Runner]
+"""Makes a runner from a `Bench` and a progress block; a function that can be imported by name."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -88,6 +88,33 @@ class Batch:
         )
 
 
+class Sink(Protocol):
+    """Takes the results as they come."""
+
+    def rows(self, batch: Batch, block: RowBlock) -> None:
+        """Some runs of *batch* are finished."""
+
+    def ended(self, batch: Batch, kept: tuple[int, ...]) -> None:
+        """All of *batch* is; the waveforms of *kept* are in its file, which lies in the study's folder of waveforms."""
+
+    def tick(self) -> None:
+        """Called at least some times a second."""
+
+
+@dataclass(frozen=True, slots=True)
+class Work:
+    """What a study's runs are made from: a bench per configuration, and who simulates it.
+
+    Files of waveforms go into the folder *waveforms*. *metrics* and *requirements* name what every run has to give.
+    """
+
+    benches: Mapping[str, Bench]
+    make_runner: MakeRunner
+    waveforms: Path
+    metrics: tuple[str, ...]
+    requirements: tuple[str, ...]
+
+
 @dataclass(frozen=True, slots=True)
 class Setup:
     """What every worker of an exploration needs; *benches* holds a pickled bench per configuration.
@@ -95,7 +122,7 @@ class Setup:
     A worker makes *threads* runs at a time.
     """
 
-    make_executor: MakeExecutor
+    make_runner: MakeRunner
     benches: Path
     waveforms: Path
     metrics: tuple[str, ...]

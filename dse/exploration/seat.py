@@ -1,16 +1,17 @@
-"""Where a worker simulates: the executor of the configuration at hand. A thread has a seat of its own."""
+"""Where a worker simulates: the runner of the configuration at hand. A thread has a seat of its own."""
 
 from __future__ import annotations
 
 import os
 import pickle
 import traceback
+from collections.abc import Sequence
 from pathlib import Path
 
 from dse.domain.run import Outcome, Run, RunRequest
 from dse.errors import DseError, FreshProcessNeeded
 from dse.exploration.heartbeat import Heartbeat, Phase
-from dse.exploration.job import Batch, Executor, Setup
+from dse.exploration.job import Batch, Runner, Setup
 from dse.exploration.open_files import are_many_open
 from dse.exploration.surroundings import Surroundings
 
@@ -26,7 +27,7 @@ def bench_file(setup: Setup, configuration: str) -> Path:
 
 
 class Seat:
-    """The executor of the configuration at hand; the one before is closed.
+    """The runner of the configuration at hand; the one before is closed.
 
     *hurt* says why a run failed that may be good in another process: what was done here before may be to blame.
     """
@@ -39,7 +40,7 @@ class Seat:
         self._heart = heart
         self._progress = heart.block
         self._configuration = ""
-        self._executor: Executor | None = None
+        self._runner: Runner | None = None
         self._problem = ""
         self._spent = False
         self._surroundings = Surroundings()
@@ -50,10 +51,10 @@ class Seat:
         """How many more runs of the configuration at hand the process may make; 0 if it must not go on at all."""
         if self._spent:
             return 0
-        return None if self._executor is None else self._executor.runs_left
+        return None if self._runner is None else self._runner.runs_left
 
     def load(self, batch: Batch) -> None:
-        """Have the executor of the configuration of *batch* ready."""
+        """Have the runner of the configuration of *batch* ready."""
         if self._configuration == batch.configuration:
             return
         self._heart.beat(Phase.LEAVING, batch.identity)
@@ -62,10 +63,10 @@ class Seat:
         self._heart.beat(Phase.LOADING, batch.identity)
         try:
             bench = pickle.loads(bench_file(self._setup, batch.configuration).read_bytes())  # noqa: S301  # our supervisor's
-            self._executor = self._setup.make_executor(bench, self._progress)
+            self._runner = self._setup.make_runner(bench, self._progress)
         except Exception as error:  # noqa: BLE001  # each of its runs fails, other configurations go on
             self._spent |= self.runs > 0 and (isinstance(error, FreshProcessNeeded) or are_many_open())
-            self._problem = _in_words(error)
+            self._problem = in_words(error)
         self._leave_if_copied()
         self._surroundings.restore()
         self._configuration = batch.configuration
@@ -76,17 +77,17 @@ class Seat:
         if self._spent:
             return None
         self.runs += 1
-        if self._executor is None:
+        if self._runner is None:
             return failed_run(request, self._problem)
         self._progress[:] = bytes(len(self._progress))
         self._heart.beat(Phase.RUNNING, batch.identity, request.number)
         try:
-            run = _complete(self._executor.run(request, keep=batch.keep), self._setup)
+            run = checked_run(self._runner.run(request, keep=batch.keep), self._setup.metrics, self._setup.requirements)
         except Exception as error:  # noqa: BLE001  # a failed run is a row, not the end of the study
             # What state the simulation is in now is anyone's guess: the next run starts with a new one.
             self._leave_if_copied()
             self.clear()
-            run = failed_run(request, _in_words(error))
+            run = failed_run(request, in_words(error))
         self._leave_if_copied()
         self._surroundings.restore()
         if are_many_open():
@@ -101,12 +102,12 @@ class Seat:
         self._heart.beat(Phase.WAITING)
 
     def clear(self) -> None:
-        """Close the executor, if there is one."""
+        """Close the runner, if there is one."""
         self._spent = self.runs_left == 0
-        executor, self._executor, self._configuration = self._executor, None, ""
-        if executor is not None:
+        runner, self._runner, self._configuration = self._runner, None, ""
+        if runner is not None:
             try:
-                executor.close()
+                runner.close()
             except Exception:  # noqa: BLE001  # its runs are done and stored; all that is lost is the tidying up
                 traceback.print_exc()
             self._leave_if_copied()
@@ -117,15 +118,17 @@ class Seat:
             os._exit(0)
 
 
-def _complete(run: Run, setup: Setup) -> Run:
+def checked_run(run: Run, metrics: Sequence[str], requirements: Sequence[str]) -> Run:
+    """*run* itself; LookupError if it came to its end without one of *metrics* or *requirements*."""
     if run.outcome is Outcome.DONE:
-        missing = {*setup.metrics} - {*run.metrics} or {*setup.requirements} - {j.requirement for j in run.judgements}
+        missing = {*metrics} - {*run.metrics} or {*requirements} - {j.requirement for j in run.judgements}
         if missing:
             raise LookupError(f"the simulation gave no {', '.join(sorted(missing))}")
     return run
 
 
-def _in_words(error: Exception) -> str:
+def in_words(error: Exception) -> str:
+    """What a run or a configuration failed of; what was not foreseen is printed, too."""
     if isinstance(error, DseError):
         return str(error)
     traceback.print_exception(error)

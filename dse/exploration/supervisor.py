@@ -10,7 +10,6 @@ batch in which something was done to the worker that showed only later.
 
 from __future__ import annotations
 
-import pickle
 import signal
 import sys
 import tempfile
@@ -23,18 +22,18 @@ from itertools import count
 from multiprocessing.connection import wait
 from pathlib import Path
 from types import TracebackType
-from typing import Protocol
 
 from dse.domain.run import RunRequest
 from dse.errors import DseError, fail
 from dse.exploration.heartbeat import Phase
 from dse.exploration.inquest import Traces, cause_of, outside_of_runs, told, traces_of
-from dse.exploration.job import Batch, Bench, Report, Setup
+from dse.exploration.job import Batch, Bench, Report, Setup, Sink
 from dse.exploration.line import GarbledError
+from dse.exploration.parcel import packed
 from dse.exploration.process import Assignment, WorkerProcess
 from dse.exploration.seat import bench_file, failed_run
 from dse.exploration.worker import LINE_CLOSED
-from dse.results.rows import RowBlock, block_of
+from dse.results.rows import block_of
 from dse.results.waveforms import file_name
 
 START_TIMEOUT = 60.0
@@ -54,19 +53,6 @@ _LAST_BREATH = 2.0
 """Seconds a process needs at most to be gone when its files are closed already."""
 
 _SCRIBBLED = "wrote into a file that is not its own: the line to the study"
-
-
-class Sink(Protocol):
-    """Takes the results as they come."""
-
-    def rows(self, batch: Batch, block: RowBlock) -> None:
-        """Some runs of *batch* are finished."""
-
-    def ended(self, batch: Batch, kept: tuple[int, ...]) -> None:
-        """All of *batch* is; the waveforms of *kept* are in its file."""
-
-    def tick(self) -> None:
-        """Called at least some times a second."""
 
 
 class Supervisor:
@@ -170,7 +156,7 @@ class Supervisor:
     def _store_bench(self, configuration: str) -> None:
         file = bench_file(self._setup, configuration)
         if not file.exists():
-            file.write_bytes(pickle.dumps(self._benches[configuration], protocol=pickle.HIGHEST_PROTOCOL))
+            file.write_bytes(packed(self._benches[configuration])[0])
 
     def _listen(self) -> None:
         lines = [worker.line for worker in self._workers]

@@ -1,25 +1,14 @@
-"""Components become FMUs: C is compiled, a finished FMU is taken as it is, anything else is refused by name."""
+"""Components become FMUs, each by its kind."""
 
 from __future__ import annotations
 
-import posixpath
-from collections.abc import Iterable, Mapping
-from dataclasses import replace
+from collections.abc import Iterable
 from pathlib import Path
 
-from dse.domain.component import Component, CSource, FmuSource, ModelicaSource, UnsupportedSource
-from dse.errors import DseError, Location, Problem, fail
-from dse.fmu.archive import pack
-from dse.fmu.cache import cache_folder, content_key, keep_file
-from dse.fmu.compilation import LANGUAGE_OPTIONS, CompilationError, Diagnostic, compile_library, options
-from dse.fmu.describe import Subject, describe, describe_sources, identifier
-from dse.fmu.glue import Demand, glue
-from dse.fmu.platforms import this_platform
-from dse.fmu.slots import slots
-from dse.fmu.staging import LIST_IT, StagedSources, stage
+from dse.domain.component import Component
+from dse.errors import fail
 from dse.fmu.together import together
-from dse.fmu.toolchain import Compiler, find_compiler
-from dse.loading.yaml import shown
+from dse.loading.kind import KINDS, kind_of
 
 
 def build(component: Component, *, version: int = 2, cache: Path | None = None) -> Path:
@@ -28,28 +17,18 @@ def build(component: Component, *, version: int = 2, cache: Path | None = None) 
     A finished FMU is returned as it is, whatever its version. Raises DseError: the component has no source or
     one of a kind that cannot be built, its C does not compile or lacks a port, or there is no compiler.
     """
-    match component.source:
-        case CSource() as source:
-            return _build_c(component, source, version, cache)
-        case FmuSource(file):
-            if not file.is_file():
-                raise fail(f"component '{component.name}': there is no FMU {shown(file)}", component.where)
-            return file
-        case ModelicaSource() as source:
-            from dse.fmu.modelica.build import build_modelica
-
-            _require_version(version)
-            return build_modelica(component, source, version, cache)
-        case UnsupportedSource(kind):
-            what = f"component '{component.name}': sources of the kind '{kind}' cannot be built in this version"
-            raise fail(what, component.where, "use a source of the kind c, modelica or fmu")
-        case None:
-            what = f"component '{component.name}' has no source, so there is nothing to build"
-            raise fail(
-                what,
-                component.where,
-                "it can be counted and listed only; give it a source of the kind c, modelica or fmu",
-            )
+    source, kind = component.source, kind_of(component)
+    *others, last = KINDS.names()
+    known = f"a source of the kind {', '.join(others)} or {last}"
+    if source is None:
+        what = f"component '{component.name}' has no source, so there is nothing to build"
+        raise fail(what, component.where, f"it can be counted and listed only; give it {known}")
+    if kind is None:
+        what = f"component '{component.name}': sources of the kind '{source.kind}' cannot be built in this version"
+        raise fail(what, component.where, f"use {known}")
+    if version not in (2, 3) and not source.is_finished:
+        raise fail(f"FMUs are built for FMI 2 and 3, not {version}")
+    return kind.build(component, source, version=version, cache=cache)
 
 
 def build_all(components: Iterable[Component], *, version: int = 2, cache: Path | None = None) -> dict[str, Path]:
@@ -59,109 +38,3 @@ def build_all(components: Iterable[Component], *, version: int = 2, cache: Path 
     """
     wanted = {component.name: component for component in components}
     return together(wanted, lambda name: build(wanted[name], version=version, cache=cache))
-
-
-_RUNTIME = Path(__file__).parent / "runtime"
-_RUNTIME_FILES = {
-    2: ("slot.h", "instance.h", "c_component.h", "value.h", "fmi2_abi.h", "fmi2.c"),
-    3: ("slot.h", "instance.h", "c_component.h", "value.h", "fmi3_abi.h", "fmi3_refused.h", "fmi3.c"),
-}
-
-
-def _require_version(version: int) -> None:
-    if version not in _RUNTIME_FILES:
-        raise fail(f"FMUs are built for FMI 2 and 3, not {version}")
-
-
-def _build_c(component: Component, source: CSource, version: int, cache: Path | None) -> Path:
-    _require_version(version)
-    staged = stage(component.name, source, component.where)
-    contents, subject, demands = _contents(component, source, staged, version)
-    compiler = find_compiler()
-    platform = this_platform()
-    keyed = [*sorted(contents.items()), ("build", repr((compiler.identity, options(compiler), platform.name)).encode())]
-    target = cache_folder(cache) / "built" / f"{subject.identifier}-{content_key(keyed)}.fmu"
-    if target.is_file():
-        return target
-    library = platform.library(version, subject.identifier)
-    try:
-        binary = _compile(compiler, contents, subject, library.name)
-    except CompilationError as error:
-        raise DseError(*_problems(error, component, staged, demands)) from error
-    return keep_file(target, pack({**contents, str(library): binary}))
-
-
-def _contents(
-    component: Component, source: CSource, staged: StagedSources, version: int
-) -> tuple[dict[str, bytes], Subject, Mapping[int, Demand]]:
-    """Every file of the FMU but its library, by path; the same for the same component on every machine."""
-    variables = slots(component)
-    runtime = {f"sources/runtime/{name}": (_RUNTIME / name).read_bytes() for name in _RUNTIME_FILES[version]}
-    user = {f"sources/component/{name}": content for name, content in staged.contents.items()}
-    subject = Subject(
-        name=component.name,
-        identifier=identifier(component.name),
-        title=component.title,
-        token="",
-        period=source.step,
-        slots=variables,
-        files=(f"runtime/fmi{version}.c", *(f"component/{unit}" for unit in staged.units)),
-        include_folder=posixpath.dirname(f"component/{staged.header}"),
-    )
-
-    def generated(token: str) -> tuple[dict[str, bytes], Mapping[int, Demand]]:
-        tied = glue(source, variables, f"../component/{staged.header}", token)
-        named = replace(subject, token=token)
-        files = {
-            "sources/runtime/model.h": tied.text.encode(),
-            "modelDescription.xml": describe(named, version),
-        }
-        if version == 3:
-            told = describe_sources(named.identifier, named.files, named.include_folder, LANGUAGE_OPTIONS)
-            files["sources/buildDescription.xml"] = told
-        return {**runtime, **user, **files}, tied.demands
-
-    # The token names the contents, so it is made from the contents with a blank in its place.
-    blank, _ = generated("")
-    contents, demands = generated("{" + content_key(sorted(blank.items())) + "}")
-    return contents, subject, demands
-
-
-_SOURCES = "sources/"
-_MODEL = "runtime/model.h"
-
-
-def _compile(compiler: Compiler, contents: Mapping[str, bytes], subject: Subject, library: str) -> bytes:
-    files = {name.removeprefix(_SOURCES): text for name, text in contents.items() if name.startswith(_SOURCES)}
-    return compile_library(compiler, files, subject.files, subject.include_folder, library)
-
-
-def _problems(
-    error: CompilationError, component: Component, staged: StagedSources, demands: Mapping[int, Demand]
-) -> list[Problem]:
-    """What the compiler says, in the user's own files; only then what the component lacks; else all it said."""
-    own = [problem for diagnostic in error.diagnostics if (problem := _in_own_file(diagnostic, staged))]
-    if own:
-        return own
-    lines = sorted({diagnostic.line for diagnostic in error.diagnostics if diagnostic.file == _MODEL})
-    unmet: dict[str, Problem] = {}
-    for demand in (demands[line] for line in lines if line in demands):
-        unmet.setdefault(demand.subject, demand.problem)
-    if "" in unmet:  # without the struct, nothing else can be told
-        return [unmet[""]]
-    if unmet:
-        return list(unmet.values())
-    return [Problem(f"component '{component.name}': {_said(d)}", component.where) for d in error.diagnostics]
-
-
-def _in_own_file(diagnostic: Diagnostic, staged: StagedSources) -> Problem | None:
-    origin = staged.origins.get(diagnostic.file.removeprefix("component/"))
-    if origin is None or not diagnostic.file.startswith("component/"):
-        return None
-    is_missing_header = "No such file" in diagnostic.message or "file not found" in diagnostic.message
-    hint = LIST_IT if is_missing_header else ""
-    return Problem(diagnostic.message, Location(shown(origin), diagnostic.line, diagnostic.column), hint)
-
-
-def _said(diagnostic: Diagnostic) -> str:
-    return f"{diagnostic.file}:{diagnostic.line}: {diagnostic.message}" if diagnostic.file else diagnostic.message

@@ -5,14 +5,14 @@ from __future__ import annotations
 from collections.abc import Mapping
 from pathlib import Path
 
-from dse.domain.component import NO_INTERFACE, Component, FmuSource, Interface, Kind, Parameter, Source, Type
+from dse.domain.component import NO_INTERFACE, Component, Interface, Kind, Parameter, Source, Type
 from dse.errors import DseError, Problem, closest, fail, raise_if_any
 from dse.loading.documents import CollectionFile, ComponentFile, FactsSection, ParameterSection
 from dse.loading.fields import read_section
 from dse.loading.include import read_document
+from dse.loading.kind import read_source
 from dse.loading.names import check_choice, check_member, check_name
 from dse.loading.root import root_of
-from dse.loading.sources import read_source
 from dse.loading.values import read_number, read_quantity, read_type, read_unit, read_value
 from dse.loading.yaml import Document, Path_
 from dse.units import DIMENSIONLESS, Quantity
@@ -25,8 +25,12 @@ def read_component(path: Path, interfaces: Mapping[str, Interface], inside: Path
     """
     inside = inside or root_of(path)
     document = read_document(path, inside)
-    file = read_section(document, ComponentFile)
     problems: list[Problem] = []
+    source = _source(document, inside, problems)
+    try:
+        file = read_section(document, ComponentFile)
+    except DseError as error:
+        raise DseError(*error.problems, *problems) from error
     check_choice(file.component, document.place(("component",)), problems)
     interface = _interface(document, (), file, interfaces, problems)
     parameters = _parameters(document, (), file, interface, problems)
@@ -36,16 +40,10 @@ def read_component(path: Path, interfaces: Mapping[str, Interface], inside: Path
         if name not in known:
             what = f"'{name}' is neither a port of {interface.name or 'an interface'} nor a parameter"
             problems.append(Problem(what, document.key(("map", name)), closest(name, known)))
-    source: Source | None = None
-    if file.source is not None:
-        if file.implements is None:
-            what = "'implements' is missing: a component with a source has an interface"
-            problems.append(Problem(what, document.key(("source",)), closest("", interfaces)))
-        try:
-            source = read_source(document, file, file.source, inside)
-        except DseError as error:
-            problems += error.problems
-    if source is not None and not isinstance(source, FmuSource):
+    if file.source is not None and file.implements is None:
+        what = "'implements' is missing: a component with a source has an interface"
+        problems.append(Problem(what, document.key(("source",)), closest("", interfaces)))
+    if source is not None and not source.takes_texts:
         texts = [parameter for parameter in parameters if parameter.type.kind is Kind.TEXT]
         what = "is a text: only finished FMUs (kind fmu) have parameters that are texts"
         problems += [Problem(f"'{text.name}' {what}", text.where, "make it a number, or an enum") for text in texts]
@@ -70,6 +68,17 @@ def read_collection(path: Path, interfaces: Mapping[str, Interface], inside: Pat
         found.append(Component(name, interface, section.title, None, parameters, properties, where=where))
     raise_if_any(problems)
     return found
+
+
+def _source(document: Document, inside: Path, problems: list[Problem]) -> Source | None:
+    # What is no mapping, and who has no name, is told of with the rest of the file.
+    match document.data:
+        case {"component": str(name), "source": dict()}:
+            try:
+                return read_source(document, name, inside)
+            except DseError as error:
+                problems += error.problems
+    return None
 
 
 def _interface(

@@ -24,24 +24,6 @@ class InterfacesFile(Section):
     interfaces: dict[str, InterfaceSection]
 
 
-class SourceSection(Section):
-    """Where a component's behaviour comes from."""
-
-    kind: str
-    files: list[str] = []
-    header: str | None = None
-    struct: str | None = None
-    init: str | None = None
-    step_function: str | None = None
-    step: Plain | None = None
-    file: str | None = None
-    model: str | None = None
-    modelica_path: list[str] = []
-    compiler: str | None = None
-    solver: str | None = None
-    tolerance: Plain | None = None
-
-
 class ParameterSection(Section):
     """One parameter of a component."""
 
@@ -65,10 +47,10 @@ class FactsSection(Section):
 
 
 class ComponentFile(FactsSection):
-    """``component.yaml``."""
+    """``component.yaml``. What stands below *source* is read by its kind."""
 
     component: str
-    source: SourceSection | None = None
+    source: dict[str, Any] | None = None
     map: dict[str, str] = {}
 
 
@@ -210,25 +192,6 @@ class VariableSection(Section):
     title: str = ""
 
 
-class FullFactorialSection(Section):
-    """Options of the full factorial."""
-
-    slices: list[list[str]] = []
-
-
-class LatinHypercubeSection(Section):
-    """Options of the Latin hypercube."""
-
-    samples: int
-
-
-class SamplerSection(Section):
-    """A sampler with its options."""
-
-    full_factorial: FullFactorialSection | None = None
-    latin_hypercube: LatinHypercubeSection | None = None
-
-
 class SelectionSection(Section):
     """Configurations by condition."""
 
@@ -247,6 +210,7 @@ class StudyFile(Section):
     testbench: str
     configurations: str | list[str] | SelectionSection = "all"
     design_variables: dict[str, VariableSection]
-    sampler: str | SamplerSection = "full_factorial"
+    sampler: str | dict[str, Any] = "full_factorial"
+    executor: str | dict[str, Any] = "local"
     keep_waveforms: str = "near_boundary"
     seed: int = 0

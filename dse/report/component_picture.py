@@ -5,8 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterator
 from xml.sax.saxutils import escape, quoteattr
 
-from dse.domain.component import Causality, Component, ModelicaSource, Port
-from dse.fmu.modelica.diagram import Diagram, diagram
+from dse.domain.component import Causality, Component, Port
+from dse.fmu.modelica.diagram import Diagram
+from dse.loading.kind import kind_of
 from dse.report.component_layout import Layout, lay_out
 from dse.space.output.layout import Box
 
@@ -28,19 +29,14 @@ text { font: 12px system-ui, "Segoe UI", Roboto, "DejaVu Sans", sans-serif; fill
 
 
 def pictured(component: Component) -> Diagram:
-    """The parts and links to draw *component* with. Raises DseError if its Modelica cannot be read."""
-    source = component.source
-    if not isinstance(source, ModelicaSource):
-        return Diagram(())
-    from dse.fmu.modelica.frontend.compile import compile_model
-    from dse.fmu.modelica.frontend.sources import read_sources
-
-    sources = read_sources(component.name, source.model, source.files, source.roots, component.where)
-    return diagram(compile_model(sources).flat)
+    """The parts and links to draw *component* with. Raises DseError if its source cannot be read."""
+    kind = kind_of(component)
+    inside = kind.diagram(component, component.source) if kind is not None else None
+    return inside or Diagram(())
 
 
 def draw(component: Component, diagram: Diagram) -> str:
-    """The picture as SVG 1.1 text; *diagram* has no parts for what is no Modelica model."""
+    """The picture as SVG 1.1 text; *diagram* has no parts where nothing is known of them."""
     ports = {port.name: component.variable(port.name) for port in component.interface.ports}
     sides = {
         causality: [port for port in component.interface.ports if port.causality is causality]

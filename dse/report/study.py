@@ -10,7 +10,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dse.domain.bench import Verdict
+from dse.domain.definition import (
+    DefinedConfiguration,
+    DefinedMetric,
+    DefinedRequirement,
+    DefinedVariable,
+    StudyDefinition,
+)
 from dse.domain.run import Outcome, Run, Waveforms
+from dse.domain.sampler import Grid
 from dse.report.content import (
     ConfigurationEntry,
     FigureSpec,
@@ -53,15 +61,15 @@ def read_content(folder: StudyFolder, *, shown_as: str, most: int = MAX_WAVEFORM
         raise damaged(folder.path, str(error)) from error
 
 
-def content_of_run(run: Run, definition: Mapping[str, Any]) -> ReportContent:
+def content_of_run(run: Run, definition: StudyDefinition) -> ReportContent:
     """One run on its own, with its waveforms, as the figures need it."""
-    entry = next(c for c in definition["configurations"] if c["id"] == run.request.configuration)
+    entry = definition.configuration(run.request.configuration)
     waveforms = {run.request.number: run.waveforms} if run.waveforms else {}
     numbers = np.asarray([run.request.number], dtype=np.int64)
     done = np.asarray([run.outcome is Outcome.DONE])
-    rows = _Rows(numbers, (run.request.configuration,), {}, {entry["id"]: entry["constants"]})
+    rows = _Rows(numbers, (run.request.configuration,), {}, {entry.id: entry.constants})
     return ReportContent(
-        definition["title"],
+        definition.title,
         SamplerKind.FULL_FACTORIAL,
         "",
         Runs(numbers, (run.request.configuration,), done, (run.problem,)),
@@ -73,21 +81,21 @@ def content_of_run(run: Run, definition: Mapping[str, Any]) -> ReportContent:
 def _content(folder: StudyFolder, table: RunTable, shown_as: str, chosen: list[int], waveforms: str) -> ReportContent:
     """ValueError if the parts of the study do not fit each other."""
     definition = folder.header.definition
-    units = {metric["name"]: parse_unit(metric["unit"]) for metric in definition["metrics"]}
-    constants = {entry["id"]: entry["constants"] for entry in definition["configurations"]}
+    units = {metric.name: parse_unit(metric.unit) for metric in definition.metrics}
+    constants = {entry.id: entry.constants for entry in definition.configurations}
     rows = _Rows(table.numbers, table.configurations, table.points, constants)
-    figures = _figures(definition, rows, _waveforms(folder, chosen) if definition["figures"] else {})
+    figures = _figures(definition, rows, _waveforms(folder, chosen) if definition.figures else {})
     return ReportContent(
-        definition["title"],
-        _sampler(definition),
+        definition.title,
+        _layout(folder.header.slices),
         shown_as,
         Runs(table.numbers, table.configurations, table.done, table.problems),
-        tuple(_configuration(entry, definition) for entry in definition["configurations"]),
-        tuple(_variable(entry, table) for entry in definition["variables"]),
-        tuple(_metric(m, definition, table) for m in definition["metrics"] if "error_of" not in m),
-        tuple(_requirement(entry, table, units[entry["metric"]]) for entry in definition["requirements"]),
+        tuple(_configuration(entry, definition) for entry in definition.configurations),
+        tuple(_variable(entry, table) for entry in definition.variables),
+        tuple(_metric(m, definition, table) for m in definition.metrics if not m.error_of),
+        tuple(_requirement(entry, table, units[entry.metric]) for entry in definition.requirements),
         figures,
-        tuple(tuple(names) for names in definition["sampler"].get("slices", ())),
+        folder.header.slices or (),
         _facts(folder, table, waveforms),
     )
 
@@ -109,19 +117,18 @@ class _Rows:
         return self.constants[self.configurations[row]].get(name, float("nan"))
 
 
-def _sampler(definition: Mapping[str, Any]) -> SamplerKind:
-    sampler = definition["sampler"]
-    if sampler["kind"] == "full_factorial":
-        return SamplerKind.SLICED if sampler["slices"] else SamplerKind.FULL_FACTORIAL
-    return SamplerKind.SCATTERED
+def _layout(slices: Grid | None) -> SamplerKind:
+    if slices is None:
+        return SamplerKind.SCATTERED
+    return SamplerKind.SLICED if slices else SamplerKind.FULL_FACTORIAL
 
 
-def _metric(entry: Mapping[str, Any], definition: Mapping[str, Any], table: RunTable) -> MetricColumn:
-    unit = parse_unit(entry["unit"])
-    bars = [other["name"] for other in definition["metrics"] if other.get("error_of") == entry["name"]]
+def _metric(entry: DefinedMetric, definition: StudyDefinition, table: RunTable) -> MetricColumn:
+    unit = parse_unit(entry.unit)
+    bars = [other.name for other in definition.metrics if other.error_of == entry.name]
     # A difference has no offset: 20 K apart are 20 degC apart.
     error = table.metric(bars[0]) / float(unit.factor) if bars else None
-    return MetricColumn(entry["name"], entry["title"], entry["unit"], _shown(table.metric(entry["name"]), unit), error)
+    return MetricColumn(entry.name, entry.title, entry.unit, _shown(table.metric(entry.name), unit), error)
 
 
 def _shown(values: NDArray[np.float64], unit: Unit) -> Floats:
@@ -134,44 +141,44 @@ def _bound(value: float | None, unit: Unit) -> float | None:
     return None if value is None else float(_shown(np.asarray(value), unit))
 
 
-def _configuration(entry: Mapping[str, Any], definition: Mapping[str, Any]) -> ConfigurationEntry:
-    choices = {place: entry["choices"][place] for place in definition["design"]["places"] if place in entry["choices"]}
-    properties = {name: f"{total['value']:g} {total['unit']}".rstrip() for name, total in entry["totals"].items()}
-    return ConfigurationEntry(entry["id"], choices, properties)
+def _configuration(entry: DefinedConfiguration, definition: StudyDefinition) -> ConfigurationEntry:
+    choices = {place: entry.choices[place] for place in definition.design.places if place in entry.choices}
+    properties = {name: f"{total.value:g} {total.unit}".rstrip() for name, total in entry.totals.items()}
+    return ConfigurationEntry(entry.id, choices, properties)
 
 
-def _variable(entry: Mapping[str, Any], table: RunTable) -> Variable:
-    unit = parse_unit(entry["unit"])
-    values = _shown(np.asarray(table.points[entry["name"]], dtype=np.float64), unit)
-    low, high, nominal = (unit.from_si(entry[key]) for key in ("low", "high", "nominal"))
-    return Variable(entry["name"], entry["title"], entry["unit"], low, high, entry["levels"] or None, nominal, values)
+def _variable(entry: DefinedVariable, table: RunTable) -> Variable:
+    unit = parse_unit(entry.unit)
+    values = _shown(np.asarray(table.points[entry.name], dtype=np.float64), unit)
+    low, high, nominal = (unit.from_si(value) for value in (entry.low, entry.high, entry.nominal))
+    return Variable(entry.name, entry.title, entry.unit, low, high, entry.levels or None, nominal, values)
 
 
-def _requirement(entry: Mapping[str, Any], table: RunTable, unit: Unit) -> RequirementRow:
+def _requirement(entry: DefinedRequirement, table: RunTable, unit: Unit) -> RequirementRow:
     skipped = VERDICTS.index(Verdict.NOT_EXERCISED)
-    exercised = table.done & (table.verdicts(entry["name"]) != skipped)
-    low, high = _bound(entry["at_least"], unit), _bound(entry["at_most"], unit)
-    return RequirementRow(entry["name"], entry["title"], entry["metric"], high, low, exercised)
+    exercised = table.done & (table.verdicts(entry.name) != skipped)
+    low, high = _bound(entry.at_least, unit), _bound(entry.at_most, unit)
+    return RequirementRow(entry.name, entry.title, entry.metric, high, low, exercised)
 
 
-def _figures(definition: Mapping[str, Any], rows: _Rows, waveforms: Mapping[int, Waveforms]) -> tuple[FigureSpec, ...]:
+def _figures(definition: StudyDefinition, rows: _Rows, waveforms: Mapping[int, Waveforms]) -> tuple[FigureSpec, ...]:
     figures = []
-    for entry in definition["figures"]:
-        unit = parse_unit(entry["unit"])
-        numbers = [number for number, recorded in waveforms.items() if entry["current"] in recorded.values]
+    for entry in definition.figures:
+        unit = parse_unit(entry.unit)
+        numbers = [number for number, recorded in waveforms.items() if entry.current in recorded.values]
         if not numbers:
             continue
-        current = np.stack([waveforms[number].values[entry["current"]] for number in numbers])
+        current = np.stack([waveforms[number].values[entry.current] for number in numbers])
         target = None
-        if entry["target"]:
-            target = _shown(_target(entry["target"], numbers, rows, waveforms, current.shape[1]), unit)
+        if entry.target:
+            target = _shown(_target(entry.target, numbers, rows, waveforms, current.shape[1]), unit)
         figures.append(
             FigureSpec(
-                entry["name"],
-                entry["title"],
-                entry["unit"],
-                entry["current"],
-                entry["target"],
+                entry.name,
+                entry.title,
+                entry.unit,
+                entry.current,
+                entry.target,
                 waveforms[numbers[0]].time,
                 np.asarray(numbers, dtype=np.int64),
                 _shown(current, unit),
@@ -205,20 +212,21 @@ def _waveform_facts(kept: int, chosen: int, lost: int) -> str:
 
 def _facts(folder: StudyFolder, table: RunTable, waveforms: str) -> tuple[tuple[str, str], ...]:
     header, definition = folder.header, folder.header.definition
-    simulation, sampler = definition["simulation"], definition["sampler"]
+    simulation = definition.simulation
+    extended = f", {header.earlier} of them before it was extended" if header.era else ""
     facts = [
-        ("study", definition["study"]),
-        ("test bench", definition["bench"]["name"]),
-        ("design space", definition["design"]["name"]),
-        ("configurations", str(len(definition["configurations"]))),
-        ("runs", f"{len(table)} of {header.runs}"),
+        ("study", definition.study),
+        ("test bench", definition.bench.name),
+        ("design space", definition.design.name),
+        ("configurations", str(len(definition.configurations))),
+        ("runs", f"{len(table)} of {header.runs}{extended}"),
         ("failed runs", str(int(np.count_nonzero(~table.done)))),
-        ("sampler", sampler["kind"].replace("_", " ")),
-        ("seed", str(definition["seed"])),
-        ("simulation", f"{simulation['stop']:g} s in steps of {simulation['step']:g} s"),
+        ("sampler", definition.sampler.kind.replace("_", " ")),
+        ("seed", str(definition.seed)),
+        ("simulation", f"{simulation.stop:g} s in steps of {simulation.step:g} s"),
         ("waveforms", waveforms),
         ("fingerprint", header.fingerprint),
-        ("dse", definition["dse"]),
+        ("dse", definition.dse),
     ]
-    facts += [(f"FMU {name}", digest) for name, digest in definition["fmus"].items()]
+    facts += [(f"FMU {name}", digest) for name, digest in definition.fmus.items()]
     return tuple((name, value) for name, value in facts if value)

@@ -5,14 +5,17 @@ from __future__ import annotations
 import json
 import os
 import sqlite3
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import closing, contextmanager
 from pathlib import Path
+from typing import Any
 
+from dse.domain.definition import StudyDefinition, to_json
 from dse.errors import DseError, Location, fail
-from dse.results.definition import least_flaws
+from dse.results.asks import Asks, Block, read_asks, write_asks
+from dse.results.definition import definition_from_json, definition_to_json
 from dse.results.header import StudyHeader
-from dse.results.schema import APPLICATION_ID, VERSION, statements
+from dse.results.schema import APPLICATION_ID, ASKS, VERSION, statements
 
 NAME = "study.sqlite"
 
@@ -47,9 +50,10 @@ def damaged(path: Path, why: str) -> DseError:
 
 def lay_out(path: Path, header: StudyHeader) -> None:
     """Write an empty `study.sqlite` into *path*, all of it or nothing. DseError if *header* cannot be stored."""
-    flaws = least_flaws(header.definition)
-    if flaws:
-        raise fail(f"the study cannot be stored: {flaws[0]}", Location(str(path)))
+    try:
+        definition_from_json(json.loads(_json(definition_to_json(header.definition))))
+    except (ValueError, RecursionError) as error:
+        raise fail(f"the study cannot be stored: {error}", Location(str(path))) from error
     aside = path / f"{NAME}.part"
     aside.unlink(missing_ok=True)
     with located(path), closing(sqlite3.connect(aside, isolation_level=None)) as connection:
@@ -87,38 +91,69 @@ def connect(path: Path, *, write: bool) -> sqlite3.Connection:
 
 
 def write_header(connection: sqlite3.Connection, header: StudyHeader) -> None:
-    """Store *header*; the caller has a transaction open."""
-    facts = {"definition": header.definition, "fingerprint": header.fingerprint, "runs": header.runs}
-    connection.executemany("INSERT INTO facts VALUES (?, ?)", [(key, _json(value)) for key, value in facts.items()])
+    """Store *header* in place of what was there; the caller has a transaction open."""
+    facts = {key: getattr(header, key) for key in _COUNTS} | {"definition": definition_to_json(header.definition)}
     connection.executemany(
-        "INSERT INTO configurations VALUES (?, ?, ?)",
+        "INSERT OR REPLACE INTO facts VALUES (?, ?)", [(key, _json(value)) for key, value in facts.items()]
+    )
+    connection.executemany(
+        "INSERT OR REPLACE INTO configurations VALUES (?, ?, ?)",
         [
-            (entry["id"], _json(entry.get("choices", {})), _json(entry.get("totals", {})))
-            for entry in header.definition["configurations"]
+            (configuration.id, _json(to_json(configuration.choices)), _json(to_json(configuration.totals)))
+            for configuration in header.definition.configurations
         ],
     )
 
 
-def read_header(connection: sqlite3.Connection, path: Path) -> StudyHeader:
-    """The header stored by `write_header`; DseError if it is not shaped like one."""
+def read_header(connection: sqlite3.Connection, path: Path) -> tuple[StudyHeader, Asks]:
+    """What `write_header` stored, in this version's tables or earlier ones, and the asks; DseError if it is none."""
     try:
         facts = {key: json.loads(value) for key, value in connection.execute("SELECT key, value FROM facts")}
-        definition, fingerprint, runs = facts["definition"], facts["fingerprint"], facts["runs"]
-    except (ValueError, KeyError, RecursionError) as error:
+        definition = definition_from_json(facts["definition"])
+        if _version(connection) == 1:
+            facts = _of_first_version(facts)
+        counts = {key: facts[key] for key in _COUNTS}
+        for key, count in counts.items():
+            if type(count) is not int or count < 0:
+                raise ValueError(f"the number '{key}' is {json.dumps(count)[:40]}")
+        asks = _first_asks(definition, counts["runs"]) if _version(connection) == 1 else read_asks(connection)
+    except (ValueError, KeyError, TypeError, RecursionError) as error:
         raise damaged(path, f"its facts cannot be read ({error})") from error
-    flaws = least_flaws(definition)
-    if type(fingerprint) is not str:
-        flaws.append("the fingerprint is no text")
-    if type(runs) is not int or runs < 0:
-        flaws.append("the number of runs is none")
-    if flaws:
-        raise damaged(path, flaws[0])
-    return StudyHeader(definition, fingerprint, runs)
+    return StudyHeader(definition, numbers=asks.numbers, **counts), asks
+
+
+def migrate(connection: sqlite3.Connection, header: StudyHeader, asks: Asks) -> None:
+    """Bring the tables of an earlier version up to this one; the caller has a transaction open."""
+    if _version(connection) < VERSION:
+        connection.execute(ASKS)
+        write_asks(connection, asks.blocks)
+        connection.execute("DELETE FROM facts")
+        write_header(connection, header)
+        connection.execute(f"PRAGMA user_version = {VERSION}")
+
+
+_COUNTS = ("runs", "asked", "era", "base", "earlier")
+
+
+def _of_first_version(facts: Mapping[str, Any]) -> dict[str, Any]:
+    """Facts of version 1, in which a study was asked for as a whole."""
+    return {"runs": facts["runs"], "asked": facts["runs"], "era": 0, "base": 0, "earlier": 0}
+
+
+def _first_asks(definition: StudyDefinition, runs: int) -> Asks:
+    names = definition.explored
+    each = runs // len(names) if names else 0
+    return Asks(Block(index * each, each, name, 0, 0) for index, name in enumerate(names) if each)
+
+
+def _version(connection: sqlite3.Connection) -> int:
+    (version,) = connection.execute("PRAGMA user_version").fetchone()
+    return int(version)
 
 
 def _check_version(path: Path, connection: sqlite3.Connection) -> None:
     (application,) = connection.execute("PRAGMA application_id").fetchone()
-    (version,) = connection.execute("PRAGMA user_version").fetchone()
+    version = _version(connection)
     if application != APPLICATION_ID:
         raise fail(f"is not a study folder: {NAME} was written by another program", Location(str(path)), _WHICH)
     if version > VERSION:

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-import json
 import math
 from collections.abc import Iterator, Mapping
 from typing import Any
 
+from dse.domain.definition import StudyDefinition
 from dse.domain.run import Outcome, Run, Waveforms
 
 _SECTIONS = {
@@ -34,23 +34,23 @@ def differences(stored: Run, again: Run) -> list[str]:
     return found + (_waveform_differences(stored.waveforms, again.waveforms) if stored.waveforms else [])
 
 
-def changes(stored: Mapping[str, Any], again: Mapping[str, Any], run: Run) -> list[str]:
+def changes(stored: StudyDefinition, again: StudyDefinition, run: Run) -> list[str]:
     """What decides the results of *run* and is not the same in the two definitions, its own point aside.
 
     *again* may hold just the configuration of *run*.
     """
-    again = json.loads(json.dumps(again))
-    found = [f"FMU {name}" for name, digest in again["fmus"].items() if stored["fmus"].get(name) != digest]
+    found = [f"FMU {name}" for name, digest in again.fmus.items() if stored.fmus.get(name) != digest]
     for section, (what, keys) in _SECTIONS.items():
-        before, after = (_deciding(definition[section], keys) for definition in (stored, again))
+        before, after = (_deciding(getattr(definition, section), keys) for definition in (stored, again))
         found += [f"{what} {name}" for name in _names(before, after) if before.get(name) != after.get(name)]
-    before, after = stored["simulation"], again["simulation"]
-    found += [f"simulation {key}" for key in ("stop", "step", "record_every") if before[key] != after[key]]
-    before, after = (_configuration(definition, run.request.configuration) for definition in (stored, again))
-    found += [f"{key} of the configuration" for key in ("components", "wires") if before[key] != after[key]]
-    before, after = before["constants"], after["constants"]
-    free = [name for name in _names(before, after) if name not in run.request.point]
-    return found + [name for name in free if not _same_at(name, before, after)]
+    keys = ("stop", "step", "record_every")
+    found += [f"simulation {key}" for key in keys if getattr(stored.simulation, key) != getattr(again.simulation, key)]
+    was, now = (definition.configuration(run.request.configuration) for definition in (stored, again))
+    found += [
+        f"{key} of the configuration" for key in ("components", "wires") if getattr(was, key) != getattr(now, key)
+    ]
+    free = [name for name in _names(was.constants, now.constants) if name not in run.request.point]
+    return found + [name for name in free if not _same_at(name, was.constants, now.constants)]
 
 
 def _judgement_differences(stored: Run, again: Run) -> Iterator[str]:
@@ -88,9 +88,5 @@ def _same_at(name: str, a: Mapping[str, float], b: Mapping[str, float]) -> bool:
     return name in a and name in b and _same(a[name], b[name])
 
 
-def _deciding(entries: list[Mapping[str, Any]], keys: tuple[str, ...]) -> dict[str, Any]:
-    return {entry["name"]: [entry[key] for key in keys] for entry in entries}
-
-
-def _configuration(definition: Mapping[str, Any], name: str) -> dict[str, Any]:
-    return next(dict(entry) for entry in definition["configurations"] if entry["id"] == name)
+def _deciding(entries: tuple[Any, ...], keys: tuple[str, ...]) -> dict[str, Any]:
+    return {entry.name: [getattr(entry, key) for key in keys] for entry in entries}

@@ -14,6 +14,7 @@ from collections.abc import Callable, Iterator, Mapping
 import numpy as np
 
 from dse.domain.run import Run
+from dse.results.definition import definition_to_json
 from dse.results.folder import StudyFolder
 from dse.results.junit import junit
 from dse.results.rows import VERDICTS
@@ -40,7 +41,7 @@ def to_json(folder: StudyFolder) -> bytes:
     An undefined number is null; infinities are the strings ``inf`` and ``-inf``.
     """
     header = folder.header
-    about = {"definition": header.definition, "fingerprint": header.fingerprint}
+    about = {"definition": definition_to_json(header.definition), "fingerprint": header.fingerprint}
     # Sorted, as a header that came from the user's files has its keys in another order than a stored one.
     head = _json(about, sort_keys=True).removesuffix("}")
     runs = ",\n".join(_json(_json_run(run)) for run in folder.table().runs())

@@ -5,15 +5,17 @@ from __future__ import annotations
 import sqlite3
 import time
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 from types import TracebackType
-from typing import Any
 
 from dse.domain.component import Value
-from dse.domain.run import Outcome, Run, Waveforms
-from dse.errors import DseError, Location, fail
-from dse.results.database import NAME, connect, damaged, lay_out, located, read_header
-from dse.results.definition import whole_flaws
+from dse.domain.definition import StudyDefinition
+from dse.domain.run import Outcome, Run, RunRequest, Waveforms
+from dse.errors import Location, fail
+from dse.results.asks import Asks, blocks_of, write_asks
+from dse.results.database import NAME, connect, damaged, lay_out, located, migrate, read_header, write_header
+from dse.results.definition import unit_flaws
 from dse.results.header import StudyHeader
 from dse.results.rows import VERDICTS, RowBlock
 from dse.results.schema import cell_of, columns
@@ -34,15 +36,16 @@ class StudyFolder:
     quarter of a second and at the end, so a killed process loses no more than that.
     """
 
-    def __init__(self, path: Path, header: StudyHeader, connection: sqlite3.Connection) -> None:
+    def __init__(self, path: Path, header: StudyHeader, connection: sqlite3.Connection, asks: Asks) -> None:
         self.path = path
         self.header = header
+        self.asks = asks
         self._connection = connection
         self._begun: float | None = None
 
     @classmethod
-    def create(cls, path: Path, header: StudyHeader) -> StudyFolder:
-        """A new folder for the study of *header*; DseError if *path* is a file or holds something else already."""
+    def create(cls, path: Path, definition: StudyDefinition) -> StudyFolder:
+        """A new folder for the study of *definition*; DseError if *path* is a file or holds something else already."""
         if path.is_file():
             raise fail("is a file, not a folder", Location(str(path)), "give another folder with -o")
         if (path / NAME).exists():
@@ -53,34 +56,27 @@ class StudyFolder:
             (path / WAVEFORMS).mkdir(parents=True, exist_ok=True)
         except OSError as error:
             raise fail(f"the folder cannot be made: {error.strerror}", Location(str(path))) from error
+        header = StudyHeader(definition)
         lay_out(path, header)
-        return cls(path, header, connect(path, write=True))
+        return cls(path, header, connect(path, write=True), Asks())
 
     @classmethod
-    def resume(cls, path: Path, header: StudyHeader) -> StudyFolder:
+    def resume(cls, path: Path, definition: StudyDefinition) -> StudyFolder:
         """The folder at *path* to go on with, or a new one; DseError if it holds the results of another study.
 
-        Waveforms whose file is gone count as never kept, so that they are made again.
+        If *definition* only asks for other points or more configurations than the stored one, the study is extended:
+        a new era begins. Waveforms whose file is gone count as never kept, so that they are made again.
         """
         if not (path / NAME).exists():
-            return cls.create(path, header)
+            return cls.create(path, definition)
         folder = cls._connected(path, write=True)
-        if folder.header.fingerprint != header.fingerprint:
-            folder.close()
-            changed = ", ".join(folder.header.differences(header)) or "the way it was computed"
-            raise fail(
-                f"holds the results of another study (different: {changed})",
-                Location(str(path)),
-                "give another folder with -o, or say --fresh to throw these results away",
-            )
-        # Equal fingerprints: equal but for what does not matter, and this one is as the user's files have it now.
-        folder.header = header
-        for torn in (path / WAVEFORMS).glob(f"*{PART}"):
-            torn.unlink(missing_ok=True)
-        (path / WAVEFORMS).mkdir(exist_ok=True)
         try:
+            folder.take_up(definition)
+            for torn in (path / WAVEFORMS).glob(f"*{PART}"):
+                torn.unlink(missing_ok=True)
+            (path / WAVEFORMS).mkdir(exist_ok=True)
             folder.forget_lost()
-        except DseError:
+        except BaseException:
             folder.close()
             raise
         return folder
@@ -135,12 +131,34 @@ class StudyFolder:
                 self._connection.executemany("DELETE FROM kept WHERE number = ?", [(number,) for number in lost])
             self.commit()
 
-    def require_definition(self) -> Mapping[str, Any]:
-        """The study's definition, complete as every study is written; DseError if something in it is missing."""
-        flaws = whole_flaws(self.header.definition)
-        if flaws:
-            raise damaged(self.path, flaws[0])
+    def require_definition(self) -> StudyDefinition:
+        """The study's definition, fit to be shown; DseError if it has units that nobody can read."""
+        flaw = next(unit_flaws(self.header.definition), "")
+        if flaw:
+            raise damaged(self.path, flaw)
         return self.header.definition
+
+    def ask(self, number: int, requests: Sequence[RunRequest], asked: int) -> None:
+        """Note that the sampler's ask *number* of this era wants *requests*, which are new, and *asked* in all so far.
+
+        If it is noted already it must be the same. DseError if it is another one.
+        """
+        blocks = blocks_of(requests, number, self.header.era)
+        stored = self.asks.of(self.header.era, number)
+        if stored and stored != blocks:
+            what = "the sampler asks for other runs than it did before"
+            raise fail(what, Location(str(self.path)), "explore into another folder, or say --fresh")
+        if not stored:
+            self.asks.add(blocks)
+        runs = self.header.earlier + self.asks.numbers - self.header.base
+        header = replace(self.header, runs=runs, asked=asked, numbers=self.asks.numbers)
+        if not stored or header != self.header:
+            self.header = header
+            with located(self.path):
+                self._begin()
+                write_asks(self._connection, () if stored else blocks)
+                write_header(self._connection, header)
+            self.commit()
 
     def table(self, numbers: Sequence[int] = ()) -> RunTable:
         """The runs of *numbers* that are stored, or all that are, as columns; DseError if the database is damaged."""
@@ -157,7 +175,7 @@ class StudyFolder:
                 run.request, run.outcome, run.metrics, run.judgements, run.problem, waveforms=self.waveforms(number)
             )
         raise fail(
-            f"there is no run {number}", Location(str(self.path)), f"the study has runs 0 to {self.header.runs - 1}"
+            f"there is no run {number}", Location(str(self.path)), f"the study has runs 0 to {self.header.numbers - 1}"
         )
 
     def waveforms(self, number: int) -> Waveforms | None:
@@ -256,11 +274,34 @@ class StudyFolder:
         connection = connect(path, write=write)
         try:
             with located(path):
-                header = read_header(connection, path)
+                header, asks = read_header(connection, path)
         except BaseException:
             connection.close()
             raise
-        return cls(path, header, connection)
+        return cls(path, header, connection, asks)
+
+    def take_up(self, definition: StudyDefinition) -> None:
+        """Make *definition* the folder's, in a new era if it asks for other runs; DseError if it is another study's."""
+        stored = self.header.definition
+        different = stored.differences(definition)
+        if different:
+            raise fail(
+                f"holds the results of another study (different: {', '.join(different)})",
+                Location(str(self.path)),
+                "give another folder with -o, or say --fresh to throw these results away",
+            )
+        header = replace(self.header, definition=stored.joined(definition))
+        if not stored.samples_alike(definition):
+            era = self.header.era + 1
+            earlier = len(self.finished())
+            header = replace(header, era=era, base=self.asks.numbers, earlier=earlier, runs=earlier, asked=0)
+        with located(self.path):
+            self._begin()
+            migrate(self._connection, header, self.asks)
+            if header != self.header:
+                write_header(self._connection, header)
+        self.commit()
+        self.header = header
 
     def _checked(self, file: str | None) -> str:
         # The database may come from anywhere: what it names must lie in the folder of waveforms.

@@ -1,49 +1,56 @@
-"""What a study folder is about: the part of it that is written once, before the first run."""
+"""What a study folder is about: its definition, and the runs that were asked for so far."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any
+from functools import cached_property
+
+from dse.domain.definition import StudyDefinition
+from dse.results.definition import fingerprint
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class StudyHeader:
-    """The definition of a study as JSON data, its fingerprint, and how many runs it has.
+    """*runs* were asked for so far, those of an extended study's earlier eras among them.
 
-    *definition* has at least ``variables``, ``metrics`` and ``requirements`` (lists of objects with a ``name``)
-    and ``configurations`` (objects with an ``id``; ``choices`` and ``totals`` are stored beside it). Two studies
-    with the same *fingerprint* give the same results.
+    *asked* of them are what the present definition asks for, *earlier* were there when the present *era* began;
+    numbers from *base* on belong to it. *numbers* is one more than the largest number of a run.
     """
 
-    definition: Mapping[str, Any]
-    fingerprint: str
-    runs: int
+    definition: StudyDefinition
+    runs: int = 0
+    asked: int = 0
+    era: int = 0
+    base: int = 0
+    earlier: int = 0
+    numbers: int = 0
+
+    @cached_property
+    def fingerprint(self) -> str:
+        """Studies with equal fingerprints ask for the same runs and results."""
+        return fingerprint(self.definition)
 
     @property
     def variables(self) -> tuple[str, ...]:
         """Names of the design variables, in order."""
-        return self._names("variables")
+        return tuple(variable.name for variable in self.definition.variables)
 
     @property
     def metrics(self) -> tuple[str, ...]:
         """Names of the metrics, in order."""
-        return self._names("metrics")
+        return tuple(metric.name for metric in self.definition.metrics)
 
     @property
     def requirements(self) -> tuple[str, ...]:
         """Names of the requirements, in order."""
-        return self._names("requirements")
+        return tuple(requirement.name for requirement in self.definition.requirements)
 
     @property
     def configurations(self) -> tuple[str, ...]:
-        """Ids of the configurations, in the order of their runs."""
-        return tuple(entry["id"] for entry in self.definition["configurations"])
+        """Ids of the configurations of which there may be runs."""
+        return tuple(configuration.id for configuration in self.definition.configurations)
 
-    def differences(self, other: StudyHeader) -> tuple[str, ...]:
-        """Top-level entries of the definition that are not equal in both, sorted."""
-        mine, theirs = self.definition, other.definition
-        return tuple(sorted(key for key in {*mine, *theirs} if mine.get(key) != theirs.get(key)))
-
-    def _names(self, section: str) -> tuple[str, ...]:
-        return tuple(entry["name"] for entry in self.definition[section])
+    @property
+    def slices(self) -> tuple[tuple[str, ...], ...] | None:
+        """Variables that were varied together, if the runs lie on their grid; None if they lie anywhere."""
+        return self.definition.sampler.slices if self.asked == self.runs else None

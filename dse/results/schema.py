@@ -13,8 +13,12 @@ from dse.results.header import StudyHeader
 APPLICATION_ID = 0x44534553
 """Marks an SQLite file as a study ("DSES")."""
 
-VERSION = 1
-"""Version of these tables, stored as user_version."""
+VERSION = 2
+"""Version of these tables, stored as user_version. Version 1 had no table of asks."""
+
+ASKS = """CREATE TABLE asks (
+    first INTEGER PRIMARY KEY, count INTEGER NOT NULL, configuration TEXT NOT NULL, ask INTEGER NOT NULL,
+    era INTEGER NOT NULL) STRICT"""
 
 _FIXED = ("number", "configuration", "outcome", "problem")
 
@@ -39,6 +43,7 @@ def statements(header: StudyHeader) -> tuple[str, ...]:
         f"CREATE TABLE runs ({', '.join(_column(name) for name in columns(header))}) STRICT",
         "CREATE TABLE timing (number INTEGER PRIMARY KEY, wall REAL) STRICT",
         "CREATE TABLE kept (number INTEGER PRIMARY KEY, file TEXT) STRICT",
+        ASKS,
         f"PRAGMA application_id = {APPLICATION_ID}",
         f"PRAGMA user_version = {VERSION}",
     )

@@ -125,8 +125,9 @@ def _refuse_strangers(cells: Mapping[str, Any], header: StudyHeader) -> None:
         if strange:
             raise ValueError(f"a run has the unknown {what} '{min(strange)}'")
     # They are sorted.
-    if cells["number"] and not 0 <= cells["number"][0] <= cells["number"][-1] < header.runs:
-        raise ValueError(f"there are runs {cells['number'][0]} to {cells['number'][-1]} in a study of {header.runs}")
+    if cells["number"] and not 0 <= cells["number"][0] <= cells["number"][-1] < header.numbers:
+        first, last = cells["number"][0], cells["number"][-1]
+        raise ValueError(f"there are runs {first} to {last} in a study of {header.numbers}")
 
 
 def _matrix(cells: Mapping[str, Any], n: int, kind: str, names: Sequence[str]) -> NDArray[np.float64]:
@@ -136,11 +137,9 @@ def _matrix(cells: Mapping[str, Any], n: int, kind: str, names: Sequence[str]) -
 
 def _points(cells: Mapping[str, Any], header: StudyHeader) -> dict[str, NDArray[Any]]:
     points = {name: _point(name, cells[f"p:{name}"]) for name in header.variables}
-    for variable in header.definition["variables"]:
-        # What is varied in a range is a number; what a study only lists may be of any type.
-        column = points[variable["name"]]
-        if "low" in variable and not all(type(value) in (int, float) for value in column.tolist()):
-            raise ValueError(f"a run has no number for {variable['name']}")
+    for name, column in points.items():
+        if not all(type(value) in (int, float) for value in column.tolist()):
+            raise ValueError(f"a run has no number for {name}")
     return points
 
 

@@ -8,7 +8,6 @@ from dse.domain.component import (
     Causality,
     Component,
     Kind,
-    ModelicaSource,
     Parameter,
     Type,
     Value,
@@ -258,5 +257,5 @@ def _sizes(part: str, component: Component, model: FmuModel, values: Mapping[str
 def _is_built_in(component: Component, parameter: Parameter, model: FmuModel) -> bool:
     """Whether the parameter's value went into the FMU when it was built, as that of a structural one does."""
     variable = model.variables.get(component.variable(parameter.name))
-    is_fixed = isinstance(component.source, ModelicaSource) and not parameter.tunable
-    return is_fixed and variable is not None and variable.causality == "local"
+    is_built = component.source is not None and not component.source.is_finished
+    return is_built and not parameter.tunable and variable is not None and variable.causality == "local"

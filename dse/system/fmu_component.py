@@ -7,9 +7,8 @@ import re
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from fractions import Fraction
-from pathlib import Path
 
-from dse.domain.component import Causality, Component, FmuSource, Interface, Kind, Parameter, Port, Type, Value
+from dse.domain.component import Causality, Component, Interface, Kind, Parameter, Port, Source, Type, Value
 from dse.domain.fmu import FmuModel, Variable
 from dse.errors import DseError
 from dse.loading.expression_tokens import KEYWORDS
@@ -39,8 +38,8 @@ class Offer:
     told: tuple[str, ...] = ()
 
 
-def offer(name: str, model: FmuModel, file: Path) -> Offer:
-    """The FMU *model* in *file* as a component called *name*, with all its inputs, outputs and parameters.
+def offer(name: str, model: FmuModel, source: Source) -> Offer:
+    """The FMU *model*, of *source*, as a component called *name*, with all its inputs, outputs and parameters.
 
     Names that the language does not know are changed to near ones; the component's map has the FMU's. Ports are in
     coherent SI units, parameters in the FMU's own. Second names of one variable (aliases) are passed over.
@@ -79,7 +78,6 @@ def offer(name: str, model: FmuModel, file: Path) -> Offer:
                     starts[own] = value
     inputs_first = sorted(ports, key=lambda port: port.causality is Causality.OUTPUT)
     interface = Interface(name, tuple(inputs_first))
-    source = FmuSource(file)
     component = Component(name, interface, model.title, source, tuple(parameters), names=names)
     return Offer(component, starts, tuple(left_out), tuple(told))
 

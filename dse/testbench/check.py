@@ -9,14 +9,12 @@ from collections.abc import Callable
 from typing import ParamSpec
 
 from dse.domain.bench import TestBench
-from dse.domain.component import FmuSource, ModelicaSource
 from dse.domain.design import Configuration
 from dse.domain.method import Coupling, Method
 from dse.errors import DseError, Problem
-from dse.fmu.unpack import open_fmu
+from dse.loading.kind import kind_of
 from dse.loading.workspace import Workspace
 from dse.space.check import check as check_space
-from dse.system.assemble import check_fmu
 from dse.testbench.plan import require_variables
 from dse.testbench.prepare import check_bench, prepare, settable
 from dse.testbench.select import one, selected
@@ -68,13 +66,9 @@ def _design(workspace: Workspace, path: str) -> None:
 
 def _component(workspace: Workspace, name: str) -> None:
     component = workspace.component(name)
-    match component.source:
-        case FmuSource(file):
-            check_fmu(component, open_fmu(file))
-        case ModelicaSource() as source:
-            from dse.fmu.modelica.build import check_modelica
-
-            check_modelica(component, source)
+    kind = kind_of(component)
+    if kind is not None:
+        kind.check(component, component.source)
 
 
 def _bench(workspace: Workspace, path: str) -> None:
@@ -96,7 +90,7 @@ def _asks_of_fmus(method: Method) -> bool:
 def _is_finished(bench: TestBench, configuration: Configuration) -> bool:
     """Whether there is nothing to build."""
     parts = [*configuration.parts.values(), *(part.component for part in bench.test_components)]
-    return all(isinstance(component.source, FmuSource) for component in parts)
+    return all(component.source is not None and component.source.is_finished for component in parts)
 
 
 def _study(workspace: Workspace, path: str) -> None:

@@ -15,7 +15,7 @@ from dse.testbench.halved import Halved
 from dse.testbench.prepared import PreparedBench
 
 
-class Executor:
+class Runner:
     """Runs one configuration again and again in this process, its FMUs loaded once."""
 
     def __init__(self, prepared: PreparedBench, *, progress: memoryview | None = None) -> None:
@@ -67,7 +67,7 @@ class Executor:
             self._halved.close()
         self._simulator.close()
 
-    def __enter__(self) -> Executor:
+    def __enter__(self) -> Runner:
         return self
 
     def __exit__(
@@ -81,6 +81,6 @@ class Executor:
         return Waveforms(np.ascontiguousarray(self._time[::stride]), values)
 
 
-def make_executor(prepared: PreparedBench, progress: memoryview | None) -> Executor:
-    """An executor for a worker process; importable by name, so that it can be sent there."""
-    return Executor(prepared, progress=progress)
+def make_runner(prepared: PreparedBench, progress: memoryview | None) -> Runner:
+    """A runner for a worker process; importable by name, so that it can be sent there."""
+    return Runner(prepared, progress=progress)

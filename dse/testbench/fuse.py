@@ -7,7 +7,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from dse.domain.bench import Simulation
-from dse.domain.component import Component, FmuSource
+from dse.domain.component import Component
 from dse.domain.method import PLAIN
 from dse.errors import Problem, raise_if_any
 from dse.fmu.fusion.fuse import Wanted, fuse_all
@@ -51,6 +51,6 @@ def _of_components(plan: Plan) -> Iterator[Problem]:
         components |= {component.name: component for component in bench.configuration.parts.values()}
     components |= {part.component.name: part.component for part in plan.study.bench.test_components}
     for component in components.values():
-        if isinstance(component.source, FmuSource):
+        if component.source is not None and component.source.is_finished:
             what = f"{component.name} is a finished FMU, which cannot be fused"
             yield Problem(what, component.where, "leave out --fuse, or choose configurations without it")

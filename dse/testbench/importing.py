@@ -10,6 +10,7 @@ from pathlib import Path
 from dse.domain.component import Component, Interface, Value
 from dse.errors import Location, Problem, fail, raise_if_any
 from dse.fmu.unpack import open_fmu
+from dse.kinds.fmu import FmuSource
 from dse.loading.component_writer import write_fmu_component, write_interfaces
 from dse.loading.names import check_choice
 from dse.loading.workspace import Workspace
@@ -52,7 +53,7 @@ def import_component(file: Path, folder: Path, name: str | None = None, *, cache
         problems.append(Problem("is there already", Location(shown(target)), "give another --name"))
     raise_if_any(problems)
     known = _interfaces(folder)
-    offered = implementing(offer(own, model, target / f"{own}.fmu"), known.values())
+    offered = implementing(offer(own, model, FmuSource(target / f"{own}.fmu")), known.values())
     component = offered.component
     has_own = component.interface.name not in known or component.interface != known[component.interface.name]
     if has_own:

@@ -8,12 +8,14 @@ from pathlib import Path
 
 from dse.domain.bench import TestBench
 from dse.domain.component import Value
+from dse.domain.definition import StudyDefinition
 from dse.domain.design import Configuration
-from dse.domain.study import FullFactorial, Keep, Selection, Study
+from dse.domain.sampler import Nominal
+from dse.domain.study import Keep, Selection, Study
 from dse.errors import DseError, Location, Problem
 from dse.loading.bench import setting
 from dse.loading.values import Raw
-from dse.testbench.definition import define, fingerprint
+from dse.testbench.definition import define
 from dse.testbench.prepare import prepare
 from dse.testbench.prepared import PreparedBench, Setting
 from dse.testbench.select import selected
@@ -21,12 +23,11 @@ from dse.testbench.select import selected
 
 @dataclass(frozen=True, slots=True)
 class Plan:
-    """A study with its prepared benches by configuration id, and its definition as JSON data."""
+    """A study with its prepared benches by configuration id, and its definition as it is stored."""
 
     study: Study
     prepared: Mapping[str, PreparedBench]
-    definition: Mapping[str, object]
-    fingerprint: str
+    definition: StudyDefinition
 
 
 def plan(study: Study, *, version: int = 2, cache: Path | None = None) -> Plan:
@@ -34,14 +35,13 @@ def plan(study: Study, *, version: int = 2, cache: Path | None = None) -> Plan:
     configurations = selected(study.bench.design, study.selection, study.where)
     prepared = prepare(study.bench, configurations, version=version, cache=cache)
     require_variables(study, {name: bench.settings for name, bench in prepared.items()})
-    definition = define(study, prepared)
-    return Plan(study, prepared, definition, fingerprint(definition))
+    return Plan(study, prepared, define(study, prepared))
 
 
 def bench_study(bench: TestBench, selection: Selection | None = None) -> Study:
     """The study that runs a bench once on every configuration, waveforms kept."""
     return Study(
-        bench.name, bench, (), FullFactorial(), selection or Selection(), Keep.ALL, title=bench.title, where=bench.where
+        bench.name, bench, (), Nominal(), selection or Selection(), Keep.ALL, title=bench.title, where=bench.where
     )
 
 

@@ -26,7 +26,7 @@ class Setting:
 
 @dataclass(frozen=True, slots=True)
 class PreparedBench:
-    """What `Executor` simulates.
+    """What `Runner` simulates.
 
     *columns* names what is recorded in every step, as ``part.port``; *system_columns* is the same in FMU
     variables. *kept* are the columns stored as waveforms. *settings* is everything a point may set, and

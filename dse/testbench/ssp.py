@@ -44,7 +44,7 @@ class Timing:
 
 @dataclass(frozen=True, slots=True)
 class PreparedPackage:
-    """A package that an executor can simulate as the configuration called ``ssp``, and what it was made of."""
+    """A package that a runner can simulate as the configuration called ``ssp``, and what it was made of."""
 
     ssp: SspSystem
     resolved: ResolvedSystem

@@ -11,6 +11,7 @@ from dse.domain.design import Connection
 from dse.domain.fmu import FmuModel
 from dse.domain.system import Element, SystemStructure, Wire
 from dse.errors import DseError, Location, Problem, raise_if_any
+from dse.kinds.fmu import FmuSource
 from dse.system.binding import bind
 from dse.system.fmu_component import offer
 from dse.system.ssp.resolve import ResolvedSystem
@@ -35,7 +36,7 @@ class Catalogue:
         name = self._names.get(model.content_hash)
         if name is None:
             name = free_name(Path(place.source.partition("#")[0]).stem, self._components)
-            made = offer(name, model, Path(f"{name}.fmu"))
+            made = offer(name, model, FmuSource(Path(f"{name}.fmu")))
             self.left_out += [f"{name}: {what}" for what in made.left_out]
             self._names[model.content_hash] = name
             self._components[name], self._models[name] = made.component, model

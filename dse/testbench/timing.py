@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from dse.domain.bench import TestBench
-from dse.domain.component import Component, CSource
+from dse.domain.component import Component
 from dse.domain.fmu import FmuModel
 from dse.domain.method import Method
 from dse.errors import Problem
@@ -22,11 +22,10 @@ def sampling_problems(bench: TestBench, parts: Mapping[str, Component], method: 
     """
     problems = []
     for path, component in parts.items():
-        source, step = component.source, method.steps.get(path, bench.simulation.step)
-        if not isinstance(source, CSource) or source.step is None:
-            continue
-        if not _is_multiple(source.step, step):
-            what = f"{path} ({component.name}) samples every {source.step:g} s, no multiple of the step {step:g} s"
+        step = method.steps.get(path, bench.simulation.step)
+        sample_time = component.source.sample_time if component.source is not None else None
+        if sample_time is not None and not _is_multiple(sample_time, step):
+            what = f"{path} ({component.name}) samples every {sample_time:g} s, no multiple of the step {step:g} s"
             hint = "choose a step of which all sample times are multiples"
             problems.append(Problem(what, bench.simulation.where, hint))
     return problems

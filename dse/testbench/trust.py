@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from dse.cosim.probing.probe import VERSION
-from dse.domain.component import Component, CSource, ModelicaSource
+from dse.domain.component import Component
 from dse.domain.facts import Answer, FmuFacts, Question
 from dse.domain.fmu import FmuModel
 from dse.domain.system import SystemStructure
@@ -112,5 +112,5 @@ def _bears_threads(model: FmuModel, facts: FmuFacts | None, component: Component
     if facts is not None and facts.answer(Question.THREADS) is not Answer.UNKNOWN:
         limited = facts.denies(Question.RENEWS) or facts.denies(Question.LASTS)
         return facts.answer(Question.THREADS) is Answer.YES and not limited
-    from_source = component is not None and isinstance(component.source, CSource | ModelicaSource)
-    return from_source and shares_nothing(model, cache=cache)
+    source = component.source if component is not None else None
+    return source is not None and not source.is_finished and shares_nothing(model, cache=cache)

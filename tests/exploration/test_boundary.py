@@ -3,13 +3,16 @@ from __future__ import annotations
 from collections.abc import Callable
 
 import numpy as np
-from fake_executors import header_of, study_of
+from fake_runners import definition_of, study_of
 from hypothesis import given
 from hypothesis import strategies as st
 
-from dse.domain.study import FullFactorial, LatinHypercube, Study
-from dse.exploration.boundary import near_boundary
-from dse.exploration.samplers import requests
+from dse.domain.study import Study
+from dse.exploration.asking import first_ask
+from dse.exploration.boundary import near_boundary as near_boundary_on
+from dse.exploration.samplers.full_factorial import FullFactorial
+from dse.exploration.samplers.latin_hypercube import LatinHypercube
+from dse.results.header import StudyHeader
 from dse.results.rows import RowBlock
 from dse.results.table import RunTable
 
@@ -20,7 +23,7 @@ def table_of(
     study: Study, passes: Passes, failed: frozenset[int] = frozenset(), names: tuple[str, ...] = ("a",)
 ) -> RunTable:
     """The study's runs, of which those pass R1 whose point *passes*."""
-    made = requests(study, names)
+    made = first_ask(study, names)
     n = len(made)
     done = np.array([request.number not in failed for request in made], dtype=np.bool_)
     verdicts = np.zeros((n, 2), dtype=np.uint8)
@@ -30,7 +33,13 @@ def table_of(
         np.arange(n), done, np.zeros((n, 8)), verdicts, np.zeros((n, 2)), np.zeros(n), dict.fromkeys(failed, "x")
     )
     columns = {v.name: np.array([request.point[v.name] for request in made]) for v in study.variables}
-    return RunTable(header_of(study, n, names), block, tuple(request.configuration for request in made), columns)
+    return RunTable(
+        StudyHeader(definition_of(study, names)), block, tuple(request.configuration for request in made), columns
+    )
+
+
+def near_boundary(study: Study, table: RunTable) -> frozenset[int]:
+    return near_boundary_on(study, table, study.sampler.grid)
 
 
 def by_hand(table: RunTable, levels: int, passes: Passes) -> set[int]:
@@ -58,7 +67,7 @@ def test_in_a_factorial_the_runs_next_to_a_line_are_near_it(levels: int, offset:
 
 
 def test_where_all_verdicts_are_equal_there_is_no_boundary() -> None:
-    for sampler in (FullFactorial(), LatinHypercube(30)):
+    for sampler in (FullFactorial(), LatinHypercube(samples=30)):
         study = study_of(sampler)
         assert near_boundary(study, table_of(study, lambda x, y: True)) == set()
 
@@ -83,7 +92,7 @@ def test_a_boundary_in_any_requirement_counts() -> None:
 
 
 def test_slices_find_the_boundary_within_each_slice() -> None:
-    study = study_of(FullFactorial((("part.x0",), ("part.x1",))), levels=5)
+    study = study_of(FullFactorial(slices=[["part.x0"], ["part.x1"]]), levels=5)
     table = table_of(study, lambda x, y: x < 0.6)
     points = [(x, y) for x, y in zip(*table.points.values(), strict=True)]
     near = {points[number] for number in near_boundary(study, table)}
@@ -92,7 +101,7 @@ def test_slices_find_the_boundary_within_each_slice() -> None:
 
 
 def test_in_a_latin_hypercube_the_nearest_runs_decide() -> None:
-    study = study_of(LatinHypercube(200), variables=2)
+    study = study_of(LatinHypercube(samples=200), variables=2)
     table = table_of(study, lambda x, y: x < 0.5)
     near = near_boundary(study, table)
     x = table.points["part.x0"]
@@ -104,7 +113,7 @@ def test_in_a_latin_hypercube_the_nearest_runs_decide() -> None:
 
 
 def test_variables_of_different_size_count_alike() -> None:
-    study = study_of(LatinHypercube(100), variables=2)
+    study = study_of(LatinHypercube(samples=100), variables=2)
     table = table_of(study, lambda x, y: x < 0.5)
     from dataclasses import replace
 

@@ -9,11 +9,12 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
-from fake_executors import FakeBench, header_of, make_fake, study_of
+from fake_runners import FakeBench, definition_of, make_fake, study_of
 from test_worn_workers import explored
 
 from dse.domain.run import Outcome
 from dse.domain.study import Keep
+from dse.exploration.executors.local import Local
 from dse.exploration.explore import explore
 from dse.exploration.surroundings import Surroundings
 from dse.results.folder import StudyFolder
@@ -105,9 +106,9 @@ def test_a_configuration_that_cannot_be_loaded_as_files_are_used_up_is_loaded_by
     tmp_path: Path, few_files: None
 ) -> None:
     study = study_of(levels=2)
-    with StudyFolder.create(tmp_path, header_of(study, 8, ("a", "b"))) as folder:
+    with StudyFolder.create(tmp_path, definition_of(study, ("a", "b"))) as folder:
         prepared = {"a": FakeBench("a", "leaves no file to open", (3,)), "b": FakeBench("b")}
-        explore(study, prepared, folder, workers=1, make_executor=make_fake, on_progress=lambda progress: None)
+        explore(study, prepared, folder, executor=Local(workers=1), make_runner=make_fake)
         assert [run.outcome for run in folder.table().runs()] == [Outcome.DONE] * 8
 
 

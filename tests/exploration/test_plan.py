@@ -1,48 +1,64 @@
 from __future__ import annotations
 
-from fake_executors import study_of
+from fake_runners import study_of
 from hypothesis import given
 from hypothesis import strategies as st
 
-from dse.exploration.plan import chunks, missing_runs, missing_waveforms
-from dse.exploration.samplers import requests
+from dse.domain.run import RunRequest
+from dse.exploration.asking import first_ask
+from dse.exploration.plan import missing_runs, missing_waveforms
+from dse.results.asks import Asks, Block, blocks_of
+
+
+def asked(levels: int, variables: int, names: tuple[str, ...] = ("a",)) -> tuple[dict[int, RunRequest], Asks]:
+    made = first_ask(study_of(levels=levels, variables=variables), names)
+    return dict(enumerate(made)), Asks(blocks_of(made, 0, 0))
 
 
 @given(st.integers(1, 80), st.integers(1, 40))
 def test_chunks_hold_every_run_once_and_one_configuration_each(points: int, configurations: int) -> None:
-    made = requests(study_of(levels=points, variables=1), tuple(f"c{i}" for i in range(configurations)))
-    cut = list(chunks(made))
-    assert [request for chunk in cut for request in chunk] == list(made)
-    assert all(len({request.configuration for request in chunk}) == 1 for chunk in cut)
-    assert all(len(chunk) <= 32 for chunk in cut)
+    made, asks = asked(points, 1, tuple(f"c{i}" for i in range(configurations)))
+    cut = list(missing_runs(made, made, asks))
+    assert [number for batch in cut for number in batch.numbers] == list(made)
+    assert all(made[number].configuration == batch.configuration for batch in cut for number in batch.numbers)
+    assert all(len(batch.numbers) <= 32 for batch in cut)
 
 
 def test_a_small_study_is_cut_fine_enough_for_many_workers() -> None:
-    made = requests(study_of(levels=25, variables=2), ("a",))
-    assert len(list(chunks(made))) >= 64
+    made, asks = asked(25, 2)
+    assert len(list(missing_runs(made, made, asks))) >= 64
 
 
 def test_what_is_finished_is_not_planned_again_and_chunks_stay_where_they_were() -> None:
-    made = requests(study_of(levels=64, variables=2), ("a",))
-    every = {batch.identity: set(batch.numbers) for batch in missing_runs(made, set())}
+    made, asks = asked(64, 2)
+    every = {batch.identity: set(batch.numbers) for batch in missing_runs(made, made, asks)}
     finished = set(range(0, 4096, 2)) | set(range(32, 64))
-    for batch in missing_runs(made, finished):
+    for batch in missing_runs(set(made) - finished, made, asks):
         assert set(batch.numbers) == every[batch.identity] - finished
         assert not batch.keep
-    assert 1 not in {batch.identity for batch in missing_runs(made, finished)}
-    assert list(missing_runs(made, set(range(4096)))) == []
+    assert 32 not in {batch.identity for batch in missing_runs(set(made) - finished, made, asks)}
+    assert list(missing_runs(set(), made, asks)) == []
 
 
 def test_a_waveform_file_is_named_after_its_chunk_and_written_whole() -> None:
-    made = requests(study_of(levels=64, variables=2), ("a",))
-    (batch,) = missing_waveforms(made, {33, 40, 41}, {33: "runs-00000032-00000063.parquet", 41: ""})
+    made, asks = asked(64, 2)
+    (batch,) = missing_waveforms({40}, made, asks, {33: "runs-00000032-00000063.parquet", 41: ""})
     assert batch.file == "runs-00000032-00000063.parquet"
     assert batch.numbers == (33, 40)
-    assert list(missing_waveforms(made, {33}, {33: "runs-00000032-00000063.parquet"})) == []
+    assert list(missing_waveforms(set(), made, asks, {33: "runs-00000032-00000063.parquet"})) == []
 
 
 def test_a_batch_holds_each_runs_point() -> None:
-    made = requests(study_of(levels=3, variables=2), ("a",))
-    for batch in missing_runs(made, set()):
+    made, asks = asked(3, 2)
+    for batch in missing_runs(made, made, asks):
         for number in batch.numbers:
             assert dict(zip(batch.names, batch.point(number), strict=True)) == made[number].point
+
+
+def test_a_later_ask_has_chunks_of_its_own_whatever_came_before() -> None:
+    asks = Asks([Block(0, 2048, "a", 0, 0), Block(2048, 100, "a", 1, 0), Block(2148, 50, "b", 1, 0)])
+    assert asks.chunk(2047) == (2016, 2047)
+    # The second ask is of 150 runs: two to a chunk, and a configuration begins a new one.
+    assert asks.chunk(2048) == (2048, 2049)
+    assert asks.chunk(2149) == (2148, 2149)
+    assert asks.chunk(2197) == (2196, 2197)

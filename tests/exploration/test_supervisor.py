@@ -10,12 +10,13 @@ from typing import Any
 
 import deadly_when_imported
 import pytest
-from fake_executors import METRICS, benches, header_of, make_fake, study_of
+from fake_runners import METRICS, benches, definition_of, make_fake, study_of
 
 from dse.domain.run import Outcome
 from dse.domain.study import Keep, Study
 from dse.errors import DseError
 from dse.exploration import supervisor
+from dse.exploration.executors.local import Local
 from dse.exploration.explore import Summary, explore
 from dse.results.folder import StudyFolder
 from dse.results.table import RunTable
@@ -24,14 +25,9 @@ posix = pytest.mark.skipif(sys.platform == "win32", reason="signals")
 
 
 def explored(path: Path, study: Study, *, workers: int = 1, **mischief: Any) -> tuple[Summary, RunTable, StudyFolder]:
-    with StudyFolder.resume(path, header_of(study, 25)) as folder:
+    with StudyFolder.resume(path, definition_of(study)) as folder:
         summary = explore(
-            study,
-            benches("a", **mischief),
-            folder,
-            workers=workers,
-            make_executor=make_fake,
-            on_progress=lambda progress: None,
+            study, benches("a", **mischief), folder, executor=Local(workers=workers), make_runner=make_fake
         )
         return summary, folder.table(), folder
 
@@ -83,7 +79,7 @@ def test_a_run_that_gets_its_worker_killed_again_is_recorded(tmp_path: Path) -> 
 def test_an_unexpected_exception_is_a_failed_run(tmp_path: Path) -> None:
     _, table, _ = explored(tmp_path, study_of(), mischief="raises", when=(3, 4))
     assert set(failures(table)) == {3, 4}
-    assert failures(table)[3].startswith("unexpected ValueError at fake_executors.py:")
+    assert failures(table)[3].startswith("unexpected ValueError at fake_runners.py:")
     assert failures(table)[3].endswith(": bad run 3")
 
 
@@ -107,9 +103,9 @@ def test_a_run_that_wants_too_much_memory_fails_alone(tmp_path: Path) -> None:
 
 def test_a_configuration_that_cannot_be_loaded_fails_in_each_of_its_runs(tmp_path: Path) -> None:
     study = study_of(levels=2)
-    with StudyFolder.create(tmp_path, header_of(study, 8, ("a", "b"))) as folder:
+    with StudyFolder.create(tmp_path, definition_of(study, ("a", "b"))) as folder:
         prepared = {**benches("a", mischief="refuses"), **benches("b")}
-        explore(study, prepared, folder, workers=1, make_executor=make_fake, on_progress=lambda progress: None)
+        explore(study, prepared, folder, executor=Local(workers=1), make_runner=make_fake)
         problems = failures(folder.table())
     assert set(problems) == {0, 1, 2, 3}
     assert problems[0].startswith("sensor.gap -> controller.speed: units differ")
@@ -118,12 +114,10 @@ def test_a_configuration_that_cannot_be_loaded_fails_in_each_of_its_runs(tmp_pat
 def test_workers_that_die_before_any_run_end_the_exploration(tmp_path: Path) -> None:
     study = study_of()
     with (
-        StudyFolder.create(tmp_path, header_of(study, 25)) as folder,
+        StudyFolder.create(tmp_path, definition_of(study)) as folder,
         pytest.raises(DseError, match=r"3 workers in a row ended outside of any run, the last while starting.*code 7"),
     ):
-        explore(
-            study, benches("a"), folder, workers=2, make_executor=deadly_when_imported.make, on_progress=lambda p: None
-        )
+        explore(study, benches("a"), folder, executor=Local(workers=2), make_runner=deadly_when_imported.make)
     with StudyFolder.open(tmp_path) as folder:
         assert folder.finished() == set()
     assert multiprocessing.active_children() == []
@@ -133,13 +127,13 @@ def test_workers_that_die_before_any_run_end_the_exploration(tmp_path: Path) -> 
 @pytest.mark.thorough
 def test_a_configuration_that_kills_workers_while_it_is_loaded_fails_alone(workers: int, tmp_path: Path) -> None:
     study = study_of(levels=5)
-    with StudyFolder.create(tmp_path, header_of(study, 75, ("a", "b", "c"))) as folder:
+    with StudyFolder.create(tmp_path, definition_of(study, ("a", "b", "c"))) as folder:
         prepared = {
             **benches("a", mischief="dies loading"),
             **benches("b"),
             **benches("c", mischief="dies loading"),
         }
-        explore(study, prepared, folder, workers=workers, make_executor=make_fake, on_progress=lambda p: None)
+        explore(study, prepared, folder, executor=Local(workers=workers), make_runner=make_fake)
         problems = failures(folder.table())
         assert folder.finished() == set(range(75))
     assert set(problems) == {*range(25), *range(50, 75)}
@@ -167,7 +161,7 @@ def test_a_worker_that_hangs_while_loading_is_not_waited_for_forever(
 
 def test_waveforms_that_cannot_be_written_end_the_exploration_but_not_the_results(tmp_path: Path) -> None:
     study = study_of(keep=Keep.ALL)
-    StudyFolder.create(tmp_path, header_of(study, 25)).close()
+    StudyFolder.create(tmp_path, definition_of(study)).close()
     # A folder where the first chunk's file is to be: the rename over it fails on every system.
     (tmp_path / "waveforms" / "runs-00000000-00000000.parquet").mkdir()
     with pytest.raises(DseError, match="waveforms cannot be written"):
@@ -179,9 +173,9 @@ def test_waveforms_that_cannot_be_written_end_the_exploration_but_not_the_result
 def test_waveforms_of_a_chunk_survive_a_crash_in_it(tmp_path: Path) -> None:
     # 2,500 runs make chunks of 32, so that run 40 crashes in the middle of one.
     study = study_of(levels=50, keep=Keep.ALL)
-    with StudyFolder.create(tmp_path, header_of(study, 2500)) as folder:
+    with StudyFolder.create(tmp_path, definition_of(study)) as folder:
         prepared = benches("a", mischief="crashes", when=(40,))
-        summary = explore(study, prepared, folder, workers=2, make_executor=make_fake, on_progress=lambda p: None)
+        summary = explore(study, prepared, folder, executor=Local(workers=2), make_runner=make_fake)
         assert (summary.failed, summary.kept, summary.irreproducible) == (1, 2499, 0)
         assert set(folder.kept()) == set(range(2500)) - {40}
         for number in (32, 39, 41, 63, 2499):

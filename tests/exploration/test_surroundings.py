@@ -9,9 +9,10 @@ import sys
 from pathlib import Path
 
 import pytest
-from fake_executors import FakeBench, header_of, make_fake, study_of
+from fake_runners import FakeBench, definition_of, make_fake, study_of
 
 from dse.exploration import process
+from dse.exploration.executors.local import Local
 from dse.exploration.explore import explore
 from dse.exploration.surroundings import Surroundings
 from dse.results.folder import StudyFolder
@@ -60,9 +61,9 @@ def test_what_a_single_run_prints_does_not_fill_the_disk(tmp_path: Path, monkeyp
 
     monkeypatch.setattr(process.WorkerProcess, "shorten_log", watched)
     study = study_of(levels=1, variables=1)
-    with StudyFolder.create(tmp_path, header_of(study, 1)) as folder:
+    with StudyFolder.create(tmp_path, definition_of(study)) as folder:
         prepared = {"a": FakeBench("a", mischief="prints for a second", when=(0,))}
-        explore(study, prepared, folder, workers=1, make_executor=make_fake, on_progress=lambda p: None)
+        explore(study, prepared, folder, executor=Local(workers=1), make_runner=make_fake)
     # It was cut at least once while the run went on, and it never came to hold all of the ten megabytes.
     assert any(before > 100_000 and after < before for before, after in zip(sizes[::2], sizes[1::2], strict=True))
     assert max(sizes) < 10_000_000

@@ -13,7 +13,6 @@ import pytest
 
 from dse.domain.component import (
     Causality,
-    FmuSource,
     Interface,
     Kind,
     Parameter,
@@ -26,6 +25,7 @@ from dse.fmu.build import build, build_all
 from dse.fmu.platforms import this_platform
 from dse.fmu.toolchain import environment, find_compiler
 from dse.fmu.unpack import open_fmu
+from dse.kinds.fmu import FmuSource
 from dse.units import parse_unit
 
 MODE = Type(Kind.ENUMERATION, items=("speed", "distance"))
@@ -222,13 +222,13 @@ def test_build_all_builds_each_and_collects_every_problem(workshop, cache, tmp_p
     assert {name: path.is_file() for name, path in built.items()} == {"counter": True, "integrator": True}
     bad = [
         replace(good[0], name="soul", source=None),
-        replace(good[0], name="mo", source=UnsupportedSource("modelica")),
+        replace(good[0], name="mo", source=UnsupportedSource("udp")),
     ]
     with pytest.raises(DseError) as caught:
         build_all([*good, *bad], cache=cache)
     assert [problem.what for problem in caught.value.problems] == [
         "component 'soul' has no source, so there is nothing to build",
-        "component 'mo': sources of the kind 'modelica' cannot be built in this version",
+        "component 'mo': sources of the kind 'udp' cannot be built in this version",
     ]
 
 

@@ -10,9 +10,10 @@ from every_configuration import valid
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from dse.domain.component import NO_INTERFACE, Component, CSource, FmuSource
+from dse.domain.component import NO_INTERFACE, Component, CSource
 from dse.domain.design import Alternative, Compound, Constraint, DesignSpace, Optional, Part, walk
 from dse.errors import DseError
+from dse.kinds.fmu import FmuSource
 from dse.loading.design import read_design
 from dse.loading.design_writer import write_components, write_design
 from dse.loading.expression import parse_expression

@@ -70,9 +70,9 @@ def test_every_setting(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
         ("{kind: modelica, model: Lag, files: [lag.mo], compiler: dymola}", "3:65", "unknown compiler 'dymola'", "omc"),
         ("{kind: modelica, model: Lag, files: [lag.mo], solver: stif}", "3:63", "unknown solver 'stif'", "'stiff'"),
         ("{kind: modelica, model: Lag, files: [lag.mo], tolerance: 1}", "3:66", "tolerance must lie in", ""),
-        ("{kind: modelica, model: Lag, files: [lag.mo], step: 10 ms}", "3:55", "'step' makes no sense", "tolerance"),
-        ("{kind: c, files: [lag.c], model: Lag}", "3:35", "'model' makes no sense in a source of the kind c", ""),
-        ("{kind: modelca, model: Lag}", "3:16", "unknown kind of source 'modelca'", "did you mean 'modelica'?"),
+        ("{kind: modelica, model: Lag, files: [lag.mo], step: 10 ms}", "3:55", "unknown key 'step'", "tolerance"),
+        ("{kind: c, files: [lag.c], model: Lag}", "3:35", "unknown key 'model'", "header"),
+        ("{kind: modelca, model: Lag}", "3:16", "unknown component kind 'modelca'", "did you mean 'modelica'?"),
     ],
 )
 def test_what_is_wrong_is_told_where_it_stands(tmp_path: Path, source: str, place: str, what: str, hint: str) -> None:

@@ -10,9 +10,20 @@ import pytest
 
 from dse.domain.bench import Judgement, Verdict
 from dse.domain.component import Value
+from dse.domain.definition import (
+    DefinedConfiguration,
+    DefinedDesign,
+    DefinedMetric,
+    DefinedRequirement,
+    DefinedSampler,
+    DefinedSimulation,
+    DefinedVariable,
+    Named,
+    StudyDefinition,
+    Total,
+)
 from dse.domain.run import Outcome, Run, RunRequest
 from dse.results.folder import StudyFolder
-from dse.results.header import StudyHeader
 from dse.results.rows import block_of
 
 METRICS = ("overshoot", "rise_time")
@@ -20,19 +31,38 @@ REQUIREMENTS = ("R1", "R2")
 
 
 @pytest.fixture
-def header() -> StudyHeader:
-    definition = {
-        "study": "gains",
-        "variables": [{"name": "controller.kp"}],
-        "metrics": [{"name": name} for name in METRICS],
-        "requirements": [{"name": name} for name in REQUIREMENTS],
-        "configurations": [
-            {"id": "c1", "choices": {"sensor": "radar"}, "totals": {"cost": {"value": 45.0, "unit": "EUR"}}},
-            {"id": "c2", "choices": {"sensor": "lidar <ä>"}, "totals": {}},
-        ],
-        "fmus": {"pd_acc": "0123"},
-    }
-    return StudyHeader(definition, "f1", 6)
+def definition() -> StudyDefinition:
+    return StudyDefinition(
+        "gains",
+        "Gains",
+        Named("following"),
+        DefinedDesign("vehicle", "", ("sensor",)),
+        (DefinedVariable("controller.kp", "", "1/s", 0.0, 1.0, 3, 0.5),),
+        DefinedSampler("full_factorial", {"slices": []}, ()),
+        1,
+        tuple(DefinedMetric(name, name, "", f"final({name})") for name in METRICS),
+        tuple(DefinedRequirement(name, name, METRICS[0], "", at_most=1.0) for name in REQUIREMENTS),
+        DefinedSimulation(60.0, 0.01, 0.1),
+        (
+            DefinedConfiguration("c1", {"sensor": "radar"}, totals={"cost": Total(45.0, "EUR")}),
+            DefinedConfiguration("c2", {"sensor": "lidar <ä>"}),
+        ),
+        ("c1", "c2"),
+        fmus={"pd_acc": "0123"},
+    )
+
+
+def ask_for_six(folder: StudyFolder) -> StudyFolder:
+    """*folder* with three runs of each configuration asked for."""
+    points = [(name, kp) for name in ("c1", "c2") for kp in (0.1, 0.2, 0.3)]
+    requests = [RunRequest(number, name, {"controller.kp": kp}) for number, (name, kp) in enumerate(points)]
+    folder.ask(0, requests, 6)
+    return folder
+
+
+@pytest.fixture
+def asked() -> Callable[[StudyFolder], StudyFolder]:
+    return ask_for_six
 
 
 def done(number: int, configuration: str, kp: Value, overshoot: float, rise_time: float, margin: float) -> Run:
@@ -62,9 +92,12 @@ def add() -> Callable[[StudyFolder, Run], None]:
 
 
 @pytest.fixture
-def stored(tmp_path: Path, header: StudyHeader, runs: list[Run], add: Callable[[StudyFolder, Run], None]) -> Path:
+def stored(
+    tmp_path: Path, definition: StudyDefinition, runs: list[Run], add: Callable[[StudyFolder, Run], None]
+) -> Path:
     """A folder with the runs, added in another order than that of their numbers."""
-    with StudyFolder.create(tmp_path / "study", header) as folder:
+    with StudyFolder.create(tmp_path / "study", definition) as folder:
+        ask_for_six(folder)
         for run in reversed(runs):
             add(folder, run)
     return tmp_path / "study"

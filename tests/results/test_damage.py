@@ -8,18 +8,19 @@ import shutil
 import sqlite3
 from collections.abc import Callable
 from contextlib import closing
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 
+from dse.domain.definition import StudyDefinition
 from dse.domain.run import Run, Waveforms
 from dse.errors import DseError
-from dse.results.definition import whole_flaws
+from dse.results.definition import definition_from_json, definition_to_json, unit_flaws
 from dse.results.export import EXPORTS
 from dse.results.folder import StudyFolder
-from dse.results.header import StudyHeader
 from dse.results.waveforms import file_name, read_all_waveforms, write_waveforms
 
 Add = Callable[[StudyFolder, Run], None]
@@ -60,11 +61,7 @@ def test_a_row_that_no_study_has_is_damage(stored: Path, statement: str) -> None
             export(folder)
 
 
-def test_a_number_is_needed_for_what_is_varied_in_a_range(stored: Path, header: StudyHeader) -> None:
-    definition = {**header.definition, "variables": [{"name": "controller.kp", "low": 0.0, "high": 1.0}]}
-    execute(stored, "UPDATE facts SET value = ? WHERE key = 'definition'", json.dumps(definition))
-    with StudyFolder.open(stored) as folder:
-        assert len(folder.table()) == 4
+def test_a_number_is_needed_for_what_is_varied(stored: Path) -> None:
     execute(stored, """UPDATE runs SET "p:controller.kp" = '"eco"' WHERE number = 1""")
     with StudyFolder.open(stored) as folder, pytest.raises(DseError, match=r"a run has no number for controller\.kp"):
         folder.table()
@@ -87,35 +84,50 @@ def test_a_number_is_needed_for_what_is_varied_in_a_range(stored: Path, header: 
         '{"variables": [], "metrics": [], "requirements": [], "configurations": [], "x": "\\ud800"}',
     ],
 )
-def test_a_definition_without_its_shape_is_damage(stored: Path, header: StudyHeader, text: str) -> None:
+def test_a_definition_without_its_shape_is_damage(stored: Path, definition: StudyDefinition, text: str) -> None:
     execute(stored, "UPDATE facts SET value = ? WHERE key = 'definition'", text)
     with pytest.raises(DseError, match="damaged"):
         StudyFolder.open(stored)
     with pytest.raises(DseError, match="damaged"):
-        StudyFolder.resume(stored, header)
+        StudyFolder.resume(stored, definition)
 
 
-@pytest.mark.parametrize(("key", "value"), [("runs", '"many"'), ("runs", "-1"), ("fingerprint", "1")])
+@pytest.mark.parametrize(("key", "value"), [("runs", '"many"'), ("runs", "-1"), ("era", "1.5")])
 def test_facts_of_another_kind_are_damage(stored: Path, key: str, value: str) -> None:
     execute(stored, "UPDATE facts SET value = ? WHERE key = ?", value, key)
     with pytest.raises(DseError, match="damaged"):
         StudyFolder.open(stored)
 
 
-def test_a_study_with_an_infinite_number_is_not_begun(tmp_path: Path, header: StudyHeader) -> None:
-    endless = StudyHeader({**header.definition, "stop": math.inf}, "f", 1)
+@pytest.mark.parametrize(
+    "statement",
+    [
+        "INSERT INTO asks VALUES (2, 3, 'c1', 1, 0)",
+        "UPDATE asks SET count = 0",
+        "DROP TABLE asks",
+    ],
+)
+def test_asks_that_no_study_has_are_damage(stored: Path, statement: str) -> None:
+    execute(stored, statement)
+    with pytest.raises(DseError, match="damaged"):
+        StudyFolder.open(stored)
+
+
+def test_a_study_with_an_infinite_number_is_not_begun(tmp_path: Path, definition: StudyDefinition) -> None:
+    endless = replace(definition, simulation=replace(definition.simulation, stop=math.inf))
     with pytest.raises(DseError, match="cannot be stored"):
         StudyFolder.create(tmp_path / "study", endless)
 
 
 WHOLE: dict[str, Any] = {
+    "format": 2,
     "study": "gains",
     "title": "Gains",
     "dse": "0.1.0",
     "bench": {"name": "following"},
     "design": {"name": "vehicle", "places": ["sensor"]},
     "variables": [{"name": "k", "title": "", "unit": "1/s", "low": 0.0, "high": 1, "levels": 3, "nominal": 0.5}],
-    "sampler": {"kind": "full_factorial", "slices": [["k", "l"]]},
+    "sampler": {"kind": "full_factorial", "options": {}, "slices": [["k", "l"]]},
     "seed": 1,
     "metrics": [{"name": "m", "title": "M", "unit": "%", "expression": "maximum(world.gap)"}],
     "requirements": [
@@ -141,12 +153,22 @@ WHOLE: dict[str, Any] = {
             "wires": ["a.x -> b.y"],
         }
     ],
+    "explored": ["c"],
     "fmus": {"radar": "0123"},
 }
 
 
-def test_a_whole_definition_has_no_flaw() -> None:
-    assert whole_flaws(WHOLE) == []
+def flaws(data: dict[str, Any]) -> list[str]:
+    try:
+        return list(unit_flaws(definition_from_json(data)))
+    except ValueError as error:
+        return [str(error)]
+
+
+def test_a_whole_definition_has_no_flaw_and_comes_back_as_it_was() -> None:
+    assert flaws(WHOLE) == []
+    definition = definition_from_json(WHOLE)
+    assert definition_from_json(json.loads(json.dumps(definition_to_json(definition)))) == definition
 
 
 def paths(value: object, at: tuple[Any, ...] = ()) -> list[tuple[Any, ...]]:
@@ -161,49 +183,50 @@ def test_every_entry_of_a_whole_definition_is_looked_at(path: tuple[Any, ...]) -
     for key in path[:-1]:
         inner = inner[key]
     inner[path[-1]] = True
-    assert whole_flaws(broken)
+    assert flaws(broken)
 
 
 @pytest.mark.parametrize(
     "changed",
     [
-        {"sampler": {"kind": "guess"}},
-        {"sampler": {"kind": "latin_hypercube"}},
+        {"sampler": {"options": {}}},
+        {"format": 3},
         {"metrics": []},
+        {"explored": ["d"]},
         {"figures": [{**WHOLE["figures"][0], "unit": "parsecs of joy"}]},
     ],
 )
 def test_entries_that_do_not_fit_each_other_are_flaws(changed: dict[str, Any]) -> None:
-    assert whole_flaws({**WHOLE, **changed})
+    assert flaws({**WHOLE, **changed})
 
 
 @pytest.mark.parametrize(
     "name", ["../../elsewhere/runs-00000000-00000031.parquet", "/etc/passwd", "runs-00000000-00000031.parquet\n", "x"]
 )
-def test_waveforms_are_read_from_the_study_folder_only(stored: Path, header: StudyHeader, name: str) -> None:
+def test_waveforms_are_read_from_the_study_folder_only(stored: Path, definition: StudyDefinition, name: str) -> None:
     execute(stored, "INSERT INTO kept VALUES (0, ?)", name)
     with StudyFolder.open(stored) as folder:
         for read in (folder.kept, folder.lost, lambda: folder.waveforms(0), lambda: folder.run(0)):
             with pytest.raises(DseError, match="is no file of waveforms"):
                 read()
     with pytest.raises(DseError, match="is no file of waveforms"):
-        StudyFolder.resume(stored, header)
+        StudyFolder.resume(stored, definition)
 
 
-def test_going_on_forgets_waveforms_whose_file_is_gone(stored: Path, header: StudyHeader) -> None:
+def test_going_on_forgets_waveforms_whose_file_is_gone(stored: Path, definition: StudyDefinition) -> None:
     there, gone = file_name(0, 1), file_name(4, 5)
     wave = Waveforms(np.array([0.0]), {"world.gap": np.array([1.0])})
-    with StudyFolder.resume(stored, header) as folder:
+    with StudyFolder.resume(stored, definition) as folder:
         write_waveforms(folder.waveform_folder / there, [(0, wave), (1, wave)])
         folder.add_kept((0, 1), there)
         folder.add_kept((2,), "")
         folder.add_kept((4,), gone)
     with StudyFolder.open(stored) as folder:
         assert folder.lost() == {4}
-    with StudyFolder.resume(stored, header) as folder:
+    with StudyFolder.resume(stored, definition) as folder:
         assert folder.kept() == {0: there, 1: there, 2: ""}
     shutil.rmtree(stored / "waveforms")
-    with StudyFolder.resume(stored, header) as folder:
+    with StudyFolder.resume(stored, definition) as folder:
         assert folder.kept() == {2: ""}
         assert folder.waveform_folder.is_dir()
 

@@ -11,6 +11,7 @@ import pytest
 
 from dse.domain.bench import Judgement, Verdict
 from dse.domain.run import Outcome, Run, RunRequest, Waveforms
+from dse.results.definition import definition_from_json
 from dse.results.difference import changes, differences
 
 RUN = Run(
@@ -21,10 +22,20 @@ RUN = Run(
     waveforms=Waveforms(np.array([0.0, 1.0]), {"world.gap": np.array([150.0, math.nan])}),
 )
 DEFINITION: dict[str, Any] = {
+    "format": 2,
+    "study": "gains",
+    "title": "Gains",
+    "bench": {"name": "following"},
+    "design": {"name": "vehicle"},
+    "variables": [],
+    "sampler": {"kind": "full_factorial"},
+    "seed": 1,
+    "explored": ["c1"],
     "fmus": {"pd_acc": "01", "radar": "02"},
     "metrics": [{"name": "overshoot", "title": "", "unit": "%", "expression": "overshoot(world.gap)"}],
     "requirements": [
         {"name": "R1", "metric": "overshoot", "at_most": 0.0, "at_least": None, "exercised_when": None, "title": ""}
+        | {"unit": "%"}
     ],
     "simulation": {"stop": 60.0, "step": 0.01, "record_every": 0.1},
     "configurations": [
@@ -123,7 +134,7 @@ def set_wires(definition: dict[str, Any]) -> None:
 def test_every_change_of_the_study_is_named(change: Callable[[dict[str, Any]], None], named: str) -> None:
     again = copy.deepcopy(DEFINITION)
     change(again)
-    assert changes(DEFINITION, again, RUN) == [named]
+    assert changes(definition_from_json(DEFINITION), definition_from_json(again), RUN) == [named]
 
 
 def test_titles_units_other_configurations_and_the_runs_own_point_are_no_change() -> None:
@@ -131,4 +142,4 @@ def test_titles_units_other_configurations_and_the_runs_own_point_are_no_change(
     again["metrics"][0] |= {"title": "Overshoot", "unit": "m"}
     again["configurations"][0]["constants"]["controller.kp"] = 2.0
     del again["fmus"]["radar"]
-    assert changes(DEFINITION, again, RUN) == []
+    assert changes(definition_from_json(DEFINITION), definition_from_json(again), RUN) == []

@@ -14,11 +14,11 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 import pytest
 
-from dse.domain.run import Run
+from dse.domain.definition import StudyDefinition
+from dse.domain.run import Run, RunRequest
 from dse.results.export import EXPORTS, to_csv, to_json, to_junit, to_parquet
 from dse.results.folder import StudyFolder
 from dse.results.frame import to_frame
-from dse.results.header import StudyHeader
 
 
 @pytest.fixture
@@ -32,19 +32,21 @@ def test_an_export_does_not_tell_in_which_order_runs_were_made(
     name: str,
     folder: StudyFolder,
     tmp_path: Path,
-    header: StudyHeader,
+    definition: StudyDefinition,
     runs: list[Run],
     add: Callable[[StudyFolder, Run], None],
+    asked: Callable[[StudyFolder], StudyFolder],
 ) -> None:
-    with StudyFolder.create(tmp_path / "other", header) as other:
+    with StudyFolder.create(tmp_path / "other", definition) as other:
+        asked(other)
         for run in runs:
             add(other, run)
         assert EXPORTS[name](other) == EXPORTS[name](folder)
 
 
 @pytest.mark.parametrize("name", EXPORTS)
-def test_a_study_without_runs_can_be_exported(name: str, tmp_path: Path, header: StudyHeader) -> None:
-    with StudyFolder.create(tmp_path / "new", header) as new:
+def test_a_study_without_runs_can_be_exported(name: str, tmp_path: Path, definition: StudyDefinition) -> None:
+    with StudyFolder.create(tmp_path / "new", definition) as new:
         assert EXPORTS[name](new)
 
 
@@ -68,7 +70,7 @@ def test_json_is_strict_and_holds_the_definition(folder: StudyFolder) -> None:
 
     document = json.loads(to_json(folder), parse_constant=refuse)
     assert document["definition"]["study"] == "gains"
-    assert document["fingerprint"] == "f1"
+    assert document["fingerprint"] == folder.header.fingerprint
     assert [run["run"] for run in document["runs"]] == [0, 1, 2, 4]
     assert document["runs"][0]["metrics"] == {"overshoot": 0.1 + 0.2, "rise_time": None}
     assert document["runs"][1]["metrics"]["rise_time"] == "inf"
@@ -107,12 +109,13 @@ def test_junit_has_a_suite_per_configuration_and_a_case_per_requirement_and_run(
 
 
 def test_junit_of_a_bench_without_requirements_tells_which_runs_failed(
-    tmp_path: Path, header: StudyHeader, runs: list[Run]
+    tmp_path: Path, definition: StudyDefinition, runs: list[Run]
 ) -> None:
     from dse.results.rows import block_of
 
-    bare = replace(header, definition={**header.definition, "requirements": []})
+    bare = replace(definition, requirements=())
     with StudyFolder.create(tmp_path / "bare", bare) as folder:
+        folder.ask(0, [RunRequest(n, "c1", {}) for n in range(3)] + [RunRequest(n, "c2", {}) for n in range(3, 6)], 6)
         for run in runs:
             block = block_of((run,), (0.0,), ("overshoot", "rise_time"), ())
             folder.add(run.request.configuration, [tuple(run.request.point.values())], block)

@@ -14,10 +14,10 @@ from hypothesis import strategies as st
 
 from dse.domain.bench import Verdict
 from dse.domain.component import Value
+from dse.domain.definition import DefinedConfiguration, DefinedMetric, StudyDefinition
 from dse.domain.run import Outcome, Run, RunRequest, Waveforms
 from dse.errors import DseError
 from dse.results.folder import StudyFolder
-from dse.results.header import StudyHeader
 from dse.results.rows import VERDICTS, block_of
 from dse.results.schema import cell_of, value_of
 from dse.results.waveforms import file_name, write_waveforms
@@ -58,14 +58,15 @@ def test_the_table_is_sorted_by_run_number_whatever_the_order_of_arrival(stored:
     assert table.problems == ("", "", 'world: "t" < 3 s\x00 & more', "")
 
 
-def test_the_header_comes_back(stored: Path, header: StudyHeader) -> None:
+def test_the_header_comes_back(stored: Path, definition: StudyDefinition) -> None:
     with StudyFolder.open(stored) as folder:
-        assert folder.header == header
+        assert folder.header.definition == definition
+        assert (folder.header.runs, folder.header.asked, folder.header.numbers) == (6, 6, 6)
         assert folder.header.configurations == ("c1", "c2")
 
 
-def test_a_new_study_is_an_empty_table(tmp_path: Path, header: StudyHeader) -> None:
-    with StudyFolder.create(tmp_path / "deep" / "study", header) as folder:
+def test_a_new_study_is_an_empty_table(tmp_path: Path, definition: StudyDefinition) -> None:
+    with StudyFolder.create(tmp_path / "deep" / "study", definition) as folder:
         assert folder.finished() == set()
         assert len(folder.table()) == 0
         assert folder.table().metric("overshoot").shape == (0,)
@@ -77,14 +78,16 @@ def test_a_closed_folder_is_one_database_and_one_folder(stored: Path) -> None:
     assert sorted(entry.name for entry in stored.iterdir()) == ["study.sqlite", "waveforms"]
 
 
-def test_a_run_keeps_its_first_row(stored: Path, runs: list[Run], add: Add, header: StudyHeader) -> None:
-    with StudyFolder.resume(stored, header) as folder:
+def test_a_run_keeps_its_first_row(stored: Path, runs: list[Run], add: Add, definition: StudyDefinition) -> None:
+    with StudyFolder.resume(stored, definition) as folder:
         add(folder, replace(runs[0], metrics={"overshoot": 7.0, "rise_time": 7.0}))
         assert folder.run(0).metrics["overshoot"] == 0.1 + 0.2
 
 
-def test_a_reader_sees_what_a_writer_committed(tmp_path: Path, header: StudyHeader, runs: list[Run], add: Add) -> None:
-    with StudyFolder.create(tmp_path, header) as writer, StudyFolder.open(tmp_path) as reader:
+def test_a_reader_sees_what_a_writer_committed(
+    tmp_path: Path, definition: StudyDefinition, runs: list[Run], add: Add
+) -> None:
+    with StudyFolder.create(tmp_path, definition) as writer, StudyFolder.open(tmp_path) as reader:
         add(writer, runs[0])
         assert reader.finished() == set()
         writer.commit()
@@ -115,9 +118,9 @@ def test_a_point_value_comes_back_with_its_type(value: Value) -> None:
     assert type(value_of(cell)) is type(value)
 
 
-def test_waveforms_come_back_through_the_folder(tmp_path: Path, header: StudyHeader) -> None:
+def test_waveforms_come_back_through_the_folder(tmp_path: Path, definition: StudyDefinition) -> None:
     wave = Waveforms(np.array([0.0, 0.1]), {"world.gap": np.array([150.0, math.nan])})
-    with StudyFolder.create(tmp_path, header) as folder:
+    with StudyFolder.create(tmp_path, definition) as folder:
         name = file_name(0, 31)
         write_waveforms(folder.waveform_folder / name, [(3, wave)])
         folder.add_kept((3,), name)
@@ -133,31 +136,66 @@ def test_waveforms_come_back_through_the_folder(tmp_path: Path, header: StudyHea
             folder.waveforms(3)
 
 
-def test_another_study_does_not_go_into_the_same_folder(stored: Path, header: StudyHeader) -> None:
-    other = replace(header, definition={**header.definition, "fmus": {"pd_acc": "4567"}}, fingerprint="f2")
+def test_another_study_does_not_go_into_the_same_folder(stored: Path, definition: StudyDefinition) -> None:
     with pytest.raises(DseError, match=r"another study \(different: fmus\)[\s\S]*--fresh"):
-        StudyFolder.resume(stored, other)
+        StudyFolder.resume(stored, replace(definition, fmus={"pd_acc": "4567"}))
+    changed = replace(definition.requirements[0], at_most=2.0)
+    with pytest.raises(DseError, match=r"another study \(different: requirements\)"):
+        StudyFolder.resume(stored, replace(definition, requirements=(changed, definition.requirements[1])))
 
 
-def test_a_study_is_not_created_over_another(stored: Path, header: StudyHeader) -> None:
+def test_titles_may_change_and_the_folder_has_the_new_ones(stored: Path, definition: StudyDefinition) -> None:
+    renamed = replace(definition, title="Gains again")
+    with StudyFolder.resume(stored, renamed) as folder:
+        assert (folder.header.era, folder.header.runs) == (0, 6)
+    with StudyFolder.open(stored) as folder:
+        assert folder.header.definition == renamed
+
+
+def test_other_points_or_configurations_extend_a_study_and_its_runs_stay(
+    stored: Path, definition: StudyDefinition
+) -> None:
+    wider = replace(definition, variables=(replace(definition.variables[0], high=2.0, levels=5),))
+    with StudyFolder.resume(stored, wider) as folder:
+        assert (folder.header.era, folder.header.base, folder.header.earlier) == (1, 6, 4)
+        assert folder.finished() == {0, 1, 2, 4}
+    more = replace(
+        wider, configurations=(DefinedConfiguration("c3"), definition.configurations[1]), explored=("c3", "c2")
+    )
+    with StudyFolder.resume(stored, more) as folder:
+        assert folder.header.era == 2
+        assert folder.header.configurations == ("c3", "c2", "c1")
+        assert len(folder.table()) == 4
+
+
+def test_an_ask_that_is_noted_must_stay_as_it_was(
+    stored: Path, definition: StudyDefinition, asked: Callable[[StudyFolder], StudyFolder]
+) -> None:
+    with StudyFolder.resume(stored, definition) as folder:
+        asked(folder)
+        with pytest.raises(DseError, match=r"asks for other runs than it did before[\s\S]*--fresh"):
+            folder.ask(0, [RunRequest(0, "c2", {"controller.kp": 0.1})], 1)
+
+
+def test_a_study_is_not_created_over_another(stored: Path, definition: StudyDefinition) -> None:
     with pytest.raises(DseError, match="holds a study already"):
-        StudyFolder.create(stored, header)
+        StudyFolder.create(stored, definition)
 
 
-def test_a_study_does_not_go_among_other_files(tmp_path: Path, header: StudyHeader) -> None:
+def test_a_study_does_not_go_among_other_files(tmp_path: Path, definition: StudyDefinition) -> None:
     (tmp_path / "thesis.txt").write_text("x", encoding="utf-8")
     with pytest.raises(DseError, match="not empty and not a study folder"):
-        StudyFolder.resume(tmp_path, header)
+        StudyFolder.resume(tmp_path, definition)
     with pytest.raises(DseError, match="not a study folder"):
         StudyFolder.discard(tmp_path)
     assert (tmp_path / "thesis.txt").exists()
 
 
-def test_a_file_is_no_place_for_a_study(tmp_path: Path, header: StudyHeader) -> None:
+def test_a_file_is_no_place_for_a_study(tmp_path: Path, definition: StudyDefinition) -> None:
     file = tmp_path / "file"
     file.write_text("x", encoding="utf-8")
     with pytest.raises(DseError, match="is a file, not a folder"):
-        StudyFolder.resume(file, header)
+        StudyFolder.resume(file, definition)
     with pytest.raises(DseError, match="is not a study folder"):
         StudyFolder.open(file)
 
@@ -201,40 +239,42 @@ def test_facts_that_are_no_json_are_damage(stored: Path) -> None:
         StudyFolder.open(stored)
 
 
-def test_a_creation_that_was_cut_short_is_done_again(tmp_path: Path, header: StudyHeader) -> None:
+def test_a_creation_that_was_cut_short_is_done_again(tmp_path: Path, definition: StudyDefinition) -> None:
     (tmp_path / "study.sqlite.part").write_bytes(b"torn")
     (tmp_path / "waveforms").mkdir()
-    with StudyFolder.resume(tmp_path, header) as folder:
+    with StudyFolder.resume(tmp_path, definition) as folder:
         assert folder.finished() == set()
     assert not (tmp_path / "study.sqlite.part").exists()
 
 
-def test_going_on_sweeps_away_torn_waveform_files(stored: Path, header: StudyHeader) -> None:
+def test_going_on_sweeps_away_torn_waveform_files(stored: Path, definition: StudyDefinition) -> None:
     torn = stored / "waveforms" / "runs-00000000-00000031.parquet.77.part"
     torn.write_bytes(b"PAR1")
-    StudyFolder.resume(stored, header).close()
+    StudyFolder.resume(stored, definition).close()
     assert not torn.exists()
 
 
-def test_a_discarded_study_leaves_room_for_another(stored: Path, header: StudyHeader) -> None:
+def test_a_discarded_study_leaves_room_for_another(stored: Path, definition: StudyDefinition) -> None:
     StudyFolder.discard(stored)
-    with StudyFolder.resume(stored, replace(header, fingerprint="f2")) as folder:
+    with StudyFolder.resume(stored, replace(definition, seed=2)) as folder:
         assert folder.finished() == set()
 
 
-def test_names_that_differ_only_in_case_are_refused(tmp_path: Path, header: StudyHeader) -> None:
-    metrics = [{"name": "gap"}, {"name": "Gap"}]
+def test_names_that_differ_only_in_case_are_refused(tmp_path: Path, definition: StudyDefinition) -> None:
+    metrics = tuple(DefinedMetric(name, "", "", "") for name in ("gap", "Gap"))
+    bare = replace(definition, metrics=metrics, requirements=())
     with pytest.raises(DseError, match="'gap' and 'Gap' cannot both be stored"):
-        StudyFolder.create(tmp_path, replace(header, definition={**header.definition, "metrics": metrics}))
+        StudyFolder.create(tmp_path, bare)
 
 
-def test_names_may_hold_any_character(tmp_path: Path) -> None:
+def test_names_may_hold_any_character(tmp_path: Path, definition: StudyDefinition) -> None:
     odd = 'a"b; DROP TABLE runs --'
-    definition = {"variables": [{"name": odd}], "metrics": [], "requirements": [], "configurations": [{"id": "c"}]}
-    run = Run(RunRequest(0, "c", {odd: "eco"}), Outcome.DONE)
-    with StudyFolder.create(tmp_path, StudyHeader(definition, "f", 1)) as folder:
-        folder.add("c", [("eco",)], block_of((run,), (0.0,), (), ()))
-        assert folder.run(0).request.point == {odd: "eco"}
+    named = replace(definition, variables=(replace(definition.variables[0], name=odd),), metrics=(), requirements=())
+    run = Run(RunRequest(0, "c1", {odd: 0.5}), Outcome.DONE)
+    with StudyFolder.create(tmp_path, named) as folder:
+        folder.ask(0, [run.request], 1)
+        folder.add("c1", [(0.5,)], block_of((run,), (0.0,), (), ()))
+        assert folder.run(0).request.point == {odd: 0.5}
 
 
 def test_a_run_that_was_not_made_is_named(stored: Path) -> None:

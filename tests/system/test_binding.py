@@ -6,11 +6,12 @@ from pathlib import Path
 
 import pytest
 
-from dse.domain.component import Causality, Component, FmuSource, Interface, Kind, Parameter, Port, Type
+from dse.domain.component import Causality, Component, Interface, Kind, Parameter, Port, Type
 from dse.domain.design import Connection
 from dse.domain.fmu import FmuModel, UnitDefinition, Variable
 from dse.domain.system import Conversion
 from dse.errors import DseError
+from dse.kinds.fmu import FmuSource
 from dse.system.assemble import assemble
 from dse.system.binding import bind
 from dse.units import is_rounded, parse_unit

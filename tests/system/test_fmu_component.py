@@ -12,6 +12,7 @@ from hypothesis import strategies as st
 from dse.domain.component import Causality, Interface, Kind, Port, Type
 from dse.domain.fmu import FmuModel, UnitDefinition, Variable
 from dse.errors import Location
+from dse.kinds.fmu import FmuSource
 from dse.loading.values import read_value
 from dse.loading.yaml_text import write_value
 from dse.system.fmu_component import Offer, implementing, offer
@@ -23,7 +24,9 @@ REAL = Type(Kind.REAL)
 def offered(*variables: Variable, units: dict[str, UnitDefinition] | None = None) -> Offer:
     nowhere = Path("nowhere")
     named = {variable.name: variable for variable in variables}
-    return offer("x", FmuModel(nowhere, nowhere, nowhere, 2, "x", "{}", named, units=units or {}), Path("x.fmu"))
+    return offer(
+        "x", FmuModel(nowhere, nowhere, nowhere, 2, "x", "{}", named, units=units or {}), FmuSource(Path("x.fmu"))
+    )
 
 
 def real(name: str, causality: str, **fields: object) -> Variable:

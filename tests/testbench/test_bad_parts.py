@@ -6,11 +6,11 @@ from pathlib import Path
 
 import pytest
 
+from dse.exploration.executors.local import Local
 from dse.exploration.explore import explore
-from dse.exploration.header import header_of
 from dse.loading.workspace import Workspace
 from dse.results.folder import StudyFolder
-from dse.testbench.execute import make_executor
+from dse.testbench.execute import make_runner
 from dse.testbench.plan import plan
 
 FILES = {
@@ -97,10 +97,8 @@ def workspace(tmp_path: Path) -> Workspace:
 def test_each_bad_run_is_a_row_that_names_the_fmu_the_call_and_the_time(workspace, tmp_path):
     study = workspace.study("moods")
     planned = plan(study, cache=tmp_path / "cache")
-    with StudyFolder.create(tmp_path / "out", header_of(planned)) as store:
-        summary = explore(
-            study, planned.prepared, store, workers=2, make_executor=make_executor, on_progress=lambda _: None
-        )
+    with StudyFolder.create(tmp_path / "out", planned.definition) as store:
+        summary = explore(study, planned.prepared, store, executor=Local(workers=2), make_runner=make_runner)
         good, crashed, hung, nonsense = store.table().runs()
     assert summary.failed == 3
     assert good.problem == ""

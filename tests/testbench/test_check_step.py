@@ -11,7 +11,7 @@ import pytest
 from dse.domain.method import Adaptive, Method
 from dse.domain.run import Outcome, RunRequest
 from dse.loading.workspace import Workspace
-from dse.testbench.execute import Executor
+from dse.testbench.execute import Runner
 from dse.testbench.halved import finer
 from dse.testbench.plan import bench_study, plan
 
@@ -92,7 +92,7 @@ def bench(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
 def run_of(bench, **point: float):
     planned = plan(bench_study(bench))
     ((identity, prepared),) = planned.prepared.items()
-    with Executor(prepared) as executor:
+    with Runner(prepared) as executor:
         return executor.run(RunRequest(0, identity, point), keep=False), planned
 
 
@@ -132,16 +132,16 @@ def test_a_run_that_fails_with_half_the_step_says_so_and_keeps_its_metrics(bench
 
 def test_error_bars_are_columns_of_the_study(bench):
     _, planned = run_of(bench)
-    names = [metric["name"] for metric in planned.definition["metrics"]]
+    names = [metric.name for metric in planned.definition.metrics]
     assert names == ["end", "never", "end.error", "never.error"]
-    assert planned.definition["metrics"][2]["error_of"] == "end"
+    assert planned.definition.metrics[2].error_of == "end"
 
 
 def test_without_the_check_nothing_is_added(bench):
     plain = replace(bench, simulation=replace(bench.simulation, check_step=False))
     run, planned = run_of(plain)
     assert set(run.metrics) == {"end", "never"}
-    assert len(planned.definition["metrics"]) == 2
+    assert len(planned.definition.metrics) == 2
 
 
 def test_steps_of_parts_are_halved_too():

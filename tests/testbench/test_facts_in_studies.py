@@ -10,12 +10,12 @@ import pytest
 from dse.domain.facts import Answer, FmuFacts, Question
 from dse.domain.study import Keep
 from dse.errors import DseError
+from dse.exploration.executors.local import Local
 from dse.exploration.explore import explore
-from dse.exploration.header import header_of
 from dse.fmu.platforms import this_platform
 from dse.loading.workspace import Workspace
 from dse.results.folder import StudyFolder
-from dse.testbench.execute import make_executor
+from dse.testbench.execute import make_runner
 from dse.testbench.plan import Plan, bench_study, plan
 from dse.testbench.trust import keep_facts
 
@@ -84,11 +84,10 @@ def know(planned: Plan, cache: Path, answers: dict[Question, Answer], instances:
 
 
 def problems(planned: Plan, folder: Path, threads: int = 1) -> list[str]:
-    with StudyFolder.create(folder, header_of(planned)) as store:
+    with StudyFolder.create(folder, planned.definition) as store:
         explore(
-            planned.study, planned.prepared, store, workers=1, threads=threads, make_executor=make_executor,
-            on_progress=lambda _: None,
-        )  # fmt: skip
+            planned.study, planned.prepared, store, executor=Local(workers=1, threads=threads), make_runner=make_runner
+        )
         return [run.problem for run in store.table().runs() if run.problem]
 
 
@@ -108,7 +107,7 @@ def test_what_is_known_changes_neither_the_study_nor_its_numbers(workspace, tmp_
     before = plan(study, cache=cache)
     know(before, cache, {Question.RESETS: Answer.NO, Question.THREADS: Answer.NO})
     after = plan(study, cache=cache)
-    assert after.fingerprint == before.fingerprint
+    assert after.definition == before.definition
 
 
 def test_a_system_its_fmus_do_not_bear_is_refused_before_the_first_run(workspace, tmp_path):

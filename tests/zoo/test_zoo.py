@@ -12,10 +12,10 @@ from pathlib import Path
 import pytest
 
 from dse.domain.run import Outcome, Run, Waveforms
+from dse.exploration.executors.local import Local
 from dse.exploration.explore import Summary, explore
-from dse.exploration.header import header_of
 from dse.results.folder import StudyFolder
-from dse.testbench.execute import make_executor
+from dse.testbench.execute import make_runner
 from dse.testbench.plan import plan
 from zoo.animals import ANIMALS
 from zoo.workspace import lay_out
@@ -57,10 +57,8 @@ def visit(folder: Path, chosen: Sequence[str]) -> Visit:
     # A relative folder, as the command line has it: a worker that has gone elsewhere would not find it.
     os.chdir(desk)
     try:
-        with StudyFolder.create(Path("out"), header_of(planned)) as store:
-            summary = explore(
-                study, planned.prepared, store, workers=2, make_executor=make_executor, on_progress=lambda _: None
-            )
+        with StudyFolder.create(Path("out"), planned.definition) as store:
+            summary = explore(study, planned.prepared, store, executor=Local(workers=2), make_runner=make_runner)
             runs: dict[str, list[Run]] = {name: [] for name in chosen}
             waveforms: dict[str, list[Waveforms | None]] = {name: [] for name in chosen}
             for run in store.table().runs():

@@ -56,14 +56,14 @@ def build(
 
 
 def _fmus(names: list[str] | None, version: int, workspace: Path) -> dict[str, Path]:
-    from dse.domain.component import CSource, FmuSource, ModelicaSource
     from dse.fmu.build import build_all
+    from dse.loading.kind import kind_of
     from dse.loading.workspace import Workspace
 
     space = Workspace.around(workspace)
     found = [space.component(name) for name in names or space.component_files]
     if not names:
-        found = [component for component in found if isinstance(component.source, CSource | FmuSource | ModelicaSource)]
+        found = [component for component in found if kind_of(component) is not None]
     return build_all(found, version=version)
 
 

@@ -60,19 +60,7 @@ def _draw(components: list[Component], folder: Path) -> None:
 
 
 def _kind(component: Component) -> str:
-    from dse.domain.component import CSource, FmuSource, ModelicaSource, UnsupportedSource
-
-    match component.source:
-        case CSource():
-            return "C"
-        case FmuSource():
-            return "FMU"
-        case ModelicaSource():
-            return "Modelica"
-        case UnsupportedSource():
-            return component.source.kind
-        case None:
-            return "none"
+    return component.source.label if component.source is not None else "none"
 
 
 def _data(component: Component) -> dict[str, object]:

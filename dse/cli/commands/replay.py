@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
@@ -13,8 +13,7 @@ from dse.cli.arguments import FmiVersion, Folder, Format, Output, Plot
 from dse.errors import Location, fail
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
-
+    from dse.domain.definition import StudyDefinition
     from dse.domain.run import Run
     from dse.domain.study import Study
 
@@ -66,13 +65,13 @@ def replay(
     raise typer.Exit(RUNS_FAILED if run.problem else DONE)
 
 
-def _study(definition: Mapping[str, Any], source: Path | None) -> Study:
+def _study(definition: StudyDefinition, source: Path | None) -> Study:
     """The study the folder came from, found by its name in the workspace around the current folder, or in *source*."""
     from dse.cli.arguments import workspace_of
     from dse.testbench.plan import bench_study
 
-    is_bench = not definition["variables"]
-    name = str(source) if source else definition["bench"]["name"] if is_bench else definition["study"]
+    is_bench = not definition.variables
+    name = str(source) if source else definition.bench.name if is_bench else definition.study
     workspace = workspace_of(name)
     return bench_study(workspace.bench(name)) if is_bench else workspace.study(name)
 

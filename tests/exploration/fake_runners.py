@@ -12,17 +12,32 @@ import threading
 import time
 from collections.abc import Callable, Mapping
 from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
 from dse.domain.bench import Judgement, Simulation, TestBench, Verdict
+from dse.domain.component import Value
+from dse.domain.definition import (
+    DefinedConfiguration,
+    DefinedDesign,
+    DefinedMetric,
+    DefinedRequirement,
+    DefinedSampler,
+    DefinedSimulation,
+    DefinedVariable,
+    Named,
+    StudyDefinition,
+)
 from dse.domain.design import Compound, DesignSpace
 from dse.domain.run import Outcome, Run, RunRequest, Waveforms
-from dse.domain.study import DesignVariable, FullFactorial, Keep, Sampler, Study
+from dse.domain.sampler import Sampler
+from dse.domain.study import DesignVariable, Keep, Study
 from dse.errors import fail
-from dse.results.header import StudyHeader
+from dse.exploration.asking import first_ask
+from dse.exploration.samplers.full_factorial import FullFactorial
 from dse.units import DIMENSIONLESS
 
 METRICS = tuple(f"m{i}" for i in range(8))
@@ -52,7 +67,7 @@ hoard: list[bytearray] = []
 """Memory that is never freed."""
 
 
-class FakeExecutor:
+class FakeRunner:
     """Metrics are simple functions of the point, so that any mistake on their way shows."""
 
     def __init__(self, bench: FakeBench, progress: memoryview) -> None:
@@ -177,8 +192,8 @@ def waveforms(number: int) -> Waveforms:
     return Waveforms(time_axis, {"world.speed": time_axis * number, "world.gap": np.full(11, float(number))})
 
 
-def make_fake(bench: FakeBench, progress: memoryview) -> FakeExecutor:
-    return FakeExecutor(bench, progress)
+def make_fake(bench: FakeBench, progress: memoryview) -> FakeRunner:
+    return FakeRunner(bench, progress)
 
 
 def study_of(sampler: Sampler | None = None, levels: int = 5, variables: int = 2, **changes: object) -> Study:
@@ -191,16 +206,28 @@ def study_of(sampler: Sampler | None = None, levels: int = 5, variables: int = 2
     return Study("study", bench, varied, sampler or FullFactorial(), **settings)  # type: ignore[arg-type]  # by name
 
 
-def header_of(study: Study, runs: int, configurations: tuple[str, ...] = ("a",), **facts: object) -> StudyHeader:
-    definition = {
-        "study": study.name,
-        "variables": [{"name": variable.name} for variable in study.variables],
-        "metrics": [{"name": name} for name in METRICS],
-        "requirements": [{"name": name} for name in REQUIREMENTS],
-        "configurations": [{"id": name, "choices": {"place": name}, "totals": {}} for name in configurations],
-        **facts,
-    }
-    return StudyHeader(definition, f"fingerprint of {sorted(facts.items())}", runs)
+def definition_of(study: Study, configurations: tuple[str, ...] = ("a",), **facts: Any) -> StudyDefinition:
+    """The definition of *study* on *configurations*; *facts* are other values of its fields."""
+    definition = StudyDefinition(
+        study.name,
+        "",
+        Named("bench"),
+        DefinedDesign("design"),
+        tuple(DefinedVariable(v.name, "", "", v.low, v.high, v.levels, v.nominal) for v in study.variables),
+        DefinedSampler(study.sampler.name, study.sampler.options(), study.sampler.grid),
+        study.seed,
+        tuple(DefinedMetric(name, "", "", "") for name in METRICS),
+        tuple(DefinedRequirement(name, "", METRICS[0], "", at_most=1.0) for name in REQUIREMENTS),
+        DefinedSimulation(1.0, 0.1, 0.1),
+        tuple(DefinedConfiguration(name, {"place": name}) for name in configurations),
+        configurations,
+    )
+    return replace(definition, **facts)
+
+
+def points(study: Study) -> list[Mapping[str, Value]]:
+    """The points that a new *study* asks for."""
+    return [request.point for request in first_ask(study, ("a",))]
 
 
 def benches(*names: str, **settings: object) -> Mapping[str, FakeBench]:

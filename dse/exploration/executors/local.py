@@ -1,0 +1,38 @@
+"""Worker processes on this machine."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping
+from contextlib import AbstractContextManager
+from pathlib import Path
+from typing import Any, ClassVar
+
+from pydantic import Field
+
+from dse.exploration.executor import Pool
+from dse.exploration.job import Setup, Sink, Work
+from dse.exploration.supervisor import Supervisor
+from dse.loading.extensions import ExecutorSection
+
+
+class Local(ExecutorSection):
+    """*workers* processes (0: one for each processor), each with *threads* runs at once where FMUs bear that.
+
+    Where they do not, there are as many more processes instead.
+    """
+
+    name: ClassVar[str] = "local"
+    examples: ClassVar[tuple[Mapping[str, Any], ...]] = ({"workers": 1}, {"workers": 2}, {"workers": 1, "threads": 2})
+
+    workers: int = Field(default=0, ge=0)
+    threads: int = Field(default=1, ge=1)
+
+    def open(self, work: Work, sink: Sink) -> AbstractContextManager[Pool]:
+        """A supervised pool: workers that die or hang cost the run they were in, and nothing else."""
+        setup = Setup(work.make_runner, Path(), work.waveforms, work.metrics, work.requirements, self.threads)
+        workers = self.workers or max(1, (os.cpu_count() or 1) // self.threads)
+        return Supervisor(setup, work.benches, sink, workers)
+
+
+EXECUTOR = Local

@@ -1,0 +1,133 @@
+"""Points from a table that the user wrote."""
+
+from __future__ import annotations
+
+import csv
+import io
+from collections.abc import Iterator, Mapping, Sequence
+from pathlib import Path
+from typing import Any, ClassVar, Self
+
+from pydantic import Field
+
+from dse.domain.sampler import Brief, Point
+from dse.domain.study import DesignVariable
+from dse.errors import Location, Problem, closest, fail, raise_if_any
+from dse.exploration.sampling import OnceSampler, require_few
+from dse.loading.extensions import Surroundings
+from dse.loading.root import named_file
+from dse.loading.values import read_unit
+from dse.loading.yaml import shown
+from dse.units import Unit
+
+_MAX_BYTES = 500_000_000
+
+
+class Csv(OnceSampler):
+    """The rows of a CSV *file*: a column for each design variable, headed ``name [unit]``, or by the name alone if it
+    is in SI anyway.
+
+    Columns that are headed otherwise are refused. The stored definition holds the points, not the file's name.
+    """
+
+    name: ClassVar[str] = "csv"
+    examples: ClassVar[tuple[Mapping[str, Any], ...]] = ({"file": "points.csv"},)
+    example_files: ClassVar[Mapping[str, str]] = {"points.csv": "part.y,part.x\n-0.5,0.25\n1,2\n"}
+
+    file: str
+    rows: tuple[Point, ...] = Field(default=(), exclude=True)
+
+    def options(self) -> Mapping[str, Any]:
+        """The points."""
+        return {"rows": [list(row) for row in self.rows]}
+
+    def settled(self, around: Surroundings) -> Self:
+        """With the rows of the file; raises DseError with every cell that is wrong, at its line."""
+        where = around.place("file")
+        if "rows" in self.model_fields_set:
+            raise fail("unknown key 'rows'", around.place("rows"), "write the points into a file")
+        path = named_file(around.document.path.parent, self.file, around.inside, (".csv",), where)
+        lines = list(csv.reader(io.StringIO(_text(path, where), newline="")))
+        if not lines:
+            raise fail(f"{shown(path)} is empty", where, "head a column for each design variable")
+        require_few(len(lines) - 1, where)
+        if {variable.name for variable in around.variables} != around.names:
+            return self  # what is wrong with a variable is told at its place
+        columns = _columns(path, lines[0], around.variables)
+        problems: list[Problem] = []
+        rows = [_row(path, number, line, columns, problems) for number, line in _numbered(lines)]
+        raise_if_any(problems)
+        if not rows:
+            raise fail(f"{shown(path)} has no row below its head", where, "write a line for each point")
+        # Rows that stand there twice are one run.
+        return self.model_copy(update={"rows": tuple(dict.fromkeys(tuple(row) for row in rows))})
+
+    def points(self, brief: Brief) -> Sequence[Point]:  # noqa: ARG002  # as every sampler has it
+        """The rows, in the order of the file."""
+        return self.rows
+
+
+_Columns = Sequence[tuple[int, DesignVariable, Unit]]
+"""For each design variable, in their order: which column holds it, in which unit."""
+
+
+def _text(path: Path, where: Location) -> str:
+    try:
+        if path.stat().st_size > _MAX_BYTES:
+            raise fail(f"{shown(path)} is larger than {_MAX_BYTES // 1_000_000} MB", where, "split the study")
+        return path.read_text(encoding="utf-8-sig")
+    except UnicodeDecodeError as error:
+        raise fail(f"{shown(path)} is not UTF-8 text (byte {error.start})", where, "save it as UTF-8") from None
+    except OSError as error:
+        raise fail(f"{shown(path)} cannot be read: {error.strerror or error}", where, "check its name") from None
+
+
+def _columns(path: Path, head: Sequence[str], variables: Sequence[DesignVariable]) -> _Columns:
+    line = Location(shown(path), 1, 1)
+    problems = []
+    found: dict[str, tuple[int, Unit]] = {}
+    known = {variable.name: variable for variable in variables}
+    for index, heading in enumerate(head):
+        name, bracket, symbol = (part.strip() for part in heading.partition("["))
+        if name not in known:
+            problems.append(Problem(f"the column '{name}' is no design variable", line, closest(name, known)))
+        elif name in found:
+            problems.append(Problem(f"two columns are headed '{name}'", line, "remove one"))
+        else:
+            usual = known[name].unit
+            unit = read_unit(symbol.rstrip("] "), line) if bracket else usual
+            if unit.dimension != usual.dimension:
+                what = f"the column '{name}' is in {unit}, the variable in {usual}"
+                problems.append(Problem(what, line, "give a unit of the same kind"))
+            elif not bracket and not usual.is_coherent:
+                what = f"the column '{name}' may be in {usual} or in SI"
+                problems.append(Problem(what, line, f"head it '{name} [{usual}]'"))
+            found[name] = index, unit
+    missing = [name for name in known if name not in found]
+    problems += [Problem(f"there is no column '{name}'", line, "head one with it") for name in missing]
+    raise_if_any(problems)
+    return [(found[variable.name][0], variable, found[variable.name][1]) for variable in variables]
+
+
+def _numbered(lines: Sequence[Sequence[str]]) -> Iterator[tuple[int, Sequence[str]]]:
+    return ((number, line) for number, line in enumerate(lines[1:], 2) if any(cell.strip() for cell in line))
+
+
+def _row(path: Path, number: int, line: Sequence[str], columns: _Columns, problems: list[Problem]) -> list[float]:
+    point = []
+    for index, variable, unit in columns:
+        where = Location(shown(path), number, 1)
+        cell = line[index].strip() if index < len(line) else ""
+        try:
+            value = unit.to_si(float(cell))
+        except ValueError:
+            problems.append(Problem(f"'{cell}' is no number for {variable.name}", where, "write 1.5 or 2e-3"))
+            continue
+        if not variable.low <= value <= variable.high:
+            what = f"{variable.name} = {cell} lies outside of its range"
+            problems.append(Problem(what, where, "widen the range in the study, or leave the row out"))
+        point.append(value)
+    return point
+
+
+SAMPLER = Csv

@@ -1,0 +1,89 @@
+"""Every combination of levels."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from fractions import Fraction
+from itertools import product
+from typing import Any, ClassVar, Self
+
+from pydantic import Field
+
+from dse.domain.sampler import Brief, Grid, Point
+from dse.domain.study import DesignVariable
+from dse.errors import Problem, closest, raise_if_any
+from dse.exploration.sampling import MOST_RUNS, OnceSampler, require_few
+from dse.loading.extensions import Surroundings
+
+
+class FullFactorial(OnceSampler):
+    """Every combination of levels, the last variable fastest; with *slices* the union of the slices' factorials.
+
+    In a slice the other variables are at their nominal values. A point that several slices share is asked for once.
+    """
+
+    name: ClassVar[str] = "full_factorial"
+    examples: ClassVar[tuple[Mapping[str, Any], ...]] = ({},)
+
+    slices: list[list[str]] = Field(default_factory=list)
+
+    @property
+    def grid(self) -> Grid | None:
+        """The slices."""
+        return tuple(tuple(names) for names in self.slices)
+
+    def settled(self, around: Surroundings) -> Self:
+        """Raises DseError for slices of what is no design variable, variables without levels, and too many runs."""
+        problems = [*self._problems(around)]
+        problems += [
+            Problem(f"'{variable.name}' needs at least 2 levels", variable.where, "levels: 25")
+            for variable in around.variables
+            if variable.levels < 2
+        ]
+        runs = sum(
+            math.prod(max(1, variable.levels) for variable in around.variables if variable.name in names)
+            for names in self.slices or [list(around.names)]
+        )
+        if runs > MOST_RUNS:
+            where = around.document.key(("sampler",))
+            problems.append(Problem(f"{runs} runs for each configuration", where, "use fewer levels or slices"))
+        raise_if_any(problems)
+        return self
+
+    def points(self, brief: Brief) -> Sequence[Point]:
+        """The points in order, each once."""
+        free = [set(names) for names in self.slices] or [{variable.name for variable in brief.variables}]
+        axes = [
+            [levels(variable) if variable.name in names else (variable.nominal,) for variable in brief.variables]
+            for names in free
+        ]
+        require_few(sum(math.prod(map(len, axis)) for axis in axes), None)
+        return list(dict.fromkeys(point for axis in axes for point in product(*axis)))
+
+    def _problems(self, around: Surroundings) -> Iterator[Problem]:
+        for i, names in enumerate(self.slices):
+            if not names:
+                where = around.place("slices", i)
+                yield Problem("a slice names no design variable", where, "remove it or name one")
+            for j, name in enumerate(names):
+                where = around.place("slices", i, j)
+                if name in names[:j]:
+                    yield Problem(f"'{name}' stands twice in a slice", where, "remove one")
+                if name not in around.names:
+                    yield Problem(f"'{name}' is not a design variable", where, closest(name, around.names))
+
+
+def levels(variable: DesignVariable) -> tuple[float, ...]:
+    """The variable's equidistant levels from low to high, both included; its nominal value if it has only one.
+
+    Each is the float nearest to the level computed from the decimal numbers the bounds are written as, so
+    that 25 levels of 0.1 … 3 hold 1.55 and not its neighbour.
+    """
+    if variable.levels == 1:
+        return (variable.nominal,)
+    low, high, last = Fraction(str(variable.low)), Fraction(str(variable.high)), variable.levels - 1
+    return tuple(float((low * (last - i) + high * i) / last) for i in range(variable.levels))
+
+
+SAMPLER = FullFactorial

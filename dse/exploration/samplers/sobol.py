@@ -1,0 +1,39 @@
+"""The Sobol' sequence."""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Mapping, Sequence
+from typing import Any, ClassVar
+
+from pydantic import Field
+
+from dse.domain.sampler import Brief, Point
+from dse.exploration.sampling import MOST_RUNS, OnceSampler, scaled
+
+
+class Sobol(OnceSampler):
+    """The first *samples* points of a Sobol' sequence, scrambled by the study's seed (Owen) unless switched off.
+
+    Powers of two fill the ranges most evenly. More samples go on with the sequence: an extended study keeps its points.
+    """
+
+    name: ClassVar[str] = "sobol"
+    examples: ClassVar[tuple[Mapping[str, Any], ...]] = ({"samples": 16}, {"samples": 12, "scramble": False})
+
+    samples: int = Field(ge=1, le=MOST_RUNS)
+    scramble: bool = True
+
+    def points(self, brief: Brief) -> Sequence[Point]:
+        """The points in the order of the sequence."""
+        import numpy as np
+        from scipy.stats import qmc
+
+        sequence = qmc.Sobol(len(brief.variables), scramble=self.scramble, seed=np.random.default_rng(brief.seed))
+        with warnings.catch_warnings():
+            # Any other number than a power of two is less even, not wrong.
+            warnings.filterwarnings("ignore", message="The balance properties", category=UserWarning)
+            return scaled(sequence.random(self.samples), brief.variables)
+
+
+SAMPLER = Sobol

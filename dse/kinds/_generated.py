@@ -1,0 +1,37 @@
+"""FMUs from C that a kind writes by itself."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+
+from dse.domain.component import Component, CSource
+
+
+def build_generated(
+    component: Component,
+    files: Mapping[str, str],
+    struct: str,
+    step: float | None = None,
+    *,
+    version: int,
+    cache: Path | None,
+) -> Path:
+    """The FMU archive of *component* from C as the kind ``c`` takes it, which *files* has by file name.
+
+    There is ``<struct>.h``, which defines the type *struct*, ``<struct>_init`` and ``<struct>_step``; with *step* the
+    code is sampled. What is built so can be fused. The files are kept in the folder *cache*. Raises DseError.
+    """
+    from dse.fmu.build_c import build_c
+    from dse.fmu.cache import cache_folder, content_key, keep_folder
+
+    contents = {name: text.encode() for name, text in sorted(files.items())}
+
+    def fill(folder: Path) -> None:
+        for name, content in contents.items():
+            (folder / name).write_bytes(content)
+
+    folder = keep_folder(cache_folder(cache) / "generated" / content_key(contents.items()), fill)
+    paths = tuple(folder / name for name in contents)
+    source = CSource(paths, folder / f"{struct}.h", struct, f"{struct}_init", f"{struct}_step", step)
+    return build_c(component, source, version=version, cache=cache)

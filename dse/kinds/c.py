@@ -1,0 +1,66 @@
+"""``source: {kind: c}``: a component written in C."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from dse.domain.component import Component, CSource
+from dse.errors import Location, fail
+from dse.loading.fields import Plain
+from dse.loading.kind import ComponentKind, SourcePlace, SourceSection
+from dse.loading.names import is_identifier
+from dse.loading.values import read_number, read_unit
+
+
+class CSection(SourceSection):
+    """The keys of ``source``."""
+
+    files: list[str] = []
+    header: str | None = None
+    struct: str | None = None
+    init: str | None = None
+    step_function: str | None = None
+    step: Plain | None = None
+
+
+class CKind(ComponentKind[CSection, CSource]):
+    """C99 is compiled together with the FMI functions."""
+
+    section = CSection
+
+    def read(self, section: CSection, place: SourcePlace) -> CSource:
+        """Files of the workspace; names that are not given follow from the component's."""
+        if not section.files:
+            raise place.missing("files", f"files: [{place.component}.c]")
+        files = [place.file(name, (".c", ".h"), "files", i) for i, name in enumerate(section.files)]
+        header = section.header or Path(section.files[0]).with_suffix(".h").as_posix()
+        struct = section.struct or place.component
+        step = None
+        if section.step is not None:
+            where = place.at("step")
+            step = read_number(section.step, read_unit("s", where), where)
+            if step <= 0:
+                raise fail(f"the step must be positive, not {section.step}", where)
+        return CSource(
+            tuple(files),
+            place.file(header, (".h",), "header"),
+            _identifier(struct, place.at("struct")),
+            _identifier(section.init or f"{struct}_init", place.at("init")),
+            _identifier(section.step_function or f"{struct}_step", place.at("step_function")),
+            step,
+        )
+
+    def build(self, component: Component, source: CSource, *, version: int, cache: Path | None) -> Path:
+        """The FMU, with its sources inside. Raises DseError: the C does not compile, or lacks a port."""
+        from dse.fmu.build_c import build_c
+
+        return build_c(component, source, version=version, cache=cache)
+
+
+def _identifier(name: str, where: Location) -> str:
+    if not is_identifier(name):
+        raise fail(f"'{name}' is not a C identifier", where)
+    return name
+
+
+KIND = CKind()

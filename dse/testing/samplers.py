@@ -1,0 +1,147 @@
+"""What every sampler has to be.
+
+class TestMine(SamplerSuite):
+    sampler = Mine
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import Any, cast
+
+import numpy as np
+import pytest
+
+from dse.domain.bench import Verdict
+from dse.domain.sampler import Brief, Candidate, Outcomes, Sampler
+from dse.domain.study import DesignVariable
+from dse.errors import Location
+from dse.loading.extensions import SAMPLERS, SamplerSection, Surroundings
+from dse.loading.yaml import Document
+from dse.units import DIMENSIONLESS
+
+VARIABLES = (
+    DesignVariable("part.x", 0.0, 2.0, 4, 0.5, DIMENSIONLESS),
+    DesignVariable("part.y", -1.0, 1.0, 3, 0.0, DIMENSIONLESS),
+)
+CONFIGURATIONS = ("b", "a")
+_MOST_ASKS = 200
+
+
+class SamplerSuite:
+    """Each of the sampler's examples is tried on two variables and two configurations.
+
+    The results it is told are margins of one requirement ``R`` and one metric ``m``, both linear in the point.
+    """
+
+    sampler: type[SamplerSection]
+
+    @pytest.fixture
+    def settled(self, example: Mapping[str, Any], tmp_path: Path) -> Sampler:
+        """The sampler with the options of *example*, as if a study file in a folder with its files had them."""
+        for name, text in self.sampler.example_files.items():
+            (tmp_path / name).write_text(text, encoding="utf-8")
+        document = Document(tmp_path / "study.pet.yaml", {}, {(): Location("study.pet.yaml", 1, 1)}, {})
+        around = Surroundings(document, ("sampler",), frozenset(v.name for v in VARIABLES), VARIABLES, tmp_path)
+        return cast(Sampler, self.sampler.model_validate(example).settled(around))
+
+    def pytest_generate_tests(self, metafunc: pytest.Metafunc) -> None:
+        """Every test on every example."""
+        if "example" in metafunc.fixturenames:
+            metafunc.parametrize("example", self.sampler.examples, ids=str)
+
+    def test_it_is_found_by_its_name(self) -> None:
+        """The registry knows it by the name it has."""
+        assert SAMPLERS.get(self.sampler.name) is self.sampler
+
+    def test_its_options_are_plain_data(self, settled: Sampler) -> None:
+        """They come back from where they are stored as they were."""
+        assert json.loads(json.dumps(settled.options(), allow_nan=False)) == settled.options()
+
+    def test_an_option_it_does_not_have_is_refused(self, example: Mapping[str, Any]) -> None:
+        """A misspelt option does not pass in silence."""
+        with pytest.raises(ValueError, match="Extra inputs"):
+            self.sampler.model_validate({**example, "not_an_option": 1})
+
+    def test_every_run_it_wants_lies_in_the_ranges(self, settled: Sampler) -> None:
+        """On a configuration of the study, a finite number for each variable."""
+        candidates = [candidate for ask in asks(settled, brief()) for candidate in ask]
+        assert candidates
+        for configuration, point in candidates:
+            assert configuration in CONFIGURATIONS
+            assert len(point) == len(VARIABLES)
+            assert all(type(value) is float for value in point)
+            assert all(v.low <= value <= v.high for v, value in zip(VARIABLES, point, strict=True))
+
+    def test_no_ask_wants_a_run_twice(self, settled: Sampler) -> None:
+        """Twice the same run tells nothing new."""
+        assert all(len(set(ask)) == len(ask) for ask in asks(settled, brief()))
+
+    def test_the_same_results_lead_to_the_same_asks(self, settled: Sampler) -> None:
+        """A study that was stopped is taken up by asking again."""
+        assert asks(settled, brief()) == asks(settled, brief())
+
+    def test_it_comes_to_an_end(self, settled: Sampler) -> None:
+        """It says so by asking for nothing; with *once* after its first ask."""
+        made = asks(settled, brief())
+        assert len(made) < _MOST_ASKS
+        assert len(made) == 1 or not settled.once
+
+    def test_it_bears_runs_that_failed(self, settled: Sampler) -> None:
+        """All of them: neither an exception nor a study that never ends."""
+        assert len(asks(settled, brief(), fails=True)) < _MOST_ASKS
+
+    def test_a_study_that_is_extended_can_be_asked_for(self, settled: Sampler) -> None:
+        """With what is there, and in a wider range."""
+        there = [candidate for ask in asks(settled, brief()) for candidate in ask]
+        wider = (replace(VARIABLES[0], high=3.0), VARIABLES[1])
+        assert asks(settled, replace(brief(), earlier=outcomes(there)))
+        assert asks(settled, replace(brief(), variables=wider, earlier=outcomes(there)))
+
+    def test_the_points_of_a_grid_are_on_it(self, settled: Sampler) -> None:
+        """Who says that points lie on a grid has no others."""
+        if settled.grid is None:
+            return
+        free = [set(names) for names in settled.grid] or [{v.name for v in VARIABLES}]
+        for _, point in asks(settled, brief())[0]:
+            off = {v.name for v, value in zip(VARIABLES, point, strict=True) if value != v.nominal}
+            assert any(off <= names for names in free)
+
+
+def brief() -> Brief:
+    """A new study over `VARIABLES` and `CONFIGURATIONS`."""
+    return Brief(VARIABLES, CONFIGURATIONS, 1, outcomes([]))
+
+
+def asks(sampler: Sampler, given: Brief, *, fails: bool = False) -> list[list[Candidate]]:
+    """All that *sampler* asks for, told what `outcomes` makes of it; stops after 200 asks."""
+    search = sampler.start(given)
+    made: list[list[Candidate]] = []
+    while len(made) < _MOST_ASKS:
+        candidates = list(search.ask())
+        if not candidates:
+            break
+        made.append(candidates)
+        if sampler.once:
+            break
+        search.tell(outcomes(candidates, fails=fails))
+    return made
+
+
+def outcomes(candidates: Sequence[Candidate], *, fails: bool = False) -> Outcomes:
+    """What comes of *candidates*: the metric ``m`` is x + y, the requirement ``R`` that it is at most 1."""
+    points = np.array([candidate.point for candidate in candidates], dtype=np.float64).reshape(-1, len(VARIABLES))
+    done = np.full(len(candidates), not fails)
+    metric = np.where(done, points.sum(axis=1), np.nan)
+    verdicts = [Verdict.FAILED_TO_RUN if fails else Verdict.PASS if value <= 1 else Verdict.FAIL for value in metric]
+    return Outcomes(
+        tuple(candidate.configuration for candidate in candidates),
+        {variable.name: points[:, index] for index, variable in enumerate(VARIABLES)},
+        done,
+        {"m": metric},
+        {"R": 1.0 - metric},
+        {"R": tuple(verdicts)},
+    )

@@ -1,0 +1,62 @@
+"""An example of each kind of component that comes with dse, by the kind's name: a gain."""
+
+from __future__ import annotations
+
+import tempfile
+from collections.abc import Callable
+from pathlib import Path
+
+from dse.fmu.build import build
+from dse.testing.kinds import Files, lay_out, the_component
+
+INTERFACES = "interfaces:\n  gain:\n    inputs: {u: m}\n    outputs: {y: m}\n"
+COMPONENT = "component: twice\nimplements: gain\nsource: {source}\nparameters:\n  factor: {{start: 2, min: 0}}\n"
+
+HEADER = """\
+#ifndef TWICE_H
+#define TWICE_H
+typedef struct {
+    struct { double u; } in;
+    struct { double y; } out;
+    struct { double factor; } par;
+} twice;
+void twice_init(twice *self);
+void twice_step(twice *self);
+#endif
+"""
+CODE = """\
+#include "twice.h"
+void twice_init(twice *self) { twice_step(self); }
+void twice_step(twice *self) { self->out.y = self->par.factor * self->in.u; }
+"""
+MODEL = """\
+model Twice
+  parameter Real factor = 2;
+  input Real u(unit = "m");
+  output Real y(unit = "m");
+equation
+  y = factor * u;
+end Twice;
+"""
+
+
+def written(source: str) -> dict[str, str | bytes]:
+    return {"interfaces.yaml": INTERFACES, "twice/component.yaml": COMPONENT.format(source=source)}
+
+
+def c() -> Files:
+    block = "\n  kind: c\n  files: [twice.c]\n  step: 10 ms"
+    return {**written(block), "twice/twice.h": HEADER, "twice/twice.c": CODE}
+
+
+def modelica() -> Files:
+    return {**written("{kind: modelica, model: Twice, files: [twice.mo]}"), "twice/twice.mo": MODEL}
+
+
+def fmu() -> Files:
+    with tempfile.TemporaryDirectory() as folder:
+        archive = build(the_component(lay_out(c(), Path(folder))), cache=Path(folder, "cache"))
+        return {**written("{kind: fmu, file: twice.fmu}"), "twice/twice.fmu": archive.read_bytes()}
+
+
+EXAMPLES: dict[str, Callable[[], Files]] = {"c": c, "fmu": fmu, "modelica": modelica}

@@ -1,0 +1,54 @@
+"""Every kind that comes with dse does what a kind has to do; what is planned only can be listed, not built."""
+
+from __future__ import annotations
+
+import pytest
+from kinds.examples import EXAMPLES, written
+
+from dse.errors import DseError
+from dse.fmu.build import build
+from dse.loading.kind import KINDS, kind_of
+from dse.testing.kinds import Files, KindSuite, lay_out, the_component
+
+
+class TestBuiltInKinds(KindSuite):
+    @pytest.fixture(params=[name for name in KINDS.names() if KINDS.package(name) == "dse"])
+    def example(self, request: pytest.FixtureRequest) -> Files:
+        assert request.param in EXAMPLES, "write an example of the new kind into tests/kinds/examples.py"
+        return EXAMPLES[request.param]()
+
+
+@pytest.mark.parametrize("word", ["python", "udp"])
+def test_a_planned_kind_is_read_and_refused_when_it_is_built(tmp_path, word):
+    component = the_component(lay_out(written(f"{{kind: {word}, port: 5000}}"), tmp_path))
+    assert component.source.label == word
+    assert kind_of(component) is None
+    with pytest.raises(DseError, match=f"sources of the kind '{word}' cannot be built in this version") as caught:
+        build(component, cache=tmp_path / "cache")
+    assert caught.value.problems[0].hint == "use a source of the kind c, fmu or modelica"
+
+
+@pytest.mark.parametrize(
+    ("source", "place", "what", "hint"),
+    [
+        ("{file: x.fmu}", "3:1", "'kind' is missing in 'source'", "add 'kind: …'"),
+        ("{kind: [c]}", "3:16", "'source.kind': expected text, found a list", "quote it if it is meant as text"),
+        ("{kind: c, fils: [twice.c], files: [twice.c]}", "3:19", "unknown key 'fils'", "did you mean 'files'?"),
+        ("{kind: c, files: 3}", "3:26", "'source.files': expected a list, found 3", "write it as [a, b]"),
+        ("fmu", "3:9", "'source': expected a mapping, found 'fmu'", "write it as {key: value}"),
+    ],
+)
+def test_what_is_wrong_in_a_source_is_told_where_it_stands(tmp_path, source, place, what, hint):
+    files = {**EXAMPLES["c"](), **written(source)}
+    with pytest.raises(DseError) as caught:
+        the_component(lay_out(files, tmp_path))
+    (problem,) = caught.value.problems
+    assert (str(problem.where).partition("component.yaml:")[2], problem.what, problem.hint) == (place, what, hint)
+
+
+def test_what_is_wrong_in_a_source_and_around_it_is_told_at_once(tmp_path):
+    files = written("{kind: fmu, fil: x}")
+    files["twice/component.yaml"] += "colour: red\n"
+    with pytest.raises(DseError) as caught:
+        the_component(lay_out(files, tmp_path))
+    assert [problem.what for problem in caught.value.problems] == ["unknown key 'fil'", "unknown key 'colour'"]
