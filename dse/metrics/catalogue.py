@@ -1,16 +1,27 @@
-"""The functions a metric can use: their arguments, their units and the instructions they become."""
+"""The functions a metric can use: their arguments, their units and the instructions they become.
+
+Another package adds one as an entry point of the group ``dse.metrics``, whose name is that of the function::
+
+    def peak_to_peak(x):
+        return float(np.max(x) - np.min(x))
+
+    PEAK_TO_PEAK = metric_function(peak_to_peak, [Argument("x", Wants.WAVEFORM, any_unit=True)], same)
+"""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+import inspect
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from enum import StrEnum
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
 
 from dse.metrics import functions
 from dse.metrics.machine import TIME, Register
+from dse.registry import Registry
 from dse.units import Dimension, multiply, parse_unit
 
 Emit = Callable[..., Register]
@@ -46,12 +57,41 @@ class Function:
     varies: bool = False
 
 
+def metric_function(
+    function: Callable[..., Any],
+    arguments: Sequence[Argument],
+    result: str | Callable[[Dimension], Dimension],
+    *,
+    varies: bool = False,
+) -> Function:
+    """*function* of a module as a function of metrics.
+
+    It is called with its *arguments* in order, in SI: a waveform is an array of n ≥ 1 rows that must not be written to,
+    a condition one of truth values, a constant a number. If its first parameter is called ``time``, the times of the
+    rows, in seconds and ascending, come first. It returns a number, NaN where that is undefined, or if it *varies* a
+    waveform; what it raises fails the run. *result* is the unit of what it returns, or gives its dimension from that of
+    the first argument, as `same`. Workers find the function by its name. Raises ValueError if the parts do not fit.
+    """
+    parameters = list(inspect.signature(function).parameters)
+    timed = parameters[:1] == ["time"] and [argument.name for argument in arguments][:1] != ["time"]
+    name = getattr(function, "__qualname__", repr(function))
+    if not name.isidentifier():
+        raise ValueError(f"{name} is no function of a module, by whose name workers could find it")
+    if len(parameters) != len(arguments) + timed:
+        raise ValueError(f"{name} takes {len(parameters) - timed} arguments, {len(arguments)} are declared")
+    if not arguments or any(one.default is not None and two.default is None for one, two in pairwise(arguments)):
+        raise ValueError(f"{name} needs arguments, those with a default last")
+    dimension = (lambda _: parse_unit(result).dimension) if isinstance(result, str) else result
+    return Function(tuple(arguments), dimension, (_over_time if timed else _of_waveform)(function), varies)
+
+
+def same(dimension: Dimension) -> Dimension:
+    """The result has the unit of the first argument."""
+    return dimension
+
+
 def _seconds(_: Dimension) -> Dimension:
     return parse_unit("s").dimension
-
-
-def _same(dimension: Dimension) -> Dimension:
-    return dimension
 
 
 def _ratio(_: Dimension) -> Dimension:
@@ -94,13 +134,13 @@ FUNCTIONS: Mapping[str, Function] = {
     "rise_time": Function((_X, _TARGET), _seconds, _over_time(functions.rise_time)),
     "reach_time": Function((_X, _TARGET, _BAND), _seconds, _over_time(functions.reach_time)),
     "settling_time": Function((_X, _TARGET, _BAND), _seconds, _over_time(functions.settling_time)),
-    "steady_state_error": Function((_X, _TARGET, _WINDOW), _same, _over_time(functions.steady_state_error)),
-    "minimum": Function((_X,), _same, _of_waveform(functions.minimum)),
-    "maximum": Function((_X,), _same, _of_waveform(functions.maximum)),
-    "initial": Function((_X,), _same, _of_waveform(functions.initial)),
-    "final": Function((_X,), _same, _of_waveform(functions.final)),
-    "mean": Function((_X,), _same, _over_rows(functions.average)),
-    "rms": Function((_X,), _same, _over_rows(functions.root_average_square)),
+    "steady_state_error": Function((_X, _TARGET, _WINDOW), same, _over_time(functions.steady_state_error)),
+    "minimum": Function((_X,), same, _of_waveform(functions.minimum)),
+    "maximum": Function((_X,), same, _of_waveform(functions.maximum)),
+    "initial": Function((_X,), same, _of_waveform(functions.initial)),
+    "final": Function((_X,), same, _of_waveform(functions.final)),
+    "mean": Function((_X,), same, _over_rows(functions.average)),
+    "rms": Function((_X,), same, _over_rows(functions.root_average_square)),
     "integral": Function((_X,), _times_seconds, _over_rows(functions.weighted_sum)),
     "duration": Function((Argument("condition", Wants.CONDITION),), _seconds, _over_rows(functions.time_held)),
     "time_to_collision": Function(
@@ -111,6 +151,9 @@ FUNCTIONS: Mapping[str, Function] = {
     ),
 }
 """Functions of waveforms; `ROWWISE` ones work on single numbers and row by row alike."""
+
+OFFERED: Registry[Function] = Registry("dse.metrics", "metric function", own=FUNCTIONS)
+"""The same with those of installed packages, which cannot take a name of ours."""
 
 ROWWISE: Mapping[str, Callable[..., Any]] = {
     "abs": np.abs,

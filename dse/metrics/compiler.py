@@ -27,7 +27,7 @@ from dse.domain.expression import (
     Truth,
     Unary,
 )
-from dse.errors import closest
+from dse.errors import DseError, closest
 from dse.loading.expression_sorts import (
     TRUTH,
     Form,
@@ -40,7 +40,7 @@ from dse.loading.expression_sorts import (
     require_truth,
     unary_sort,
 )
-from dse.metrics.catalogue import FUNCTIONS, RELATIVE, ROWWISE, Argument, Wants
+from dse.metrics.catalogue import FUNCTIONS, OFFERED, RELATIVE, ROWWISE, Argument, Function, Wants
 from dse.metrics.machine import TIME, Instruction, Register
 from dse.metrics.operators import OPERATORS, is_true, select
 from dse.metrics.show import show_unit
@@ -56,10 +56,17 @@ class FollowUpError(Exception):
 class Compiler:
     """Emits every computation once, however often it is written: one maximum per waveform serves all metrics."""
 
-    def __init__(self, types: Mapping[str, Type], signals: frozenset[str], names: Sequence[str]) -> None:
+    def __init__(
+        self,
+        types: Mapping[str, Type],
+        signals: frozenset[str],
+        names: Sequence[str],
+        functions: Mapping[str, Function] = FUNCTIONS,
+    ) -> None:
         self.types = types
         self.signals = signals
         self.names = names
+        self.functions = functions
         self.broken: set[str] = set()
         self.metrics: dict[str, Typed] = {}
         self.size = TIME + 1
@@ -143,11 +150,7 @@ class Compiler:
     def _call(self, expression: Expression, node: Call) -> Typed:
         if node.function in ROWWISE:
             return self._rowwise(expression, node)
-        if node.function not in FUNCTIONS:
-            known = (*FUNCTIONS, *ROWWISE)
-            what = f"unknown function '{node.function}'"
-            raise error_in(expression, node.span, what, closest(node.function, known))
-        function = FUNCTIONS[node.function]
+        function = self.functions.get(node.function) or _offered(expression, node)
         registers: list[Register] = []
         first: Dimension = ()
         for argument, given in self._arguments(expression, node, function.arguments):
@@ -241,6 +244,22 @@ class Compiler:
     def _register(self) -> Register:
         self.size += 1
         return self.size - 1
+
+
+def _offered(expression: Expression, node: Call) -> Function:
+    """The function of another package. Only here are packages looked for: most metrics need none."""
+    if node.function not in OFFERED.names():
+        known = (*OFFERED.names(), *ROWWISE)
+        raise error_in(expression, node.span, f"unknown function '{node.function}'", closest(node.function, known))
+    try:
+        function: object = OFFERED.get(node.function)
+    except DseError as error:
+        raise error_in(expression, node.span, error.problems[0].what, error.problems[0].hint) from error
+    if not isinstance(function, Function):
+        package = OFFERED.package(node.function)
+        what = f"the metric function '{node.function}' of {package} is of type {type(function).__name__}, not Function"
+        raise error_in(expression, node.span, what, f"mend or uninstall {package}")
+    return function
 
 
 def _form(argument: Argument) -> str:

@@ -68,7 +68,7 @@ def steady_state_error(time: Waveform, x: Waveform, target: float, window: float
     end = time.item(-1)
     # The row at the window's start belongs to it, however its time was rounded.
     start = end - window - 1e-9 * max(abs(end), window)
-    if time.item(0) - start > 2e-9 * max(abs(end), window) or window < 0:
+    if time.item(0) - start > 2e-9 * max(abs(end), window) or not window >= 0:
         return math.nan
     tail = x[int(np.searchsorted(time, start)) :]
     return float(np.add.reduce(tail)) / tail.size - target

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dse.domain.bench import Judgement, Requirement, Verdict
+from dse.errors import fail
 from dse.units import Dimension, Unit
 
 Register = int
@@ -70,7 +71,8 @@ class MetricProgram:
         """The metrics, SI and unrounded, and a judgement for every requirement.
 
         *time* has n ≥ 1 rows in seconds; *columns* holds n rows for every signal and *constants* a number for
-        every constant: SI, 0 and 1 for truth values, the number of an item. Raises KeyError if one is missing.
+        every constant: SI, 0 and 1 for truth values, the number of an item. Raises KeyError if one is missing, DseError
+        if a function fails.
         """
         registers: list[Any] = [None] * self.size
         registers[TIME] = time
@@ -83,8 +85,14 @@ class MetricProgram:
         # numpy's own numbers follow IEEE 754 where Python's would raise.
         with np.errstate(all="ignore"):
             for step in self.instructions:
-                registers[step.target] = step.function(*[registers[argument] for argument in step.arguments])
-        values = {name: float(registers[register]) for name, register in self.metrics.items()}
+                try:
+                    registers[step.target] = step.function(*[registers[argument] for argument in step.arguments])
+                except Exception as error:
+                    raise fail(f"metric function {step.function.__name__}: {type(error).__name__}: {error}") from error
+        try:
+            values = {name: float(registers[register]) for name, register in self.metrics.items()}
+        except (TypeError, ValueError) as error:
+            raise fail(f"a metric function did not give a number: {error}") from error
         return values, tuple([_judge(check, registers) for check in self.checks])
 
 

@@ -18,6 +18,7 @@ from dse.loading.expression_sorts import (
     require_number,
     require_truth,
 )
+from dse.metrics.catalogue import FUNCTIONS, Function
 from dse.metrics.compiler import Compiler, FollowUpError
 from dse.metrics.machine import Check, MetricProgram, Register, judge_failed
 from dse.metrics.show import show_unit
@@ -31,14 +32,15 @@ def compile_metrics(
     requirements: Sequence[Requirement],
     types: Mapping[str, Type],
     signals: frozenset[str],
+    functions: Mapping[str, Function] = FUNCTIONS,
 ) -> MetricProgram:
     """Compile a bench's metrics and requirements.
 
     *types* gives the type of every name that may be used (``world.speed``, ``controller.set_speed``);
-    *signals* are those of them that are waveforms, the others keep one value for a run. Raises DseError with
-    every unknown name, wrong unit and misused function, located.
+    *signals* are those of them that are waveforms, the others keep one value for a run. *functions* can be used besides
+    those of installed packages. Raises DseError with every unknown name, wrong unit and misused function, located.
     """
-    compiler = Compiler(types, signals, [metric.name for metric in metrics])
+    compiler = Compiler(types, signals, [metric.name for metric in metrics], functions)
     problems: list[Problem] = []
     checks: list[Check] = []
     for metric in metrics:

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from enum import StrEnum
-from typing import TypeVar
+from typing import Any, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -109,7 +109,7 @@ class ReportContent:
 
     *slices* are names of variables that were varied together, for a sliced study. *study_folder* is what the
     reader types in ``dse replay``. *facts* are shown as they stand, in order. Raises ValueError if the parts
-    do not fit each other.
+    do not fit each other. From here on the arrays cannot be written to, as many figures read them.
     """
 
     title: str
@@ -128,6 +128,10 @@ class ReportContent:
         problems = [*_run_problems(self), *_column_problems(self), *_reference_problems(self), *_figure_problems(self)]
         if problems:
             raise ValueError("; ".join(problems))
+        nouns: list[Any] = [self.runs, *self.variables, *self.metrics, *self.requirements, *self.figures]
+        for value in (getattr(noun, field.name) for noun in nouns for field in fields(noun)):
+            if isinstance(value, np.ndarray):
+                value.flags.writeable = False
 
     def variable(self, name: str) -> Variable:
         """The variable called *name*; KeyError if there is none."""

@@ -1,4 +1,4 @@
-"""Draws the figures with matplotlib and saves them; all values come ready from ``figures``."""
+"""Draws the paper's two figures with matplotlib and saves them; all values come ready from `dse.report.figures`."""
 
 from __future__ import annotations
 
@@ -9,7 +9,8 @@ import numpy as np
 
 from dse.errors import fail
 from dse.report.content import Floats
-from dse.report.figures import ConstraintPlotData, WaveformData
+from dse.report.figures.constraints import ConstraintPlotData
+from dse.report.figures.waveforms import WaveformData
 from dse.report.verdicts import Mark
 
 if TYPE_CHECKING:
@@ -17,20 +18,20 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 # The page's colours (web/src/style/colours.css): apart under every common colour blindness, and each with its hatch.
-_COLOURS = ("#b54708", "#1f55c4", "#9c2a8f", "#0b7570", "#7a5c00", "#475467")
+COLOURS = ("#b54708", "#1f55c4", "#9c2a8f", "#0b7570", "#7a5c00", "#475467")
 _HATCHES = ("////", "\\\\\\\\", "---", "|||", "//..", "++")
-_INK, _MUTED, _FEASIBLE, _PASS, _BROKEN = "#1a222d", "#5c6877", "#d8eddf", "#12703f", "#c01048"
-_TARGET, _CURRENT, _LINE = "#d01f1f", "#1f55c4", "#dfe4ea"
-_STYLE: Any = {  # matplotlib types the keys as literals
+INK, MUTED, _FEASIBLE, _PASS, _BROKEN = "#1a222d", "#5c6877", "#d8eddf", "#12703f", "#c01048"
+TARGET, _CURRENT, LINE = "#d01f1f", "#1f55c4", "#dfe4ea"
+STYLE: Any = {  # matplotlib types the keys as literals
     "font.size": 9,
-    "axes.edgecolor": _MUTED,
-    "axes.labelcolor": _INK,
+    "axes.edgecolor": MUTED,
+    "axes.labelcolor": INK,
     "axes.labelweight": "bold",
     "axes.titlesize": 10,
     "axes.titleweight": "bold",
     "axes.linewidth": 0.8,
-    "xtick.color": _INK,
-    "ytick.color": _INK,
+    "xtick.color": INK,
+    "ytick.color": INK,
     "hatch.linewidth": 0.7,
     "svg.hashsalt": "dse",
     "svg.fonttype": "path",
@@ -44,7 +45,7 @@ def draw_constraint_plot(data: ConstraintPlotData) -> Figure:
     import matplotlib as mpl
     from matplotlib.figure import Figure
 
-    with mpl.rc_context(_STYLE):
+    with mpl.rc_context(STYLE):
         figure = Figure(figsize=(6.4, 5.6), layout="constrained")
         axes = figure.add_subplot()
         axes.set(xlim=data.x_range, ylim=data.y_range, xlabel=data.x_label, ylabel=data.y_label)
@@ -63,7 +64,7 @@ def draw_waveforms(data: WaveformData) -> Figure:
     import matplotlib as mpl
     from matplotlib.figure import Figure
 
-    with mpl.rc_context(_STYLE):
+    with mpl.rc_context(STYLE):
         figure = Figure(figsize=(6.8, 0.7 + 2.1 * len(data.panels)), layout="constrained")
         figure.suptitle(data.title, x=0.01, ha="left", fontsize=10, fontweight="bold", parse_math=False)
         first: Axes | None = None
@@ -73,13 +74,13 @@ def draw_waveforms(data: WaveformData) -> Figure:
             axes.plot(panel.time, panel.current, color=_CURRENT, linewidth=1.6, label=panel.current_label)
             if panel.target is not None:
                 axes.plot(
-                    panel.time, panel.target, color=_TARGET, linewidth=1.3, dashes=(5, 3), label=panel.target_label
+                    panel.time, panel.target, color=TARGET, linewidth=1.3, dashes=(5, 3), label=panel.target_label
                 )
             axes.set_title(panel.title, loc="left", parse_math=False)
             axes.set_ylabel(panel.y_label, parse_math=False)
             axes.set_xlim(float(panel.time[0]), float(panel.time[-1]))
             axes.margins(y=0.08)
-            axes.grid(color=_LINE, linewidth=0.7)
+            axes.grid(color=LINE, linewidth=0.7)
             axes.set_axisbelow(True)
             axes.spines[["top", "right"]].set_visible(False)
             legend = axes.legend(loc="lower right", bbox_to_anchor=(1, 1), ncols=2, frameon=False, borderaxespad=0.1)
@@ -105,7 +106,7 @@ def save(figure: Figure, path: Path) -> None:
     }
     scratch = path.with_name(f".{path.stem}.part{kind}")
     try:
-        with mpl.rc_context(_STYLE):
+        with mpl.rc_context(STYLE):
             figure.savefig(scratch, format=kind[1:], dpi=200, metadata=every[kind])
         scratch.replace(path)
     except OSError as error:
@@ -122,7 +123,7 @@ def _draw_regions(axes: Axes, data: ConstraintPlotData) -> None:
         _fill_below(axes, data, layer.exercised, 0.5)
     _fill_below(axes, data, data.known, 0.5)
     for index, layer in enumerate(data.layers):
-        colour = _COLOURS[index % len(_COLOURS)]
+        colour = COLOURS[index % len(COLOURS)]
         if np.max(layer.exercised) < 0.5:
             continue
         inside = axes.contourf(xs, ys, layer.exercised, levels=[0.5, np.max(layer.exercised) + 1], colors="none")
@@ -138,7 +139,7 @@ def _draw_regions(axes: Axes, data: ConstraintPlotData) -> None:
             (drawn,) = axes.plot(line[:, 0], line[:, 1], color=colour, linewidth=2.0, solid_capstyle="butt")
             drawn.set_clip_path(part, axes.transData)
         if np.min(layer.exercised) < 0.5:
-            axes.contour(xs, ys, layer.exercised, levels=[0.5], colors=[_MUTED], linestyles=["dashed"], linewidths=1.0)
+            axes.contour(xs, ys, layer.exercised, levels=[0.5], colors=[MUTED], linestyles=["dashed"], linewidths=1.0)
 
 
 def _fill_below(axes: Axes, data: ConstraintPlotData, field: Floats, level: float) -> None:
@@ -147,9 +148,9 @@ def _fill_below(axes: Axes, data: ConstraintPlotData, field: Floats, level: floa
         axes.contourf(data.xs, data.ys, field, levels=[lowest - 1, level], colors=["white"])
 
 
-_MARKS: dict[Mark, dict[str, Any]] = {
-    Mark.FAIL: {"marker": "o", "s": 3.5, "facecolors": _INK, "edgecolors": "none"},
-    Mark.NOT_EXERCISED: {"marker": "o", "s": 13, "facecolors": "white", "edgecolors": _MUTED, "linewidths": 0.7},
+MARKS: dict[Mark, dict[str, Any]] = {
+    Mark.FAIL: {"marker": "o", "s": 3.5, "facecolors": INK, "edgecolors": "none"},
+    Mark.NOT_EXERCISED: {"marker": "o", "s": 13, "facecolors": "white", "edgecolors": MUTED, "linewidths": 0.7},
     Mark.PASS: {"marker": "o", "s": 20, "facecolors": _PASS, "edgecolors": "white", "linewidths": 0.6},
     Mark.FAILED_TO_RUN: {"marker": "x", "s": 28, "color": _BROKEN, "linewidths": 1.6},
 }
@@ -163,7 +164,7 @@ _WORDS = {
 
 def _draw_points(axes: Axes, data: ConstraintPlotData) -> None:
     scale = float(np.clip(600 / max(1, len(data.points)), 0.15, 1))
-    for mark, style in _MARKS.items():
+    for mark, style in MARKS.items():
         chosen = data.marks == mark
         if chosen.any():
             sized = {**style, "s": style["s"] * scale}
@@ -179,7 +180,7 @@ def _draw_legend(figure: Figure, data: ConstraintPlotData) -> None:
     handles: list[Artist] = [
         Patch(
             facecolor="white",
-            edgecolor=_COLOURS[index % len(_COLOURS)],
+            edgecolor=COLOURS[index % len(COLOURS)],
             hatch=_HATCHES[index % len(_HATCHES)],
             linewidth=1.4,
             label=layer.caption,
@@ -187,14 +188,14 @@ def _draw_legend(figure: Figure, data: ConstraintPlotData) -> None:
         for index, layer in enumerate(data.layers)
     ]
     if any(np.min(layer.exercised) < 0.5 for layer in data.layers):
-        handles.append(Line2D([], [], color=_MUTED, linestyle="dashed", linewidth=1, label="limit of exercised"))
-    shapes = {Mark.PASS: ("o", _PASS, 5), Mark.FAIL: ("o", _INK, 2.5), Mark.NOT_EXERCISED: ("o", "white", 4)}
+        handles.append(Line2D([], [], color=MUTED, linestyle="dashed", linewidth=1, label="limit of exercised"))
+    shapes = {Mark.PASS: ("o", _PASS, 5), Mark.FAIL: ("o", INK, 2.5), Mark.NOT_EXERCISED: ("o", "white", 4)}
     for mark, words in _WORDS.items():
         count = int(np.count_nonzero(data.marks == mark))
         if not count:
             continue
         marker, colour, size = shapes.get(mark, ("x", _BROKEN, 5.5))
-        edge = {Mark.NOT_EXERCISED: _MUTED, Mark.FAILED_TO_RUN: _BROKEN}.get(mark, "none")
+        edge = {Mark.NOT_EXERCISED: MUTED, Mark.FAILED_TO_RUN: _BROKEN}.get(mark, "none")
         handles.append(
             Line2D(
                 [],

@@ -5,11 +5,13 @@ from __future__ import annotations
 import base64
 import hashlib
 import html
+from collections.abc import Sequence
 from importlib.resources import files
 from pathlib import Path
 
-from dse.errors import fail
+from dse.errors import Problem, fail
 from dse.report.content import ReportContent
+from dse.report.figure import ShownFigure, shown_figures
 from dse.report.payload import payload_of
 
 _PAGE = """<!doctype html>
@@ -39,9 +41,13 @@ _ICON = "data:image/svg+xml;base64," + base64.b64encode(
 ).decode("ascii")
 
 
-def write_report(content: ReportContent, target: Path) -> None:
-    """Write the page to *target*, whole or not at all. Raises DseError if the file or the bundle cannot be used."""
-    text = page_of(content)
+def write_report(content: ReportContent, target: Path) -> tuple[Problem, ...]:
+    """Write the page to *target*, whole or not at all. Raises DseError if the file or the bundle cannot be used.
+
+    Returns the problems of figures that could not be drawn; the page names them in their place.
+    """
+    shown = shown_figures(content)
+    text = page_of(content, shown)
     scratch = target.with_name(f".{target.name}.part")
     try:
         scratch.write_bytes(text.encode("utf-8"))
@@ -49,12 +55,13 @@ def write_report(content: ReportContent, target: Path) -> None:
     except OSError as error:
         scratch.unlink(missing_ok=True)
         raise fail(f"cannot write {target}: {error.strerror}", hint="choose another place with -o FILE") from error
+    return tuple(figure.problem for figure in shown if figure.problem)
 
 
-def page_of(content: ReportContent) -> str:
-    """The page as text; the same content gives the same text."""
+def page_of(content: ReportContent, shown: Sequence[ShownFigure] = ()) -> str:
+    """The page as text, with the figures *shown*; the same content gives the same text."""
     script, style = _bundle("report.js"), _bundle("report.css")
-    payload = payload_of(content)
+    payload = payload_of(content, shown)
     policy = (
         f"default-src 'none'; script-src '{_hash(script)}'; style-src '{_hash(style)}'; "
         "img-src data:; base-uri 'none'; form-action 'none'"

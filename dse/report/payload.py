@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
+from dse.report.chart import Axis, Chart, Drawn, Limits, Points, Rule, limits, values_of
 from dse.report.content import FigureSpec, ReportContent, SamplerKind
+from dse.report.figure import ShownFigure
 from dse.report.packing import Block, differences, quantise
 from dse.report.radial import MOST_CENTRES, radial_fields
 
@@ -24,8 +27,8 @@ class Payload:
     waveforms: str
 
 
-def payload_of(content: ReportContent) -> Payload:
-    """Everything the page needs; the same content gives the same bytes."""
+def payload_of(content: ReportContent, shown: Sequence[ShownFigure] = ()) -> Payload:
+    """Everything the page needs, with the figures *shown*; the same content gives the same bytes."""
     columns, waveforms = Block(), Block()
     document = _document(content)
     _add_runs(content, columns)
@@ -34,6 +37,7 @@ def payload_of(content: ReportContent) -> Payload:
     document["facts"] = [*([k, v] for k, v in content.facts), *_storage_facts(content, figures)]
     if content.sampler is SamplerKind.SCATTERED and len(content.variables) >= 2:
         document["radial"] = [_add_radial(content, index, columns) for index in range(len(content.configurations))]
+    document["charted"] = [_charted(figure, f"chart.{index}", columns) for index, figure in enumerate(shown)]
     document["columns"] = columns.directory
     document["waveforms"] = waveforms.directory
     return Payload(_script_json(document), columns.text(), waveforms.text())
@@ -125,6 +129,44 @@ def _add_waveforms(name: str, values: NDArray[np.floating], columns: Block, wave
     columns.add(f"{name}.high", "f8", quantised.high)
     waveforms.add(name, "u2", differences(quantised.codes))
     return quantised.error
+
+
+def _charted(figure: ShownFigure, place: str, block: Block) -> Json:
+    return {
+        "title": figure.title,
+        "problem": figure.problem.what if figure.problem else "",
+        "charts": [_add_chart(chart, f"{place}.{index}", block) for index, chart in enumerate(figure.charts)],
+    }
+
+
+def _add_chart(chart: Chart, place: str, block: Block) -> Json:
+    x_limits, y_limits = limits(chart)
+    return {
+        "name": chart.name,
+        "title": chart.title,
+        "note": chart.note,
+        "x": _axis(chart.x, x_limits),
+        "y": _axis(chart.y, y_limits),
+        "drawn": [_add_drawn(drawn, f"{place}.{index}", block) for index, drawn in enumerate(chart.drawn)],
+    }
+
+
+def _axis(axis: Axis, ends: Limits) -> Json:
+    low, high = ends
+    names = list(axis.names)
+    return {"title": axis.label, "unit": axis.unit, "log": bool(axis.log), "low": low, "high": high, "names": names}
+
+
+def _add_drawn(drawn: Drawn, place: str, block: Block) -> Json:
+    entry: Json = {"kind": type(drawn).__name__.lower(), "label": drawn.label}
+    if isinstance(drawn, Rule):
+        return {**entry, "axis": drawn.axis, "value": drawn.value}
+    for name, _, values in values_of(drawn):
+        block.add(f"{place}.{name}", "f8", values)
+    if isinstance(drawn, Points):
+        block.add(f"{place}.runs", "i4", drawn.runs)
+        entry["verdict"] = None if drawn.verdict is None else int(drawn.verdict)
+    return entry
 
 
 def _add_radial(content: ReportContent, index: int, block: Block) -> bool:

@@ -7,7 +7,7 @@ from enum import IntEnum
 import numpy as np
 from numpy.typing import NDArray
 
-from dse.report.content import ReportContent, RequirementRow
+from dse.report.content import Floats, ReportContent, RequirementRow
 
 
 class Mark(IntEnum):
@@ -45,3 +45,22 @@ def overall_marks(content: ReportContent) -> Marks:
         overall[marks == Mark.FAIL] = Mark.FAIL
     overall[~content.runs.done] = Mark.FAILED_TO_RUN
     return overall
+
+
+def margins(values: Floats, requirement: RequirementRow) -> Floats:
+    """The distance of *values* to the nearer bound, in their unit: negative outside, NaN where they are."""
+    margin = np.full(values.shape, np.inf)
+    if requirement.at_least is not None:
+        margin = np.minimum(margin, values - requirement.at_least)
+    if requirement.at_most is not None:
+        margin = np.minimum(margin, requirement.at_most - values)
+    return margin
+
+
+def outside(requirement: RequirementRow) -> str:
+    """What values fail the requirement: ``> 5``, ``< 3`` or ``outside 3 … 5``."""
+    if requirement.at_least is None:
+        return f"> {requirement.at_most:g}"
+    if requirement.at_most is None:
+        return f"< {requirement.at_least:g}"
+    return f"outside {requirement.at_least:g} \u2026 {requirement.at_most:g}"

@@ -10,9 +10,13 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from playwright.sync_api import Browser, Page, sync_playwright
+from playwright.sync_api import Browser, Locator, Page, Position, sync_playwright
 
+from dse.errors import Problem
+from dse.report import page as page_module
+from dse.report.chart import Axis, Band, Bars, Chart, Line, Rule, Steps, limits
 from dse.report.content import ReportContent, RequirementRow
+from dse.report.figure import ShownFigure, charted
 from dse.report.page import write_report
 from dse.report.verdicts import Mark, overall_marks
 
@@ -20,6 +24,7 @@ pytestmark = pytest.mark.browser
 
 HOSTILE = '</script><img src=x onerror="window.pwned=1"><b>'
 Open = Callable[[ReportContent], Page]
+Figures = Callable[[ReportContent, tuple[Chart, ...] | None], ReportContent]
 
 
 @pytest.fixture(scope="module")
@@ -59,6 +64,19 @@ def open_report(browser: Browser, tmp_path: Path) -> Iterator[Open]:
     yield opened
     context.close()
     assert complaints == []
+
+
+@pytest.fixture
+def figures(monkeypatch: pytest.MonkeyPatch) -> Figures:
+    """Has the page show one made-up figure of these charts, or one that failed, in place of all others."""
+
+    def shown(content: ReportContent, charts: tuple[Chart, ...] | None) -> ReportContent:
+        why = None if charts else Problem(f"the figure 'made up' cannot be drawn: ValueError: {HOSTILE}")
+        figure = ShownFigure("made up", "made up", charts or (), why)
+        monkeypatch.setattr(page_module, "shown_figures", lambda _: (figure,))
+        return content
+
+    return shown
 
 
 def counts(page: Page) -> list[int]:
@@ -205,8 +223,10 @@ def test_the_shown_yaml_has_the_exact_parameters(sliced: ReportContent, open_rep
 def test_dark_mode_redraws_everything(sliced: ReportContent, open_report: Open) -> None:
     page = open_report(sliced)
     light, colour = ground(page), page.evaluate("getComputedStyle(document.body).backgroundColor")
+    chart = page.evaluate("document.querySelector('.sheet canvas').toDataURL()")
     page.click("#theme")
     assert ground(page) != light
+    assert page.evaluate("document.querySelector('.sheet canvas').toDataURL()") != chart
     assert page.evaluate("getComputedStyle(document.body).backgroundColor") != colour
     assert page.inner_text("#theme") == "Light mode"
 
@@ -257,6 +277,8 @@ def test_names_that_are_markup_stay_text(sliced: ReportContent, open_report: Ope
     page.hover(".plot", position={"x": 300, "y": 200})
     page.locator(".plot").click(position={"x": 300, "y": 200})
     page.wait_for_selector(".figures .u-wrap, .figures code")
+    page.locator(".sheet").first.hover(position={"x": 300, "y": 120})
+    assert HOSTILE in page.locator(".sheets figcaption b").first.inner_text()
     assert page.inner_text("h1") == HOSTILE
     assert page.title() == HOSTILE
     assert page.evaluate("window.pwned") is None
@@ -300,3 +322,106 @@ def test_a_small_page_shows_every_verdict(sliced: ReportContent, open_report: Op
     assert box is not None
     assert box["x"] + box["width"] <= 420
     assert page.evaluate("document.querySelector('#metrics').scrollWidth") <= 420
+
+
+def progress_of(page: Page, requirement: int) -> Locator:
+    """The chart of a requirement's metric over the runs."""
+    return page.locator(".charted > .sheets").nth(1).locator("figure").nth(requirement)
+
+
+def place_in(chart: Locator, drawn: Chart, x: float, y: float) -> Position:
+    """Where a value lies; a chart leaves 66, 16, 10 and 50 pixels for its axes."""
+    box = chart.locator(".sheet").bounding_box()
+    assert box is not None
+    (left, right), (low, high) = limits(drawn)
+    across, up = (x - left) / (right - left), (y - low) / (high - low)
+    return {"x": 66 + across * (box["width"] - 82), "y": box["height"] - 50 - up * (box["height"] - 60)}
+
+
+def test_every_figure_has_a_heading_and_its_charts_are_described(sliced: ReportContent, open_report: Open) -> None:
+    page = open_report(sliced)
+    assert page.locator(".charted h3").all_inner_texts() == ["Margins of the requirements", "Progress of the study"]
+    assert page.locator(".sheets figcaption").count() == 4
+    described = str(progress_of(page, 1).locator(".sheet").get_attribute("aria-label"))
+    assert described.startswith(
+        "no distance undershoot: distance undershoot [%] over run number [\u2013], 240 points. "
+    )
+    assert "at most 1 %" in described
+    note = progress_of(page, 1).locator(".hint").inner_text()
+    assert "2 failed to run" in note
+
+
+def test_a_click_on_a_point_of_a_chart_selects_its_run_everywhere(sliced: ReportContent, open_report: Open) -> None:
+    page = open_report(sliced)
+    chart = progress_of(page, 0)
+    place = place_in(chart, charted("progress", sliced).charts[0], 24, sliced.metrics[0].values[24])
+    chart.locator(".sheet").hover(position=place)
+    assert chart.locator(".reading").inner_text().startswith("Run 24 \u00b7 ")
+    chart.locator(".sheet").click(position=place)
+    assert selected(page) == 24
+    page.wait_for_selector(".figures[data-run='24'] .u-wrap")
+    page.mouse.move(0, 0)
+    readings = page.locator(".sheets .reading").all_inner_texts()
+    assert all(reading.startswith("Run 24 \u00b7 ") for reading in readings if reading.strip())
+    shown = readings[2].rsplit(" ", 1)[1].split("\u202f")[0].replace("\u2212", "-")
+    assert float(shown) == pytest.approx(sliced.metrics[0].values[24], rel=1e-3)
+
+
+def test_arrow_keys_walk_along_a_chart(sliced: ReportContent, open_report: Open) -> None:
+    page = open_report(sliced)
+    progress_of(page, 0).locator(".sheet").focus()
+    walk = (("Home", 0), ("ArrowRight", 1), ("ArrowRight", 2), ("ArrowLeft", 1), ("End", 241), ("ArrowRight", 241))
+    for key, run in walk:
+        page.keyboard.press(key)
+        assert selected(page) == run
+
+
+def test_a_chart_can_be_left_with_the_tabulator(sliced: ReportContent, open_report: Open) -> None:
+    page = open_report(sliced)
+    progress_of(page, 0).locator(".sheet").focus()
+    page.keyboard.press("Tab")
+    assert page.evaluate("document.activeElement.getAttribute('aria-label')").startswith("no distance undershoot")
+
+
+def test_a_chart_without_runs_is_read_out(sliced: ReportContent, open_report: Open, figures: Figures) -> None:
+    page = open_report(figures(sliced, EVERYTHING))
+    before = selected(page)
+    charts = page.locator(".sheets figure")
+    for index in range(charts.count()):
+        charts.nth(index).locator(".sheet").focus()
+        page.keyboard.press("Home")
+        page.keyboard.press("ArrowRight")
+        text = charts.nth(index).locator(".reading").inner_text()
+        assert text == ("all \u00b7 disc \u00b7 runs 2" if index else "fit \u00b7 time 1\u202fs \u00b7 gap 1\u202fm")
+    assert selected(page) == before
+    assert charts.first.locator(".legend li").all_inner_texts() == ["spread", "fit", "held"]
+
+
+def test_a_figure_that_failed_is_named_in_its_place(sliced: ReportContent, open_report: Open, figures: Figures) -> None:
+    page = open_report(figures(sliced, None))
+    assert page.inner_text(".charted .problem") == f"the figure 'made up' cannot be drawn: ValueError: {HOSTILE}"
+    assert page.locator("img").count() == 0
+
+
+AXES = (Axis("time", "s", log=True), Axis("gap", "m"))
+TIMES = np.array([1.0, 10.0, 100.0])
+EVERYTHING = (
+    Chart(
+        "curves",
+        "Curves",
+        *AXES,
+        (
+            Band(TIMES, TIMES / 50, TIMES / 20 + 1, "spread"),
+            Line(TIMES, np.array([1.0, 3.0, np.nan]), "fit"),
+            Steps(TIMES, np.array([5.0, 4.0, 3.0]), "held"),
+            Rule("x", 20.0),
+        ),
+    ),
+    Chart(
+        "bars",
+        "Bars",
+        Axis("brake", names=("drum", "disc", "wire")),
+        Axis("runs"),
+        (Bars(np.arange(4) - 0.5, np.array([1.0, 2.0, 3.0]), "all"),),
+    ),
+)

@@ -10,7 +10,7 @@ import typer
 
 from dse.cli.app import app, console
 from dse.cli.arguments import Configuration, Folder
-from dse.errors import Location, fail
+from dse.errors import DseError, Location, Problem, fail, raise_if_any
 
 if TYPE_CHECKING:
     from dse.report.content import ReportContent
@@ -33,16 +33,17 @@ def figure(
     y: Annotated[str | None, typer.Option("--y", help="Design variable of the vertical axis.")] = None,
     configuration: Configuration = None,
     number: Annotated[int | None, typer.Option("--run", help="The run whose waveforms are drawn.", min=0)] = None,
+    only: Annotated[list[str] | None, typer.Option("--only", metavar="NAME", help="Only this figure.")] = None,
 ) -> None:
-    """Draw the constraint plot and waveforms for print.
+    """Draw the constraint plot, the waveforms and all other figures for print.
 
-    The paper's figures 6 and 7, as PNG, SVG or PDF.
+    PNG, SVG or PDF. The paper's figures 6 and 7 are 'constraints' and 'waveforms'.
 
     Without --x and --y one constraint plot is drawn for each slice of the study. Without --run the waveforms are those
     of the run nearest the bounds of all requirements among those that pass.
     """
-    from dse.report.draw import draw_constraint_plot, draw_waveforms, save
-    from dse.report.figures import constraint_plot_data, default_run, planes, waveform_data
+    from dse.report.draw import save
+    from dse.report.figure import FIGURES, View, drawings
     from dse.report.study import read_content
     from dse.results.folder import StudyFolder
 
@@ -50,22 +51,23 @@ def figure(
         raise typer.BadParameter("give both --x and --y, or neither", param_hint="--x/--y")
     with StudyFolder.open(folder) as store:
         content = read_content(store, shown_as=folder.as_posix())
-    chosen = _configuration(content, configuration)
-    run = number if number is not None else default_run(content) if content.figures else None
+    view = View(x, y, _configuration(content, configuration), number)
     place = target or folder / "figures"
     place.mkdir(parents=True, exist_ok=True)
-    written = []
-    for across, up in [(x, y)] if x and y else planes(content):
-        data = constraint_plot_data(content, across, up, chosen)
-        written.append(place / f"constraints_{across}_{up}.{kind}")
-        save(draw_constraint_plot(data), written[-1])
-    if run is not None and content.figures:
-        written.append(place / f"waveforms_{run}.{kind}")
-        save(draw_waveforms(waveform_data(content, run)), written[-1])
-    else:
-        console(stderr=True).print("no waveforms are drawn: the study kept none", soft_wrap=True)
-    for path in written:
-        console().print(str(path), soft_wrap=True)
+    problems: list[Problem] = []
+    for name in dict.fromkeys(only or FIGURES.names()):
+        written = []
+        try:
+            for stem, sheet in drawings(name, content, view):
+                written.append(place / f"{stem}.{kind}")
+                save(sheet, written[-1])
+                console().print(str(written[-1]), soft_wrap=True)
+        except DseError as error:  # the other figures can be drawn all the same
+            problems += error.problems
+        else:
+            if not written:
+                console(stderr=True).print(f"{name}: nothing to draw of this study", soft_wrap=True)
+    raise_if_any(problems)
 
 
 def _configuration(content: ReportContent, wanted: str | None) -> str:

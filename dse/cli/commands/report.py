@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from dse.cli.app import app, console
+from dse.cli.app import app, console, show_problems
 from dse.cli.arguments import Folder
 
 ReportFile = Annotated[Path | None, typer.Option("--output", "-o", metavar="FILE", help="Default: DIR/report.html.")]
@@ -26,6 +26,7 @@ def report(
 
     Reads only the study folder; nothing is simulated.
     """
+    from dse.errors import DseError
     from dse.report.page import write_report
     from dse.report.study import read_content
     from dse.results.folder import StudyFolder
@@ -33,5 +34,6 @@ def report(
     page = target or folder / "report.html"
     with StudyFolder.open(folder) as store:
         content = read_content(store, shown_as=folder.as_posix(), most=waveforms)
-    write_report(content, page)
+    if problems := write_report(content, page):
+        show_problems(DseError(*problems))
     console().print(f"{page}: {len(content.runs)} runs, {page.stat().st_size / 1e6:.1f} MB", soft_wrap=True)

@@ -3,6 +3,7 @@ import { startingRun } from "./actions";
 import { createAnnouncement } from "./announce";
 import { card, el } from "./dom";
 import { count } from "./format";
+import { createCharts } from "./panels/charts";
 import { createConfigurations } from "./panels/configurations";
 import { createControls } from "./panels/controls";
 import { createFacts } from "./panels/facts";
@@ -79,11 +80,12 @@ function sections(store: Store, planes: ReturnType<typeof createPlanes> | null):
   const thresholds = study.requirements.length ? [card("requirements", "Thresholds", createThresholds(store))] : [];
   const run = card("run", "Selected run", createSelected(store));
   const waves = study.figures.length ? [card("waves", "Waveforms", createWaveforms(store))] : [];
+  const charts = study.charted.length ? [card("charts", "Figures", createCharts(store))] : [];
   const column = (name: string, ...cards: HTMLElement[]): HTMLElement => el("div", { class: name }, ...cards);
   if (!planes) {
     const overview = card("overview", study.variables.length ? "Runs" : "Configurations", createSummary(store), listing(store));
     return [
-      el("main", {}, column("wide", overview), column("left", run, ...thresholds), column("right", ...waves), column("wide", createFacts(study))),
+      el("main", {}, column("wide", overview), column("left", run, ...thresholds), column("right", ...waves), column("wide", ...charts, createFacts(study))),
     ];
   }
   const configurations = study.configurations.length > 1 ? [card("overview", "Configurations", createConfigurations(store))] : [];
@@ -93,7 +95,7 @@ function sections(store: Store, planes: ReturnType<typeof createPlanes> | null):
       {},
       column("left", plotCard(store, planes), ...thresholds),
       column("right", run, ...waves),
-      column("wide", ...configurations, card("all", "All runs", createParallel(store), createTable(store)), createFacts(study)),
+      column("wide", ...configurations, card("all", "All runs", createParallel(store), createTable(store)), ...charts, createFacts(study)),
     ),
   ];
 }

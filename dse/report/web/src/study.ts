@@ -1,4 +1,5 @@
 // The study as the page sees it: typed columns, one value per run, in the units shown.
+import { readCharted, type Charted } from "./chart";
 import { columnText } from "./format";
 import { unpack, type Entry, type Numbers } from "./packing";
 
@@ -77,6 +78,7 @@ export interface Study {
   configurations: Configuration[];
   slices: number[][];
   figures: Figure[];
+  charted: Charted[];
   facts: [string, string][];
   waveforms: () => Promise<Map<string, Numbers>>;
 }
@@ -94,6 +96,7 @@ interface Document {
   slices: number[][];
   problems: [number, string][];
   figures: { name: string; title: string; unit: string; current: string; target: string; shape: Figure["shape"] }[];
+  charted: Charted[];
   facts: [string, string][];
   radial?: boolean[];
   columns: Entry[];
@@ -149,6 +152,7 @@ export async function readStudy(): Promise<Study> {
       constants: figure.shape === "constant" ? floats(`figure.${i}.target`) : null,
       ranges: { current: range(`figure.${i}.current`), target: range(`figure.${i}.target`) },
     })),
+    charted: readCharted(source.charted, arrays),
     facts: source.facts,
     waveforms: () => (waveforms ??= unpack(source.waveforms, block("waveforms"))),
   };

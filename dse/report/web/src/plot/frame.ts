@@ -1,16 +1,26 @@
 // Where the plot lies on the canvas and how data become pixels.
-import { scaleLinear, type ScaleLinear } from "d3-scale";
+import { scaleLinear, type ScaleContinuousNumeric } from "d3-scale";
 import { axisLabel, type Variable } from "../study";
 import { number } from "../format";
 import type { Palette } from "../theme";
+
+export type Scale = ScaleContinuousNumeric<number, number>;
+
+/** What an axis says; `names` stand at 0, 1, … in place of numbers. */
+export interface AxisText {
+  title: string;
+  unit: string;
+  log?: boolean;
+  names?: string[];
+}
 
 export interface Frame {
   left: number;
   right: number;
   top: number;
   bottom: number;
-  x: ScaleLinear<number, number>;
-  y: ScaleLinear<number, number>;
+  x: Scale;
+  y: Scale;
 }
 
 export function frameOf(width: number, height: number, horizontal: Variable, vertical: Variable, bar: boolean): Frame {
@@ -31,8 +41,8 @@ export function clipTo(pen: CanvasRenderingContext2D, { left, right, top, bottom
 export function drawAxes(
   pen: CanvasRenderingContext2D,
   frame: Frame,
-  horizontal: Variable,
-  vertical: Variable,
+  horizontal: AxisText,
+  vertical: AxisText,
   colours: Palette,
 ): void {
   const { left, right, top, bottom, x, y } = frame;
@@ -44,26 +54,58 @@ export function drawAxes(
   pen.beginPath();
   pen.textAlign = "center";
   pen.textBaseline = "alphabetic";
-  for (const tick of x.ticks(Math.max(3, (right - left) / 80))) {
+  const across = ticksOf(x, horizontal, (right - left) / 80);
+  for (const [tick, text] of across) {
     const place = Math.round(x(tick)) + 0.5;
     pen.moveTo(place, bottom);
     pen.lineTo(place, bottom + 5);
-    pen.fillText(number(tick, 6), place, bottom + 19);
+    pen.fillText(text, place, bottom + 19, (right - left) / across.length);
   }
   pen.textAlign = "right";
   pen.textBaseline = "middle";
-  for (const tick of y.ticks(Math.max(3, (bottom - top) / 60))) {
+  for (const [tick, text] of ticksOf(y, vertical, (bottom - top) / 60)) {
     const place = Math.round(y(tick)) - 0.5;
     pen.moveTo(left - 5, place);
     pen.lineTo(left, place);
-    pen.fillText(number(tick, 6), left - 9, place + 0.5);
+    pen.fillText(text, left - 9, place + 0.5, left - 34);
   }
   pen.stroke();
   pen.font = `600 12.5px ${colours.font}`;
   pen.textAlign = "center";
   pen.textBaseline = "alphabetic";
-  pen.fillText(axisLabel(horizontal), (left + right) / 2, bottom + 42, right - left);
-  sideways(pen, 16, (top + bottom) / 2, () => pen.fillText(axisLabel(vertical), 0, 0, bottom - top));
+  pen.fillText(axisText(horizontal), (left + right) / 2, bottom + 42, right - left);
+  sideways(pen, 16, (top + bottom) / 2, () => pen.fillText(axisText(vertical), 0, 0, bottom - top));
+}
+
+export function drawGrid(pen: CanvasRenderingContext2D, frame: Frame, horizontal: AxisText, vertical: AxisText, colours: Palette): void {
+  const { left, right, top, bottom, x, y } = frame;
+  pen.strokeStyle = colours.line;
+  pen.lineWidth = 1;
+  pen.beginPath();
+  for (const [tick] of ticksOf(x, horizontal, (right - left) / 80)) {
+    pen.moveTo(Math.round(x(tick)) + 0.5, top);
+    pen.lineTo(Math.round(x(tick)) + 0.5, bottom);
+  }
+  for (const [tick] of ticksOf(y, vertical, (bottom - top) / 60)) {
+    pen.moveTo(left, Math.round(y(tick)) - 0.5);
+    pen.lineTo(right, Math.round(y(tick)) - 0.5);
+  }
+  pen.stroke();
+}
+
+export function axisText(axis: AxisText): string {
+  return axis.names?.length ? axis.title : axisLabel(axis);
+}
+
+function ticksOf(scale: Scale, { log, names }: AxisText, count: number): [number, string][] {
+  if (names?.length) {
+    const stride = Math.ceil(names.length / Math.max(3, count));
+    return names.map((name, index): [number, string] => [index, name]).filter((_, index) => index % stride === 0);
+  }
+  const ticks = scale.ticks(Math.max(3, count));
+  const decades = ticks.filter((tick) => Number.isInteger(Math.log10(tick)));
+  // Over many decades a logarithmic scale offers every digit of each.
+  return (log && decades.length > 2 ? decades : ticks).map((tick) => [tick, number(tick, 6)]);
 }
 
 export function sideways(pen: CanvasRenderingContext2D, x: number, y: number, draw: () => void): void {
