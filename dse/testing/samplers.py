@@ -18,9 +18,8 @@ import pytest
 from dse.domain.bench import Verdict
 from dse.domain.sampler import Brief, Candidate, Outcomes, Sampler
 from dse.domain.study import DesignVariable
-from dse.errors import Location
 from dse.loading.extensions import SAMPLERS, SamplerSection, Surroundings
-from dse.loading.yaml import Document
+from dse.loading.yaml import read_yaml
 from dse.units import DIMENSIONLESS
 
 VARIABLES = (
@@ -44,7 +43,8 @@ class SamplerSuite:
         """The sampler with the options of *example*, as if a study file in a folder with its files had them."""
         for name, text in self.sampler.example_files.items():
             (tmp_path / name).write_text(text, encoding="utf-8")
-        document = Document(tmp_path / "study.pet.yaml", {}, {(): Location("study.pet.yaml", 1, 1)}, {})
+        (tmp_path / "study.pet.yaml").write_text("study: suite\n", encoding="utf-8")
+        document = read_yaml(tmp_path / "study.pet.yaml")
         around = Surroundings(document, ("sampler",), frozenset(v.name for v in VARIABLES), VARIABLES, tmp_path)
         return cast(Sampler, self.sampler.model_validate(example).settled(around))
 

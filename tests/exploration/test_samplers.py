@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from dse.domain.sampler import Brief, Outcomes
 from dse.domain.study import DesignVariable, Study
-from dse.errors import DseError, Location
+from dse.errors import DseError
 from dse.exploration.asking import first_ask
 from dse.exploration.samplers.csv import Csv
 from dse.exploration.samplers.full_factorial import FullFactorial, levels
@@ -19,7 +19,7 @@ from dse.exploration.samplers.halton import Halton
 from dse.exploration.samplers.latin_hypercube import LatinHypercube
 from dse.exploration.samplers.sobol import Sobol
 from dse.loading.extensions import Surroundings
-from dse.loading.yaml import Document
+from dse.loading.yaml import read_yaml
 from dse.units import DIMENSIONLESS, parse_unit
 
 
@@ -175,9 +175,13 @@ SPEED, PLAIN = (
 
 def table(folder: Path, text: str) -> Csv:
     (folder / "points.csv").write_text(text, encoding="utf-8")
-    document = Document(folder / "s.pet.yaml", {}, {(): Location("s.pet.yaml", 1, 1)}, {})
-    names = frozenset({SPEED.name, PLAIN.name})
-    return Csv(file="points.csv").settled(Surroundings(document, ("sampler", "csv"), names, (SPEED, PLAIN), folder))
+    return Csv(file="points.csv").settled(around(folder, SPEED, PLAIN))
+
+
+def around(folder: Path, *variables: DesignVariable) -> Surroundings:
+    (folder / "s.pet.yaml").write_text("study: s\n", encoding="utf-8")
+    names = frozenset(variable.name for variable in variables)
+    return Surroundings(read_yaml(folder / "s.pet.yaml"), ("sampler", "csv"), names, variables, folder)
 
 
 def test_a_table_is_read_in_the_units_of_its_head_and_rows_that_repeat_are_one(tmp_path: Path) -> None:
@@ -206,9 +210,7 @@ def test_what_is_wrong_with_a_table_is_told_at_its_line(tmp_path: Path, text: st
 
 
 def test_a_table_lies_in_the_workspace_and_its_rows_stand_in_it(tmp_path: Path) -> None:
-    document = Document(tmp_path / "s.pet.yaml", {}, {(): Location("s.pet.yaml", 1, 1)}, {})
-    around = Surroundings(document, ("sampler", "csv"), frozenset({PLAIN.name}), (PLAIN,), tmp_path)
     with pytest.raises(DseError, match="outside the workspace"):
-        Csv(file="../points.csv").settled(around)
+        Csv(file="../points.csv").settled(around(tmp_path, PLAIN))
     with pytest.raises(DseError, match="unknown key 'rows'"):
-        Csv(file="points.csv", rows=((1.0,),)).settled(around)
+        Csv(file="points.csv", rows=((1.0,),)).settled(around(tmp_path, PLAIN))
