@@ -7,7 +7,8 @@ import math
 import pytest
 from rich.console import Console
 
-from dse.cli.tables import checked_quantity, metric_table
+from dse.api.quantities import checked_quantity
+from dse.cli.tables import metric_table
 from dse.domain.run import Outcome, Run, RunRequest
 
 

@@ -6,18 +6,18 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import TYPE_CHECKING
 
-from dse.cli.app import console
-
 if TYPE_CHECKING:
+    from rich.console import Console
     from rich.progress import TaskID
 
     from dse.exploration.progress import Progress
 
 
 @contextmanager
-def progress_bar() -> Iterator[Callable[[Progress], None]]:
-    """Shows done of total, rate, time left and failures on standard error while the context lasts."""
+def progress_bar(console: Console | None = None) -> Iterator[Callable[[Progress], None]]:
+    """Shows done of total, rate, time left and failures on *console*, or standard error, while the context lasts."""
     from rich import progress as columns
+    from rich.console import Console
 
     bar = columns.Progress(
         columns.TextColumn("{task.description}"),
@@ -27,7 +27,7 @@ def progress_bar() -> Iterator[Callable[[Progress], None]]:
         columns.TimeElapsedColumn(),
         columns.TimeRemainingColumn(),
         columns.TextColumn("{task.fields[failed]}"),
-        console=console(stderr=True),
+        console=console or Console(stderr=True),
         refresh_per_second=5,
     )
     tasks: dict[str, TaskID] = {}
