@@ -7,7 +7,8 @@ change from one version to the next. Nothing is imported before it is used.
 from __future__ import annotations
 
 from importlib import import_module
-from typing import TYPE_CHECKING
+
+TYPE_CHECKING = False  # type checkers take it for true; importing typing would be most of ``import dse``
 
 if TYPE_CHECKING:
     from dse.api.bench import Bench, Study

@@ -14,6 +14,8 @@ if TYPE_CHECKING:
 
 Definition = Mapping[str, Any]
 
+_NAMED = ("N", "Pa", "J", "W", "V")
+
 
 @dataclass(frozen=True, slots=True)
 class MetricRow:
@@ -92,7 +94,10 @@ def si_unit(symbol: str) -> str:
     """The coherent SI unit of the same dimension: ``m/s`` for ``km/h``, nothing for ``%``."""
     from dse.units import coherent, parse_unit
 
-    return coherent(parse_unit(symbol)).symbol
+    unit = coherent(parse_unit(symbol))
+    # Of kWh the coherent unit is spelt kg.m2/s2, which nobody reads.
+    named = (name for name in _NAMED if symbol != unit.symbol and parse_unit(name).dimension == unit.dimension)
+    return next(named, unit.symbol)
 
 
 def _bound(requirement: Mapping[str, Any]) -> str:

@@ -64,7 +64,7 @@ class Design:
     def count(self, *, exact: bool = False, seed: int = 0, **narrowing: Unpack[Narrowing]) -> int | Tally: ...
     def count(self, *, exact: bool = False, seed: int = 0, **narrowing: Unpack[Narrowing]) -> int | Tally:
         """How many configurations are valid; where counting takes long an estimate (`Tally`), unless *exact*."""
-        engine = self.ask(**narrowing).engine
+        engine = self._ask(**narrowing).engine
         if exact:
             return engine.exactly()
         tally = engine.count(seed)
@@ -72,12 +72,12 @@ class Design:
 
     def list(self, limit: int | None = None, **narrowing: Unpack[Narrowing]) -> Sequence[Configuration]:
         """The valid configurations, in the order of the file; the first *limit* of them."""
-        question = self.ask(**narrowing)
+        question = self._ask(**narrowing)
         return [*_resolved(question, limited(question.engine.blocks(), limit))]
 
     def sample(self, number: int, seed: int = 0, **narrowing: Unpack[Narrowing]) -> Sequence[Configuration]:
         """*number* configurations drawn at random, independently, each valid one as likely as any other."""
-        question = self.ask(**narrowing)
+        question = self._ask(**narrowing)
         return [*_resolved(question, [question.engine.sample(number, seed)])]
 
     def configuration(self, name: str) -> Configuration:
@@ -96,7 +96,7 @@ class Design:
         wanted = aims([minimize] if minimize else [], [maximize] if maximize else [])
         if len(wanted) != 1:
             raise fail("one objective is needed", None, "give minimize or maximize; for several ask for 'pareto'")
-        question = self.ask(**narrowing)
+        question = self._ask(**narrowing)
         return Ranking(question, wanted, best_configurations(question.space, question.engine, wanted[0], n))
 
     def pareto(
@@ -109,7 +109,7 @@ class Design:
         wanted = aims(_several(minimize), _several(maximize))
         if len(wanted) < 2:
             raise fail("two objectives or more are needed", None, "for one ask for 'best'")
-        question = self.ask(**narrowing)
+        question = self._ask(**narrowing)
         return Ranking(question, wanted, pareto_set(question.space, question.engine, wanted))
 
     def explain(
@@ -122,7 +122,7 @@ class Design:
         from dse.api.explaining import explain
 
         among: Narrowing = {"on": on, "off": off}
-        return explain(self.ask(**(among if where is None else among | {"where": where})), _texts(choose))
+        return explain(self._ask(**(among if where is None else among | {"where": where})), _texts(choose))
 
     def conflict(self, **narrowing: Unpack[Narrowing]) -> tuple[Constraint, ...]:
         """Why nothing is left: a smallest set of constraints that cannot be met together.
@@ -131,20 +131,20 @@ class Design:
         """
         from dse.space.questions.conflict import conflict
 
-        engine = self.ask(**narrowing).engine
+        engine = self._ask(**narrowing).engine
         return conflict(engine) if engine.is_empty() else ()
 
     def constraints(self, *names: str, seed: int = 0, **narrowing: Unpack[Narrowing]) -> tuple[Impact, ...]:
         """What each constraint does, or those called *names*: how many configurations it costs, is it redundant."""
         from dse.space.questions.impact import impact
 
-        return impact(self.ask(**narrowing).engine, seed, names)
+        return impact(self._ask(**narrowing).engine, seed, names)
 
     def choices(self, *, seed: int = 0, **narrowing: Unpack[Narrowing]) -> tuple[Occurrence, ...]:
         """How often each alternative occurs among the valid configurations; which are dead, and which forced."""
         from dse.space.questions.occurrence import occurrences
 
-        return tuple(occurrences(self.ask(**narrowing).engine, seed))
+        return tuple(occurrences(self._ask(**narrowing).engine, seed))
 
     def compare(self, other: Design, *, seed: int = 0) -> Difference:
         """What came and went from here to *other*, and how many configurations both have."""
@@ -167,19 +167,11 @@ class Design:
         """
         from dse.api.frames import configurations_frame
 
-        question = self.ask(**narrowing)
+        question = self._ask(**narrowing)
         return configurations_frame(question.space, limited(question.engine.blocks(), limit))
 
-    def ask(self, **narrowing: Unpack[Narrowing]) -> Question:
-        """The part of the space that is left to look at, with the engine that answers about it."""
-        on, off = tuple(narrowing.get("on", ())), tuple(narrowing.get("off", ()))
-        if (on, off) not in self._engines:
-            self._engines[on, off] = ask(self.space, on=on, off=off).engine
-        texts = _texts(narrowing.get("choose", {}))
-        return ask(self.space, texts, narrowing.get("where"), on, off, self._engines[on, off])
-
     def __iter__(self) -> Iterator[Configuration]:
-        question = self.ask()
+        question = self._ask()
         return _resolved(question, question.engine.blocks())
 
     def __repr__(self) -> str:
@@ -194,6 +186,13 @@ class Design:
             alternatives[decision.path] = alternatives.get(decision.path, {}) | names
         rows = [(path, ", ".join(names)) for path, names in alternatives.items()]
         return table(f"{self.name}: {self.total:,} combinations", ("place", "alternatives"), rows)
+
+    def _ask(self, **narrowing: Unpack[Narrowing]) -> Question:
+        on, off = tuple(narrowing.get("on", ())), tuple(narrowing.get("off", ()))
+        if (on, off) not in self._engines:
+            self._engines[on, off] = ask(self.space, on=on, off=off).engine
+        texts = _texts(narrowing.get("choose", {}))
+        return ask(self.space, texts, narrowing.get("where"), on, off, self._engines[on, off])
 
 
 def _texts(choose: Mapping[str, str]) -> tuple[str, ...]:

@@ -59,15 +59,16 @@ def write_package(study: Study, target: Path, *, version: int = 2) -> tuple[Conf
 
 
 def recorded_units(planned: Plan) -> dict[str, str]:
-    """The SI unit of everything that can be recorded of the study's configurations, by ``part.port``."""
+    """The SI unit of each waveform that is kept of the study's runs."""
     from dse.domain.component import Kind
     from dse.domain.method import BONDS
     from dse.space.wiring import faces
     from dse.testbench.prepare import parts_and_wiring
 
     bench = planned.study.bench
-    found = {f"{BONDS}.{bond.name}": "J" for bond in bench.simulation.method.bonds}
+    kept: dict[str, str] = {}
     for prepared in planned.prepared.values():
+        found = {f"{BONDS}.{bond.name}": "J" for bond in bench.simulation.method.bonds}
         parts, _ = parts_and_wiring(bench, prepared.configuration)
         for path, component in parts.items():
             for port in component.interface.ports:
@@ -75,4 +76,5 @@ def recorded_units(planned: Plan) -> dict[str, str]:
                 found[f"{path}.{port.name}"] = si_unit(port.type.unit.symbol) if is_number else ""
         behind = faces(bench.design, prepared.configuration.choices)
         found |= {face: found[source] for face, source in behind.items()}
-    return found
+        kept |= {name: found[name] for name in prepared.kept}
+    return kept
