@@ -34,6 +34,8 @@ def progress_bar(console: Console | None = None) -> Iterator[Callable[[Progress]
 
     def show(progress: Progress) -> None:
         stage = str(progress.stage)
+        if not tasks:
+            bar.start()  # not before: what goes wrong until then is not said below an empty bar
         if stage not in tasks:
             for earlier in tasks.values():
                 bar.update(earlier, completed=bar.tasks[earlier].total)
@@ -42,5 +44,8 @@ def progress_bar(console: Console | None = None) -> Iterator[Callable[[Progress]
         failed = f"{progress.failed} failed" if progress.failed else ""
         bar.update(tasks[stage], completed=progress.done, total=progress.total, rate=rate, failed=failed)
 
-    with bar:
+    try:
         yield show
+    finally:
+        if tasks:
+            bar.stop()

@@ -33,6 +33,7 @@ def test_a_count_that_takes_long_is_an_estimate_that_says_so(design, monkeypatch
     found = design.count()
     assert isinstance(found, dse.Tally)
     assert found.low <= 227 <= found.high
+    assert found.low <= int(found) <= found.high
     assert str(found).startswith("≈ ")
 
 
