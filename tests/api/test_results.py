@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import math
+import subprocess
+import sys
 
 import numpy as np
 import pytest
@@ -60,6 +62,18 @@ def test_a_run_made_alone_is_the_run_of_the_study(run, results):
     stored = results.run(3)
     assert dict(run.metrics) == pytest.approx(dict(stored.metrics), rel=0, abs=0, nan_ok=True)
     assert np.array_equal(run.waveforms["world.gap"], stored.waveforms["world.gap"])
+
+
+def test_a_script_needs_no_guard_around_what_simulates(folder, results, tmp_path):
+    script = tmp_path / "script.py"
+    script.write_text(
+        f"import dse\nprint('once')\nbench = dse.open({str(folder)!r}).benches['acc_following']\n"
+        f"print(bench.simulate({results.run(0).configuration!r}))\n",
+        encoding="utf-8",
+    )
+    done = subprocess.run([sys.executable, str(script)], capture_output=True, text=True, check=True)
+    assert done.stdout.startswith("once\n<Run 0 of ")
+    assert done.stdout.count("once") == 1
 
 
 def test_values_are_set_in_the_parameters_unit_or_with_one(ws):
