@@ -1,3 +1,78 @@
-"""A workbench for designing cyber-physical products when architecture and numbers are both open."""
+"""A workbench for designing cyber-physical products when architecture and numbers are both open.
+
+What this package exports (``dse.__all__``) is public: docs/python.md shows it. Everything else is private and may
+change from one version to the next. Nothing is imported before it is used.
+"""
+
+from __future__ import annotations
+
+from importlib import import_module
+
+TYPE_CHECKING = False  # type checkers take it for true; importing typing would be most of ``import dse``
+
+if TYPE_CHECKING:
+    from dse.api.bench import Bench, Study
+    from dse.api.design import Design
+    from dse.api.explaining import Explanation
+    from dse.api.exploring import ExplorationInterruptedError, Progress
+    from dse.api.ranking import Ranking
+    from dse.api.results import Results, results
+    from dse.api.run import Run, Waveforms
+    from dse.api.workspace import Workspace
+    from dse.api.workspace import open_workspace as open  # noqa: A004  # dse.open(".") reads as it should
+    from dse.errors import DseError, Problem
+    from dse.space.tally import Tally
 
 __version__ = "0.1.0"
+
+__all__ = [
+    "Bench",
+    "Design",
+    "DseError",
+    "Explanation",
+    "ExplorationInterruptedError",
+    "Problem",
+    "Progress",
+    "Ranking",
+    "Results",
+    "Run",
+    "Study",
+    "Tally",
+    "Waveforms",
+    "Workspace",
+    "__version__",
+    "open",
+    "results",
+]
+
+_PLACES = {
+    "Bench": "api.bench:Bench",
+    "Design": "api.design:Design",
+    "DseError": "errors:DseError",
+    "Explanation": "api.explaining:Explanation",
+    "ExplorationInterruptedError": "api.exploring:ExplorationInterruptedError",
+    "Problem": "errors:Problem",
+    "Progress": "api.exploring:Progress",
+    "Ranking": "api.ranking:Ranking",
+    "Results": "api.results:Results",
+    "Run": "api.run:Run",
+    "Study": "api.bench:Study",
+    "Tally": "space.tally:Tally",
+    "Waveforms": "api.run:Waveforms",
+    "Workspace": "api.workspace:Workspace",
+    "open": "api.workspace:open_workspace",
+}
+
+
+def __getattr__(name: str) -> object:
+    if name == "results":
+        return import_module("dse.results")  # a room that can be called
+    if name not in _PLACES:
+        raise AttributeError(f"module 'dse' has no attribute '{name}'")
+    module, _, attribute = _PLACES[name].partition(":")
+    value = globals()[name] = getattr(import_module(f"dse.{module}"), attribute)
+    return value
+
+
+def __dir__() -> list[str]:
+    return sorted({*globals(), *__all__})

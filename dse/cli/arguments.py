@@ -4,12 +4,9 @@ from __future__ import annotations
 
 from enum import StrEnum
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 import typer
-
-if TYPE_CHECKING:
-    from dse.loading.workspace import Workspace
 
 
 class Output(StrEnum):
@@ -62,31 +59,3 @@ Fuse = Annotated[
     bool, typer.Option("--fuse", help="Compile each configuration into one library first: same results, faster runs.")
 ]
 Gate = Annotated[bool, typer.Option("--gate", help="Exit with 3 also if a requirement failed, not only a run.")]
-
-
-_NO_YAML = {
-    ".fmu": ("an FMU", "'dse import fmu {0}' makes a component of it; 'dse probe {0}' finds out what it does"),
-    ".ssp": ("an SSP package", "'dse simulate {0}' simulates it; 'dse import ssp {0} DIR' makes a workspace of it"),
-}
-
-
-def processes(workers: int, threads: int = 1) -> int:
-    """The number of worker processes *workers* asks for if each makes *threads* runs at once."""
-    import os
-
-    return workers or max(1, (os.cpu_count() or 1) // threads)
-
-
-def workspace_of(name: str) -> Workspace:
-    """The workspace of the file called *name*, or the one around the current folder.
-
-    Raises DseError, also for the name of a file that is no workspace's.
-    """
-    from dse.errors import fail
-    from dse.loading.workspace import Workspace
-
-    path = Path(name)
-    if path.suffix.lower() in _NO_YAML:
-        what, hint = _NO_YAML[path.suffix.lower()]
-        raise fail(f"'{name}' is {what}", hint=hint.format(name))
-    return Workspace.around(path.parent if path.suffix and path.parent.is_dir() else Path())

@@ -19,9 +19,8 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
     from rich.table import Table
 
+    from dse.api.packages import PreparedPackage
     from dse.domain.method import Method
-    from dse.system.ssp.conversion import Carry
-    from dse.testbench.ssp import PreparedPackage
 
     Columns = Mapping[str, NDArray[np.float64]]
 
@@ -62,9 +61,8 @@ def waveform_file(path: Path | None) -> Path | None:
 
 def simulate_package(path: Path, wishes: Wishes, target: Path | None, output: Output) -> None:
     """Simulate the package once, show or write its waveforms, and exit as it deserves."""
-    from dse.exploration.alone import simulate_alone
-    from dse.testbench.execute import make_runner
-    from dse.testbench.ssp import prepare_ssp
+    from dse.api.packages import prepare_ssp
+    from dse.api.packages import simulate_package as simulated
 
     with console(stderr=True).status("opening FMUs"):
         prepared = prepare_ssp(
@@ -78,16 +76,16 @@ def simulate_package(path: Path, wishes: Wishes, target: Path | None, output: Ou
             timeout=seconds("--timeout", wishes.timeout) or _TIMEOUT,
         )
     _say_notes(prepared)
-    waveforms, problem = simulate_alone(prepared.bench, make_runner)
+    waveforms, problem = simulated(prepared)
     if waveforms is None:
         console(stderr=True).print(plain(f"{path.name} failed to run: {problem}"), style="bold red", soft_wrap=True)
         raise typer.Exit(RUNS_FAILED)
-    columns = {s.name: _carried(s.carry, waveforms.values[s.label]) for s in prepared.resolved.signals}
+    time, columns = waveforms.time, waveforms.values
     if target is not None:
-        _write(target, waveforms.time, columns, prepared)
-        console().print(f"{target}: {len(columns)} waveforms of {len(waveforms.time)} points", soft_wrap=True)
+        _write(target, time, columns, prepared)
+        console().print(f"{target}: {len(columns)} waveforms of {len(time)} points", soft_wrap=True)
     elif output is Output.JSON:
-        print_json(_data(waveforms.time, columns, prepared, whole=False))
+        print_json(_data(time, columns, prepared, whole=False))
     else:
         _show(path, columns, prepared)
     raise typer.Exit(DONE)
@@ -140,15 +138,6 @@ def _say_notes(prepared: PreparedPackage) -> None:
         screen.print(plain(f"note: {note}"), soft_wrap=True)
     if len(notes) > _MOST_NOTES:
         screen.print(f"note: and {len(notes) - _MOST_NOTES} more of what is not used", soft_wrap=True)
-
-
-def _carried(carry: Carry, values: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Recorded values as the system's own connector shows them."""
-    import numpy as np
-
-    if carry.table is None and carry.is_linear_identity:
-        return values
-    return np.array([carry.apply(float(value)) for value in values], np.float64)
 
 
 def _write(target: Path, time: NDArray[np.float64], columns: Columns, prepared: PreparedPackage) -> None:

@@ -10,45 +10,41 @@ from dse.cli.arguments import Output
 from dse.cli.tables import metric_table, run_data
 
 if TYPE_CHECKING:
-    from dse.domain.definition import StudyDefinition
-    from dse.domain.run import Run
+    from dse.api.run import Run
 
 
-def present_run(run: Run, definition: StudyDefinition, output: Output, plot: Path | None) -> None:
+def present_run(run: Run, output: Output, plot: Path | None) -> None:
     """Print the run for a person or for a program, and draw its figures if a file for them is given."""
     if output is Output.JSON:
-        print_json(run_data(run))
+        print_json(run_data(run.noun))
     else:
-        show_run(run, definition)
+        show_run(run)
     if plot is not None:
-        draw_run(run, definition, plot)
+        draw_run(run, plot)
 
 
-def show_run(run: Run, definition: StudyDefinition) -> None:
+def show_run(run: Run) -> None:
     """The configuration, the point, and every metric with its verdicts."""
-    from dse.domain.run import Outcome
-
     screen = console()
-    configuration = definition.configuration(run.request.configuration)
-    chosen = ", ".join(f"{place} {choice}" for place, choice in configuration.choices.items())
-    screen.print(plain(definition.title), style="bold")
-    screen.print(f"configuration {run.request.configuration}{f': {chosen}' if chosen else ''}", soft_wrap=True)
-    if run.problem and run.outcome is Outcome.FAILED:
+    chosen = ", ".join(f"{place} {choice}" for place, choice in run.choices.items())
+    screen.print(plain(run.definition.title), style="bold")
+    screen.print(f"configuration {run.configuration}{f': {chosen}' if chosen else ''}", soft_wrap=True)
+    if run.problem and not run.is_done:
         screen.print(plain(f"failed to run: {run.problem}"), style="bold red", soft_wrap=True)
     elif run.problem:
         screen.print(plain(run.problem), style="yellow", soft_wrap=True)
-    print_table(metric_table(run, definition))
+    print_table(metric_table(run.noun, run.definition))
 
 
-def draw_run(run: Run, definition: StudyDefinition, target: Path) -> None:
+def draw_run(run: Run, target: Path) -> None:
     """Draw the bench's figures for *run* into *target*; nothing is drawn for a run that failed."""
     from dse.report.draw import draw_waveforms, save
     from dse.report.figures import waveform_data
     from dse.report.study import content_of_run
 
-    if run.waveforms is None:
+    if not run.has_waveforms:
         console(stderr=True).print(f"{target}: not drawn, the run has no waveforms")
         return
-    content = content_of_run(run, definition)
-    save(draw_waveforms(waveform_data(content, run.request.number)), target)
+    content = content_of_run(run.noun, run.definition)
+    save(draw_waveforms(waveform_data(content, run.number)), target)
     console().print(f"figures: {target}", soft_wrap=True)

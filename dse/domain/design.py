@@ -152,8 +152,8 @@ class Configuration:
 
     id: str
     choices: Mapping[str, str]
-    parts: Mapping[str, Component] = field(default_factory=dict)
-    connections: tuple[Connection, ...] = ()
+    parts: Mapping[str, Component] = field(default_factory=dict, repr=False)
+    connections: tuple[Connection, ...] = field(default=(), repr=False)
 
     def total(self, name: str) -> float:
         """Sum of the property *name* over all parts that have it, in SI."""

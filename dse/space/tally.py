@@ -27,6 +27,9 @@ class Tally:
             return f"{self.value:,}" if self.value < _WRITTEN_OUT else significant(self.value, 4)
         return f"≈ {significant(self.value, 4)} ± {self.half_width} (95 %)"
 
+    def __int__(self) -> int:
+        return self.value
+
     @property
     def half_width(self) -> str:
         """Half the length of the interval, two digits of it."""

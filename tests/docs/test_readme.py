@@ -71,10 +71,23 @@ def test_the_files_shown_can_be_read(workspace, tmp_path):
     assert study.bench.design.constraints[0].name == "budget"
 
 
-def test_the_python_shown_runs(workspace):
-    for text in blocks("python"):
-        done = subprocess.run(
-            [sys.executable, "-c", text], cwd=workspace, capture_output=True, text=True, encoding="utf-8", check=False
-        )
-        assert done.returncode == 0, done.stderr
-        assert "configurations below" in done.stdout
+def test_the_python_shown_runs(workspace, tmp_path):
+    copy = shutil.copytree(workspace, tmp_path / "copy", ignore=shutil.ignore_patterns("out"))
+    study = copy / "testbenches" / "acc_gains.pet.yaml"
+    # The same study on a coarse grid: 18 runs.
+    study.write_text(study.read_text(encoding="utf-8").replace("levels: 33", "levels: 3"), encoding="utf-8")
+    (text,) = blocks("python")
+    done = subprocess.run(
+        [sys.executable, "-c", text],
+        cwd=copy,
+        env={**os.environ, "DSE_CACHE": str(tmp_path / "cache")},
+        capture_output=True,
+        text=True,
+        encoding="utf-8",
+        check=False,
+    )
+    assert done.returncode == 0, done.stderr
+    assert "configurations below 6000 EUR" in done.stdout
+    assert re.search(r"^pass +\d", done.stdout, re.MULTILINE)
+    assert done.stdout.endswith(" s\n")
+    assert "18/18" in done.stderr

@@ -9,8 +9,9 @@ from typing import Annotated
 
 import typer
 
+from dse.api.naming import workspace_of
 from dse.cli.app import app, console
-from dse.cli.arguments import Configuration, FmiVersion, workspace_of
+from dse.cli.arguments import Configuration, FmiVersion
 from dse.errors import DseError, Location, Problem
 
 
@@ -68,17 +69,12 @@ def _fmus(names: list[str] | None, version: int, workspace: Path) -> dict[str, P
 
 
 def _fused(bench: str, configuration: str | None, version: int, workspace: Path) -> dict[str, Path]:
+    from dse.api.simulating import fused_libraries, selected
     from dse.cli.exploring import ready
-    from dse.domain.study import Selection
     from dse.loading.workspace import Workspace
-    from dse.testbench.plan import bench_study
-    from dse.testbench.select import one
 
     space = Workspace.around(workspace) if workspace != Path() else workspace_of(bench)
-    loaded = space.bench(bench)
-    chosen = None if configuration is None else Selection((one(loaded.design, configuration).id,))
-    prepared = ready(bench_study(loaded, chosen), version=version, fuse=True).prepared
-    return {name: each.fused.path for name, each in prepared.items() if each.fused is not None}
+    return fused_libraries(ready(selected(space.bench(bench), configuration), version, fuse=True))
 
 
 def _validate(archives: Mapping[str, Path]) -> None:

@@ -8,7 +8,7 @@ from typing import Annotated
 import typer
 
 from dse.cli.app import app, console
-from dse.cli.progress import status_line
+from dse.cli.status import status_line
 from dse.errors import DseError
 
 

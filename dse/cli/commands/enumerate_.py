@@ -3,16 +3,18 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable
 from enum import StrEnum
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from dse.api.asking import ask
+from dse.api.naming import space_of
 from dse.cli.app import app, console, plain, print_json, print_table
 from dse.cli.arguments import Design
-from dse.cli.space import Off, On, Seed, Where, condition_of, space_of
+from dse.cli.space import Off, On, Seed, Where
 
 if TYPE_CHECKING:
     from dse.domain.design import DesignSpace
@@ -61,7 +63,7 @@ def enumerate_(
 
     A table shows the first 100 unless --limit says otherwise; CSV, JSON and files hold all.
     """
-    from dse.space.enumerate import engine_of
+    from dse.api.design import limited
     from dse.space.output.sheet import Sheet
 
     if exact and not count:
@@ -76,8 +78,8 @@ def enumerate_(
             raise typer.BadParameter("lists configurations; --count only says how many", param_hint=option)
     if target is not None and output is not Listing.TABLE and target.suffix.lower() != f".{output.value}":
         raise typer.BadParameter(f"'{target.name}' is not the name of a .{output.value} file", param_hint="--format")
-    space = space_of(design, on, off)
-    engine = engine_of(space, condition_of(where))
+    question = ask(space_of(design), (), where, on, off)
+    space, engine = question.space, question.engine
     if interactive:
         from dse.cli.interactive import choose
 
@@ -85,9 +87,9 @@ def enumerate_(
     elif count:
         _count(space, engine, seed, output, where, exact=exact)
     elif target is not None:
-        _save(Sheet(space), _drawn(engine, sample, seed) if sample else _limited(engine.blocks(), limit), target)
+        _save(Sheet(space), _drawn(engine, sample, seed) if sample else limited(engine.blocks(), limit), target)
     elif output is not Listing.TABLE:
-        _stream(Sheet(space), _drawn(engine, sample, seed) if sample else _limited(engine.blocks(), limit), output)
+        _stream(Sheet(space), _drawn(engine, sample, seed) if sample else limited(engine.blocks(), limit), output)
     elif sample is not None:
         (rows,) = _drawn(engine, sample, seed)
         _table(Sheet(space), rows)
@@ -186,13 +188,3 @@ def _table(sheet: Sheet, rows: Rows) -> None:
 
 def _drawn(engine: Engine, number: int, seed: int) -> tuple[Rows]:
     return (engine.sample(number, seed),)
-
-
-def _limited(blocks: Iterator[Rows], limit: int | None) -> Iterator[Rows]:
-    missing = limit
-    for rows in blocks:
-        yield rows if missing is None else rows[:missing]
-        if missing is not None:
-            missing -= len(rows)
-            if missing <= 0:
-                return

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from dse.api.naming import workspace_of
 from dse.cli.app import app
-from dse.cli.arguments import FmiVersion, Fresh, Fuse, Gate, NewFolder, StudyName, Threads, Workers, workspace_of
+from dse.cli.arguments import FmiVersion, Fresh, Fuse, Gate, NewFolder, StudyName, Threads, Workers
 
 
 @app.command()

@@ -8,10 +8,11 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from dse.api.asking import ask
+from dse.api.naming import space_of, workspace_of
 from dse.cli.app import app, console
-from dse.cli.arguments import Bench, Configuration, Design, FmiVersion, Settings, workspace_of
-from dse.cli.asking import ask
-from dse.cli.space import Choose, Off, On, Where, space_of
+from dse.cli.arguments import Bench, Configuration, Design, FmiVersion, Settings
+from dse.cli.space import Choose, Off, On, Where
 
 if TYPE_CHECKING:
     from dse.domain.bench import TestBench
@@ -64,7 +65,7 @@ def export_csv(
 
     if target.suffix.lower() != ".csv":
         raise typer.BadParameter(f"'{target.name}' must end in .csv", param_hint="--output")
-    question = ask(design, choose, where, on, off)
+    question = ask(space_of(design), choose, where, on, off)
     written = save(Sheet(question.space), question.engine.blocks(), target)
     console().print(f"{target}: {written:,} configuration{'' if written == 1 else 's'}", soft_wrap=True)
 
@@ -83,28 +84,18 @@ def export_ssp(
 
     Takes the first valid configuration unless --configuration names another.
     """
+    from dse.api.simulating import single, write_package
     from dse.cli.commands.simulate import read_settings
-    from dse.system.ssp.structure import ExperimentSettings
-    from dse.system.ssp.write import write_ssp
-    from dse.testbench.plan import with_settings
-    from dse.testbench.prepare import prepare
-    from dse.testbench.select import one
 
     if target.suffix.lower() != ".ssp":
         raise typer.BadParameter(f"'{target.name}' must end in .ssp", param_hint="--output")
-    loaded = workspace_of(bench).bench(bench)
-    chosen = one(loaded.design, configuration)
-    changed = with_settings(loaded, read_settings(settings), chosen)
+    study = single(workspace_of(bench).bench(bench), configuration, read_settings(settings))
     with console(stderr=True).status("building FMUs"):
-        prepared = prepare(changed, [chosen], version=version)[chosen.id]
-    simulation = prepared.simulation
-    times = ExperimentSettings(0.0, simulation.stop, simulation.step, simulation.record_every)
-    write_ssp(target, loaded.name, prepared.system, times)
+        chosen, elements = write_package(study, target, version=version)
     screen = console(stderr=True)
-    for what in _left_behind(changed):
+    for what in _left_behind(study.bench):
         screen.print(f"note: {what}: SSP has no words for that", soft_wrap=True)
-    elements = len(prepared.system.elements)
-    console().print(f"{target}: configuration {chosen.id} of {loaded.name}, {elements} components", soft_wrap=True)
+    console().print(f"{target}: configuration {chosen.id} of {study.bench.name}, {elements} components", soft_wrap=True)
 
 
 def _left_behind(bench: TestBench) -> Iterator[str]:

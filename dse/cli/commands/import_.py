@@ -75,8 +75,8 @@ def import_fmu(
 
     What is neither a port nor a parameter is listed as left out.
     """
+    from dse.api.importing import import_component
     from dse.loading.root import find_root
-    from dse.testbench.importing import import_component
 
     # Relative to this folder, so that the paths that are shown can be clicked and copied.
     target = folder or Path(os.path.relpath(find_root(Path()) or Path()))
@@ -111,8 +111,8 @@ def import_ssp(
     Its FMUs become components, its system a design space, and each of its variants a test bench with its parameter
     values. Where variants have different FMUs at a place, these are alternatives of the design.
     """
+    from dse.api.importing import import_ssp as make
     from dse.cli.packages import seconds
-    from dse.testbench.ssp_import import import_ssp as make
 
     made = make(package, folder, stop=seconds("--stop", stop), step=seconds("--step", step))
     screen = console()

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
@@ -54,14 +53,12 @@ def probe(
 
     What was found is kept in the cache, and all simulations act on it: an FMU that lies about its reset is never reset.
     """
-    from dse.cosim.probing.child import Limits
-    from dse.cosim.probing.probe import probe as find_out
+    from dse.api.probing import as_data, find_out, known_facts, model_of
     from dse.domain.facts import Answer, Question
-    from dse.fmu.platforms import this_platform
-    from dse.testbench.trust import as_data, keep_facts, known_facts
 
     found: list[FmuFacts] = []
-    for name, model in _models(names, version):
+    for name in names:
+        model = model_of(name, version=version)
         facts = None if again else known_facts(model)
         if facts is None:
             with console(stderr=True).status(plain(f"probing {name}")) as status:
@@ -69,8 +66,7 @@ def probe(
                 def tell(question: Question) -> None:
                     status.update(plain(f"probing {name}: {_TITLES[str(question)]}?"))  # noqa: B023  # called at once
 
-                facts = find_out(model, this_platform().name, limits=Limits(time=timeout), tell=tell)
-            keep_facts(facts)
+                facts = find_out(model, timeout=timeout, tell=tell)
         found.append(facts)
         if output is Output.TABLE:
             _show(name, model, facts)
@@ -80,25 +76,12 @@ def probe(
     raise typer.Exit(RUNS_FAILED if failed else DONE)
 
 
-def _models(names: list[str], version: int) -> Iterator[tuple[str, FmuModel]]:
-    from dse.fmu.build import build
-    from dse.fmu.unpack import open_fmu
-    from dse.loading.workspace import Workspace
-
-    for name in names:
-        path = Path(name)
-        if path.suffix.lower() == ".fmu" or path.is_file():
-            yield name, open_fmu(path)
-        else:
-            yield name, open_fmu(build(Workspace.around(Path()).component(name), version=version))
-
-
 def _show(name: str, model: FmuModel, facts: FmuFacts) -> None:
     from rich.table import Table
     from rich.text import Text
 
+    from dse.api.probing import consequences
     from dse.domain.facts import Question
-    from dse.testbench.trust import consequences
 
     kind = f"FMI {model.version}, {model.interface}"
     if not math.isnan(facts.step):

@@ -26,14 +26,9 @@ def report(
 
     Reads only the study folder; nothing is simulated.
     """
+    from dse.api.results import Results
     from dse.errors import DseError
-    from dse.report.page import write_report
-    from dse.report.study import read_content
-    from dse.results.folder import StudyFolder
 
-    page = target or folder / "report.html"
-    with StudyFolder.open(folder) as store:
-        content = read_content(store, shown_as=folder.as_posix(), most=waveforms)
-    if problems := write_report(content, page):
-        show_problems(DseError(*problems))
-    console().print(f"{page}: {len(content.runs)} runs, {page.stat().st_size / 1e6:.1f} MB", soft_wrap=True)
+    results = Results(folder)
+    page = results.report(target, waveforms=waveforms, on_problems=lambda found: show_problems(DseError(*found)))
+    console().print(f"{page}: {len(results)} runs, {page.stat().st_size / 1e6:.1f} MB", soft_wrap=True)

@@ -37,11 +37,9 @@ def results(
 
     Point, metrics, verdicts and margins of each run, in SI units.
     """
-    from dse.results.export import EXPORTS
-    from dse.results.folder import StudyFolder
+    from dse.api.results import Results
 
-    with StudyFolder.open(folder) as store:
-        data = EXPORTS[str(output)](store)
+    data = Results(folder).export(str(output))
     if target is not None:
         target.parent.mkdir(parents=True, exist_ok=True)
         target.write_bytes(data)

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from dse.api.naming import workspace_of
 from dse.cli.app import app
-from dse.cli.arguments import Bench, FmiVersion, Fresh, Fuse, Gate, NewFolder, Threads, Workers, workspace_of
+from dse.cli.arguments import Bench, FmiVersion, Fresh, Fuse, Gate, NewFolder, Threads, Workers
 
 
 @app.command()
@@ -21,8 +22,8 @@ def run(
 
     Interrupted and started again it goes on where it was.
     """
+    from dse.api.simulating import selected
     from dse.cli.exploring import explore_into
-    from dse.testbench.plan import bench_study
 
-    study = bench_study(workspace_of(bench).bench(bench))
+    study = selected(workspace_of(bench).bench(bench), None)
     explore_into(study, folder, workers=workers, threads=threads, version=version, fuse=fuse, fresh=fresh, gate=gate)

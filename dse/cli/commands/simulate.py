@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import replace
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
+from dse.api.naming import workspace_of
 from dse.cli.app import DONE, RUNS_FAILED, app
 from dse.cli.arguments import (
     CheckStep,
@@ -20,7 +20,6 @@ from dse.cli.arguments import (
     Output,
     Plot,
     Settings,
-    workspace_of,
 )
 from dse.cli.packages import Wishes, is_package, simulate_package, waveform_file
 
@@ -84,21 +83,17 @@ def simulate(
     asked = {"--output": waveforms, "--variant": variant, "--stop": stop, "--step": step, "--record": record}
     words = {"--algorithm": algorithm, "--coupling": coupling, "--extrapolation": extrapolation, "--timeout": timeout}
     _refuse({**asked, **words}, "package")
-    from dse.cli.exploring import run_alone
+    from dse.api.exploring import alone
+    from dse.api.run import Run
+    from dse.api.simulating import single
+    from dse.cli.exploring import ready
     from dse.cli.showing import present_run
-    from dse.domain.run import Outcome
-    from dse.domain.study import Selection
-    from dse.testbench.plan import bench_study, with_settings
-    from dse.testbench.select import one
 
-    loaded = workspace_of(bench).bench(bench)
-    chosen = one(loaded.design, configuration)
-    changed = with_settings(loaded, dict(wishes.settings), chosen)
-    if check_step:
-        changed = replace(changed, simulation=replace(changed.simulation, check_step=True))
-    run, definition = run_alone(bench_study(changed, Selection((chosen.id,))), version=version, fuse=fuse)
-    present_run(run, definition, output, plot)
-    failed = run.outcome is Outcome.FAILED or (gate and any(str(j.verdict) == "fail" for j in run.judgements))
+    study = single(workspace_of(bench).bench(bench), configuration, wishes.settings, check_step=check_step)
+    planned = ready(study, version, fuse=fuse)
+    run = Run(alone(planned), planned.definition)
+    present_run(run, output, plot)
+    failed = not run.is_done or (gate and "fail" in run.verdicts.values())
     raise typer.Exit(RUNS_FAILED if failed else DONE)
 
 

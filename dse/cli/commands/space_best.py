@@ -6,15 +6,16 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from dse.api.asking import ask
+from dse.api.naming import space_of
+from dse.api.ranking import Ranking
 from dse.cli.app import console, plain, print_json, print_table
 from dse.cli.arguments import Design, Format, Output
-from dse.cli.asking import ask
 from dse.cli.space import Choose, Off, On, Where, space_app
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from dse.cli.asking import Question
     from dse.space.questions.optimum import Aim, Ranked
 
 Minimize = Annotated[
@@ -52,8 +53,9 @@ def space_best(
     wanted = aims(minimize or [], maximize or [])
     if len(wanted) != 1:
         raise typer.BadParameter("give one objective; for several ask 'dse space pareto'", param_hint="--minimize")
-    question = ask(design, choose, where, on, off)
-    _show(question, wanted, best_configurations(question.space, question.engine, wanted[0], number), output)
+    question = ask(space_of(design), choose, where, on, off)
+    found = best_configurations(question.space, question.engine, wanted[0], number)
+    _show(Ranking(question, wanted, found), output)
 
 
 @space_app.command("pareto")
@@ -76,42 +78,33 @@ def space_pareto(
     wanted = aims(minimize or [], maximize or [])
     if len(wanted) < 2:
         raise typer.BadParameter("give two objectives or more", param_hint="--minimize, --maximize")
-    question = ask(design, choose, where, on, off)
-    _show(question, wanted, pareto_set(question.space, question.engine, wanted), output)
+    question = ask(space_of(design), choose, where, on, off)
+    _show(Ranking(question, wanted, pareto_set(question.space, question.engine, wanted)), output)
 
 
-def _show(question: Question, wanted: Sequence[Aim], found: Sequence[Ranked], output: Output) -> None:
-    from dse.space.questions.optimum import display_unit
-
-    units = [display_unit(question.space, aim) for aim in wanted]
-    values = [[unit.from_si(float(value)) for unit, value in zip(units, entry.values, strict=True)] for entry in found]
+def _show(ranking: Ranking, output: Output) -> None:
+    question, values = ranking.question, ranking.shown()
     if output is Output.JSON:
         aims = [
             {"value": str(aim), "aim": "greatest" if aim.largest else "least", "unit": unit.symbol}
-            for aim, unit in zip(wanted, units, strict=True)
+            for aim, unit in zip(ranking.aims, ranking.units, strict=True)
         ]
-        configurations = [_data(entry, row) for entry, row in zip(found, values, strict=True)]
+        configurations = [
+            {"id": entry.id, "values": row, "choices": dict(entry.choices)}
+            for entry, row in zip(ranking, values, strict=True)
+        ]
         print_json({**question.data(), "aims": aims, "configurations": configurations})
         return
-    if not found:
+    if not ranking:
         what = "no configuration is valid, or the objective is undefined for all that are"
         console().print(plain(f"{question.title()}: {what}"), soft_wrap=True)
         return
-    cells = [[f"{value:.6g} {unit}".rstrip() for value, unit in zip(row, units, strict=True)] for row in values]
-    _print_ranking(wanted, found, cells)
-
-
-def _data(entry: Ranked, values: Sequence[float]) -> dict[str, object]:
-    from dse.space.resolve import identify
-
-    return {"id": identify(entry.choices), "values": list(values), "choices": dict(entry.choices)}
+    _print_ranking(ranking.aims, ranking, ranking.texts())
 
 
 def _print_ranking(wanted: Sequence[Aim], found: Sequence[Ranked], cells: Sequence[Sequence[str]]) -> None:
     """The choices in which they differ as columns, as far as there is room; those they share below."""
     from rich.table import Table
-
-    from dse.space.resolve import identify
 
     paths = list(dict.fromkeys(path for entry in found for path in entry.choices))
     differing = [path for path in paths if len({entry.choices.get(path) for entry in found}) > 1]
@@ -123,7 +116,7 @@ def _print_ranking(wanted: Sequence[Aim], found: Sequence[Ranked], cells: Sequen
     for path in shown:
         table.add_column(path, no_wrap=True)
     for entry, row in zip(found, cells, strict=True):
-        table.add_row(identify(entry.choices), *row, *(entry.choices.get(path, "–") for path in shown))
+        table.add_row(entry.id, *row, *(entry.choices.get(path, "–") for path in shown))
     print_table(table)
     if len(differing) > len(shown):
         more = len(differing) - len(shown)

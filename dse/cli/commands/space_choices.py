@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from dse.api.asking import ask
+from dse.api.naming import space_of
 from dse.cli.app import console, plain, print_json, print_table
 from dse.cli.arguments import Design, Format, Output
-from dse.cli.asking import ask
 from dse.cli.space import Choose, Off, On, Seed, Where, space_app
 from dse.errors import DseError
 
@@ -40,7 +41,7 @@ def space_choices(
     """
     from dse.space.questions.occurrence import occurrences
 
-    question = ask(design, choose, where, on, off)
+    question = ask(space_of(design), choose, where, on, off)
     try:
         found = occurrences(question.engine, seed)
     except DseError:

@@ -6,9 +6,10 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from dse.api.naming import space_of
 from dse.cli.app import console, plain, print_json
 from dse.cli.arguments import Design, Format, Output
-from dse.cli.space import Off, On, Seed, space_app, space_of
+from dse.cli.space import Off, On, Seed, space_app
 from dse.cli.tallies import number_text, tally_data, tally_text
 
 if TYPE_CHECKING:

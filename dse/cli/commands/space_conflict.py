@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from dse.api.asking import ask
+from dse.api.naming import space_of
 from dse.cli.app import console, plain, print_json
 from dse.cli.arguments import Design, Format, Output
-from dse.cli.asking import ask
 from dse.cli.space import Choose, Off, On, Where, space_app
 
 if TYPE_CHECKING:
@@ -30,7 +31,7 @@ def space_conflict(
     """
     from dse.space.questions.conflict import conflict
 
-    question = ask(design, choose, where, on, off)
+    question = ask(space_of(design), choose, where, on, off)
     if not question.engine.is_empty():
         if output is Output.JSON:
             print_json({**question.data(), "empty": False, "conflict": []})

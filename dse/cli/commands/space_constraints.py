@@ -6,9 +6,10 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from dse.api.asking import ask
+from dse.api.naming import space_of
 from dse.cli.app import console, print_json, print_table
 from dse.cli.arguments import Design, Format, Output
-from dse.cli.asking import ask
 from dse.cli.commands.space_conflict import constraint_data
 from dse.cli.space import Choose, Off, On, Seed, Where, space_app
 from dse.cli.tallies import tally_cell, tally_data, tally_text
@@ -39,7 +40,7 @@ def space_constraints(
 
     from dse.space.questions.impact import impact
 
-    question = ask(design, choose, where, on, off)
+    question = ask(space_of(design), choose, where, on, off)
     found = impact(question.engine, seed, constraint)
     total = question.engine.only(()).count(seed)
     if output is Output.JSON:

@@ -6,9 +6,10 @@ from typing import Annotated
 
 import typer
 
+from dse.api.asking import ask
+from dse.api.naming import space_of
 from dse.cli.app import console, plain, print_json
 from dse.cli.arguments import Design, Format, Output
-from dse.cli.asking import ask
 from dse.cli.space import Choose, Off, On, Seed, Where, space_app
 from dse.cli.tallies import number_text, tally_data, tally_text
 
@@ -30,7 +31,7 @@ def space_count(
     """
     from dse.space.tally import Tally
 
-    question = ask(design, choose, where, on, off)
+    question = ask(space_of(design), choose, where, on, off)
     total = question.engine.total(question.space)
     tally = Tally(question.engine.exactly()) if exact else question.engine.count(seed)
     if output is Output.JSON:

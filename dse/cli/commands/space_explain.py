@@ -6,16 +6,17 @@ from typing import TYPE_CHECKING
 
 import typer
 
+from dse.api.asking import ask
+from dse.api.naming import space_of
 from dse.cli.app import console, plain, print_json
 from dse.cli.arguments import Design, Format, Output
-from dse.cli.asking import ask
 from dse.cli.commands.space_conflict import constraint_data, show_constraints
 from dse.cli.space import Choose, Off, On, Where, space_app
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from dse.cli.asking import Question
+    from dse.api.explaining import Explanation
     from dse.space.questions.explain import Broken
     from dse.space.questions.nearest import Change, Nearest
 
@@ -33,61 +34,48 @@ def space_explain(
 
     With some of the choices only: whether they can be completed, and if not, which constraints stand in the way.
     """
-    from dse.space.choosing import completed, read_choices
+    from dse.api.explaining import explain
 
     if not choose:
         raise typer.BadParameter("name the choices, as --choose sensor=radar", param_hint="--choose")
-    # Its engine is that of the whole space: a configuration is compared with all others.
-    whole = ask(design, [], where, on, off)
-    chosen = read_choices(whole.space, choose)
-    configuration = completed(whole.space, chosen)
-    if configuration is not None:
-        _explain_whole(whole, configuration, output)
+    found = explain(ask(space_of(design), [], where, on, off), choose)
+    if found.is_whole:
+        _show_whole(found, output)
     else:
-        _explain_part(ask(design, choose, where, on, off), output)
+        _show_part(found, output)
 
 
-def _explain_whole(question: Question, choices: dict[str, str], output: Output) -> None:
-    from dse.space.questions.explain import explain
-    from dse.space.questions.nearest import nearest
-    from dse.space.resolve import identify
-
-    broken = explain(question.space, choices)
-    near = nearest(question.engine, choices) if broken and not question.engine.is_empty() else None
+def _show_whole(found: Explanation, output: Output) -> None:
+    question, broken, near = found.question, found.broken, found.nearest
     if output is Output.JSON:
-        data = {**question.data(), "chosen": choices, "id": identify(choices), "valid": not broken}
+        data = {**question.data(), "chosen": found.choices, "id": found.id, "valid": not broken}
         print_json({**data, "broken": [_broken_data(entry) for entry in broken], "nearest": _nearest_data(near)})
         return
     if not broken:
-        _say(f"{identify(choices)} is valid: it meets all {len(question.space.constraints)} constraints")
+        _say(f"{found.id} is valid: it meets all {len(question.space.constraints)} constraints")
         return
-    _say(f"{identify(choices)} breaks {len(broken)} of {len(question.space.constraints)} constraints")
+    _say(f"{found.id} breaks {len(broken)} of {len(question.space.constraints)} constraints")
     for entry in broken:
         show_constraints([entry.constraint])
         _columns([(seen.what, seen.value) for seen in entry.seen], " = ")
     if near is None:
         _say(f"no configuration is valid; ask why: dse space conflict {question.space.name}")
         return
-    _say(f"the nearest valid configuration is {identify(near.choices)}:")
+    _say(f"the nearest valid configuration is {near.id}:")
     _columns([(change.path, _arrow(change)) for change in near.changes], "  ")
 
 
-def _explain_part(question: Question, output: Output) -> None:
-    from dse.space.questions.conflict import conflict
-    from dse.space.resolve import identify
-
-    row = question.engine.first()
-    found = conflict(question.engine) if row is None else ()
-    choices = question.engine.flat.choices(row) if row is not None else None
+def _show_part(found: Explanation, output: Output) -> None:
+    question, choices = found.question, found.choices
     if output is Output.JSON:
-        blamed = [constraint_data(constraint) for constraint in found]
-        print_json({**question.data(), "possible": row is not None, "first": choices, "conflict": blamed})
+        blamed = [constraint_data(constraint) for constraint in found.conflict]
+        print_json({**question.data(), "possible": found.is_valid, "first": choices, "conflict": blamed})
     elif choices is not None:
-        _say(f"these choices can be completed; the first configuration that has them is {identify(choices)}:")
+        _say(f"these choices can be completed; the first configuration that has them is {found.id}:")
         _columns(list(choices.items()), " = ")
-    elif found:
+    elif found.conflict:
         _say("no valid configuration has these choices, because of")
-        show_constraints(found)
+        show_constraints(found.conflict)
     else:
         _say(f"these choices exclude each other in '{question.space.name}', whatever the constraints")
 
@@ -111,9 +99,7 @@ def _broken_data(entry: Broken) -> dict[str, object]:
 
 
 def _nearest_data(near: Nearest | None) -> dict[str, object] | None:
-    from dse.space.resolve import identify
-
     if near is None:
         return None
     changes = [{"place": c.path, "before": c.before, "after": c.after} for c in near.changes]
-    return {"id": identify(near.choices), "choices": dict(near.choices), "changes": changes}
+    return {"id": near.id, "choices": dict(near.choices), "changes": changes}

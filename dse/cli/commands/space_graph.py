@@ -7,9 +7,10 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from dse.api.naming import space_of
 from dse.cli.app import console
 from dse.cli.arguments import Configuration, Design
-from dse.cli.space import Choose, Off, On, space_app, space_of
+from dse.cli.space import Choose, Off, On, space_app
 
 if TYPE_CHECKING:
     from dse.domain import design as nouns

@@ -8,9 +8,10 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from dse.api.naming import space_of
 from dse.cli.app import console
 from dse.cli.arguments import Design
-from dse.cli.space import Choose, space_app, space_of
+from dse.cli.space import Choose, space_app
 from dse.cli.tallies import number_text
 
 if TYPE_CHECKING:

@@ -12,6 +12,7 @@ from dse.space.decisions import Choices
 from dse.space.dnnf.trim import UnsupportedError
 from dse.space.engine import Engine
 from dse.space.flat import ABSENT, Ints, Rows
+from dse.space.identify import identify
 from dse.space.mdd.growth import TooWideError
 from dse.space.optimum.best import best
 
@@ -31,6 +32,11 @@ class Nearest:
 
     choices: Choices
     changes: tuple[Change, ...]
+
+    @property
+    def id(self) -> str:
+        """The configuration's id."""
+        return identify(self.choices)
 
 
 def nearest(engine: Engine, choices: Choices) -> Nearest:

@@ -15,6 +15,7 @@ from dse.space.budget import TooMuchError
 from dse.space.decisions import Choices, sites
 from dse.space.dnnf.trim import UnsupportedError
 from dse.space.engine import Engine
+from dse.space.identify import identify
 from dse.space.lowering.objective import FoldedObjective, LinearObjective, LoweredObjective, objective
 from dse.space.mdd.diagram import Diagram
 from dse.space.mdd.growth import TooWideError
@@ -45,6 +46,11 @@ class Ranked:
 
     choices: Choices
     values: tuple[Fraction, ...]
+
+    @property
+    def id(self) -> str:
+        """The configuration's id."""
+        return identify(self.choices)
 
 
 def aims(minimize: Iterable[str], maximize: Iterable[str]) -> tuple[Aim, ...]:

@@ -1,4 +1,4 @@
-"""A question to a design space: the space, and which part of it the options leave to look at."""
+"""A question to a design space: the space, and which part of it is left to look at."""
 
 from __future__ import annotations
 
@@ -6,11 +6,11 @@ import shlex
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from dse.cli.space import condition_of, space_of
+from dse.api.naming import condition_of
 from dse.errors import DseError, fail
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Collection, Iterable, Mapping
 
     from dse.domain.design import DesignSpace
     from dse.space.engine import Engine
@@ -25,7 +25,7 @@ class Question:
     chosen: Mapping[str, str]
     where: str | None
     options: tuple[str, ...] = ()
-    """What was typed to put it, for a hint that asks another question about the same."""
+    """What is typed to put it, for a hint that asks another question about the same."""
 
     def title(self) -> str:
         """What is asked about, for a person: ``acc_vehicle with sensor=radar where cost <= 9000 EUR``."""
@@ -44,18 +44,29 @@ class Question:
         return fail(what, None, f"ask which constraints conflict: {command}")
 
 
-def ask(design: str, choose: list[str], where: str | None, on: list[str], off: list[str]) -> Question:
-    """The question that the options put. Raises DseError with all problems."""
+def ask(
+    space: DesignSpace,
+    choose: Iterable[str] = (),
+    where: str | None = None,
+    on: Collection[str] = (),
+    off: Collection[str] = (),
+    engine: Engine | None = None,
+) -> Question:
+    """The question about *space* with sets of constraints switched, narrowed to texts ``place=choice`` and *where*.
+
+    *engine* is that of the space so switched, if it is there already. Raises DseError with all problems.
+    """
     from dse.space.choosing import choosing, read_choices
     from dse.space.engine import Engine
     from dse.space.lowering import selecting
+    from dse.space.switch import switched
 
-    space = space_of(design, on, off)
-    chosen = read_choices(space, choose)
+    space, texts = switched(space, on, off), tuple(choose)
+    chosen = read_choices(space, texts)
     condition = condition_of(where)
-    engine = Engine.of(space)
+    engine = engine or Engine.of(space)
     rules = (*choosing(engine.flat, chosen), *(selecting(space, condition) if condition else ()))
-    typed = [("--choose", text) for text in choose] + [("--where", where)] * bool(where)
+    typed = [("--choose", text) for text in texts] + [("--where", where)] * bool(where)
     typed += [*(("--on", name) for name in on), *(("--off", name) for name in off)]
     options = tuple(word for pair in typed for word in pair if word)
     return Question(space, engine.having(*rules) if rules else engine, chosen, where, options)

@@ -6,18 +6,18 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import TYPE_CHECKING
 
-from dse.cli.app import console, plain
-
 if TYPE_CHECKING:
+    from rich.console import Console
     from rich.progress import TaskID
 
     from dse.exploration.progress import Progress
 
 
 @contextmanager
-def progress_bar() -> Iterator[Callable[[Progress], None]]:
-    """Shows done of total, rate, time left and failures on standard error while the context lasts."""
+def progress_bar(console: Console | None = None) -> Iterator[Callable[[Progress], None]]:
+    """Shows done of total, rate, time left and failures on *console*, or standard error, while the context lasts."""
     from rich import progress as columns
+    from rich.console import Console
 
     bar = columns.Progress(
         columns.TextColumn("{task.description}"),
@@ -27,13 +27,15 @@ def progress_bar() -> Iterator[Callable[[Progress], None]]:
         columns.TimeElapsedColumn(),
         columns.TimeRemainingColumn(),
         columns.TextColumn("{task.fields[failed]}"),
-        console=console(stderr=True),
+        console=console or Console(stderr=True),
         refresh_per_second=5,
     )
     tasks: dict[str, TaskID] = {}
 
     def show(progress: Progress) -> None:
         stage = str(progress.stage)
+        if not tasks:
+            bar.start()  # not before: what goes wrong until then is not said below an empty bar
         if stage not in tasks:
             for earlier in tasks.values():
                 bar.update(earlier, completed=bar.tasks[earlier].total)
@@ -42,31 +44,8 @@ def progress_bar() -> Iterator[Callable[[Progress], None]]:
         failed = f"{progress.failed} failed" if progress.failed else ""
         bar.update(tasks[stage], completed=progress.done, total=progress.total, rate=rate, failed=failed)
 
-    with bar:
-        yield show
-
-
-_PATIENCE = 1.0
-"""Seconds before a line says what is being waited for."""
-
-
-@contextmanager
-def status_line() -> Iterator[Callable[[str], None]]:
-    """Shows the text it was last given on a terminal's standard error, once the context has lasted a second."""
-    screen = console(stderr=True)
-    if not screen.is_terminal:
-        yield lambda _: None
-        return
-    from threading import Timer
-
-    from rich.text import Text
-
-    status = screen.status("")
-    late = Timer(_PATIENCE, status.start)
-    late.start()
     try:
-        yield lambda text: status.update(Text(plain(text)))
+        yield show
     finally:
-        late.cancel()
-        late.join()
-        status.stop()
+        if tasks:
+            bar.stop()

@@ -10,7 +10,7 @@ import pytest
 
 SLOW = """
 import sys, time
-from dse.cli.progress import status_line
+from dse.cli.status import status_line
 with status_line() as show:
     show("checking components: 7 of 29 (combustion[6at]\\x1b[31m)")
     time.sleep(float(sys.argv[1]))

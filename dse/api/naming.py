@@ -1,0 +1,60 @@
+"""What a person names by its name or its file: workspaces, design spaces, conditions."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from dse.errors import DseError, Location, fail
+
+if TYPE_CHECKING:
+    from collections.abc import Collection
+
+    from dse.domain.design import DesignSpace
+    from dse.domain.expression import Expression
+    from dse.loading.workspace import Workspace
+
+_NO_YAML = {
+    ".fmu": ("an FMU", "'dse import fmu {0}' makes a component of it; 'dse probe {0}' finds out what it does"),
+    ".ssp": ("an SSP package", "'dse simulate {0}' simulates it; 'dse import ssp {0} DIR' makes a workspace of it"),
+}
+
+
+def workspace_of(name: str) -> Workspace:
+    """The workspace of the file called *name*, or the one around the current folder.
+
+    Raises DseError, also for the name of a file that is no workspace's.
+    """
+    from dse.loading.workspace import Workspace
+
+    path = Path(name)
+    if path.suffix.lower() in _NO_YAML:
+        what, hint = _NO_YAML[path.suffix.lower()]
+        raise fail(f"'{name}' is {what}", hint=hint.format(name))
+    return Workspace.around(path.parent if path.suffix and path.parent.is_dir() else Path())
+
+
+def space_of(
+    design: str, on: Collection[str] = (), off: Collection[str] = (), workspace: Workspace | None = None
+) -> DesignSpace:
+    """The design space called *design*, checked, with constraint sets switched; a ``.uvl`` file is a feature model.
+
+    It is looked for in *workspace*, else in that of `workspace_of`. Raises DseError with all problems.
+    """
+    from dse.loading.uvl import read_uvl
+    from dse.space.check import check
+    from dse.space.switch import switched
+
+    path = Path(design)
+    space = read_uvl(path) if path.suffix.lower() == ".uvl" else (workspace or workspace_of(design)).design(design)
+    problems = check(space)
+    if problems:
+        raise DseError(*problems)
+    return switched(space, on, off)
+
+
+def condition_of(text: str | None) -> Expression | None:
+    """The condition of ``--where``; its problems are located in the text of the option. Raises DseError."""
+    from dse.loading.expression import parse_expression
+
+    return None if text is None else parse_expression(text, Location("--where", 1, 1))

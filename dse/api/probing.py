@@ -1,0 +1,36 @@
+"""Finding out what FMUs really do."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from dse.cosim.probing.child import Limits
+from dse.cosim.probing.probe import probe
+from dse.fmu.build import build
+from dse.fmu.platforms import this_platform
+from dse.fmu.unpack import open_fmu
+from dse.loading.workspace import Workspace
+from dse.testbench.trust import as_data, consequences, keep_facts, known_facts
+
+if TYPE_CHECKING:
+    from dse.domain.facts import FmuFacts, Question
+    from dse.domain.fmu import FmuModel
+
+__all__ = ["as_data", "consequences", "find_out", "known_facts", "model_of"]
+
+
+def model_of(name: str, *, version: int = 2) -> FmuModel:
+    """The FMU in the file *name*, or that of the component called so in the workspace here. Raises DseError."""
+    path = Path(name)
+    if path.suffix.lower() == ".fmu" or path.is_file():
+        return open_fmu(path)
+    return open_fmu(build(Workspace.around(Path()).component(name), version=version))
+
+
+def find_out(model: FmuModel, *, timeout: float, tell: Callable[[Question], None]) -> FmuFacts:
+    """Make the experiments, each of at most *timeout* seconds, and keep what they show in the cache."""
+    facts = probe(model, this_platform().name, limits=Limits(time=timeout), tell=tell)
+    keep_facts(facts)
+    return facts

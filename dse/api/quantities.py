@@ -1,0 +1,41 @@
+"""SI numbers as a person reads them, in a unit."""
+
+from __future__ import annotations
+
+import math
+
+_MOST_DIGITS = 10  # of a value with an error bar; a bar below them is rounding
+
+
+def quantity(value: float, unit: str) -> str:
+    """An SI number in *unit* as a person reads it; a dash where it is undefined."""
+    from dse.units import parse_unit
+
+    return f"{parse_unit(unit).from_si(value):.4g} {unit}".rstrip() if not math.isnan(value) else "–"
+
+
+def checked_quantity(value: float, bar: float | None, unit: str) -> str:
+    """As `quantity`, with an error bar of two digits if there is one, and the value to the bar's last digit."""
+    from dse.units import parse_unit
+
+    if bar is None or not math.isfinite(value):
+        return quantity(value, unit)
+    shown, size = parse_unit(unit).from_si(value), bar / float(parse_unit(unit).factor)
+    if math.isnan(bar):
+        return f"{shown:.4g} ± ? {unit}".rstrip()
+    if not 0.0 < size < math.inf:
+        return f"{shown:.4g} ± {'∞' if size else 0} {unit}".rstrip()
+    decimals = 1 - math.floor(math.log10(size))
+    digits = decimals + math.floor(math.log10(max(abs(shown), size))) + 1
+    if decimals < 0 or digits > _MOST_DIGITS:
+        return f"{shown:.{_MOST_DIGITS}g} ± {size:.2g} {unit}".rstrip()
+    return f"{shown:.{decimals}f} ± {size:.{decimals}f} {unit}".rstrip()
+
+
+def difference(value: float, unit: str) -> str:
+    """A difference of SI numbers in *unit*: as `quantity`, but 20 degC are 20 K apart from 0 degC, not 293 K."""
+    from dse.units import parse_unit
+
+    if math.isnan(value):
+        return "–"
+    return f"{value / float(parse_unit(unit).factor):.4g} {unit}".rstrip()

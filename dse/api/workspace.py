@@ -1,0 +1,73 @@
+"""A workspace: its components, design spaces, test benches and studies by name."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from dse.api.bench import Bench, Study
+from dse.api.design import Design
+from dse.api.html import table
+from dse.api.named import Named
+from dse.api.naming import space_of
+from dse.loading.workspace import Workspace as Files
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+
+    from dse.domain.component import Component
+    from dse.errors import Problem
+
+_STUDY = ".pet.yaml"
+
+
+def open_workspace(path: str | Path = ".") -> Workspace:
+    """The workspace *path* lies in: the nearest folder upwards that holds ``components/``.
+
+    Nothing is read before it is asked for. Raises DseError if there is none.
+    """
+    return Workspace(Files.around(Path(path)))
+
+
+class Workspace:
+    """The files of a product family. A name may also be the path of a file, as on the command line."""
+
+    def __init__(self, files: Files) -> None:
+        self.files = files
+        self.components: Named[Component] = Named("components", lambda: files.component_files, files.component)
+        self.designs = Named("designs", self._designs, lambda name: Design(space_of(name, workspace=files)))
+        self.benches = Named("benches", self._benches, lambda name: Bench(files.bench(name)))
+        self.studies = Named("studies", self._studies, lambda name: Study(files.study(name)))
+
+    @property
+    def root(self) -> Path:
+        """The folder that holds ``components/``, ``designs/`` and ``testbenches/``."""
+        return self.files.root
+
+    def check(self) -> tuple[Problem, ...]:
+        """All that is wrong with the files, as they are now; empty if nothing is. See ``dse check``."""
+        from dse.testbench.check import check_workspace
+
+        return tuple(check_workspace(Files(self.root))[0])
+
+    def _designs(self) -> Iterable[str]:
+        return [path.stem for path in self.files.files("designs")]
+
+    def _benches(self) -> Iterable[str]:
+        return [path.stem for path in self.files.files("testbenches") if not path.name.endswith(_STUDY)]
+
+    def _studies(self) -> Iterable[str]:
+        found = (path.name for path in self.files.files("testbenches"))
+        return [name.removesuffix(_STUDY) for name in found if name.endswith(_STUDY)]
+
+    def __repr__(self) -> str:
+        return f"<Workspace {self.root}: {', '.join(f'{len(named)} {what}' for what, named in self._kinds())}>"
+
+    def _repr_html_(self) -> str:
+        return table(f"Workspace {self.root}", (), [(what, ", ".join(named)) for what, named in self._kinds()])
+
+    def _kinds(self) -> Iterable[tuple[str, list[str]]]:
+        yield "components", list(self.components)
+        yield "designs", list(self.designs)
+        yield "benches", list(self.benches)
+        yield "studies", list(self.studies)

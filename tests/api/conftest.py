@@ -1,0 +1,61 @@
+"""The example workspace with a small study beside it, opened through the front door."""
+
+from __future__ import annotations
+
+import shutil
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+import dse
+
+ROOT = Path(__file__).parents[2]
+STUDY = """\
+study: small
+testbench: acc_following
+configurations:
+  where: >-
+    sensor is radar_77ghz_mid and controller is pd_acc and brake is hydraulic_booster
+    and powertrain is bev_ideal and video is absent
+design_variables:
+  controller.kp_speed: {range: [0.5, 4.5], levels: 3, nominal: 1.2}
+  controller.kd_speed: {range: [0, 1], levels: 2, nominal: 0.5}
+sampler: full_factorial
+keep_waveforms: all
+"""
+
+
+@pytest.fixture(scope="session", autouse=True)
+def cache(tmp_path_factory: pytest.TempPathFactory) -> Iterator[None]:
+    """FMUs are built once for all tests of this room."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv("DSE_CACHE", str(tmp_path_factory.mktemp("cache")))
+        yield
+
+
+@pytest.fixture(scope="session")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The workspace's folder. Tests only read it."""
+    place = tmp_path_factory.mktemp("example")
+    for name in ("components", "designs", "testbenches"):
+        shutil.copytree(ROOT / name, place / name)
+    (place / "testbenches" / "small.pet.yaml").write_text(STUDY, encoding="utf-8")
+    return place
+
+
+@pytest.fixture(scope="session")
+def ws(folder: Path) -> dse.Workspace:
+    return dse.open(folder)
+
+
+@pytest.fixture(scope="session")
+def told() -> list[dse.Progress]:
+    """What the exploration of `results` told of its progress."""
+    return []
+
+
+@pytest.fixture(scope="session")
+def results(ws: dse.Workspace, told: list[dse.Progress], tmp_path_factory: pytest.TempPathFactory) -> dse.Results:
+    """The small study, explored."""
+    return ws.studies["small"].explore(tmp_path_factory.mktemp("out") / "small", workers=1, progress=told.append)

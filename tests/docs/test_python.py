@@ -1,0 +1,38 @@
+"""docs/python.md: its code runs as it stands, from top to bottom."""
+
+from __future__ import annotations
+
+import os
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from dse.api.design import Design
+
+TEXT = (Path(__file__).parents[2] / "docs" / "python.md").read_text(encoding="utf-8")
+BLOCK = re.compile(r"^```python\n(.*?)^```$", re.DOTALL | re.MULTILINE)
+
+
+@pytest.mark.thorough
+def test_the_code_shown_runs(tmp_path):
+    subprocess.run([sys.executable, "-m", "dse", "init", "study"], cwd=tmp_path, check=True, capture_output=True)
+    done = subprocess.run(
+        [sys.executable, "-c", "\n".join(BLOCK.findall(TEXT))],
+        cwd=tmp_path / "study",
+        env={**os.environ, "DSE_CACHE": str(tmp_path / "cache")},
+        capture_output=True,
+        text=True,
+        encoding="utf-8",
+        check=False,
+    )
+    assert done.returncode == 0, done.stderr
+
+
+def test_every_question_is_named():
+    questions = [name for name, value in vars(Design).items() if callable(value) and not name.startswith("_")]
+    missing = [name for name in questions if not re.search(rf"[`.]{name}\b", TEXT)]
+    assert len(questions) > 10
+    assert not missing
