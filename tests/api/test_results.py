@@ -11,21 +11,36 @@ import pytest
 
 import dse
 from dse.api.described import si_unit
+from dse.domain.definition import (
+    DefinedConfiguration,
+    DefinedDesign,
+    DefinedMetric,
+    DefinedSampler,
+    DefinedSimulation,
+    Named,
+    StudyDefinition,
+)
 from dse.domain.run import Outcome, RunRequest
 from dse.domain.run import Run as Record
 from dse.exploration.progress import Stage
 
-DEFINITION = {
-    "title": "<b>",
-    "metrics": [
-        {"name": "end", "title": "End", "unit": "km/h"},
-        {"name": "end.error", "title": "End, error bar", "unit": "km/h", "error_of": "end"},
-    ],
-    "requirements": [],
-    "variables": [],
-    "figures": [],
-    "configurations": [{"id": "abc", "choices": {"a": "b"}}],
-}
+DEFINITION = StudyDefinition(
+    "study",
+    "<b>",
+    Named("bench"),
+    DefinedDesign("design"),
+    (),
+    DefinedSampler("nominal"),
+    0,
+    (
+        DefinedMetric("end", "End", "km/h", "final(x)"),
+        DefinedMetric("end.error", "End, error bar", "km/h", "final(x)", error_of="end"),
+    ),
+    (),
+    DefinedSimulation(1.0, 0.1, 0.1),
+    (DefinedConfiguration("abc", {"a": "b"}),),
+    ("abc",),
+)
 
 
 @pytest.fixture(scope="module")

@@ -9,6 +9,14 @@ from rich.console import Console
 
 from dse.api.quantities import checked_quantity
 from dse.cli.tables import metric_table
+from dse.domain.definition import (
+    DefinedDesign,
+    DefinedMetric,
+    DefinedSampler,
+    DefinedSimulation,
+    Named,
+    StudyDefinition,
+)
 from dse.domain.run import Outcome, Run, RunRequest
 
 
@@ -35,7 +43,10 @@ def test_a_value_is_shown_to_the_last_digit_of_its_error_bar(value, bar, unit, s
 
 
 def test_without_requirements_there_is_nothing_but_metric_and_value():
-    definition = {"metrics": [{"name": "end", "title": "End", "unit": "m"}], "requirements": []}
+    metrics = (DefinedMetric("end", "End", "m", "final(x)"),)
+    simulation, sampler = DefinedSimulation(1.0, 0.1, 0.1), DefinedSampler("nominal")
+    design = DefinedDesign("design")
+    definition = StudyDefinition("study", "", Named("bench"), design, (), sampler, 0, metrics, (), simulation, (), ())
     run = Run(RunRequest(0, "abc", {}), Outcome.DONE, {"end": 2.0}, ())
     screen = Console(width=80)
     with screen.capture() as shown:
