@@ -15,7 +15,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 import pytest
-from bisection import Bisection
+from dse_example.bisection import Bisection
 from fake_runners import benches, definition_of, make_fake, study_of
 
 from dse.domain.definition import StudyDefinition
@@ -27,30 +27,22 @@ from dse.exploration.explore import Summary, explore
 from dse.exploration.samplers.full_factorial import FullFactorial
 from dse.exploration.samplers.latin_hypercube import LatinHypercube
 from dse.exploration.samplers.sobol import Sobol
-from dse.loading.extensions import SAMPLERS, SamplerSection
+from dse.loading.extensions import SamplerSection
 from dse.results.export import to_csv
 from dse.results.folder import StudyFolder
-from dse.testing.samplers import SamplerSuite
 
 NAMES = ("a", "b")
 BISECTION = Bisection(requirement="R1", width=0.002)
 
 
-class TestBisection(SamplerSuite):
-    sampler = Bisection
-
-    def test_it_is_found_by_its_name(self) -> None:
-        with pytest.raises(DseError, match="unknown sampler 'bisection'"):
-            SAMPLERS.get("bisection")
-
-    def test_it_closes_in_on_the_boundary(self, tmp_path: Path) -> None:
-        run(tmp_path, study_of(BISECTION))
-        with StudyFolder.open(tmp_path) as folder:
-            table = folder.table()
-            passes = table.margins("R1") >= 0
-            x = table.points["part.x0"]
-        # A pass and a failure that are no further apart than asked for.
-        assert x[passes].min() - x[~passes].max() <= 0.002 or x[~passes].min() - x[passes].max() <= 0.002
+def test_a_sampler_that_looks_at_results_closes_in_on_a_boundary(tmp_path: Path) -> None:
+    run(tmp_path, study_of(BISECTION))
+    with StudyFolder.open(tmp_path) as folder:
+        table = folder.table()
+        passes = table.margins("R1") >= 0
+        x = table.points["part.x0"]
+    # A pass and a failure that are no further apart than asked for.
+    assert x[passes].min() - x[~passes].max() <= 0.002 or x[~passes].min() - x[passes].max() <= 0.002
 
 
 def run(path: Path, study: Study, workers: int = 1, names: tuple[str, ...] = NAMES, **mischief: Any) -> Summary:
@@ -109,7 +101,7 @@ def killed_on_the_way(folder: Path, keep: Keep, workers: int, kills: int) -> int
     """Explore into *folder*, killed with all workers *kills* times at random moments; how often it was alive then."""
     here = Path(__file__).parent
     script = folder.with_suffix(".py")
-    paths = [str(here), str(here.parents[1])]
+    paths = [str(here), str(here.parents[1]), str(here.parents[1] / "examples" / "plugin")]
     script.write_text(SCRIPT.format(paths=paths, folder=str(folder), keep=str(keep), workers=workers), encoding="utf-8")
     moments = random.Random(f"{keep} {workers}")  # noqa: S311  # no secret
     alive = 0

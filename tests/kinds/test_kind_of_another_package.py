@@ -16,6 +16,7 @@ from dse.errors import DseError
 from dse.loading.kind import KINDS
 from dse.testing.kinds import Files, KindSuite, lay_out, the_component
 
+EXAMPLE = Path(__file__).parents[2] / "examples" / "plugin" / "dse_example"
 SOURCE = "{kind: table, points: [[0, 0], [2, 3]]}"
 
 
@@ -27,7 +28,7 @@ def package(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]:
     facts.mkdir(parents=True)
     (facts / "METADATA").write_text("Metadata-Version: 2.1\nName: dse-table\nVersion: 1.0\n", encoding="utf-8")
     (facts / "entry_points.txt").write_text("[dse.kinds]\ntable = dse_table:KIND\n", encoding="utf-8")
-    (folder / "dse_table.py").write_bytes((Path(__file__).parent / "dse_table.py").read_bytes())
+    (folder / "dse_table.py").write_bytes((EXAMPLE / "table.py").read_bytes())
     monkeypatch.syspath_prepend(folder)
     forget()
     yield folder

@@ -23,6 +23,7 @@ class Bisection(SamplerSection):
     width: float = Field(gt=0)
 
     def start(self, brief: Brief) -> _Search:
+        """The search in one study; it depends on nothing but *brief* and what it is told."""
         return _Search(self, brief)
 
 

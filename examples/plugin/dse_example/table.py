@@ -16,11 +16,15 @@ Points = tuple[tuple[float, float], ...]
 
 
 class TableSection(SourceSection):
+    """The keys of ``source``."""
+
     points: list[list[float]]
 
 
 @dataclass(frozen=True, slots=True)
 class TableSource(Source):
+    """*points* (u, y) in the order of the file."""
+
     kind = "table"
     label = "Table"
 
@@ -28,15 +32,19 @@ class TableSource(Source):
 
 
 class TableKind(ComponentKind[TableSection, TableSource]):
+    """The C of a table is written here and built as the kind ``c`` is."""
+
     section = TableSection
 
     def read(self, section: TableSection, place: SourcePlace) -> TableSource:
+        """Points of two numbers each."""
         for number, point in enumerate(section.points):
             if len(point) != 2:
                 raise fail("a point has two numbers", place.at("points", number), "points: [[0, 0], [1, 2]]")
         return TableSource(tuple((x, y) for x, y in section.points))
 
     def build(self, component: Component, source: TableSource, *, version: int, cache: Path | None) -> Path:
+        """An FMU with its sources inside, which can be fused."""
         files = {"table.h": HEADER, "table.c": code(source.points)}
         return build_generated(component, files, "table", version=version, cache=cache)
 
@@ -58,6 +66,7 @@ void table_step(table *self, double h);
 
 
 def code(points: Points) -> str:
+    """The C behind the header."""
     lines = ['#include "table.h"', "static double at(double u) {"]
     for (x, y), (end, top) in pairwise(points):
         lines.append(f"    if (u < {end!r}) return {y!r} + (u - {x!r}) * {(top - y) / (end - x)!r};")
