@@ -114,8 +114,9 @@ class _Kept:
             now = time.time_ns()
             if sha256(read_content(path)).hexdigest() != entry.digest:
                 return None
-            self._is_changed |= stamp != entry.stamp or _is_posix
+            is_new = stamp != entry.stamp
             entry.stamp, entry.read = stamp, now
+            self._is_changed |= is_new or _is_settled(entry)
         try:
             return _document(path, entry.text)
         except (TypeError, ValueError, RecursionError):

@@ -49,7 +49,7 @@ MAY_IMPORT = {
     "report {s} -o {o}.html": {*RUNS, "pandas"},
     "figure {s} -o {o}": {*DRAWN, "pandas"},
     "replay {s} 1": RUNS,
-    "check": {"networkx", "numpy", "pint", "scipy"},
+    "check": {"networkx", "numpy", "pint", "ruamel.yaml", "scipy"},  # the first to read the benches
     "build pd_acc": set(),
     "probe {f}": {"numpy"},
     "import fmu {f} -o {o}": RUNS,
