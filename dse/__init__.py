@@ -1,7 +1,8 @@
 """A workbench for designing cyber-physical products when architecture and numbers are both open.
 
-What this package exports (``dse.__all__``) is public: docs/python.md shows it. Everything else is private and may
-change from one version to the next. Nothing is imported before it is used.
+What this package exports (``dse.__all__``) is public: docs/python.md shows it; so are `dse.plugins` and `dse.testing`,
+for packages that add to it. Everything else is private and may change from one version to the next. Nothing is imported
+before it is used.
 """
 
 from __future__ import annotations

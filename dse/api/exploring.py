@@ -12,7 +12,7 @@ from dse.domain.study import ExecutorChoice
 from dse.errors import fail
 from dse.exploration.alone import simulate_alone
 from dse.exploration.executor import Executor, chosen
-from dse.exploration.explore import ExplorationInterruptedError, Summary, explore
+from dse.exploration.explore import ExplorationInterruptedError, explore
 from dse.exploration.progress import Progress
 from dse.results.folder import StudyFolder
 from dse.testbench.execute import make_runner
@@ -29,7 +29,8 @@ __all__ = ["ExplorationInterruptedError", "Explored", "Progress", "alone", "expl
 
 @dataclass(frozen=True, slots=True)
 class Explored:
-    """What an exploration did. *before* is how many runs the folder had, *new* how many were added.
+    """What an exploration did. *before* is how many runs the folder had, *new* how many were added; with *extended*
+    the study asks for other runs than before.
 
     *again* were simulated again for their waveforms; *retried* were tried twice because their worker was killed from
     outside or grew too large, *irreproducible* gave another result the second time.
@@ -40,6 +41,7 @@ class Explored:
     again: int
     retried: int
     irreproducible: int
+    extended: bool
 
 
 def ready(study: Study, *, version: int = 2, fuse: bool = False, tell: Callable[[str], None] | None = None) -> Plan:
@@ -75,7 +77,9 @@ def explore_into(
         before = len(store.finished())
         tell = on_progress or _silent
         summary = explore(planned.study, planned.prepared, store, executor=executor, on_progress=tell)
-        return _explored(before, len(store.finished()), summary)
+        new = len(store.finished()) - before
+        again = max(0, summary.simulated - new)
+        return Explored(before, new, again, summary.retried, summary.irreproducible, store.is_extended)
 
 
 def executor_of(study: Study, workers: int = 0, threads: int = 1) -> Executor:
@@ -103,11 +107,6 @@ def alone(planned: Plan) -> Run:
 def package_alone(package: PreparedPackage) -> tuple[Waveforms | None, str]:
     """The waveforms of a package at its own point, or None and what was wrong."""
     return simulate_alone(package.bench, make_runner)
-
-
-def _explored(before: int, after: int, summary: Summary) -> Explored:
-    new = after - before
-    return Explored(before, new, max(0, summary.simulated - new), summary.retried, summary.irreproducible)
 
 
 def _silent(_: object) -> None:

@@ -32,6 +32,7 @@ _OURS = (WAVEFORMS, f"{NAME}.part", "report.html", "figures")
 class StudyFolder:
     """One study's results. Use `create`, `resume` or `open`; close it, or use it in a with statement.
 
+    *is_extended* tells that `resume` was given a definition that asks for other runs.
     There is one writer; any number of readers may look on while it writes. What is added is committed every
     quarter of a second and at the end, so a killed process loses no more than that.
     """
@@ -41,6 +42,7 @@ class StudyFolder:
         self.header = header
         self.asks = asks
         self._connection = connection
+        self.is_extended = False
         self._begun: float | None = None
 
     @classmethod
@@ -292,6 +294,7 @@ class StudyFolder:
             )
         header = replace(self.header, definition=stored.joined(definition))
         if not stored.samples_alike(definition):
+            self.is_extended = True
             era = self.header.era + 1
             earlier = len(self.finished())
             header = replace(header, era=era, base=self.asks.numbers, earlier=earlier, runs=earlier, asked=0)

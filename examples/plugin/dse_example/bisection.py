@@ -7,8 +7,7 @@ from typing import Any, ClassVar
 
 from pydantic import Field
 
-from dse.domain.sampler import Brief, Candidate, Outcomes
-from dse.loading.extensions import SamplerSection
+from dse.plugins import Brief, Candidate, Outcomes, SamplerSection
 
 
 class Bisection(SamplerSection):

@@ -16,10 +16,7 @@ from typing import Any, ClassVar
 
 from pydantic import Field
 
-from dse.errors import fail
-from dse.exploration.job import Batch, Sink, Work
-from dse.exploration.parcel import Carried, carry_out, hand_over, parcel
-from dse.loading.extensions import ExecutorSection
+from dse.plugins import Batch, Carried, ExecutorSection, Sink, Work, carry_out, fail, hand_over, parcel
 
 _TURN = 0.1
 """Seconds between two ticks of the sink at most."""

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from dse.metrics.catalogue import Argument, Wants, metric_function, same
+from dse.plugins import Argument, Wants, metric_function, same
 
 
 def peak_to_peak(x: NDArray[Any]) -> float:

@@ -6,8 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from dse.report.chart import Axis, Bars, Chart
-from dse.report.content import ReportContent
+from dse.plugins import Axis, Bars, Chart, ReportContent
 
 
 class RunsPerConfiguration:

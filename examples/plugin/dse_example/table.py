@@ -9,8 +9,7 @@ from dataclasses import dataclass
 from itertools import pairwise
 from pathlib import Path
 
-from dse.errors import fail
-from dse.kinds import Component, ComponentKind, Source, SourcePlace, SourceSection, build_generated
+from dse.plugins import Component, ComponentKind, Source, SourcePlace, SourceSection, build_generated, fail
 
 Points = tuple[tuple[float, float], ...]
 
