@@ -37,6 +37,10 @@ class Part:
         type_, slot = self.slots[name]
         slot.value = type_.items.index(value) if isinstance(value, str) else value
 
+    def values(self) -> bytes:
+        """All ports and parameters, bit for bit."""
+        return b"".join(bytes(slot) for _, slot in self.slots.values())
+
     def init(self) -> None:
         self.library.shim_init(self.memory)
 
