@@ -68,7 +68,7 @@ def read_yaml(path: Path) -> Document:
     text = _read_text(path)
     root = compose(text, shown(path))
     if root is None:
-        raise fail("the file is empty", Location(shown(path)), "docs/formats.md says what each file holds")
+        raise fail("the file is empty", Location(shown(path)), "'dse docs formats' says what each file holds")
     reader = _Reader(shown(path), text)
     reader.expect_few(root)
     data = reader.value(root, (), 0)

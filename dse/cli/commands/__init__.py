@@ -29,6 +29,7 @@ COMMANDS = (
     "report",
     "figure",
     "replay",
+    "docs",
 )
 
 
