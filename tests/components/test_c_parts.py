@@ -18,6 +18,11 @@ NewPart = Callable[..., Any]
 STEP = re.compile(r"#define \w+_STEP (\S+) /\* s;")
 
 
+def test_these_are_all_c_components_of_the_library(shelf: Any, listed: list[str]) -> None:
+    names = shelf.workspace.component_files
+    assert [n for n in sorted(names) if isinstance(shelf.workspace.component(n).source, CSource)] == listed
+
+
 def test_init_of_a_zeroed_struct_does_not_crash(new_part: NewPart, c_component: str) -> None:
     part = new_part(c_component)
     ctypes.memset(part.memory, 0, ctypes.sizeof(part.memory))
