@@ -1,4 +1,5 @@
-# Everything starts from here: `make demo`, `make test`, `make check`, `make bench`. Needs Python 3.11+.
+# Everything starts from here: `make demo`, `make test`, `make check`, `make nightly`, `make bench`. Needs Python 3.11+;
+# with uv on PATH, set-up is quicker.
 
 PYTHON ?= python3
 VENV ?= .venv
@@ -9,10 +10,11 @@ endif
 DSE := $(BIN)/dse
 WORKERS ?= 2
 JOBS ?= 2
+UV := $(shell command -v uv 2>/dev/null)
 # A machine without a C compiler gets one as a wheel.
 EXTRA := $(shell command -v $${CC:-cc} >/dev/null 2>&1 || command -v gcc >/dev/null 2>&1 || command -v clang >/dev/null 2>&1 || echo "[toolchain]")
 
-.PHONY: demo test test-all check bench setup clean lint format-check types layers web
+.PHONY: demo test thorough rest check nightly bench setup clean lint types layers web
 
 setup: $(VENV)/.ready
 
@@ -20,9 +22,14 @@ SOURCES := $(wildcard dse/cosim/kernel/*.c dse/cosim/kernel/*.h dse/fmu/runtime/
 
 $(VENV)/.ready: pyproject.toml hatch_build.py dse/report/web/package-lock.json $(SOURCES)
 	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11))' || { echo "dse needs Python 3.11 or newer; set PYTHON=python3.11"; exit 1; }
+ifneq ($(UV),)
+	$(UV) venv --quiet --allow-existing --python "$(PYTHON)" $(VENV)
+	$(UV) pip install --quiet --python $(VENV) --compile-bytecode --editable ".$(EXTRA)" --group dev
+else
 	$(PYTHON) -m venv $(VENV)
 	$(BIN)/python -m pip install --quiet --upgrade "pip>=25.1"
 	$(BIN)/python -m pip install --quiet --editable ".$(EXTRA)" --group dev
+endif
 	@touch $@
 
 demo: setup
@@ -35,13 +42,23 @@ demo: setup
 	$(BIN)/python -m dse figure out/acc_gains -o out/figures
 	@echo "Open out/acc_gains/report.html"
 
+# Workers take whole stretches of the list, so that what tests share is made once; who is done early takes of the rest.
+PYTEST := $(BIN)/python -m pytest -q -n $(JOBS) --dist worksteal
+
 test: setup
-	$(BIN)/python -m pytest -q -n $(JOBS) -m "not thorough"
+	$(PYTEST) -m "not thorough"
 
-test-all: setup
-	$(BIN)/python -m pytest -q -n $(JOBS)
+thorough: setup
+	$(PYTEST) -m thorough
 
-check: setup lint types layers web test-all
+# All of CI: the everyday tests, then what they leave out.
+check: test rest
+
+rest: lint types layers web thorough
+
+# Other examples than yesterday, ten times as many.
+nightly: setup
+	$(PYTEST) -m hypothesis --hypothesis-profile=nightly
 
 lint: setup
 	$(BIN)/ruff check .

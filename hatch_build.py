@@ -32,6 +32,8 @@ class CustomBuildHook(BuildHookInterface):  # type: ignore[type-arg]  # hatchlin
         root = Path(self.root)
         if self.target_name == "sdist":
             return
+        pages = (root / "docs").rglob("*.md")
+        build_data["force_include"] |= {str(page): f"dse/content/{page.relative_to(root).as_posix()}" for page in pages}
         build_data["pure_python"] = False
         build_data["tag"] = f"py3-none-{sysconfig.get_platform().replace('-', '_').replace('.', '_')}"
         _compile_kernel(root / "dse" / "cosim")

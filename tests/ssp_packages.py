@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import zipfile
+import zlib
 from collections.abc import Mapping
 from pathlib import Path
 
 from dse.domain.component import Kind
 from dse.domain.fmu import FmuModel, UnitDefinition, Variable
+from dse.fmu.unpack import open_fmu
 from dse.system.ssp.open import open_ssp
 from dse.system.ssp.resolve import ResolvedSystem, system_of
 from dse.system.ssp.structure import SspSystem
@@ -117,7 +119,7 @@ def variable(name: str, causality: str, kind: Kind | None = Kind.REAL, **more: o
         Kind.ENUMERATION: "Int64",
         None: "String",
     }[kind]
-    fields = {"reference": abs(hash(name)) % 2**31, "fmi_type": fmi_type} | more
+    fields = {"reference": zlib.crc32(name.encode()) % 2**31, "fmi_type": fmi_type} | more
     return Variable(name=name, causality=causality, kind=kind, **fields)  # type: ignore[arg-type]
 
 
@@ -154,6 +156,13 @@ def opened(
 def resolved(
     folder: Path, files: Mapping[str, str | bytes] | str, fmus: Mapping[str, FmuModel], **options: object
 ) -> ResolvedSystem:
-    """The package's system; *files* is the description if it is one text. *fmus* are by their files' names."""
+    """The package's system; *files* is the description if it is one text. *fmus* are by their files' names.
+
+    Any other file of the package is opened as the FMU it is said to be.
+    """
     ssp = opened(folder, {"SystemStructure.ssd": files} if isinstance(files, str) else files, fmus)
-    return system_of(ssp, {c.key: fmus[c.fmu.stem] for c in ssp.places.values()}, **options)  # type: ignore[arg-type]
+    models = {
+        c.key: fmus[c.fmu.stem] if c.fmu.stem in fmus else open_fmu(c.fmu, cache=folder / "cache")
+        for c in ssp.places.values()
+    }
+    return system_of(ssp, models, **options)  # type: ignore[arg-type]

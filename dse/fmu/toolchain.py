@@ -18,7 +18,7 @@ from pathlib import Path
 from dse.errors import DseError, fail
 
 _NAMES = ("cc", "gcc", "clang")
-_INSTALL = "install a C compiler (gcc or clang), or run: pip install 'dse[toolchain]'"
+_INSTALL = "install a C compiler (gcc or clang), or run: pip install 'dse-workbench[toolchain]'"
 
 
 @dataclass(frozen=True, slots=True)

@@ -89,7 +89,7 @@ def _problem(document: Document, shape: type[Section], entry: Any, path: Path_) 
         )
     if kind == "extra_forbidden":
         if _is_later(shape, entry):
-            hint = "'Not supported in this version' in docs/formats.md has the list"
+            hint = "'dse docs formats' has the list, under 'Not supported in this version'"
             return Problem(f"'{loc[-1]}' is not supported in this version", document.key(path), hint)
         known = _fields(_sections_at(shape, loc[:-1]))
         return Problem(f"unknown key '{loc[-1]}'", document.key(path), closest(str(loc[-1]), known))

@@ -107,7 +107,7 @@ def parse_yaml(path: Path, content: bytes) -> Document:
         raise fail(f"not UTF-8 text (byte {error.start})", Location(file), "save the file as UTF-8") from None
     root = compose(text, file)
     if root is None:
-        raise fail("the file is empty", Location(file), "docs/formats.md says what each file holds")
+        raise fail("the file is empty", Location(file), "'dse docs formats' says what each file holds")
     reader = _Reader(file, text)
     reader.expect_few(root)
     data, mark = reader.value(root, (), 0)

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import os
 import subprocess
-import sys
 from collections.abc import Callable
 from pathlib import Path
 
 import pytest
+from command_line import run_dse
 
 Dse = Callable[..., "subprocess.CompletedProcess[str]"]
 
@@ -27,14 +26,6 @@ keep_waveforms: all
 """
 
 
-def run_dse(folder: Path, cache: Path, *arguments: str) -> subprocess.CompletedProcess[str]:
-    environment = {**os.environ, "DSE_CACHE": str(cache), "PYTHONUTF8": "0", "LC_ALL": "C", "COLUMNS": "100"}
-    command = [sys.executable, "-m", "dse", *arguments]
-    return subprocess.run(
-        command, cwd=folder, env=environment, capture_output=True, text=True, encoding="utf-8", check=False, timeout=120
-    )
-
-
 @pytest.fixture(scope="session")
 def cache(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return tmp_path_factory.mktemp("cache")
@@ -44,7 +35,7 @@ def cache(tmp_path_factory: pytest.TempPathFactory) -> Path:
 def example(tmp_path_factory: pytest.TempPathFactory, cache: Path) -> Path:
     """The example as ``dse init`` lays it out, with a small study beside it. Tests only read it."""
     folder = tmp_path_factory.mktemp("example") / "work"
-    done = run_dse(folder.parent, cache, "init", "work")
+    done = run_dse(folder.parent, "init", "work", cache=cache)
     assert done.returncode == 0, done.stderr
     (folder / "testbenches" / "small.pet.yaml").write_text(STUDY, encoding="utf-8")
     return folder
@@ -53,13 +44,13 @@ def example(tmp_path_factory: pytest.TempPathFactory, cache: Path) -> Path:
 @pytest.fixture(scope="session")
 def dse(example: Path, cache: Path) -> Dse:
     """Runs ``dse`` in the example workspace."""
-    return lambda *arguments: run_dse(example, cache, *arguments)
+    return lambda *arguments: run_dse(example, *arguments, cache=cache)
 
 
 @pytest.fixture(scope="session")
 def dse_in(cache: Path) -> Dse:
     """Runs ``dse`` in the folder that comes first."""
-    return lambda folder, *arguments: run_dse(folder, cache, *arguments)
+    return lambda folder, *arguments: run_dse(folder, *arguments, cache=cache)
 
 
 @pytest.fixture(scope="session")

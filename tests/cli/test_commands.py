@@ -261,11 +261,11 @@ def test_an_interrupted_study_says_how_to_go_on(example, cache, tmp_path):
     with subprocess.Popen(
         command, cwd=example, env=environment, stdout=subprocess.PIPE, stderr=subprocess.PIPE
     ) as process:
-        deadline = time.monotonic() + 60
+        deadline = time.monotonic() + 120
         while not list((tmp_path / "long" / "waveforms").glob("*.parquet")) and time.monotonic() < deadline:
             time.sleep(0.1)
         process.send_signal(signal.SIGINT)
-        _, errors = process.communicate(timeout=30)
+        _, errors = process.communicate(timeout=120)
     (example / "testbenches" / "long.pet.yaml").unlink()
     assert process.returncode == 130
     assert b"the same command goes on from there" in errors

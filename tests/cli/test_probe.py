@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import json
-import os
 import subprocess
 import sys
 import zipfile
 from pathlib import Path
 
 import pytest
+from command_line import run_dse
 
 from dse.fmu.toolchain import find_compiler
 
@@ -45,12 +45,7 @@ def odd_fmu(folder: Path, *flags: str) -> Path:
 
 
 def probe(folder: Path, *arguments: str) -> subprocess.CompletedProcess[str]:
-    environment = {**os.environ, "DSE_CACHE": str(folder / "cache"), "COLUMNS": "100", "LC_ALL": "C"}
-    command = [sys.executable, "-m", "dse", "probe", *arguments]
-    root = Path(__file__).parents[2]
-    return subprocess.run(
-        command, cwd=root, env=environment, capture_output=True, text=True, encoding="utf-8", check=False, timeout=120
-    )
+    return run_dse(Path(__file__).parents[2], "probe", *arguments, cache=folder / "cache")
 
 
 @pytest.mark.thorough

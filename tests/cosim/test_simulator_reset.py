@@ -2,7 +2,7 @@ from __future__ import annotations
 
 import gc
 from pathlib import Path
-from time import perf_counter
+from time import thread_time
 
 import pytest
 
@@ -151,8 +151,8 @@ def test_a_run_costs_less_than_a_tenth_of_a_millisecond_besides_its_steps(shelf)
         with Simulator(system, ["a.y"], method=method) as simulator:
             times = []
             for _ in range(2000):
-                began = perf_counter()
+                began = thread_time()
                 simulator.run(stop=0.1, step=0.1)
-                times.append(perf_counter() - began)
+                times.append(thread_time() - began)
         # One step of two elements takes a microsecond; half of all runs are quicker than the machine is disturbed.
         assert sorted(times)[1000] < 1e-4

@@ -3,16 +3,15 @@
 from __future__ import annotations
 
 import json
-import os
 import re
 import sqlite3
 import subprocess
-import sys
 from collections.abc import Callable, Iterator
 from contextlib import closing
 from pathlib import Path
 
 import pytest
+from command_line import run_dse
 
 from dse.domain.bench import Verdict
 from dse.domain.expression import ROLLUPS
@@ -65,16 +64,7 @@ def dse(tmp_path_factory: pytest.TempPathFactory) -> Dse:
         path.write_text(text, encoding="utf-8")
 
     def call(*arguments: str) -> subprocess.CompletedProcess[str]:
-        return subprocess.run(
-            [sys.executable, "-m", "dse", *arguments],
-            cwd=root / "workspace",
-            env={**os.environ, "DSE_CACHE": str(root / "cache")},
-            capture_output=True,
-            text=True,
-            encoding="utf-8",
-            check=False,
-            timeout=120,
-        )
+        return run_dse(root / "workspace", *arguments, cache=root / "cache")
 
     return call
 

@@ -9,6 +9,7 @@ import sys
 from pathlib import Path
 
 import pytest
+from command_line import run_dse
 
 from dse.cli import main
 
@@ -18,7 +19,7 @@ BLOCK = re.compile(r"^```(\w+)\n(.*?)^```$", re.DOTALL | re.MULTILINE)
 
 @pytest.fixture
 def workspace(tmp_path, monkeypatch):
-    subprocess.run([sys.executable, "-m", "dse", "init", "study"], cwd=tmp_path, check=True, capture_output=True)
+    assert run_dse(tmp_path, "init", "study", cache=tmp_path).returncode == 0
     monkeypatch.chdir(tmp_path / "study")
     monkeypatch.setenv("COLUMNS", "100")
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import re
 import shlex
 import shutil
@@ -11,6 +10,7 @@ import sys
 from pathlib import Path
 
 import pytest
+from command_line import run_dse
 
 from dse.loading.workspace import Workspace
 
@@ -25,34 +25,24 @@ def blocks(language: str) -> list[str]:
 @pytest.fixture(scope="module")
 def workspace(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("readme")
-    subprocess.run([sys.executable, "-m", "dse", "init", "my-study"], cwd=folder, check=True, capture_output=True)
+    assert run_dse(folder, "init", "my-study", cache=folder).returncode == 0
     return folder / "my-study"
 
 
 @pytest.mark.thorough
 def test_every_command_of_the_readme_succeeds(workspace, tmp_path):
-    environment = {**os.environ, "DSE_CACHE": str(tmp_path)}
     commands = [shlex.split(line, comments=True) for block in blocks("sh") for line in block.splitlines()]
     ours = [command for command in commands if command and command[0] == "dse" and command[1] != "init"]
     assert len(ours) >= 6
     for command in ours:
-        done = subprocess.run(
-            [sys.executable, "-m", *command],
-            cwd=workspace,
-            env=environment,
-            capture_output=True,
-            text=True,
-            encoding="utf-8",
-            check=False,
-        )
+        done = run_dse(workspace, *command[1:], cache=tmp_path)
         assert done.returncode == 0, f"{' '.join(command)}\n{done.stdout}\n{done.stderr}"
 
 
 def test_the_numbers_beside_the_commands_are_those_they_print(workspace):
     text = README.read_text(encoding="utf-8")
     claimed = re.search(r"# (\d+) of (\d+) configurations meet", text)
-    command = [sys.executable, "-m", "dse", "enumerate", "acc_vehicle", "--count"]
-    done = subprocess.run(command, cwd=workspace, capture_output=True, text=True, encoding="utf-8", check=True)
+    done = run_dse(workspace, "enumerate", "acc_vehicle", "--count", cache=workspace)
     assert claimed
     assert f"{claimed[1]} of {claimed[2]} configurations" in done.stdout
 

@@ -48,9 +48,9 @@ def test_a_run_that_writes_where_it_must_not_is_told_and_no_other_is(tmp_path: P
 
 
 def test_nobody_waits_for_the_rest_of_a_message(tmp_path: Path) -> None:
-    bench = FakeBench("a", "stops in a message", (7,), timeout=0.5)
+    bench = FakeBench("a", "stops in a message", (7,), timeout=2)
     _, failures, _ = explored(tmp_path, study_of(), bench)
-    assert failures == {7: "no answer for 0.5 s in fake: fmi2DoStep of run 7"}
+    assert failures == {7: "no answer for 2 s in fake: fmi2DoStep of run 7"}
 
 
 @pytest.fixture

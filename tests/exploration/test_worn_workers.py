@@ -93,7 +93,7 @@ def test_after_a_fatal_failure_the_other_runs_are_made_by_another_process(tmp_pa
 @pytest.mark.thorough
 def test_in_threads_the_run_at_fault_is_blamed_and_no_other(tmp_path: Path, mischief: str) -> None:
     study = study_of(levels=50)
-    bench = FakeBench("a", mischief, (40, 70), timeout=0.5)
+    bench = FakeBench("a", mischief, (40, 70), timeout=2)
     _, failures, _ = explored(tmp_path, study, bench, runs=2500, threads=3)
     assert set(failures) == {40, 70}
     assert all(problem.endswith(f"in fake: fmi2DoStep of run {number}") for number, problem in failures.items())

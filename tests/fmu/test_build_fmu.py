@@ -137,6 +137,7 @@ def test_open_fmu_gives_back_what_the_component_declares(controller, cache, vers
     assert variables["gain"].start == ("0.5",)
 
 
+@pytest.mark.usefixtures("real_compiler")
 def test_the_same_component_elsewhere_is_the_same_bytes(workshop, tmp_path_factory, version):
     archives = []
     for _ in range(2):

@@ -179,6 +179,7 @@ def test_the_structure_lists_unknowns_and_what_they_depend_on(lag: Component, ca
     assert [name for tag, name in found if tag == "EventIndicator"] == ["eventIndicator[1]"]
 
 
+@pytest.mark.usefixtures("real_compiler")
 def test_the_same_component_is_the_same_bytes_wherever_it_lies(lag: Component, tmp_path: Path) -> None:
     elsewhere = tmp_path / "elsewhere"
     elsewhere.mkdir()

@@ -241,7 +241,7 @@ def child(folder: Path, text: str, monkeypatch: pytest.MonkeyPatch) -> FrontEnd:
     script = folder / "child.py"
     script.write_text(text, encoding="utf-8")
     monkeypatch.setattr(process, "_CHILD", script)
-    return FrontEnd(folder, (), folder, seconds=2.0)
+    return FrontEnd(folder, (), folder, seconds=2.0 if "sleep" in text else 60.0)
 
 
 @pytest.mark.parametrize(

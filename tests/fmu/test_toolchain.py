@@ -46,7 +46,7 @@ def test_a_cc_that_is_no_compiler_is_an_error(monkeypatch):
 
 def test_a_machine_without_any_compiler_is_told_what_to_install(bare):
     bare.setattr(importlib.util, "find_spec", lambda name: None)
-    with pytest.raises(DseError, match=r"no C compiler on this machine\n.*pip install 'dse\[toolchain\]'"):
+    with pytest.raises(DseError, match=r"no C compiler on this machine\n.*pip install 'dse-workbench\[toolchain\]'"):
         find_compiler()
 
 

@@ -103,9 +103,9 @@ CASES = [
     ("tag on a list", "testbenches/following.yaml", "record: [", "record: !!set [", "testbenches/following.yaml:9:47", "the tag 'tag:yaml.org,2002:set' is not supported", "plain values"),
     ("tag on a key", "testbenches/following.yaml", "design: car", "!k design: car", "testbenches/following.yaml:2:1", "the tag '!k' is not supported", "plain values"),
     # what this version does not do, and shapes
-    ("objectives", "testbenches/gains.pet.yaml", "sampler:", "objectives: [gap]\nsampler:", "testbenches/gains.pet.yaml:5:1", "'objectives' is not supported in this version", "docs/formats.md"),
-    ("uncertain", "testbenches/gains.pet.yaml", "sampler:", "uncertain: {}\nsampler:", "testbenches/gains.pet.yaml:5:1", "'uncertain' is not supported in this version", "docs/formats.md"),
-    ("sample of configurations", "testbenches/gains.pet.yaml", "sampler:", "configurations: {sample: 3}\nsampler:", "testbenches/gains.pet.yaml:5:18", "'sample' is not supported in this version", "docs/formats.md"),
+    ("objectives", "testbenches/gains.pet.yaml", "sampler:", "objectives: [gap]\nsampler:", "testbenches/gains.pet.yaml:5:1", "'objectives' is not supported in this version", "dse docs formats"),
+    ("uncertain", "testbenches/gains.pet.yaml", "sampler:", "uncertain: {}\nsampler:", "testbenches/gains.pet.yaml:5:1", "'uncertain' is not supported in this version", "dse docs formats"),
+    ("sample of configurations", "testbenches/gains.pet.yaml", "sampler:", "configurations: {sample: 3}\nsampler:", "testbenches/gains.pet.yaml:5:18", "'sample' is not supported in this version", "dse docs formats"),
     ("number for a sampler", "testbenches/gains.pet.yaml", "sampler: full_factorial", "sampler: 3", "testbenches/gains.pet.yaml:5:10", "'sampler': expected text or a mapping, found 3", ""),
     ("list for a value", "testbenches/following.yaml", "set_gap: 40 m}", "set_gap: [40]}", "testbenches/following.yaml:8:34", "'parameters.controller.set_gap': expected text, a number or true or false, found a list", ""),
     ("unknown sampler with options", "testbenches/gains.pet.yaml", "sampler: full_factorial", "sampler: {latin_cube: {samples: 3}}", "testbenches/gains.pet.yaml:5:11", "unknown sampler 'latin_cube'", "latin_hypercube"),

@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-import subprocess
-import sys
 import zipfile
 
 import pytest
+from command_line import run_dse
 
 from dse.fmu.build import build
 from dse.loading.workspace import Workspace
@@ -52,14 +51,7 @@ def test_what_does_not_fit_together_is_named_where_it_stands(files, file, old, n
 def test_the_command_line_shows_problems_and_no_traceback(files):
     files.edit("components/radar/component.yaml", "min: 10 m", "min: 10 kg")
     files.edit("designs/car.yaml", "because", "becuase")
-    done = subprocess.run(
-        [sys.executable, "-m", "dse", "check"],
-        cwd=files.root,
-        capture_output=True,
-        text=True,
-        encoding="utf-8",
-        check=False,
-    )
+    done = run_dse(files.root, "check", cache=files.root / "cache")
     assert done.returncode == 1
     assert done.stdout == ""
     assert done.stderr == (

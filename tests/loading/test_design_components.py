@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-import subprocess
-import sys
-
 import pytest
+from command_line import run_dse
 
 from dse.domain.component import NO_INTERFACE
 from dse.errors import DseError
@@ -89,14 +87,7 @@ def test_a_bench_that_wants_to_simulate_a_component_without_source_names_it(file
     files.write("components/cheap.yaml", "components:\n  cheap: {implements: sensor, properties: {cost: 1 EUR}}\n")
     files.edit("designs/car.yaml", "[radar]", "[cheap]")
     assert [c.choices for c in configurations(Workspace(files.root).design("car"))] == [{"sensor": "cheap"}]
-    done = subprocess.run(
-        [sys.executable, "-m", "dse", "simulate", "following"],
-        cwd=files.root,
-        capture_output=True,
-        text=True,
-        encoding="utf-8",
-        check=False,
-    )
+    done = run_dse(files.root, "simulate", "following", cache=files.root / "cache")
     assert done.returncode == 1
     assert "components/cheap.yaml:2:3: component 'cheap' has no source, so there is nothing to build" in done.stderr
     assert "hint: it can be counted and listed only" in done.stderr

@@ -23,6 +23,7 @@ def test_each_archive_is_valid_by_fmpys_measure(
 
 
 @pytest.mark.parametrize("version", [1, 2, 3])
+@pytest.mark.usefixtures("real_compiler")
 def test_the_same_model_gives_the_same_bytes(version: int, tmp_path: Path) -> None:
     archives = [build("Feedthrough", version, "CoSimulation", tmp_path / folder) for folder in ("one", "two")]
     assert archives[0].read_bytes() == archives[1].read_bytes()

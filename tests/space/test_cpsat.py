@@ -116,5 +116,5 @@ def test_without_ortools_the_message_says_what_to_install(monkeypatch: pytest.Mo
         return really(name, *rest)  # type: ignore[arg-type]  # handed on as it came
 
     monkeypatch.setattr(builtins, "__import__", without)
-    with pytest.raises(DseError, match=r"OR-tools is not installed\n.*pip install dse\[solver\]"):
+    with pytest.raises(DseError, match=r"OR-tools is not installed\n.*pip install 'dse-workbench\[solver\]'"):
         satisfiable(FlatSpace("nothing", (), (), ()))

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import os
-import subprocess
-import sys
 import zipfile
+from functools import partial
 from pathlib import Path
 
 import pytest
+from command_line import run_dse
 from reference_fmus import MODELS, build
 
 from dse.domain.component import Causality, Kind
@@ -190,14 +190,7 @@ requirements: {R: {metric: end, at_most: 3}}
 
 def test_an_imported_fmu_is_simulated_as_a_user_would(tmp_path):
     fmu = build("VanDerPol", 2, "CoSimulation", tmp_path)
-    environment = {**os.environ, "DSE_CACHE": str(tmp_path / "cache")}
-
-    def dse(*arguments: str) -> subprocess.CompletedProcess[str]:
-        command = [sys.executable, "-m", "dse", *arguments]
-        return subprocess.run(
-            command, cwd=tmp_path, env=environment, capture_output=True, text=True, encoding="utf-8", check=False
-        )
-
+    dse = partial(run_dse, tmp_path, cache=tmp_path / "cache")
     said = dse("import", "fmu", str(fmu), "--name", "vdp")
     assert said.returncode == 0, said.stderr
     assert "vdp/component.yaml: 2 ports, 1 parameter\n" in said.stdout.replace(os.sep, "/")
@@ -207,8 +200,8 @@ def test_an_imported_fmu_is_simulated_as_a_user_would(tmp_path):
     (tmp_path / "testbenches" / "oscillating.yaml").write_text(BENCH)
     assert dse("check").returncode == 0
     # Like all commands, this one looks for the workspace upwards.
-    inside = [sys.executable, "-m", "dse", "import", "fmu", str(fmu), "--name", "second"]
-    subprocess.run(inside, cwd=tmp_path / "components" / "vdp", env=environment, capture_output=True, check=True)
+    inside = tmp_path / "components" / "vdp"
+    assert run_dse(inside, "import", "fmu", str(fmu), "--name", "second", cache=tmp_path / "cache").returncode == 0
     assert (tmp_path / "components" / "second" / "component.yaml").is_file()
     done = dse("simulate", "oscillating")
     assert done.returncode == 0, done.stderr

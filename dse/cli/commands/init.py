@@ -10,6 +10,7 @@ from typing import Annotated
 import typer
 
 from dse.cli.app import app, console
+from dse.cli.content import content
 from dse.errors import Location, fail
 
 _FOLDERS = ("components", "designs", "testbenches")
@@ -25,7 +26,7 @@ def init(
     """
     if folder.exists() and (not folder.is_dir() or any(folder.iterdir())):
         raise fail("the folder is not empty", Location(str(folder)), "name a new folder; nothing is overwritten")
-    source = _content()
+    source = content(*_FOLDERS)
     for name in _FOLDERS:
         shutil.copytree(source / name, folder / name)
     screen = console()
@@ -33,11 +34,3 @@ def init(
     screen.print(
         f"next: cd {shlex.quote(str(folder))}; dse check; dse explore acc_gains -o out; dse report out", soft_wrap=True
     )
-
-
-def _content() -> Path:
-    package = Path(__file__).resolve().parents[2]
-    for candidate in (package / "content", package.parent):
-        if all((candidate / name).is_dir() for name in _FOLDERS):
-            return candidate
-    raise fail("the example's files are missing from this installation", hint="install dse again")

@@ -55,7 +55,7 @@ def _model(flat: FlatSpace) -> tuple[cp_model.CpModel, Chosen]:
     try:
         from ortools.sat.python import cp_model
     except ImportError as error:
-        raise fail("OR-tools is not installed", hint="pip install dse[solver]") from error
+        raise fail("OR-tools is not installed", hint="pip install 'dse-workbench[solver]'") from error
     if flat.wides():
         raise _refusal(flat, flat.wides()[0])
     model = cp_model.CpModel()

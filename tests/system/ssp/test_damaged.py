@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 
-from hypothesis import given, settings
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 from ssp_packages import (
     METRES_PER_SECOND,
@@ -60,6 +60,8 @@ WORDS = [*sorted({TEXT[slice(*span)] for span in VALUES}), *ODD]
 FMUS = {"gain": GAIN, "speed": SPEED}
 
 
+# "#" is the description itself, where an FMU should stand.
+@example(place=VALUES.index(re.search(r"resources/speed\.fmu", TEXT).span()), word="#")
 @settings(max_examples=150, deadline=None)
 @given(st.integers(0, len(VALUES) - 1), st.sampled_from(WORDS))
 def test_any_word_in_any_place_is_taken_or_refused(tmp_path_factory, place, word):
