@@ -11,10 +11,11 @@ DSE := $(BIN)/dse
 WORKERS ?= 2
 JOBS ?= 2
 UV := $(shell command -v uv 2>/dev/null)
+PIP := $(if $(UV),$(UV) pip install --quiet --python $(VENV),$(BIN)/python -m pip install --quiet)
 # A machine without a C compiler gets one as a wheel.
 EXTRA := $(shell command -v $${CC:-cc} >/dev/null 2>&1 || command -v gcc >/dev/null 2>&1 || command -v clang >/dev/null 2>&1 || echo "[toolchain]")
 
-.PHONY: demo test thorough rest check nightly bench setup clean lint types layers web
+.PHONY: demo test thorough rest check nightly bench setup clean lint types layers web plugin
 
 setup: $(VENV)/.ready
 
@@ -24,11 +25,11 @@ $(VENV)/.ready: pyproject.toml hatch_build.py dse/report/web/package-lock.json $
 	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11))' || { echo "dse needs Python 3.11 or newer; set PYTHON=python3.11"; exit 1; }
 ifneq ($(UV),)
 	$(UV) venv --quiet --allow-existing --python "$(PYTHON)" $(VENV)
-	$(UV) pip install --quiet --python $(VENV) --compile-bytecode --editable ".$(EXTRA)" --group dev
+	$(PIP) --compile-bytecode --editable ".$(EXTRA)" --group dev
 else
 	$(PYTHON) -m venv $(VENV)
-	$(BIN)/python -m pip install --quiet --upgrade "pip>=25.1"
-	$(BIN)/python -m pip install --quiet --editable ".$(EXTRA)" --group dev
+	$(PIP) --upgrade "pip>=25.1"
+	$(PIP) --editable ".$(EXTRA)" --group dev
 endif
 	@touch $@
 
@@ -54,7 +55,13 @@ thorough: setup
 # All of CI: the everyday tests, then what they leave out.
 check: test rest
 
-rest: lint types layers web thorough
+rest: lint types layers web plugin thorough
+
+# What others add: the example is installed beside, so that it stands in no report of ours, and passes every suite.
+plugin: setup
+	rm -rf $(VENV)/plugin
+	$(PIP) --no-deps --no-build-isolation --target $(VENV)/plugin examples/plugin
+	PYTHONPATH=$(VENV)/plugin $(BIN)/python -m pytest -q examples/plugin/tests
 
 # Other examples than yesterday, ten times as many.
 nightly: setup
@@ -78,6 +85,7 @@ bench: setup
 	$(BIN)/python benchmarks/bench_study.py
 	$(BIN)/python benchmarks/bench_space.py
 	$(BIN)/python benchmarks/bench_modelica.py
+	$(BIN)/python benchmarks/bench_startup.py
 
 clean:
 	rm -rf out dist build dse/report/web/dist dse/report/web/node_modules dse/cosim/_kernel.* $(VENV)
