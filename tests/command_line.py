@@ -85,7 +85,7 @@ def _be_dse(folder: str, arguments: list[str], environment: dict[str, str], scra
     os.environ.clear()
     os.environ.update(environment)
     sys.argv = ["dse", *arguments]
-    sys.path.insert(0, folder)  # as python -m does
+    sys.path[:0] = [folder, *environment.get("PYTHONPATH", "").split(os.pathsep)]  # as python -m does
     signal.alarm(_LONGEST)
     # Workers of a study import the main module again, by its name.
     sys.modules["__main__"] = module = import_module("dse.__main__")
