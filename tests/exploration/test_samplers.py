@@ -195,6 +195,7 @@ def test_a_table_is_read_in_the_units_of_its_head_and_rows_that_repeat_are_one(t
         ("", "is empty"),
         ("controller.k,world.speed [km/h]\n", "has no row below its head"),
         ("controller.k\n1\n", r"points\.csv:1:1: there is no column 'world\.speed'"),
+        ("controller.k;world.speed [m/s]\n1;1\n", "separated by ';'"),
         ("controller.k,world.speed\n1,1\n", r"may be in km/h or in SI[\s\S]*head it 'world\.speed \[km/h\]'"),
         ("controller.k,world.speed [kg]\n1,1\n", "is in kg, the variable in km/h"),
         ("controller.k,controller.k,world.speed [m/s]\n1,1,1\n", "two columns are headed 'controller.k'"),

@@ -84,6 +84,8 @@ def _text(path: Path, where: Location) -> str:
 
 def _columns(path: Path, head: Sequence[str], variables: Sequence[DesignVariable]) -> _Columns:
     line = Location(shown(path), 1, 1)
+    if len(head) == 1 and ";" in head[0]:
+        raise fail("the columns are separated by ';'", line, "save the table with commas")
     problems = []
     found: dict[str, tuple[int, Unit]] = {}
     known = {variable.name: variable for variable in variables}
