@@ -49,8 +49,9 @@ PYTEST := $(BIN)/python -m pytest -q -n $(JOBS) --dist worksteal
 test: setup
 	$(PYTEST) -m "not thorough"
 
+# Tests of properties are run once more, on four times as many examples.
 thorough: setup
-	$(PYTEST) -m thorough
+	$(PYTEST) -m "thorough or hypothesis" --hypothesis-profile=thorough
 
 # All of CI: the everyday tests, then what they leave out.
 check: test rest

@@ -4,16 +4,24 @@ from __future__ import annotations
 
 import os
 import sys
+from collections import Counter
 
 import compile_cache
 import pytest
 from hypothesis import HealthCheck, is_hypothesis_test, settings
 
-# The same examples each time, and no blame for a busy machine; `make nightly` looks for new ones, ten times as many.
-settings.register_profile("everyday", derandomize=True, deadline=None, suppress_health_check=[HealthCheck.too_slow])
-settings.register_profile("nightly", parent=settings.get_profile("everyday"), derandomize=False, print_blob=True)
+# How many examples hypothesis tries, by profile, as a factor of what a test says or of hypothesis's own number. They
+# are the same each time, but nightly, when new ones are looked for; a busy machine is never to blame.
+_EXAMPLES = {"everyday": 0.25, "thorough": 1, "nightly": 10}
+for _profile in _EXAMPLES:
+    settings.register_profile(
+        _profile,
+        derandomize=_profile != "nightly",
+        deadline=None,
+        print_blob=True,
+        suppress_health_check=[HealthCheck.too_slow],
+    )
 settings.load_profile("everyday")
-_NIGHTLY_FACTOR = 10
 
 # Hundreds of tests start a Python of their own; without its bytecode each would compile all it imports.
 os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
@@ -26,13 +34,23 @@ def pytest_configure(config: pytest.Config) -> None:
         compile_cache.use(config.cache.mkdir("compiled"))
 
 
+@pytest.hookimpl(tryfirst=True)  # before tests are chosen by their marks
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
-    """In the nightly run, multiply the examples of every test: most say their own number, which no profile changes."""
-    if config.getoption("--hypothesis-profile") != "nightly":
-        return
+    """Leave all but every n-th case of tests marked ``sampled(n)`` to the thorough run; set numbers of examples."""
+    counted: Counter[str] = Counter()
+    for item in items:
+        sampled = item.get_closest_marker("sampled")
+        if sampled and not item.get_closest_marker("thorough"):
+            name = item.nodeid.partition("[")[0]
+            if counted[name] % sampled.args[0]:
+                item.add_marker(pytest.mark.thorough)
+            counted[name] += 1
+    factor = _EXAMPLES[config.getoption("--hypothesis-profile") or "everyday"]
+    # Most tests say their own number, which no profile changes; there is no public way to.
     for test in {item.obj for item in items if isinstance(item, pytest.Function) and is_hypothesis_test(item.obj)}:
         own = test._hypothesis_internal_use_settings
-        test._hypothesis_internal_use_settings = settings(own, max_examples=_NIGHTLY_FACTOR * own.max_examples)
+        examples = max(5, round(factor * own.max_examples))
+        test._hypothesis_internal_use_settings = settings(own, max_examples=examples)
 
 
 @pytest.fixture

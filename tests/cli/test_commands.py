@@ -19,6 +19,7 @@ COMMANDS = (
 )
 
 
+@pytest.mark.sampled(4)
 @pytest.mark.parametrize("command", COMMANDS)
 def test_every_command_explains_itself(dse, command):
     done = dse(command, "--help")
@@ -91,6 +92,7 @@ def test_a_setting_must_name_a_parameter_in_its_unit(dse):
     assert dse("simulate", "acc_following", "--set", "controller.kp_speed").returncode == 2
 
 
+@pytest.mark.thorough
 def test_fmi_2_and_3_give_the_same_bits(dse):
     two = dse("simulate", "acc_following", "--format", "json", "--fmi", "2").stdout
     three = dse("simulate", "acc_following", "--format", "json", "--fmi", "3").stdout
@@ -111,6 +113,7 @@ def test_a_second_explore_does_nothing(dse, explored):
     assert (explored / "study.sqlite").read_bytes() == before
 
 
+@pytest.mark.thorough
 def test_one_worker_and_two_give_the_same_bytes(dse, explored, tmp_path):
     alone = tmp_path / "small"
     assert dse("explore", "small", "-o", str(alone), "--workers", "1").returncode == 0

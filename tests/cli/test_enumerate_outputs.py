@@ -82,6 +82,7 @@ def test_a_table_of_many_stops_and_says_so(dse, tmp_path, example):
         free.unlink()
 
 
+@pytest.mark.sampled(2)
 @pytest.mark.parametrize(
     ("options", "said"),
     [

@@ -228,6 +228,7 @@ def test_a_setting_changes_a_package_too(package, dse_in, simulated):
     assert json.loads(done.stdout)["signals"]["second.x"]["end"] == 2 * simulated["second.x"][-1]
 
 
+@pytest.mark.sampled(2)
 @pytest.mark.parametrize(
     ("arguments", "code", "expected"),
     [

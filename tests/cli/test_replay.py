@@ -129,6 +129,7 @@ DAMAGE = {
 }
 
 
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize("damage", DAMAGE)
 def test_a_report_of_a_damaged_folder_is_refused(dse, folder, damage):
     execute(folder, DAMAGE[damage])
@@ -148,6 +149,7 @@ def test_a_run_of_a_damaged_folder_is_not_replayed(dse, folder, damage):
     assert "Traceback" not in done.stderr
 
 
+@pytest.mark.sampled(2)
 @pytest.mark.parametrize("damage", ["an unknown verdict", "a point that is no number", "no definition", "no table"])
 def test_a_damaged_folder_is_not_gone_on_with(dse, folder, damage):
     execute(folder, DAMAGE[damage])

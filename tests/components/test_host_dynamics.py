@@ -99,6 +99,7 @@ BRAKING: list[tuple[float, Torques]] = [
 ]
 
 
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize(
     ("start", "course", "friction", "slope"),
     [(0.0, STANDING_START, 0.9, 0.0), (0.0, STANDING_START, 0.9, 0.06), (22.0, BRAKING, 0.6, -0.04)],

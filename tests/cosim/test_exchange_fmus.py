@@ -123,6 +123,7 @@ def test_structural_parameters_set_the_number_of_states(folder, version, size):
         assert np.abs([found[name][k] for name in outputs] - exact).max() < 1e-6
 
 
+@pytest.mark.sampled(2)
 @BOTH
 def test_a_stiff_oscillator_of_van_der_pol_takes_its_jacobian_from_the_fmu(folder, version):
     fmu = reference("VanDerPol", version, folder, tolerance=1e-6)
@@ -165,6 +166,7 @@ def test_a_modelica_component_does_the_same_in_model_exchange_and_co_simulation(
         assert np.abs(one[name] - other[name]).max() < 1e-4
 
 
+@pytest.mark.sampled(3)
 @MODELS
 def test_a_modelica_component_does_what_cvode_finds(folder, model, stop, outputs):
     archive = model.fmu(folder, 2)

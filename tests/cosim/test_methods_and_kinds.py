@@ -72,6 +72,7 @@ def chain(model: FmuModel, names: str) -> SystemStructure:
     )
 
 
+@pytest.mark.sampled(5)
 @BY_KIND
 @BY_METHOD
 @pytest.mark.parametrize("names", ["abc", "cab"])

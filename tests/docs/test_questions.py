@@ -37,6 +37,7 @@ def test_every_command_prints_what_is_shown(workspace, monkeypatch, capsys):
         assert printed == output.splitlines(), command
 
 
+@pytest.mark.thorough
 def test_the_python_shown_runs(workspace):
     code = "\n".join(text for kind, text in BLOCK.findall(TEXT) if kind == "python")
     subprocess.run([sys.executable, "-c", code], check=True)

@@ -51,6 +51,7 @@ def content(path: Path) -> tuple[bytes, dict[str, bytes]]:
         return to_csv(folder), files
 
 
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize(
     ("sampler", "keep"),
     [(FullFactorial(), Keep.ALL), (FullFactorial(), Keep.NONE), (LatinHypercube(samples=60), Keep.NEAR_BOUNDARY)],

@@ -35,6 +35,7 @@ def test_a_process_that_makes_a_copy_of_itself_stays_one_worker(tmp_path: Path, 
     assert (summary.simulated, summary.irreproducible, summary.kept) == (2500, 0, len(kept))
 
 
+@pytest.mark.sampled(4)
 @BOTH
 @pytest.mark.parametrize("levels", [5, 50])
 def test_a_run_that_writes_where_it_must_not_is_told_and_no_other_is(tmp_path: Path, keep: Keep, levels: int) -> None:
@@ -81,6 +82,7 @@ def test_runs_that_leave_files_open_have_their_worker_renewed_and_none_is_blamed
         assert all(kept[number] for number in range(runs))
 
 
+@pytest.mark.sampled(2)
 @pytest.mark.parametrize("levels", [5, 50])
 def test_a_run_after_which_no_waveforms_can_be_written_is_told_and_no_other_is(tmp_path: Path, levels: int) -> None:
     bench = FakeBench("a", "leaves few files to write", (7,))
@@ -92,6 +94,7 @@ def test_a_run_after_which_no_waveforms_can_be_written_is_told_and_no_other_is(t
     assert {number for number, name in kept.items() if name} == set(range(levels**2)) - {7}
 
 
+@pytest.mark.sampled(2)
 @pytest.mark.parametrize("threads", [1, 2])
 def test_a_run_that_fails_as_others_have_used_up_all_files_is_made_again(
     tmp_path: Path, few_files: None, threads: int

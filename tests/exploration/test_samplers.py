@@ -162,6 +162,7 @@ def test_a_latin_hypercube_keeps_its_points_from_release_to_release() -> None:
     assert found == pytest.approx(expected, abs=1e-8)
 
 
+@pytest.mark.thorough
 def test_a_study_that_would_never_end_is_refused_before_it_is_laid_out() -> None:
     with pytest.raises(DseError, match=r"244,140,625 runs[\s\S]*another sampler"):
         points(study_of(levels=25, variables=6))

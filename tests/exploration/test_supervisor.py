@@ -169,6 +169,7 @@ def test_waveforms_that_cannot_be_written_end_the_exploration_but_not_the_result
     assert multiprocessing.active_children() == []
 
 
+@pytest.mark.thorough
 @posix
 def test_waveforms_of_a_chunk_survive_a_crash_in_it(tmp_path: Path) -> None:
     # 2,500 runs make chunks of 32, so that run 40 crashes in the middle of one.

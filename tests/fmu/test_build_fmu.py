@@ -76,6 +76,7 @@ def controller(workshop):
     )
 
 
+@pytest.mark.sampled(2)
 def test_the_archive_is_valid_in_the_eyes_of_fmpy(controller, workshop, cache, version):
     from fmpy.validation import validate_fmu
 
@@ -137,6 +138,7 @@ def test_open_fmu_gives_back_what_the_component_declares(controller, cache, vers
     assert variables["gain"].start == ("0.5",)
 
 
+@pytest.mark.sampled(2)
 @pytest.mark.usefixtures("real_compiler")
 def test_the_same_component_elsewhere_is_the_same_bytes(workshop, tmp_path_factory, version):
     archives = []

@@ -116,6 +116,7 @@ def variables(archive: Path) -> dict[str, dict[str, str]]:
     return {v.attrib["name"]: {**v.attrib, **(v[0].attrib if len(v) else {}), "tag": v.tag} for v in found}
 
 
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize("version", [2, 3])
 @pytest.mark.parametrize("interface", ["CoSimulation", "ModelExchange"])
 def test_the_fmu_is_valid_and_gives_the_step_response(
@@ -179,6 +180,7 @@ def test_the_structure_lists_unknowns_and_what_they_depend_on(lag: Component, ca
     assert [name for tag, name in found if tag == "EventIndicator"] == ["eventIndicator[1]"]
 
 
+@pytest.mark.thorough
 @pytest.mark.usefixtures("real_compiler")
 def test_the_same_component_is_the_same_bytes_wherever_it_lies(lag: Component, tmp_path: Path) -> None:
     elsewhere = tmp_path / "elsewhere"

@@ -92,6 +92,7 @@ def test_another_start_value_asks_no_front_end_and_compiles_one_small_file(
     assert started == []
 
 
+@pytest.mark.thorough
 def test_another_structural_value_is_another_answer(library: Path, tmp_path: Path, started: list[str]) -> None:
     cache = tmp_path / "cache"
     build(lag(library, n=2), cache=cache)
@@ -100,6 +101,7 @@ def test_another_structural_value_is_another_answer(library: Path, tmp_path: Pat
     assert "front-end" in started
 
 
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize("file", ["Data", "Lag", "package"])
 def test_another_text_of_any_file_is_another_answer(
     library: Path, tmp_path: Path, started: list[str], file: str

@@ -156,6 +156,7 @@ def test_a_sampled_controller_follows_its_closed_form(new):
     assert sampled.get("x") == pytest.approx(x, abs=1e-8)
 
 
+@pytest.mark.sampled(4)
 @pytest.mark.parametrize("step", [0.01, 0.5])
 @pytest.mark.parametrize("solver", ["AUTO", "STIFF"])
 def test_a_model_that_has_no_values_beyond_an_event_comes_to_it_nevertheless(new, solver, step):

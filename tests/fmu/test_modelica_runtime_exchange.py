@@ -18,6 +18,7 @@ def new(cache, version):
         yield make
 
 
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize(
     ("model", "stop", "outputs"),
     [

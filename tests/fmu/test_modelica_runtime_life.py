@@ -116,6 +116,7 @@ def test_what_is_not_a_number_is_never_given_out(new):
     assert "at 0 s: variable 'not_a_number' is not a number" in made.messages[-1]
 
 
+@pytest.mark.sampled(2)
 @pytest.mark.parametrize("model", [OSCILLATOR, BALL, RELAY, SAMPLED, VAN_DER_POL], ids=lambda model: model.name)
 def test_a_restored_state_goes_on_to_the_last_bit(new, model):
     one = new(model).ready()

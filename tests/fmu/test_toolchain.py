@@ -50,6 +50,7 @@ def test_a_machine_without_any_compiler_is_told_what_to_install(bare):
         find_compiler()
 
 
+@pytest.mark.thorough
 @pytest.mark.skipif(importlib.util.find_spec("ziglang") is None, reason="the ziglang wheel is not installed")
 def test_without_a_compiler_the_ziglang_wheel_builds(bare, workshop, cache):
     assert find_compiler().identity.startswith("ziglang ")

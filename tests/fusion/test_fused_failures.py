@@ -60,6 +60,7 @@ def faulty(workshop):
 FAILING = {1: "nan", 2: "-inf", 3: "gear", 4: "5000000000", 5: "1e+39", 6: "300", 8: "big"}
 
 
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize("fault", FAILING)
 def test_a_value_that_fmi_refuses_or_that_is_not_finite_ends_the_run_alike(workshop, faulty, fault):
     failed = assert_same(failures(workshop, faulty, ["b.y"], {"bad.fault": fault, "bad.at": 40.0}))

@@ -375,6 +375,7 @@ def test_no_tag_runs_a_constructor(files):
         Workspace(files.root).design("designs/car.yaml")
 
 
+@pytest.mark.thorough
 def test_deep_nesting_is_refused(files):
     files.write("designs/car.yaml", "a: " + "[" * 5000)
     with pytest.raises(DseError):

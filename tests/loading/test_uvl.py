@@ -193,6 +193,7 @@ def test_names_that_expressions_cannot_have_are_spelled_otherwise_and_stay_apart
     assert count(space) == 2**6 * 3 // 2
 
 
+@pytest.mark.thorough
 def test_a_chain_of_many_features_and_numbers_is_no_deep_tree():
     names = [f"F{number}" for number in range(2000)]
     tree = "features\n R\n  optional\n" + "".join(f"   {name} {{x 1}}\n" for name in names)
@@ -293,6 +294,7 @@ def _fits(chosen, groups):
     return True
 
 
+@pytest.mark.thorough
 @settings(max_examples=300, deadline=None)
 @given(models())
 def test_the_configurations_are_the_valid_selections(model):

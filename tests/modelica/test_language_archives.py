@@ -74,6 +74,7 @@ def load(slave: Slave, content: bytes) -> None:
         slave.fmu.setFMUState(slave.fmu.deserializeFMUState(content))
 
 
+@pytest.mark.sampled(3)
 @both_versions
 @pytest.mark.parametrize("name", WITH_MEMORY)
 def test_a_saved_state_goes_on_as_if_nothing_had_happened(name: str, version: int, built: Built) -> None:
@@ -100,6 +101,7 @@ def test_a_saved_state_goes_on_as_if_nothing_had_happened(name: str, version: in
         assert later(second) == straight
 
 
+@pytest.mark.sampled(6)
 @pytest.mark.parametrize("name", RUN_TWICE)
 def test_the_optimizer_changes_no_bit(name: str, cache: Path, built: Built) -> None:
     quick = built(case(name), 2)

@@ -65,6 +65,7 @@ def steps_of(case: Case, step: float) -> int:
     return int(case.stop / step + 1e-6)
 
 
+@pytest.mark.sampled(3)
 @every_case
 @both_versions
 def test_co_simulation_follows_the_solution(case: Case, version: int, built: Built) -> None:
@@ -87,6 +88,7 @@ def test_a_structural_parameter_is_built_in(case: Case, built: Built) -> None:
         check(case, timed(case, rows, case.step), variant, case.error)
 
 
+@pytest.mark.sampled(3)
 @every_case
 def test_other_communication_steps_and_tolerances_tell_the_same(case: Case, built: Built) -> None:
     model = built(case.file, 2)
@@ -99,6 +101,7 @@ def test_other_communication_steps_and_tolerances_tell_the_same(case: Case, buil
     check(case, timed(case, rows, case.step), {}, max(1e4 * case.error, 1e-12))
 
 
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize("case", [case for case in ALL if case.exchanged], ids=lambda case: case.model)
 @both_versions
 def test_model_exchange_follows_the_solution(case: Case, version: int, built: Built) -> None:
@@ -129,6 +132,7 @@ def test_all_variables_satisfy_the_equations_of_the_file(case: Case, built: Buil
         assert max(map(abs, case.residuals(row))) < case.error
 
 
+@pytest.mark.sampled(3)
 @every_case
 @both_versions
 def test_the_archive_is_valid(case: Case, version: int, built: Built) -> None:

@@ -24,6 +24,7 @@ def run(slave: Slave) -> None:
         slave.get("y")
 
 
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize("file", sorted(FOLDER.glob("*.mo")), ids=lambda file: file.stem)
 @pytest.mark.parametrize("version", [2, pytest.param(3, marks=pytest.mark.thorough)], ids=["fmi2", "fmi3"])
 def test_the_failure_is_named(file: Path, version: int, built: Built) -> None:

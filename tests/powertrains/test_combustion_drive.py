@@ -48,6 +48,7 @@ def test_a_car_with_a_combustion_powertrain_moves_as_the_physics_says(
     assert found[-1, 4] == pytest.approx(expected.states[-1, ENERGY_LOSS], rel=1e-8)
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("model", ["Automatic", "DualClutch"])
 def test_the_error_falls_with_the_tolerance(model: str, cache: Path) -> None:
     car = reference(model)
@@ -106,6 +107,7 @@ def test_the_hybrid_gearbox_moves_as_the_physics_says(cache: Path) -> None:
     assert abs(drawn - given - lost - (kept - found[0, 5])) < 1e-7 * np.ptp(found[:, 2])
 
 
+@pytest.mark.thorough
 def test_the_quasi_static_car_uses_nearly_what_the_dynamic_one_uses(cache: Path) -> None:
     names = ("speed", "powertrain.energy_in")
     dynamic = run(opened("Combustion.Automatic", cache), names, TIMES, 1e-6)

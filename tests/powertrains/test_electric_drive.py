@@ -91,6 +91,7 @@ def test_a_quasi_static_electric_car_moves_as_the_physics_says(cache: Path, loss
     assert lacking(rows[:, 2:]) < 1e-12
 
 
+@pytest.mark.thorough
 def test_the_error_falls_with_the_order_of_the_solver(cache: Path) -> None:
     drive = DynamicDrive()
     exact = integrate(drive, drive.start(), np.array([0.0, 2.5]), 1e-12, 0.05).states[-1, 0]
@@ -113,7 +114,8 @@ def test_a_tighter_tolerance_gives_a_smaller_error(cache: Path, dynamic: tuple[D
     assert errors[2] < errors[1] / 10, errors
 
 
-@pytest.mark.parametrize("fidelity", ["BatteryElectric", "QuasiStatic"])
+@pytest.mark.sampled(2)
+@pytest.mark.parametrize("fidelity", ["QuasiStatic", "BatteryElectric"])
 def test_energy_is_kept_over_a_cycle_and_the_consumption_is_that_of_such_cars(cache: Path, fidelity: str) -> None:
     names = ("speed", "car.distance", *ENERGIES)
     found = on_cycle(opened(f"Electric.{fidelity}OnCycle", cache), names, 0.3)

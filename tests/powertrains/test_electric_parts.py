@@ -41,6 +41,7 @@ def settled(cache: Path, part: str, inputs: Mapping[str, float], names: tuple[st
     return found
 
 
+@pytest.mark.sampled(4)
 @pytest.mark.parametrize(("part", "data"), [("Machine", GOLF), ("Machine60kW", PRIUS)])
 @pytest.mark.parametrize("spin", [0.0, 150.0, 500.0, 1000.0])
 @pytest.mark.parametrize("asked", [-1000.0, 40.0, 1000.0])

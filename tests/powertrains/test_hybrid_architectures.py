@@ -134,6 +134,7 @@ def test_the_parts_of_the_p2_hybrid_are_stable_at_ten_milliseconds(cache: Path) 
     assert abs(rows[calm, 4] - rows[calm, 3]).min() > 50  # engine off, K0 open
 
 
+@pytest.mark.thorough
 def test_wheels_that_spin_freely_do_not_make_the_parts_unstable(cache: Path) -> None:
     rows = drive(
         EXTENDED, {}, RANGE_EXTENDER, Car(), lambda time: 100.0 if 0.5 < time < 1 else 0.0,

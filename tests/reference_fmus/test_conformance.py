@@ -54,6 +54,7 @@ def is_same(one: np.ndarray, other: np.ndarray) -> bool:
     return one.shape == other.shape and one.tobytes() == other.tobytes()
 
 
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize(("name", "version", "interface"), ALL, ids=names_of)
 def test_a_model_does_what_its_equations_say(name: str, version: int, interface: str, opened: Open) -> None:
     case = CASES[name]

@@ -15,6 +15,7 @@ from reference_fmus.cases import ALL, INTERFACES, bounce_times, names_of
 ONE_OF_EACH = [(name, version, interface) for name in MODELS for version, interface in INTERFACES]
 
 
+@pytest.mark.sampled(4)
 @pytest.mark.parametrize(("name", "version", "interface"), ONE_OF_EACH, ids=names_of)
 def test_each_archive_is_valid_by_fmpys_measure(
     name: str, version: int, interface: str | None, reference_folder: Path

@@ -46,6 +46,7 @@ def test_a_part_without_a_shaft_stands_where_its_signals_go() -> None:
     assert boxes["wheels"].x > boxes["shaft"].x > boxes["gearbox"].x > boxes["engine"].x
 
 
+@pytest.mark.sampled(5)
 @pytest.mark.parametrize("name", ["combustion_6at", "bev_single_speed", "hybrid_dct7", "rex_control", "straight_road"])
 def test_nothing_overlaps_and_all_lies_inside(name: str) -> None:
     part = component(name)

@@ -118,6 +118,7 @@ def test_the_counts_are_those_that_python_finds(sliced: ReportContent, open_repo
     assert page.inner_text("#passing") == str(expected(sliced, 0.5, 1.0)[0])
 
 
+@pytest.mark.thorough
 def test_moving_a_threshold_moves_the_counts_and_the_plot(sliced: ReportContent, open_report: Open) -> None:
     page = open_report(sliced)
     before = ground(page)
@@ -132,6 +133,7 @@ def test_moving_a_threshold_moves_the_counts_and_the_plot(sliced: ReportContent,
     assert page.is_disabled("#reset-thresholds")
 
 
+@pytest.mark.thorough
 def test_a_requirement_with_two_bounds_has_two_sliders(sliced: ReportContent, open_report: Open) -> None:
     both = RequirementRow("R3", "braking", "peak_deceleration", 0.7, 0.4, np.ones(len(sliced.runs), dtype=bool))
     content = dataclasses.replace(sliced, requirements=(both,))
@@ -159,6 +161,7 @@ def test_a_click_selects_the_run_under_it(sliced: ReportContent, open_report: Op
     assert page.inner_text(".tip .head").startswith("Run 24")
 
 
+@pytest.mark.thorough
 def test_arrow_keys_walk_along_the_grid(sliced: ReportContent, open_report: Open) -> None:
     page = open_report(sliced)
     page.locator(".plot").click(position={"x": 300, "y": 200})
@@ -173,6 +176,7 @@ def test_arrow_keys_walk_along_the_grid(sliced: ReportContent, open_report: Open
     )
 
 
+@pytest.mark.thorough
 def test_a_waveform_that_was_not_kept_names_the_command(sliced: ReportContent, open_report: Open) -> None:
     page = open_report(sliced)
     run = next(number for number in range(20, 242) if number not in sliced.figures[0].kept and number != 37)
@@ -182,6 +186,7 @@ def test_a_waveform_that_was_not_kept_names_the_command(sliced: ReportContent, o
     page.wait_for_selector(f"code:text-is('dse replay out/acc_gains {run}')")
 
 
+@pytest.mark.thorough
 def test_the_other_slice_shows_its_own_runs(sliced: ReportContent, open_report: Open) -> None:
     page = open_report(sliced)
     before = ground(page)
@@ -192,6 +197,7 @@ def test_the_other_slice_shows_its_own_runs(sliced: ReportContent, open_report: 
     assert selected(page) >= 121
 
 
+@pytest.mark.thorough
 def test_the_run_table_sorts_and_filters(sliced: ReportContent, open_report: Open) -> None:
     page = open_report(sliced)
     page.click("[data-sort='metric.1']")
@@ -208,6 +214,7 @@ def test_the_run_table_sorts_and_filters(sliced: ReportContent, open_report: Ope
     assert "fmi2DoStep" in page.inner_text(".problem")
 
 
+@pytest.mark.thorough
 def test_the_shown_yaml_has_the_exact_parameters(sliced: ReportContent, open_report: Open) -> None:
     from ruamel.yaml import YAML
 
@@ -220,6 +227,7 @@ def test_the_shown_yaml_has_the_exact_parameters(sliced: ReportContent, open_rep
     assert read["parameters"]["controller.kd_speed"] == sliced.variables[1].values[run]
 
 
+@pytest.mark.thorough
 def test_dark_mode_redraws_everything(sliced: ReportContent, open_report: Open) -> None:
     page = open_report(sliced)
     light, colour = ground(page), page.evaluate("getComputedStyle(document.body).backgroundColor")
@@ -231,6 +239,7 @@ def test_dark_mode_redraws_everything(sliced: ReportContent, open_report: Open) 
     assert page.inner_text("#theme") == "Light mode"
 
 
+@pytest.mark.thorough
 def test_a_metric_can_be_shown_as_colour(sliced: ReportContent, open_report: Open) -> None:
     page = open_report(sliced)
     before = ground(page)
@@ -238,6 +247,7 @@ def test_a_metric_can_be_shown_as_colour(sliced: ReportContent, open_report: Ope
     assert ground(page) != before
 
 
+@pytest.mark.thorough
 def test_configurations_without_variables_are_a_table(bench_only: ReportContent, open_report: Open) -> None:
     page = open_report(bench_only)
     assert page.locator(".plot").count() == 0
@@ -249,6 +259,7 @@ def test_configurations_without_variables_are_a_table(bench_only: ReportContent,
     page.wait_for_selector("code:text-is('dse replay out/acc_gains 4')")
 
 
+@pytest.mark.thorough
 def test_scattered_runs_have_regions_that_follow_the_sliders(scattered: ReportContent, open_report: Open) -> None:
     page = open_report(scattered)
     assert "radial functions through 200 runs" in page.inner_text("#plane-note")
@@ -285,6 +296,7 @@ def test_names_that_are_markup_stay_text(sliced: ReportContent, open_report: Ope
     assert page.locator("img").count() == 0
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("width", [420, 900, 1280, 1920])
 def test_nothing_sticks_out_sideways(sliced: ReportContent, open_report: Open, width: int) -> None:
     page = open_report(sliced)
@@ -305,6 +317,7 @@ def test_values_are_shown_to_the_last_digit_of_their_error_bars(sliced: ReportCo
         assert value == f"40.0{'0512' if shown == '0.00022' else '1'} \u00b1\u202f{shown}\u202f%"
 
 
+@pytest.mark.thorough
 def test_an_undefined_value_has_no_error_bar(sliced: ReportContent, open_report: Open) -> None:
     nothing = np.full(len(sliced.runs), np.nan)
     checked = dataclasses.replace(sliced.metrics[0], values=nothing, error=nothing)
@@ -312,6 +325,7 @@ def test_an_undefined_value_has_no_error_bar(sliced: ReportContent, open_report:
     assert page.locator("#metrics tbody td").first.inner_text() == "undefined\u202f%"
 
 
+@pytest.mark.thorough
 def test_a_small_page_shows_every_verdict(sliced: ReportContent, open_report: Open) -> None:
     runs = len(sliced.runs)
     checked = tuple(dataclasses.replace(m, error=np.full(runs, 0.00022)) for m in sliced.metrics)

@@ -187,6 +187,7 @@ def test_the_run_shown_first_passes_and_was_kept(sliced: ReportContent) -> None:
     assert overall_marks(sliced)[run] == Mark.PASS
 
 
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize("ending", ["png", "svg", "pdf"])
 def test_a_figure_is_saved_with_the_same_bytes_each_time(sliced: ReportContent, tmp_path: Path, ending: str) -> None:
     data = constraint_plot_data(sliced, sliced.slices[1][0], sliced.slices[1][1], "c4f1a2")

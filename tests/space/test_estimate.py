@@ -64,6 +64,7 @@ def small_batches(monkeypatch):
     monkeypatch.setattr("dse.space.sampling.estimate._BATCH", 200)
 
 
+@pytest.mark.sampled(4)
 @pytest.mark.parametrize("name", CASES)
 def test_intervals_hold_the_truth_about_nineteen_times_of_twenty(name, small_batches):
     flat, truth = CASES[name]
@@ -77,6 +78,7 @@ def test_intervals_hold_the_truth_about_nineteen_times_of_twenty(name, small_bat
     assert all(abs(tally.value - truth) < 0.15 * truth for tally in tallies)
 
 
+@pytest.mark.sampled(4)
 @pytest.mark.parametrize("name", CASES)
 def test_the_interval_is_about_as_wide_as_asked(name, small_batches):
     diagram = compile_diagram(CASES[name][0])
@@ -86,6 +88,7 @@ def test_the_interval_is_about_as_wide_as_asked(name, small_batches):
     assert widths[2] < 0.052
 
 
+@pytest.mark.thorough
 def test_estimates_are_unbiased(small_batches):
     flat, truth = CASES["a tail"]
     values = [estimate(compile_diagram(flat), seed, relative=0.02).value for seed in range(40)]
@@ -99,6 +102,7 @@ def test_the_same_seed_gives_the_same_estimate(small_batches):
     assert estimate(diagram, 4) != estimate(diagram, 5)
 
 
+@pytest.mark.thorough
 def test_counts_beyond_every_float_are_whole_numbers(small_batches):
     number = 2000
     tally = estimate(compile_diagram(coins(number, heads(number, None, 900))), 1)

@@ -258,6 +258,7 @@ def test_a_rule_that_is_no_sum_is_refused() -> None:
         exact_count(compile_diagram(free([2, 2], [rule])))
 
 
+@pytest.mark.thorough
 @settings(max_examples=30, deadline=None)
 @given(st.integers(0, 2**32 - 1), st.integers(1, 3))
 def test_several_sums_over_many_places_count_as_their_generating_function(seed: int, sums: int) -> None:
@@ -290,6 +291,7 @@ def test_several_sums_over_many_places_count_as_their_generating_function(seed: 
     assert exact_count(compile_diagram(free([4] * places, rules))) == expected
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("sums", [40, 200])
 def test_so_many_sums_that_no_number_holds_their_cells_are_too_much(sums: int) -> None:
     rules = [

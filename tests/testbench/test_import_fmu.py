@@ -24,6 +24,7 @@ def workspace(folder: Path) -> Workspace:
     return Workspace(folder)
 
 
+@pytest.mark.sampled(2)
 @pytest.mark.parametrize("version", [2, 3])
 def test_every_reference_fmu_becomes_a_component_without_a_problem(tmp_path, version):
     for model in MODELS:

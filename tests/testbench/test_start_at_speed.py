@@ -25,6 +25,7 @@ def simulator(tmp_path_factory: pytest.TempPathFactory):
         yield found
 
 
+@pytest.mark.thorough
 def test_a_combustion_powertrain_starts_in_the_gear_of_its_speed(simulator: Simulator) -> None:
     start = {"world.initial_speed": SPEED, "powertrain.initial_speed": SPEED / RADIUS}
     speed, torque = simulator.run(stop=2.0, step=0.01, start=start).T

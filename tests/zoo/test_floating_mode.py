@@ -28,6 +28,7 @@ def third() -> float:
     return float(np.float64(1.0) / np.float64(3.0))
 
 
+@pytest.mark.sampled(4)
 @pytest.mark.parametrize("method", METHODS.values(), ids=METHODS)
 @pytest.mark.parametrize("name", ["changes_rounding", "changes_rounding_first", "traps_floating_point"])
 def test_who_changed_the_mode_is_told_and_later_runs_round_as_ever(name: str, method: Method, tmp_path: Path) -> None:

@@ -37,6 +37,7 @@ def test_an_fmu_that_does_all_right_is_told_so(odd, version):
     assert facts.run_growth < 1000.0
 
 
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize(
     ("flag", "question", "reason"),
     [

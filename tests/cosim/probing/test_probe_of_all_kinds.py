@@ -15,6 +15,7 @@ from dse.fmu.unpack import open_fmu
 ASKED = frozenset(Question) - {Question.LASTS, Question.RELOADS, Question.THREADS}
 
 
+@pytest.mark.sampled(5)
 @pytest.mark.parametrize(
     ("name", "version", "interface", "unknown"),
     [
