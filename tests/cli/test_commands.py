@@ -47,6 +47,7 @@ def test_help_imports_nothing_heavy():
     assert done.stderr.strip() == "[]"
 
 
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize("command", [["check"], ["enumerate", "acc_vehicle"], ["components"]])
 def test_reading_commands_import_neither_pandas_nor_matplotlib_nor_fmpy(example, command):
     code = (

@@ -1,0 +1,59 @@
+"""The compiler of the tests takes what it made before only if nothing it depends on has changed."""
+
+from __future__ import annotations
+
+import ctypes
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+pytestmark = pytest.mark.skipif(
+    sys.platform != "linux" or "DSE_TESTS_CC" not in os.environ, reason="nothing is kept on this machine"
+)
+
+
+def compiled(folder: Path, *options: str, value: int = 1, source: str = "int value(void) { return VALUE; }") -> str:
+    """What the compiler says of *source* in *folder*, which becomes value.so."""
+    folder.mkdir(exist_ok=True)
+    (folder / "value.h").write_text(f"#define VALUE {value}\n", encoding="utf-8")
+    (folder / "value.c").write_text(f'#include "value.h"\n{source}\n', encoding="utf-8")
+    command = [os.environ["CC"], "-shared", "-fPIC", *options, "value.c", "-o", "value.so"]
+    return subprocess.run(command, cwd=folder, check=True, capture_output=True, encoding="utf-8").stderr
+
+
+def value(folder: Path) -> int:
+    return int(ctypes.CDLL(str(folder / "value.so")).value())
+
+
+def kept() -> int:
+    return sum(1 for path in Path(os.environ["CC"]).parents[1].iterdir() if len(path.name) == 64)
+
+
+@pytest.mark.parametrize("is_staged", [True, False], ids=["staged", "with folders of others"])
+def test_a_changed_header_or_option_makes_another_library(tmp_path, is_staged):
+    found = []
+    for number, (option, header) in enumerate([("-DMORE=10", 1), ("-DMORE=10", 2), ("-DMORE=20", 2), ("-DMORE=10", 1)]):
+        folder = tmp_path / str(number)
+        include = "-I." if is_staged else f"-I{folder}"
+        compiled(folder, option, include, value=header, source="int value(void) { return VALUE + MORE; }")
+        found.append(value(folder))
+    assert found == [11, 12, 22, 11]
+
+
+def test_the_same_in_another_folder_is_not_compiled_again(tmp_path):
+    source = f"int value(void) {{ return VALUE; }} // {tmp_path.name} {os.getpid()}"
+    compiled(tmp_path / "one", source=source)
+    before = kept()
+    compiled(tmp_path / "two", source=source)
+    assert kept() == before
+    assert (tmp_path / "one" / "value.so").read_bytes() == (tmp_path / "two" / "value.so").read_bytes()
+    compiled(tmp_path / "two", source=source + ".")
+    assert kept() > before
+
+
+def test_a_warning_is_told_each_time(tmp_path):
+    source = "int value(void) { int unused; return VALUE; }"
+    assert all("unused" in compiled(tmp_path, "-Wall", source=source) for _ in range(2))
