@@ -17,10 +17,9 @@ pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="nothing is kept
 @pytest.fixture(autouse=True)
 def kept(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, real_compiler: None) -> Path:
     """A folder of this test's own for what is kept."""
-    for name in ("CC", "DSE_TESTS_CC"):
-        monkeypatch.setenv(name, os.environ.get(name, ""))  # so that both are put back
-        if not os.environ[name] or name == "DSE_TESTS_CC":
-            monkeypatch.delenv(name)
+    monkeypatch.setenv("CC", os.environ.get("CC", ""))  # what is set below is undone
+    monkeypatch.setenv("DSE_TESTS_CC", "")
+    monkeypatch.delenv("DSE_TESTS_CC")
     folder = tmp_path / "kept"
     folder.mkdir()
     compile_cache.use(folder)
