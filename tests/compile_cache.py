@@ -22,7 +22,7 @@ _REAL = "DSE_TESTS_CC"
 _DAYS = 14
 _FEW = 100
 _MAKES = ("-shared", "-s", "-c", "-S")
-_WITH_PATHS = ("-g", "-fsanitize", "-save", "-M", "--coverage", "@")
+_UNKNOWN = ("-g", "-fsanitize", "-save", "-M", "-L", "--coverage", "@")  # what is made depends on folders, or is more
 _READ = ("LIBRARY_PATH", "COMPILER_PATH", "GCC_EXEC_PREFIX")  # by compilers, and not in the key
 
 
@@ -41,7 +41,9 @@ def use(folder: Path) -> None:
         if path.is_file() and path.stat().st_mtime < oldest:
             path.unlink(missing_ok=True)
     compiler = find_compiler()
-    words = [sys.executable, "-I", "-S", __file__, str(folder), compiler.identity, *compiler.command]
+    # Imported, it is not compiled to bytecode each time.
+    start = f"import sys; sys.path.insert(0, {os.path.dirname(__file__)!r}); import compile_cache; compile_cache.main()"
+    words = [sys.executable, "-I", "-S", "-c", start, str(folder), compiler.identity, *compiler.command]
     launcher = folder / "bin" / "cc"
     launcher.parent.mkdir(exist_ok=True)
     aside = launcher.with_name(f"cc{os.getpid()}")
@@ -61,16 +63,23 @@ def leave(monkeypatch: pytest.MonkeyPatch) -> None:
         monkeypatch.delenv("CC", raising=False)
 
 
-def _main(folder: str, identity: str, command: Sequence[str], arguments: Sequence[str]) -> int:
-    units = [word for word in arguments if word.endswith(".c")]
+def main() -> None:
+    """What the launcher does: ``FOLDER IDENTITY COMPILER … -- ARGUMENTS…``."""
+    place = sys.argv.index("--")
+    sys.exit(_compile(sys.argv[1], sys.argv[2], sys.argv[3:place], sys.argv[place + 1 :]))
+
+
+def _compile(folder: str, identity: str, command: Sequence[str], arguments: Sequence[str]) -> int:
     makes_one_file = arguments.count("-o") == 1 and bool({"-shared", "-c", "-S"} & {*arguments})
-    is_plain = not any(word.startswith(_WITH_PATHS) for word in arguments) and not any(w in os.environ for w in _READ)
-    key = _key(folder, [identity, *command], arguments, units) if units and makes_one_file and is_plain else None
+    if not makes_one_file or any(name in os.environ for name in _READ):
+        return _run([*command, *arguments])
+    at = arguments.index("-o")
+    target, options = arguments[at + 1], [*arguments[:at], *arguments[at + 2 :]]
+    key = _key(folder, [identity, *command], options)
     if key is None:
         return _run([*command, *arguments])
     import fcntl
 
-    target = arguments[arguments.index("-o") + 1]
     kept = os.path.join(folder, key)
     lock = os.open(f"{kept}.lock", os.O_CREAT | os.O_RDWR, 0o666)
     fcntl.flock(lock, fcntl.LOCK_EX)  # let go of when the process ends
@@ -91,21 +100,24 @@ def _main(folder: str, identity: str, command: Sequence[str], arguments: Sequenc
     return code
 
 
-def _key(folder: str, compiler: Sequence[str], arguments: Sequence[str], units: Sequence[str]) -> str | None:
-    """The name of the result; None if the sources cannot be preprocessed or something is linked that is not there."""
+def _key(folder: str, compiler: Sequence[str], options: Sequence[str]) -> str | None:
+    """The name of the result; None if it depends on more than is looked at, or cannot be made."""
     import hashlib
 
-    at = arguments.index("-o")
-    options = [*arguments[:at], *arguments[at + 2 :]]
-    linked = [word for word in options if word.endswith((".o", ".so", ".a"))]
+    files = [word for word in options if not word.startswith("-")]
+    units = [word for word in files if word.endswith(".c")]
+    linked = [word for word in files if word.endswith((".o", ".so", ".a"))]
+    if not files or len(files) > len(units) + len(linked) or any(word.startswith(_UNKNOWN) for word in options):
+        return None
     try:
         texts = [_read(path) for path in linked]
-        texts += _staged([*units, *linked, *options]) or _preprocessed(folder, compiler[1:], options, linked)
+        if units:
+            texts += _staged([*units, *options]) or _preprocessed(folder, compiler[1:], options, linked)
     except OSError:
         return None
     program = os.stat(compiler[1])
     words = [*compiler, str(program.st_size), str(program.st_mtime_ns)]
-    words += [os.path.basename(word) if word in units or word in linked else word for word in options]
+    words += [os.path.basename(word) if word in files else word for word in options]
     digest = hashlib.sha256("\0".join(word for word in words if not word.startswith("-I/")).encode())
     for text in texts:
         digest.update(b"%d " % len(text) + text)
@@ -161,8 +173,3 @@ def _copy(source: str, target: str) -> None:
 def _read(path: str) -> bytes:
     with open(path, "rb") as file:
         return file.read()
-
-
-if __name__ == "__main__":
-    place = sys.argv.index("--")
-    sys.exit(_main(sys.argv[1], sys.argv[2], sys.argv[3:place], sys.argv[place + 1 :]))

@@ -57,6 +57,7 @@ def test_what_was_compared_is_said(dse, explored):
     assert "bit for bit (metrics, verdicts and waveforms)" in done.stderr
 
 
+@pytest.mark.thorough
 def test_another_bound_is_not_the_same(dse, explored, workspace):
     bench = workspace.parent / "acc_following.yaml"
     change(bench, "at_most: 0.1 %", "at_most: -99 %")

@@ -73,6 +73,7 @@ def test_a_fault_in_the_last_step_is_found_too(workshop, faulty):
     assert failed.time == pytest.approx(1.0)
 
 
+@pytest.mark.sampled(2)
 def test_after_a_failed_run_the_next_one_is_right(workshop, faulty):
     fused = workshop.fuse(faulty, ["b.y"])
     with Simulator(faulty, ["b.y"]) as plain, Simulator(faulty, ["b.y"], fused=fused) as quick:
@@ -124,6 +125,7 @@ Simulator(system, ["b.y"], progress=memoryview(block), fused=fused).run(
 """
 
 
+@pytest.mark.sampled(2)
 def test_after_a_crash_the_progress_block_tells_the_step_and_the_element(workshop, faulty, version):
     fused = workshop.fuse(faulty, ["b.y"])
     system, block, script = (workshop.folder / name for name in ("system", "block", "crash.py"))

@@ -227,6 +227,7 @@ def test_a_model_alone_relaxes_as_its_equation_says(workshop):
     assert run[-1, 0] == pytest.approx(1 - math.exp(-1 / 0.5), abs=1e-5)
 
 
+@pytest.mark.sampled(2)
 def test_names_that_several_components_use_do_not_clash(workshop):
     """The same functions, variables, types and macros in every component, some of them static, some not."""
     members = "struct { double u; } in; struct { double y; } out;"
@@ -259,6 +260,7 @@ def test_names_that_several_components_use_do_not_clash(workshop):
     assert expected[-1, 1] > 30
 
 
+@pytest.mark.sampled(2)
 def test_simulators_in_threads_do_not_disturb_each_other(workshop):
     wires = ["mass.v -> brake.v", "brake.force -> mass.force"]
     system = system_of({"mass": spring(workshop), "brake": damper(workshop)}, wires, record := ["mass.x"])

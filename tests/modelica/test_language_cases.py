@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import struct
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 
 import pytest
 from language_case import CASES as FOLDER
@@ -20,7 +20,17 @@ from dse.domain.fmu import FmuModel
 
 ALL = [*OF_EXPRESSIONS, *OF_CLASSES, *OF_DYNAMICS, *OF_EVENTS]
 TIGHT = 1e-9
-every_case = pytest.mark.parametrize("case", ALL, ids=lambda case: case.model)
+
+
+def cases(chosen: Callable[[Case], object] = lambda _: True) -> pytest.MarkDecorator:
+    """Every day a third of the cases: by the case, so that the FMU that one test builds is one that others use."""
+    everyday = {case.model for case in ALL[::3]}
+    marked = [case if case.model in everyday else pytest.param(case, marks=pytest.mark.thorough) for case in ALL]
+    kept = [entry for entry, case in zip(marked, ALL, strict=True) if chosen(case)]
+    return pytest.mark.parametrize("case", kept, ids=lambda case: case.model)
+
+
+every_case = cases()
 both_versions = pytest.mark.parametrize(
     "version", [2, pytest.param(3, marks=pytest.mark.thorough)], ids=["fmi2", "fmi3"]
 )
@@ -65,7 +75,6 @@ def steps_of(case: Case, step: float) -> int:
     return int(case.stop / step + 1e-6)
 
 
-@pytest.mark.sampled(3)
 @every_case
 @both_versions
 def test_co_simulation_follows_the_solution(case: Case, version: int, built: Built) -> None:
@@ -88,7 +97,6 @@ def test_a_structural_parameter_is_built_in(case: Case, built: Built) -> None:
         check(case, timed(case, rows, case.step), variant, case.error)
 
 
-@pytest.mark.sampled(3)
 @every_case
 def test_other_communication_steps_and_tolerances_tell_the_same(case: Case, built: Built) -> None:
     model = built(case.file, 2)
@@ -101,8 +109,7 @@ def test_other_communication_steps_and_tolerances_tell_the_same(case: Case, buil
     check(case, timed(case, rows, case.step), {}, max(1e4 * case.error, 1e-12))
 
 
-@pytest.mark.sampled(3)
-@pytest.mark.parametrize("case", [case for case in ALL if case.exchanged], ids=lambda case: case.model)
+@cases(lambda case: case.exchanged)
 @both_versions
 def test_model_exchange_follows_the_solution(case: Case, version: int, built: Built) -> None:
     model = built(case.file, version)
@@ -123,7 +130,7 @@ def test_the_master_and_fmpy_agree_bit_for_bit(case: Case, version: int, built: 
     assert [bits(row) for row in own] == [bits(row) for row in theirs]
 
 
-@pytest.mark.parametrize("case", [case for case in ALL if case.residuals], ids=lambda case: case.model)
+@cases(lambda case: case.residuals)
 def test_all_variables_satisfy_the_equations_of_the_file(case: Case, built: Built) -> None:
     assert case.residuals
     model = built(case.file, 2)
@@ -132,7 +139,6 @@ def test_all_variables_satisfy_the_equations_of_the_file(case: Case, built: Buil
         assert max(map(abs, case.residuals(row))) < case.error
 
 
-@pytest.mark.sampled(3)
 @every_case
 @both_versions
 def test_the_archive_is_valid(case: Case, version: int, built: Built) -> None:

@@ -104,6 +104,7 @@ def test_the_error_falls_with_the_order_of_the_solver(cache: Path) -> None:
     assert (orders > 4.5).all(), errors
 
 
+@pytest.mark.thorough
 def test_a_tighter_tolerance_gives_a_smaller_error(cache: Path, dynamic: tuple[DynamicDrive, np.ndarray]) -> None:
     model, states = opened("Electric.BatteryElectricInCar", cache), dynamic[1]
     errors = [
@@ -126,6 +127,7 @@ def test_energy_is_kept_over_a_cycle_and_the_consumption_is_that_of_such_cars(ca
     )  # Volkswagen states 15.4 to 16.6 kWh/100 km for the ID.3 Pro by WLTP, charging counted in
 
 
+@pytest.mark.thorough
 def test_the_loss_map_is_that_of_the_dynamic_machine(loss_map: LossMap) -> None:
     machine = SynchronousMachine()
     for spin, row in zip(loss_map.speeds, loss_map.losses, strict=True):

@@ -64,7 +64,7 @@ def small_batches(monkeypatch):
     monkeypatch.setattr("dse.space.sampling.estimate._BATCH", 200)
 
 
-@pytest.mark.sampled(4)
+@pytest.mark.sampled(8)
 @pytest.mark.parametrize("name", CASES)
 def test_intervals_hold_the_truth_about_nineteen_times_of_twenty(name, small_batches):
     flat, truth = CASES[name]
@@ -78,7 +78,7 @@ def test_intervals_hold_the_truth_about_nineteen_times_of_twenty(name, small_bat
     assert all(abs(tally.value - truth) < 0.15 * truth for tally in tallies)
 
 
-@pytest.mark.sampled(4)
+@pytest.mark.sampled(8)
 @pytest.mark.parametrize("name", CASES)
 def test_the_interval_is_about_as_wide_as_asked(name, small_batches):
     diagram = compile_diagram(CASES[name][0])

@@ -20,6 +20,7 @@ def price_and_mass(number: int) -> tuple[dict[int, Ints], dict[int, Ints]]:
     )
 
 
+@pytest.mark.thorough
 def test_a_trade_off_gives_one_point_for_each_step() -> None:
     price, mass = price_and_mass(30)
     front = pareto(compile_diagram(places(30)), [price, mass])

@@ -98,7 +98,7 @@ def test_where_the_sums_do_not_fit_into_the_layers_counts_and_ranges_say_that_th
     def too_wide(*_):
         raise TooWideError
 
-    monkeypatch.setattr(engines, "expand", too_wide)
+    monkeypatch.setattr("dse.space.mdd.expand.expand", too_wide)
     monkeypatch.setattr(engines.Engine, "count", lambda self, **_: Tally(15, False, 13, 16))
     a_space = space("sum(cost) <= 9 EUR", "sum(cost) >= 7 EUR")
     # Tables of one cell at most: the sum stays a sum.

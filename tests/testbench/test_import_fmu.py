@@ -189,6 +189,7 @@ requirements: {R: {metric: end, at_most: 3}}
 """
 
 
+@pytest.mark.thorough
 def test_an_imported_fmu_is_simulated_as_a_user_would(tmp_path):
     fmu = build("VanDerPol", 2, "CoSimulation", tmp_path)
     dse = partial(run_dse, tmp_path, cache=tmp_path / "cache")

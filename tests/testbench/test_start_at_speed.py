@@ -34,6 +34,7 @@ def test_a_combustion_powertrain_starts_in_the_gear_of_its_speed(simulator: Simu
     assert abs(torque[:5]).max() < 600  # no shock: the shafts are not twisted by a difference of speeds
 
 
+@pytest.mark.thorough
 def test_speeds_that_do_not_fit_together_are_an_error_of_the_powertrain_by_name(simulator: Simulator) -> None:
     with pytest.raises(RunFailed, match=r"powertrain: .*Initialization.* the event iteration finds no end"):
         simulator.run(stop=0.1, step=0.01, start={"world.initial_speed": 0.0, "powertrain.initial_speed": 60.0})
