@@ -157,7 +157,7 @@ from dse.results.folder import StudyFolder
 
 study = study_of(levels=12, keep=Keep({keep!r}))
 with StudyFolder.resume(Path({folder!r}), definition_of(study, ("a", "b"))) as folder:
-    explore(study, benches("a", "b", seconds=0.01), folder, executor=Local(workers=2), make_runner=make_fake)
+    explore(study, benches("a", "b", seconds=0.03), folder, executor=Local(workers=2), make_runner=make_fake)
 """
 
 
