@@ -23,7 +23,7 @@ SOURCES := $(wildcard dse/cosim/kernel/*.c dse/cosim/kernel/*.h dse/fmu/runtime/
 $(VENV)/.ready: pyproject.toml hatch_build.py dse/report/web/package-lock.json $(SOURCES)
 	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11))' || { echo "dse needs Python 3.11 or newer; set PYTHON=python3.11"; exit 1; }
 ifneq ($(UV),)
-	$(UV) venv --quiet --allow-existing --python "$(PYTHON)" $(VENV)
+	$(UV) venv --quiet --seed --allow-existing --python "$(PYTHON)" $(VENV)
 	$(UV) pip install --quiet --python $(VENV) --compile-bytecode --editable ".$(EXTRA)" --group dev
 else
 	$(PYTHON) -m venv $(VENV)
