@@ -55,6 +55,7 @@ def test_a_name_may_be_a_file(ws, folder):
     assert ws.designs[str(folder / "designs" / "acc_vehicle.yaml")].name == "acc_vehicle"
 
 
+@pytest.mark.thorough
 def test_check_reads_the_files_as_they_are_now(folder, tmp_path):
     copy = shutil.copytree(folder, tmp_path / "copy")
     for path in (copy / "testbenches").iterdir():

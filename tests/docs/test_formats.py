@@ -99,6 +99,7 @@ def test_the_count_beside_the_design_is_what_enumerate_finds(dse):
     assert found == {"design": "parcel_cart", "total": int(claimed[2]), "valid": int(claimed[1]), "exact": True}
 
 
+@pytest.mark.thorough
 def test_the_study_folder_has_the_tables_and_columns_described(dse, tmp_path):
     done = dse("explore", "gains", "-o", str(tmp_path), "-j", "1")
     assert done.returncode == 0, done.stderr

@@ -62,6 +62,7 @@ def test_the_files_shown_can_be_read(workspace, tmp_path):
     assert study.bench.design.constraints[0].name == "budget"
 
 
+@pytest.mark.thorough
 def test_the_python_shown_runs(workspace, tmp_path):
     copy = shutil.copytree(workspace, tmp_path / "copy", ignore=shutil.ignore_patterns("out"))
     study = copy / "testbenches" / "acc_gains.pet.yaml"

@@ -68,6 +68,7 @@ def test_without_a_compiler_the_ziglang_wheel_builds(bare, workshop, cache):
 
 
 @pytest.mark.skipif(importlib.util.find_spec("ziglang") is None, reason="the ziglang wheel is not installed")
+@pytest.mark.thorough
 def test_errors_of_the_ziglang_compiler_are_told_in_the_users_words_too(bare, workshop, cache):
     component = workshop.counter()
     code = component.source.files[0]
