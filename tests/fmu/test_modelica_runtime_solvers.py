@@ -155,12 +155,10 @@ def test_an_equation_that_cannot_be_solved_any_more_is_named_with_the_time(new):
     made.step(0.9)
     with pytest.raises(FMICallException):
         made.step(0.2)
-    # Where Newton's method gives up depends on the last bits of the steps before.
-    (at,) = re.findall(r"DoStep: at (\S+) s: model\.mo:7:3: y \^ 2 = x has no solution", made.messages[-1])
-    assert float(at) == pytest.approx(1.0, abs=1e-9)
+    assert "DoStep: at 1 s: model.mo:7:3: y ^ 2 = x has no solution" in made.messages[-1]
     with pytest.raises(FMICallException):
         made.fmu.doStep(1.0, 0.1)
-    assert f"the simulation has failed at {at} s" in made.messages[-1]
+    assert "the simulation has failed at 1 s" in made.messages[-1]
 
 
 def test_a_solution_that_grows_without_bound_ends_with_a_message_and_no_number(new):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ctypes
 import sys
 from pathlib import Path
 
@@ -23,9 +24,11 @@ METHODS = {
 }
 
 
-def third() -> float:
-    """A third, rounded by the processor: another number where it rounds up."""
-    return float(np.float64(1.0) / np.float64(3.0))
+def thirds() -> tuple[float, float, str]:
+    """A third, rounded by the processor's two units and by C's printf: other numbers where they round up."""
+    printed = ctypes.create_string_buffer(40)
+    ctypes.CDLL(None).snprintf(printed, 40, b"%.12g", ctypes.c_double(0.5000000000000001))
+    return float(np.float64(1.0) / np.float64(3.0)), float(np.longdouble(1) / np.longdouble(3)), printed.value.decode()
 
 
 @pytest.mark.sampled(4)
@@ -37,7 +40,7 @@ def test_who_changed_the_mode_is_told_and_later_runs_round_as_ever(name: str, me
         "head": open_fmu(build_animal(ANIMALS[name], tmp_path, name), cache=tmp_path / "cache"),
     }
     system = system_of(models, ["head.y -> tail.u"], ["tail.y"])
-    expected = third()
+    expected = thirds()
     with Simulator(system, ["tail.y"], method=method) as simulator:
         before = simulator.run(stop=1.0, step=0.1)
         for _ in range(2):
@@ -46,5 +49,5 @@ def test_who_changed_the_mode_is_told_and_later_runs_round_as_ever(name: str, me
             assert caught.value.element == "head"
             assert [piece for piece in ANIMALS[name].says if piece not in str(caught.value)] == []
             # Python computes metrics in the same process.
-            assert third() == expected
+            assert thirds() == expected
         assert simulator.run(stop=1.0, step=0.1).tobytes() == before.tobytes()

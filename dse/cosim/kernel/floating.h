@@ -10,7 +10,15 @@
 /* MXCSR without its flags of what has happened, which every calculation sets. */
 enum { FLOATING_CONTROL = 0xFFC0, FLOATING_DEFAULT = 0x1F80 };
 static inline unsigned floating_mode(void) { return _mm_getcsr() & FLOATING_CONTROL; }
-static inline void set_floating_mode(unsigned mode) { _mm_setcsr(mode); }
+static inline void set_floating_mode(unsigned mode)
+{
+    _mm_setcsr(mode);
+#if defined(__GNUC__)
+    /* Who changes this register changes that of the x87 with it (fesetround does); printf and strtod round by it. */
+    static const uint16_t x87_default = 0x037F;
+    __asm__ volatile("fldcw %0" ::"m"(x87_default));
+#endif
+}
 #elif defined(__aarch64__)
 enum { FLOATING_DEFAULT = 0 };
 static inline unsigned floating_mode(void)
