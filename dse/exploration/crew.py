@@ -11,7 +11,7 @@ from collections import deque
 from collections.abc import Iterator, Sequence
 from queue import SimpleQueue
 
-from dse.domain.run import Run, RunRequest
+from dse.domain.run import Run
 from dse.exploration.job import Batch
 from dse.exploration.seat import Seat
 
@@ -33,7 +33,7 @@ def are_spent(seats: Sequence[Seat]) -> bool:
 
 def _in_turn(batch: Batch, seat: Seat) -> Iterator[tuple[Run, float]]:
     end = time.perf_counter()
-    for request in _requests(batch):
+    for request in batch.requests():
         if are_spent((seat,)):
             return
         start = end
@@ -45,7 +45,7 @@ def _in_turn(batch: Batch, seat: Seat) -> Iterator[tuple[Run, float]]:
 
 
 def _side_by_side(batch: Batch, seats: Sequence[Seat]) -> Iterator[tuple[Run, float]]:
-    todo = deque(_requests(batch))
+    todo = deque(batch.requests())
     finished: SimpleQueue[tuple[Run, float] | None] = SimpleQueue()
 
     def serve(seat: Seat) -> None:
@@ -76,10 +76,3 @@ def _side_by_side(batch: Batch, seats: Sequence[Seat]) -> Iterator[tuple[Run, fl
             yield result
     for thread in threads:
         thread.join()
-
-
-def _requests(batch: Batch) -> list[RunRequest]:
-    return [
-        RunRequest(number, batch.configuration, dict(zip(batch.names, point, strict=True)))
-        for number, point in zip(batch.numbers, batch.points, strict=True)
-    ]

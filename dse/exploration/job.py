@@ -78,6 +78,13 @@ class Batch:
         """The point of run *number*; ValueError if it is not in the batch."""
         return self.points[self.numbers.index(number)]
 
+    def requests(self) -> list[RunRequest]:
+        """The runs one by one."""
+        return [
+            RunRequest(number, self.configuration, dict(zip(self.names, point, strict=True)))
+            for number, point in zip(self.numbers, self.points, strict=True)
+        ]
+
     def without(self, numbers: set[int]) -> Batch:
         """The same batch less *numbers*."""
         left = [row for row, number in enumerate(self.numbers) if number not in numbers]

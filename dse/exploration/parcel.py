@@ -65,12 +65,12 @@ def carry_out(parcel: Parcel) -> Carried:
     except FreshProcessNeeded:
         raise
     except Exception as error:  # noqa: BLE001  # each of its runs fails, other configurations go on
-        runs = [failed_run(request, in_words(error)) for request in _requests(batch)]
+        runs = [failed_run(request, in_words(error)) for request in batch.requests()]
         return Carried(_block(runs, parcel))
     try:
         if runner.runs_left is not None and runner.runs_left < len(batch.numbers):
             raise FreshProcessNeeded(Problem(f"this process can make {runner.runs_left} runs of {batch.configuration}"))
-        for request in _requests(batch):
+        for request in batch.requests():
             run = _made(runner, request, parcel)
             runs.append(run)
             if run.waveforms is not None:
@@ -123,13 +123,6 @@ def _itself(value: Any) -> Any:
 
 def _in_cache(place: str) -> Path:
     return cache_folder().absolute() / PurePath(place)
-
-
-def _requests(batch: Batch) -> list[RunRequest]:
-    return [
-        RunRequest(number, batch.configuration, dict(zip(batch.names, point, strict=True)))
-        for number, point in zip(batch.numbers, batch.points, strict=True)
-    ]
 
 
 def _made(runner: Runner, request: RunRequest, parcel: Parcel) -> Run:
