@@ -12,10 +12,10 @@ from fmu.modelica_models.bench import RUNTIME
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from dse.fmu.compilation import compile_library
-from dse.fmu.modelica.tables import table1, table2
-from dse.fmu.platforms import this_platform
-from dse.fmu.toolchain import find_compiler
+from dse.fmu.toolchain.compilation import compile_library
+from dse.fmu.toolchain.compiler import find_compiler
+from dse.fmu.toolchain.platforms import this_platform
+from dse.modelica.algebra.tables import table1, table2
 
 _SOURCE = b"""
 #include "linear.h"
