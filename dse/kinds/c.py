@@ -7,8 +7,8 @@ from pathlib import Path
 from dse.domain.component import Component, CSource
 from dse.errors import Location, fail
 from dse.loading.component.kind import ComponentKind, SourcePlace, SourceSection
-from dse.loading.fields import Plain
 from dse.loading.names import is_identifier
+from dse.loading.sections import Plain
 from dse.loading.values import read_number, read_unit
 
 

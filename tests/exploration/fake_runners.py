@@ -33,8 +33,8 @@ from dse.domain.definition import (
 )
 from dse.domain.design import Compound, DesignSpace
 from dse.domain.run import Outcome, Run, RunRequest, Waveforms
-from dse.domain.sampler import Sampler
-from dse.domain.study import DesignVariable, Keep, Study
+from dse.domain.sampler import DesignVariable, Sampler
+from dse.domain.study import Keep, Study
 from dse.errors import fail
 from dse.exploration.asking import first_ask
 from dse.exploration.samplers.full_factorial import FullFactorial

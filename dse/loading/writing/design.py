@@ -14,7 +14,7 @@ from dse.domain.design import Alternative, Compound, Constraint, DesignSpace, No
 from dse.errors import fail
 from dse.expression.text import text_of
 from dse.formats.yaml_text import write_name, write_parameter, write_text
-from dse.loading.design.scope import Spot, constraint_name
+from dse.loading.design.scope import Scope, constraint_name
 from dse.loading.writing.unscope import relative_rule
 
 
@@ -32,7 +32,7 @@ def write_design(space: DesignSpace) -> str:
         for one in space.sets:
             title = f", title: {write_text(one.title)}" if one.title else ""
             lines.append(f"  {write_name(one.name)}: {{on: {str(one.on).lower()}{title}}}")
-    lines += ["root:", *writer.compound(space.root, Spot(), 1)]
+    lines += ["root:", *writer.compound(space.root, Scope(), 1)]
     rest = [constraint for constraint in space.all_constraints if constraint.name not in writer.written]
     taken = {constraint.name for constraint in rest}
     if rest:
@@ -78,48 +78,48 @@ class _TreeWriter:
         self.constraints = [constraint for constraint in space.all_constraints if ": " in constraint.name]
         self.written: set[str] = set()
 
-    def compound(self, compound: Compound, spot: Spot, level: int) -> Iterator[str]:
+    def compound(self, compound: Compound, scope: Scope, level: int) -> Iterator[str]:
         pad = "  " * level
         yield f"{pad}compound:{'' if compound.parts else ' {}'}"
         for name, node in compound.parts.items():
-            yield from self.node(node, spot.part(name), f"{pad}  {write_name(name)}:", level + 1)
+            yield from self.node(node, scope.part(name), f"{pad}  {write_name(name)}:", level + 1)
         if compound.interface is not None:
             yield f"{pad}implements: {write_name(compound.interface.name)}"
         if compound.connections:
             yield f"{pad}connections:"
             yield from (f"{pad}  - {connection}" for connection in compound.connections)
-        if spot.trail:
-            yield from self.rules(compound, spot, level)
+        if scope.trail:
+            yield from self.rules(compound, scope, level)
 
-    def rules(self, compound: Compound, spot: Spot, level: int) -> Iterator[str]:
+    def rules(self, compound: Compound, scope: Scope, level: int) -> Iterator[str]:
         head = f"{'  ' * level}constraints:"
         for constraint in self.constraints:
             own = constraint.name.rpartition(": ")[2]
-            if constraint.name != constraint_name(spot, own):
+            if constraint.name != constraint_name(scope, own):
                 continue
-            text = relative_rule(constraint.rule, spot, compound.parts)
+            text = relative_rule(constraint.rule, scope, compound.parts)
             if text is not None:
                 self.written.add(constraint.name)
                 yield from ([head] if head else [])
                 yield from _constraint(own, constraint, text, level + 1)
                 head = ""
 
-    def node(self, node: Node, spot: Spot, head: str, level: int) -> Iterator[str]:
+    def node(self, node: Node, scope: Scope, head: str, level: int) -> Iterator[str]:
         """*head* and, at *level* + 1 or behind it, what stands at the place."""
         pad = "  " * (level + 1)
         match node:
             case Part():
                 yield f"{head} {write_name(node.name)}"
             case Compound():
-                place = spot.path.rpartition(".")[2]
+                place = scope.path.rpartition(".")[2]
                 if node.name != place:
-                    what = f"the architecture '{node.name}' at '{spot.path}' is not called as its place"
+                    what = f"the architecture '{node.name}' at '{scope.path}' is not called as its place"
                     raise fail(what, node.where, f"call it {place}, or make it an alternative")
                 yield head
-                yield from self.compound(node, spot, level + 1)
+                yield from self.compound(node, scope, level + 1)
             case Optional():
                 yield head
-                yield from self.node(node.content, spot.optional(), f"{pad}optional:", level + 1)
+                yield from self.node(node.content, scope.optional(), f"{pad}optional:", level + 1)
             case Alternative():
                 yield head
                 yield f"{pad}alternatives:"
@@ -128,7 +128,7 @@ class _TreeWriter:
                         yield f"{pad}  - {write_name(option.name)}"
                     else:
                         yield f"{pad}  - {write_name(option.name)}:"
-                        yield from self.compound(option, spot.option(option.name), level + 4)
+                        yield from self.compound(option, scope.option(option.name), level + 4)
 
 
 def _constraint(name: str, constraint: Constraint, text: str, level: int) -> Iterator[str]:
