@@ -79,7 +79,7 @@ class XmlElement:
     def whole(
         self, name: str, problems: list[Problem], *, least: int | None = None, most: int | None = None
     ) -> int | None:
-        """The attribute as a whole number from *least* to *most*; None if it is not there, with a problem if it is none."""
+        """The attribute as a whole number from *least* to *most*; None if not there, and a problem if not one."""
         value = self._read(name, whole_of, "a whole number", problems)
         if value is not None and least is not None and value < least:
             problems.append(self._unfit(name, str(value), f"at least {least}"))
