@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import fields
 from fractions import Fraction
 
 from dse.domain.expression import (
@@ -20,6 +19,7 @@ from dse.domain.expression import (
 )
 from dse.errors import DseError
 from dse.expression.parse import parse_expression
+from dse.expression.tree import same
 
 _CONDITIONAL, _COMPARE, _SUM, _NEGATIVE, _ATOM = 0, 7, 8, 10, 12
 _STRENGTH = {"iff": 1, "implies": 2, "or": 3, "xor": 4, "and": 5, "not": 6, "+": _SUM, "-": _SUM, "*": 9, "/": 9}
@@ -69,25 +69,6 @@ def text_of(expression: Expression) -> str:
     except DseError:
         pass  # The user wrote it in another language.
     return show_expression(expression.root)
-
-
-def same(a: Node, b: Node) -> bool:
-    """Whether two trees are equal wherever they stand."""
-    stack: list[tuple[object, object]] = [(a, b)]
-    while stack:
-        left, right = stack.pop()
-        if type(left) is not type(right):
-            return False
-        if isinstance(left, tuple) and isinstance(right, tuple):
-            if len(left) != len(right):
-                return False
-            stack += zip(left, right, strict=True)
-        elif isinstance(left, Node):
-            compared = (field.name for field in fields(left) if field.compare and field.name != "span")
-            stack += [(getattr(left, name), getattr(right, name)) for name in compared]
-        elif left != right:
-            return False
-    return True
 
 
 def decimal(value: Fraction) -> str | None:

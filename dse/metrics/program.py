@@ -11,13 +11,13 @@ from dse.domain.expression import (
     Name,
 )
 from dse.errors import DseError, Problem, closest, raise_if_any
-from dse.expression.parse import descend
 from dse.expression.sorts import (
     Sort,
     error_in,
     require_number,
     require_truth,
 )
+from dse.expression.tree import descend
 from dse.metrics.catalogue import FUNCTIONS, Function
 from dse.metrics.compiler import Compiler, FollowUpError
 from dse.metrics.machine import Check, MetricProgram, Register, judge_failed

@@ -29,8 +29,9 @@ from dse.domain.expression import (
     Truth,
     Unary,
 )
-from dse.expression.parse import children, descend, parse_expression
+from dse.expression.parse import parse_expression
 from dse.expression.text import show_expression
+from dse.expression.tree import children, descend
 from dse.loading.design.scope import is_rollup
 from dse.space.decisions import sites
 from dse.units import DIMENSIONLESS, Unit

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from dse.domain.expression import ROLLUPS, Binary, Call, Chosen, Conditional, Name, Node, Span
 from dse.errors import Problem, closest, raise_if_any
-from dse.expression.parse import children
+from dse.expression.tree import children
 from dse.loading.design.passages import Passage, added, joined, with_insertions
 
 

@@ -7,8 +7,8 @@ from dataclasses import replace
 
 from dse.domain.expression import Binary, Call, Chosen, Expression, Name, Node
 from dse.errors import DseError, Location
-from dse.expression.rewrite import rewritten
-from dse.expression.text import same, show_expression
+from dse.expression.text import show_expression
+from dse.expression.tree import rewritten, same
 from dse.loading.design.passages import written
 from dse.loading.design.scope import Scope, inside, is_rollup
 
