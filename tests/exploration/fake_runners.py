@@ -21,6 +21,7 @@ import numpy as np
 from dse.domain.bench import Judgement, Simulation, TestBench, Verdict
 from dse.domain.component import Value
 from dse.domain.definition import (
+    DefinedBench,
     DefinedConfiguration,
     DefinedDesign,
     DefinedMetric,
@@ -28,7 +29,6 @@ from dse.domain.definition import (
     DefinedSampler,
     DefinedSimulation,
     DefinedVariable,
-    Named,
     StudyDefinition,
 )
 from dse.domain.design import Compound, DesignSpace
@@ -211,7 +211,7 @@ def definition_of(study: Study, configurations: tuple[str, ...] = ("a",), **fact
     definition = StudyDefinition(
         study.name,
         "",
-        Named("bench"),
+        DefinedBench("bench"),
         DefinedDesign("design"),
         tuple(DefinedVariable(v.name, "", "", v.low, v.high, v.levels, v.nominal) for v in study.variables),
         DefinedSampler(study.sampler.name, study.sampler.options(), study.sampler.grid),
