@@ -68,6 +68,9 @@ class Unit:
 LARGEST = 10**308
 """The largest number, in SI, that is taken; floating point ends a little above."""
 
+LARGEST_WHOLE = 2**53
+"""The largest whole number that is taken; a double holds all up to it."""
+
 DIMENSIONLESS = Unit("", Fraction(1), Fraction(0), ())
 
 

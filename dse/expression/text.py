@@ -21,7 +21,7 @@ from dse.errors import DseError
 from dse.expression.parse import parse_expression
 from dse.expression.tree import same
 
-_CONDITIONAL, _COMPARE, _SUM, _NEGATIVE, _ATOM = 0, 7, 8, 10, 12
+_COMPARE, _SUM, _NEGATIVE, _ATOM = 7, 8, 10, 12
 _STRENGTH = {"iff": 1, "implies": 2, "or": 3, "xor": 4, "and": 5, "not": 6, "+": _SUM, "-": _SUM, "*": 9, "/": 9}
 _STRENGTH |= {"^": 11, **dict.fromkeys(("<", "<=", ">", ">=", "==", "!="), _COMPARE)}
 
@@ -113,8 +113,6 @@ def _strength(node: Node) -> int:
             return _STRENGTH["not"] if node.operator == "not" else _NEGATIVE
         case Chosen() | Between():
             return _COMPARE
-        case Conditional():
-            return _CONDITIONAL
         case Number():
             return _NEGATIVE if node.si < 0 else _ATOM
     return _ATOM

@@ -13,8 +13,6 @@ from dse.formats.yaml import shown
 from dse.loading.component.kind import ComponentKind, SourcePlace, SourceSection
 from dse.loading.paths import is_file
 from dse.loading.sections import Plain
-from dse.loading.values import read_number
-from dse.units import DIMENSIONLESS
 
 if TYPE_CHECKING:
     from dse.domain.diagram import Diagram
@@ -49,10 +47,10 @@ class ModelicaKind(ComponentKind[ModelicaSection, ModelicaSource]):
         roots = [_library(name, place, i) for i, name in enumerate(section.modelica_path)]
         tolerance = None
         if section.tolerance is not None:
-            where = place.at("tolerance")
-            tolerance = read_number(section.tolerance, DIMENSIONLESS, where)
+            tolerance = place.number(section.tolerance, "", "tolerance")
             if not _FINEST <= tolerance <= _COARSEST:
-                raise fail(f"the tolerance must lie in {_FINEST:g} … {_COARSEST:g}, not {section.tolerance}", where)
+                what = f"the tolerance must lie in {_FINEST:g} … {_COARSEST:g}, not {section.tolerance}"
+                raise fail(what, place.at("tolerance"))
         return ModelicaSource(
             section.model,
             tuple(files),

@@ -8,7 +8,17 @@ from fractions import Fraction
 from dse.domain.component import Kind, Type, Value
 from dse.errors import Location, closest, fail
 from dse.expression.tokens import KEYWORDS
-from dse.units import DIMENSIONLESS, LARGEST, Quantity, Unit, UnitError, describe, parse_quantity, parse_unit
+from dse.units import (
+    DIMENSIONLESS,
+    LARGEST,
+    LARGEST_WHOLE,
+    Quantity,
+    Unit,
+    UnitError,
+    describe,
+    parse_quantity,
+    parse_unit,
+)
 
 Raw = str | int | float | bool
 """A value of a parameter as YAML reads it."""
@@ -105,5 +115,3 @@ def _whole(raw: Raw, where: Location) -> int:
 
 
 _NUMBER = re.compile(r"[+-]?\d{1,40}(?:\.\d{0,40})?(?:[eE][+-]?\d{1,2})?", re.ASCII)
-LARGEST_WHOLE = 2**53
-"""The largest whole number that is taken; a double holds all up to it."""

@@ -15,6 +15,7 @@ from dse.errors import DseError, Location, fail
 from dse.formats.yaml import Entry, shown
 from dse.loading.paths import followed, is_file, named_file
 from dse.loading.sections import Section, read_section
+from dse.loading.values import Raw, read_number, read_unit
 from dse.registry import Registry
 
 if TYPE_CHECKING:
@@ -38,6 +39,10 @@ class SourcePlace:
     def at(self, *keys: str | int) -> Location:
         """Where the value at *keys* below ``source`` stands."""
         return Entry(self.entry.document, (*self.entry.path, *keys)).where
+
+    def number(self, raw: Raw, unit: str, *keys: str | int) -> float:
+        """The SI number *raw* at *keys*; a bare one is in *unit*. Raises DseError."""
+        return read_number(raw, read_unit(unit, self.at(*keys)), self.at(*keys))
 
     def missing(self, key: str, hint: str) -> DseError:
         """The error that *key* is not there."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Collection, Iterator
 from dataclasses import dataclass
 
-from dse.domain.expression import ROLLUPS, Binary, Call, Chosen, Conditional, Name, Node, Span
+from dse.domain.expression import Binary, Call, Chosen, Conditional, Name, Node, Span, is_rollup
 from dse.errors import Problem, closest, raise_if_any
 from dse.expression.tree import children
 from dse.loading.design.passages import Passage, added, joined, with_insertions
@@ -118,13 +118,6 @@ def _mentions(root: Node, parts: Collection[str]) -> Iterator[_PartPath | _Prope
 
 def _place(path: str, span: Span) -> _PartPath:
     return _PartPath(path.partition(".")[0], span)
-
-
-def is_rollup(function: str, first: Node) -> bool:
-    """Whether a call with that first argument rolls up a property; ``min`` and ``max`` also compare values."""
-    return function in ROLLUPS and (
-        function not in ("min", "max") or (isinstance(first, Name) and "." not in first.path)
-    )
 
 
 def _join(path: str, name: str) -> str:

@@ -121,11 +121,8 @@ class _TreeReader:
             check_choice(name, entry[name].key, self.problems)
             if isinstance(content, dict) and "compound" in content:
                 return self.compound(name, entry[name], content, scope.option(name))
-        what, form = (
-            "expected a component's name or one named architecture",
-            "- hybrid: {compound: {…}, connections: […]}",
-        )
-        self.problems.add(what, entry.where, form)
+        what = "expected a component's name or one named architecture"
+        self.problems.add(what, entry.where, "- hybrid: {compound: {…}, connections: […]}")
         return None
 
     def part(self, entry: Entry, name: str) -> Part | None:

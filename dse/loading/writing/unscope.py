@@ -5,12 +5,12 @@ from __future__ import annotations
 from collections.abc import Collection
 from dataclasses import replace
 
-from dse.domain.expression import Binary, Call, Chosen, Expression, Name, Node
+from dse.domain.expression import Binary, Call, Chosen, Expression, Name, Node, is_rollup
 from dse.errors import DseError, Location
 from dse.expression.text import show_expression
 from dse.expression.tree import rewritten, same
 from dse.loading.design.passages import written
-from dse.loading.design.scope import Scope, inside, is_rollup
+from dse.loading.design.scope import Scope, inside
 
 
 def relative_rule(rule: Expression, scope: Scope, parts: Collection[str]) -> str | None:
