@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from dse.domain.bench import VERDICTS, Judgement, Requirement, Verdict
 from dse.errors import fail
-from dse.metrics.verdicts import margin_of, verdict_of
+from dse.metrics.verdicts import margin_to_bounds, verdict_codes
 from dse.units import Dimension, Unit
 
 Register = int
@@ -104,8 +104,8 @@ def judge_failed(requirements: Sequence[Requirement]) -> tuple[Judgement, ...]:
 
 def _judge(check: Check, registers: Sequence[Any]) -> Judgement:
     value = float(registers[check.metric])
-    margin = float(margin_of(value, check.at_most, check.at_least))
-    verdict = VERDICTS[verdict_of(margin, _is_exercised(check, registers, value))]
+    margin = float(margin_to_bounds(value, check.at_most, check.at_least))
+    verdict = VERDICTS[verdict_codes(margin, _is_exercised(check, registers, value))]
     return Judgement(check.requirement, verdict, margin)
 
 
