@@ -9,8 +9,8 @@ import pytest
 from hypothesis import HealthCheck, assume, given, settings
 from hypothesis import strategies as st
 from linear_fmus import Linear, system
+from oracle.reference import run_reference
 
-from dse.cosim.oracle.reference import run_reference
 from dse.cosim.simulator import RunFailed, Simulator
 from dse.cosim.wiring.dependency import Loop, Read, Write, doubtful_reads, order_of
 from dse.cosim.wiring.wiring import wire_up

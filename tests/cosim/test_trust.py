@@ -9,8 +9,8 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
+from oracle.reference import run_reference
 
-from dse.cosim.oracle.reference import run_reference
 from dse.cosim.simulator import RunFailed, Simulator
 from dse.cosim.trust import most_runs, refusals
 from dse.domain.facts import Answer, FmuFacts, Question

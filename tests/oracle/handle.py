@@ -20,7 +20,8 @@ from dse.cosim.binding.layout import kernel
 from dse.cosim.binding.library import address, resources
 from dse.cosim.failing import diagnosis
 from dse.cosim.failing.failure import RunFailed, place
-from dse.cosim.oracle.callbacks import (
+from dse.domain.fmu import FmiInterface, FmuModel
+from oracle.callbacks import (
     BETWEEN,
     FINISHED,
     Fmi1Callbacks,
@@ -29,7 +30,6 @@ from dse.cosim.oracle.callbacks import (
     logger,
     memory,
 )
-from dse.domain.fmu import FmiInterface, FmuModel
 
 _FMI2_TYPES = {FmiInterface.MODEL_EXCHANGE: 0, FmiInterface.CO_SIMULATION: 1}
 _MIME_TYPE = b"application/x-fmu-sharedlibrary"

@@ -10,7 +10,7 @@ from dse.cosim.binding.abilities import Ability
 from dse.cosim.binding.calls import DISCARD, MOST_EVENT_ITERATIONS, PENDING, WARNING, Call, function_name
 from dse.cosim.failing.diagnosis import endless_events
 from dse.cosim.failing.failure import place
-from dse.cosim.oracle.instance import Instance
+from oracle.instance import Instance
 
 _STEP_STATUS, _LAST_SUCCESSFUL_TIME, _TERMINATED = 0, 2, 3
 _NAP = 2e-5

@@ -11,7 +11,6 @@ from numpy.typing import NDArray
 
 from dse.cosim.failing import diagnosis, plan_failure
 from dse.cosim.failing.failure import RunFailed
-from dse.cosim.oracle.newton import NoSolution, newton, same_bits
 from dse.cosim.plan import DISCRETE_WALKS, declared_nominal, nominal_of
 from dse.cosim.wiring.border import Border, Port
 from dse.cosim.wiring.check import OwnStep, extrapolation_of
@@ -19,6 +18,7 @@ from dse.cosim.wiring.conversion import carried
 from dse.cosim.wiring.dependency import Loop, Read, Step, doubtful_reads, order_of
 from dse.cosim.wiring.wiring import Wiring, links_of
 from dse.domain.method import Adaptive, Algorithm, Coupling, Extrapolation, Method
+from oracle.newton import NoSolution, newton, same_bits
 
 _EXCHANGES = 20
 _EASY = 0.1

@@ -10,14 +10,14 @@ from types import TracebackType
 from dse.cosim.binding.abilities import Ability, takes_slopes
 from dse.cosim.binding.calls import text_type_of
 from dse.cosim.failing import diagnosis
-from dse.cosim.oracle.exchange import ReferenceExchange
-from dse.cosim.oracle.instance import Instance
-from dse.cosim.oracle.steps import make_step
 from dse.cosim.tables.starts import starts_of
 from dse.cosim.wiring.conversion import inside, outside
 from dse.cosim.wiring.wiring import groups_by_type, is_discrete_input, moves_within_steps
 from dse.domain.fmu import FmiInterface, Variable
 from dse.domain.system import Element, SystemStructure
+from oracle.exchange import ReferenceExchange
+from oracle.instance import Instance
+from oracle.steps import make_step
 
 Value = float | bytes
 """A number, or a string (encoded in UTF-8) or binary."""

@@ -25,8 +25,8 @@ from dse.cosim.binding.calls import (
 from dse.cosim.binding.library import find
 from dse.cosim.failing import diagnosis
 from dse.cosim.failing.failure import RunFailed, place
-from dse.cosim.oracle.handle import Handle
 from dse.domain.fmu import FmiInterface, Variable
+from oracle.handle import Handle
 
 _FMI2_TYPES = {FmiInterface.MODEL_EXCHANGE: 0, FmiInterface.CO_SIMULATION: 1}
 _MIME_TYPE = b"application/x-fmu-sharedlibrary"
@@ -267,7 +267,7 @@ class Instance(Handle):
 
     def _type(self, variable: Variable) -> Type:
         kind = type_of(variable, self.model.version)
-        assert kind is not None, "the wiring lets only numbers through"  # noqa: S101  # an invariant, not a check of input
+        assert kind is not None, "the wiring lets only numbers through"  # an invariant, not a check of input
         return kind
 
 
