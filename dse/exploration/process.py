@@ -13,11 +13,11 @@ from pathlib import Path
 
 import psutil
 
-from dse.cosim.spawn import start
 from dse.exploration.heartbeat import Heartbeat, Phase, State
 from dse.exploration.job import Batch, Report, Setup
 from dse.exploration.line import Line
 from dse.exploration.worker import work
+from dse.processes import start
 
 _TAIL = 2000
 _LARGEST_LOG = 4_000_000

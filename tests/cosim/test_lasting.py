@@ -9,7 +9,7 @@ from dse.cosim.simulator import Simulator
 
 
 def addresses(simulator: Simulator) -> int:
-    return ctypes.addressof(simulator._tables.elements)
+    return ctypes.addressof(simulator._tables.elements.structures)
 
 
 def test_memory_does_not_grow_with_the_simulators_that_were_closed(shelf):

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from dse.cosim.binding.library import load, occupy, vacate
 from dse.cosim.clock import end_of, steps_in
-from dse.cosim.plan import columns_of
+from dse.cosim.tables.method import columns_of
 from dse.cosim.tables.starts import starts_of
 from dse.cosim.wiring.check import check_wired, own_steps
 from dse.cosim.wiring.wiring import wire_up

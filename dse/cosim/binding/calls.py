@@ -65,7 +65,7 @@ class Call(IntEnum):
     SET = 96
 
 
-class Type(IntEnum):
+class AccessorType(IntEnum):
     """How a variable's accessor passes it; in the table of values everything is a double."""
 
     FLOAT64 = 0
@@ -88,46 +88,57 @@ class Type(IntEnum):
 EXACT_INTEGER = 2**53
 """Beyond it a double no longer tells integers apart."""
 
-FLOATING = frozenset({Type.FLOAT64, Type.FLOAT32})
+FLOATING = frozenset({AccessorType.FLOAT64, AccessorType.FLOAT32})
 
-C_TYPES: Mapping[Type, Any] = {
-    Type.FLOAT64: ctypes.c_double,
-    Type.FLOAT32: ctypes.c_float,
-    Type.INT8: ctypes.c_int8,
-    Type.UINT8: ctypes.c_uint8,
-    Type.INT16: ctypes.c_int16,
-    Type.UINT16: ctypes.c_uint16,
-    Type.INT32: ctypes.c_int32,
-    Type.UINT32: ctypes.c_uint32,
-    Type.INT64: ctypes.c_int64,
-    Type.UINT64: ctypes.c_uint64,
-    Type.BOOLEAN: ctypes.c_bool,
-    Type.FMI2_BOOLEAN: ctypes.c_int32,
-    Type.FMI1_BOOLEAN: ctypes.c_int8,
+C_TYPES: Mapping[AccessorType, Any] = {
+    AccessorType.FLOAT64: ctypes.c_double,
+    AccessorType.FLOAT32: ctypes.c_float,
+    AccessorType.INT8: ctypes.c_int8,
+    AccessorType.UINT8: ctypes.c_uint8,
+    AccessorType.INT16: ctypes.c_int16,
+    AccessorType.UINT16: ctypes.c_uint16,
+    AccessorType.INT32: ctypes.c_int32,
+    AccessorType.UINT32: ctypes.c_uint32,
+    AccessorType.INT64: ctypes.c_int64,
+    AccessorType.UINT64: ctypes.c_uint64,
+    AccessorType.BOOLEAN: ctypes.c_bool,
+    AccessorType.FMI2_BOOLEAN: ctypes.c_int32,
+    AccessorType.FMI1_BOOLEAN: ctypes.c_int8,
 }
 
-TRUTHS = frozenset({Type.BOOLEAN, Type.FMI2_BOOLEAN, Type.FMI1_BOOLEAN})
+TRUTHS = frozenset({AccessorType.BOOLEAN, AccessorType.FMI2_BOOLEAN, AccessorType.FMI1_BOOLEAN})
 
-_FMI_TYPES: Mapping[int, Mapping[str, Type]] = {
-    1: {"Real": Type.FLOAT64, "Integer": Type.INT32, "Boolean": Type.FMI1_BOOLEAN, "String": Type.STRING},
-    2: {"Real": Type.FLOAT64, "Integer": Type.INT32, "Boolean": Type.FMI2_BOOLEAN, "String": Type.STRING},
+_OF_FMI1_AND_2 = {"Real": AccessorType.FLOAT64, "Integer": AccessorType.INT32, "String": AccessorType.STRING}
+_FMI_TYPES: Mapping[int, Mapping[str, AccessorType]] = {
+    1: {
+        "Real": AccessorType.FLOAT64,
+        "Integer": AccessorType.INT32,
+        "Boolean": AccessorType.FMI1_BOOLEAN,
+        "String": AccessorType.STRING,
+    },
+    2: {
+        "Real": AccessorType.FLOAT64,
+        "Integer": AccessorType.INT32,
+        "Boolean": AccessorType.FMI2_BOOLEAN,
+        "String": AccessorType.STRING,
+    },
     3: {
-        "Float64": Type.FLOAT64,
-        "Float32": Type.FLOAT32,
-        "Int8": Type.INT8,
-        "UInt8": Type.UINT8,
-        "Int16": Type.INT16,
-        "UInt16": Type.UINT16,
-        "Int32": Type.INT32,
-        "UInt32": Type.UINT32,
-        "Int64": Type.INT64,
-        "UInt64": Type.UINT64,
-        "Boolean": Type.BOOLEAN,
-        "String": Type.STRING,
-        "Binary": Type.BINARY,
+        "Float64": AccessorType.FLOAT64,
+        "Float32": AccessorType.FLOAT32,
+        "Int8": AccessorType.INT8,
+        "UInt8": AccessorType.UINT8,
+        "Int16": AccessorType.INT16,
+        "UInt16": AccessorType.UINT16,
+        "Int32": AccessorType.INT32,
+        "UInt32": AccessorType.UINT32,
+        "Int64": AccessorType.INT64,
+        "UInt64": AccessorType.UINT64,
+        "Boolean": AccessorType.BOOLEAN,
+        "String": AccessorType.STRING,
+        "Binary": AccessorType.BINARY,
     },
 }
-_TEXTS = frozenset({Type.STRING, Type.BINARY})
+_TEXTS = frozenset({AccessorType.STRING, AccessorType.BINARY})
 _ACCESSORS = {
     version: {number: fmi_type for fmi_type, number in types.items()} for version, types in _FMI_TYPES.items()
 }
@@ -174,13 +185,13 @@ FUNCTIONS = (
 """What the kernel calls of an element besides its accessors, in the order of kernel.h."""
 
 
-def type_of(variable: Variable, version: int) -> Type | None:
+def type_of(variable: Variable, version: int) -> AccessorType | None:
     """The accessor type of a number in an FMU of FMI *version*; None for strings, clocks and whatever else."""
     kind = _FMI_TYPES[version].get(variable.fmi_type)
     return None if kind in _TEXTS else kind
 
 
-def text_type_of(variable: Variable, version: int) -> Type | None:
+def text_type_of(variable: Variable, version: int) -> AccessorType | None:
     """The accessor type of a string or binary in an FMU of FMI *version*; None for all else."""
     kind = _FMI_TYPES[version].get(variable.fmi_type)
     return kind if kind in _TEXTS else None
@@ -194,7 +205,9 @@ def function_name(call: int, version: int) -> str:
     prefix = "fmi" if version == 1 else f"fmi{version}"
     for access, verb in ((Call.SET, "Set"), (Call.GET, "Get")):
         if call >= access:
-            fmi_type = _ACCESSORS[version].get(Type(call - access)) if call - access in set(Type) else None
+            fmi_type = (
+                _ACCESSORS[version].get(AccessorType(call - access)) if call - access in set(AccessorType) else None
+            )
             return f"{prefix}{verb}{fmi_type}" if fmi_type else ""
     name = _NAMES[Call(call)][version - 1] if call in set(_NAMES) else ""
     return f"{prefix}{name}" if name else ""

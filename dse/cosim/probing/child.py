@@ -18,8 +18,8 @@ import psutil
 
 from dse.cosim.failing.failure import RunFailed
 from dse.cosim.probing.journal import Journal
-from dse.cosim.spawn import start
 from dse.errors import DseError
+from dse.processes import start
 
 _LOOK_EVERY = 0.02
 _TO_START = 60.0

@@ -6,8 +6,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 
 from dse.cosim.binding.calls import TRUTHS, text_type_of, type_of
-from dse.cosim.wiring.conversion import outside
-from dse.cosim.wiring.wiring import Group, groups_by_type
+from dse.cosim.wiring.wiring import VariableGroup, groups_by_type
 from dse.domain.fmu import Variable
 from dse.domain.system import Element, SystemStructure
 from dse.errors import Problem, raise_if_any
@@ -23,9 +22,9 @@ class Starts:
 
     positions: Mapping[str, int]
     values: tuple[float, ...]
-    groups: tuple[tuple[Group, ...], ...]
-    configuration: tuple[tuple[Group, ...], ...]
-    texts: tuple[tuple[Group, ...], ...]
+    groups: tuple[tuple[VariableGroup, ...], ...]
+    configuration: tuple[tuple[VariableGroup, ...], ...]
+    texts: tuple[tuple[VariableGroup, ...], ...]
     own_texts: tuple[bytes, ...]
     structural: frozenset[str]
 
@@ -40,8 +39,8 @@ def starts_of(system: SystemStructure, extra: Iterable[str]) -> Starts:
     raise_if_any(_problems(system, given, asked))
     at: dict[str, int] = {}
     own: list[float] = []
-    groups: list[tuple[Group, ...]] = []
-    configuration: list[tuple[Group, ...]] = []
+    groups: list[tuple[VariableGroup, ...]] = []
+    configuration: list[tuple[VariableGroup, ...]] = []
     problems: list[Problem] = []
     for element in system.elements:
         wanted = [v for v in element.model.variables.values() if _is_wanted(element, v, given.keys() | asked.keys())]
@@ -83,7 +82,12 @@ def _described(element: Element, variable: Variable, index: int, asked: bool) ->
     text = texts[index] if len(texts) > 1 else texts[0]
     kind = type_of(variable, element.model.version)
     value = float(text.strip() in ("true", "1")) if kind in TRUTHS else float(text)
-    return outside(element.conversions.get(variable.name), value)
+    conversion = element.conversions.get(variable.name)
+    if conversion is None:
+        return value
+    if conversion.items:
+        return next((outside for inside, outside in conversion.items if inside == value), None)
+    return conversion.factor * value + conversion.offset
 
 
 def _untold(label: str, variable: Variable) -> Problem:
@@ -93,7 +97,7 @@ def _untold(label: str, variable: Variable) -> Problem:
     )
 
 
-def _texts(system: SystemStructure) -> tuple[tuple[tuple[Group, ...], ...], tuple[bytes, ...]]:
+def _texts(system: SystemStructure) -> tuple[tuple[tuple[VariableGroup, ...], ...], tuple[bytes, ...]]:
     own: list[bytes] = []
     parts = []
     problems: list[Problem] = []

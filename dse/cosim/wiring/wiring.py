@@ -5,15 +5,14 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
-from dse.cosim.binding.calls import FLOATING, Type, text_type_of, type_of
-from dse.cosim.wiring.conversion import transform_of
+from dse.cosim.binding.calls import FLOATING, AccessorType, text_type_of, type_of
 from dse.domain.fmu import FmiInterface, FmuModel, Variable
 from dse.domain.system import Conversion, Element, SystemStructure, Wire
 from dse.errors import Problem, fail, raise_if_any
 
 
 @dataclass(frozen=True, slots=True)
-class Group:
+class VariableGroup:
     """Variables of one element that one accessor call reads or writes.
 
     *positions*, one per value (row by row where variables are arrays), say where outputs lie in the table of values,
@@ -23,7 +22,7 @@ class Group:
     events takes in event mode only, *moves* for those that may follow a slope within a step.
     """
 
-    type: Type
+    type: AccessorType
     variables: tuple[Variable, ...]
     positions: tuple[int, ...]
     is_discrete: bool = False
@@ -34,6 +33,11 @@ class Group:
     def labels(self) -> tuple[str, ...]:
         """A name for each value, without the element's."""
         return tuple(label for variable in self.variables for label in variable.labels)
+
+    def has_items(self, element: Element) -> bool:
+        """Whether values of *element* are looked up on their way: then there is nothing in between."""
+        conversions = [element.conversions[v.name] for v in self.variables if v.name in element.conversions]
+        return any(conversion is not None and conversion.items for conversion in (*conversions, *self.transforms))
 
 
 @dataclass(frozen=True, slots=True)
@@ -47,18 +51,27 @@ class Wiring:
 
     system: SystemStructure
     values: tuple[str, ...]
-    outputs: tuple[tuple[Group, ...], ...]
-    inputs: tuple[tuple[Group, ...], ...]
+    outputs: tuple[tuple[VariableGroup, ...], ...]
+    inputs: tuple[tuple[VariableGroup, ...], ...]
     wired: tuple[int, ...]
     texts: tuple[str, ...] = ()
-    text_outputs: tuple[tuple[Group, ...], ...] = ()
-    text_inputs: tuple[tuple[Group, ...], ...] = ()
+    text_outputs: tuple[tuple[VariableGroup, ...], ...] = ()
+    text_inputs: tuple[tuple[VariableGroup, ...], ...] = ()
 
     def record(self, names: Sequence[str]) -> tuple[int, ...]:
         """Positions of the outputs called *names*; DseError naming those that are none."""
         positions = {name: position for position, name in enumerate(self.values)}
         raise_if_any(_no_output(name, self) for name in names if name not in positions)
         return tuple(positions[name] for name in names)
+
+    @property
+    def owners(self) -> tuple[int, ...]:
+        """Index of the element behind each value."""
+        return tuple(e for e, part in enumerate(self.outputs) for group in part for _ in group.positions)
+
+    def group_at(self, position: int) -> VariableGroup:
+        """The outputs of which one lies at *position*."""
+        return next(group for part in self.outputs for group in part if position in group.positions)
 
 
 def wire_up(system: SystemStructure) -> Wiring:
@@ -97,15 +110,15 @@ def links_of(system: SystemStructure) -> Mapping[str, Link]:
     links = {}
     for wire in system.wires:
         for source, target in _ends(wire, outputs, inputs):
-            links[target] = Link(source, transform_of(wire))
+            links[target] = Link(source, _transform_of(wire))
     return links
 
 
-def groups_by_type(element: Element, variables: Iterable[Variable], *, texts: bool = False) -> list[Group]:
+def groups_by_type(element: Element, variables: Iterable[Variable], *, texts: bool = False) -> list[VariableGroup]:
     """Numbers (or texts) among *variables*, as few groups as their accessors, events and slopes allow; no positions."""
     kind_of = text_type_of if texts else type_of
     model = element.model
-    parts: dict[tuple[Type, bool, bool, int], list[Variable]] = {}
+    parts: dict[tuple[AccessorType, bool, bool, int], list[Variable]] = {}
     for number, variable in enumerate(variables):
         kind = kind_of(variable, model.version)
         if kind is not None and variable.size:
@@ -114,7 +127,7 @@ def groups_by_type(element: Element, variables: Iterable[Variable], *, texts: bo
             # What is set in events is set one by one: only what has changed.
             alone = number if waits and has_event_mode(model) else 0
             parts.setdefault((kind, waits, moves, alone), []).append(variable)
-    return [Group(key[0], tuple(parts[key]), (), *key[1:3]) for key in sorted(parts)]
+    return [VariableGroup(key[0], tuple(parts[key]), (), *key[1:3]) for key in sorted(parts)]
 
 
 def is_discrete_input(variable: Variable, model: FmuModel) -> bool:
@@ -146,6 +159,13 @@ def _knows_events(model: FmuModel) -> bool:
     )
 
 
+def _transform_of(wire: Wire) -> Conversion | None:
+    """What *wire* does to a value, None if it passes on what it is given."""
+    if wire.factor == 1.0 and wire.offset == 0.0 and not wire.items:
+        return None
+    return Conversion(wire.factor, wire.offset, wire.items)
+
+
 def _ends(wire: Wire, outputs: Mapping[str, Variable], inputs: Mapping[str, Variable]) -> Iterable[tuple[str, str]]:
     source, target = f"{wire.source}.{wire.source_variable}", f"{wire.target}.{wire.target_variable}"
     if source not in outputs or target not in inputs or not (outputs[source].shape or inputs[target].shape):
@@ -158,7 +178,7 @@ def _ends(wire: Wire, outputs: Mapping[str, Variable], inputs: Mapping[str, Vari
 
 def _numbered(
     system: SystemStructure, links: Mapping[str, Link], *, texts: bool
-) -> tuple[tuple[str, ...], tuple[tuple[Group, ...], ...]]:
+) -> tuple[tuple[str, ...], tuple[tuple[VariableGroup, ...], ...]]:
     names: list[str] = []
     parts = []
     for element in system.elements:
@@ -190,7 +210,9 @@ def _is_partly_wired(element: Element, variable: Variable, links: Mapping[str, L
     return any(f"{element.name}.{label}" not in links for label in variable.labels)
 
 
-def _sources(element: Element, links: Mapping[str, Link], at: Mapping[str, int], *, texts: bool) -> tuple[Group, ...]:
+def _sources(
+    element: Element, links: Mapping[str, Link], at: Mapping[str, int], *, texts: bool
+) -> tuple[VariableGroup, ...]:
     groups = []
     for group in groups_by_type(element, element.inputs, texts=texts):
         labels = [f"{element.name}.{label}" for label in group.labels]
@@ -279,7 +301,7 @@ def _shape(variable: Variable) -> str:
     return f"an array of {' x '.join(map(str, variable.shape))}" if variable.shape else "a single value"
 
 
-def _labels(system: SystemStructure, *, of_inputs: bool) -> Mapping[str, Type | None]:
+def _labels(system: SystemStructure, *, of_inputs: bool) -> Mapping[str, AccessorType | None]:
     return {
         f"{element.name}.{label}": text_type_of(variable, element.model.version)
         for element in system.elements
@@ -288,7 +310,7 @@ def _labels(system: SystemStructure, *, of_inputs: bool) -> Mapping[str, Type | 
     }
 
 
-def _unlike(target: str, kind: Type | None, link: Link, source_kind: Type | None) -> Iterable[Problem]:
+def _unlike(target: str, kind: AccessorType | None, link: Link, source_kind: AccessorType | None) -> Iterable[Problem]:
     if kind is not source_kind:
         words = ["a number" if k is None else f"a {k.name.lower()}" for k in (source_kind, kind)]
         yield Problem(f"{link.source} -> {target}: {words[0]} cannot be wired to {words[1]}")
