@@ -10,12 +10,9 @@ from typing import Any
 
 from dse.cosim.binding.abilities import Ability
 from dse.cosim.binding.calls import (
-    C_TYPES,
     EXACT_INTEGER,
-    FLOATING,
     LONGEST_TEXT,
     MOST_EVENT_ITERATIONS,
-    TRUTHS,
     AccessorType,
     Call,
     function_name,
@@ -198,13 +195,13 @@ class Instance(Handle):
     def numbers(self, variable: Variable, time: float | None) -> list[float]:
         """Values of *variable* inside of the FMU, row by row; *time* is for messages."""
         kind = self._type(variable)
-        room = (C_TYPES[kind] * variable.size)()
+        room = (kind.c_type * variable.size)()
         self._access(Call.GET + kind, variable, room, time)
         for label, value in zip(variable.labels, room, strict=True):
             if kind in (AccessorType.INT64, AccessorType.UINT64) and abs(value) > EXACT_INTEGER:
                 what = of_value(StopReason.TOO_LARGE, f"{self.name}.{label}", time)
                 raise self.failure(self.accessor("Get", variable), time, what)
-        return [float(bool(value)) if kind in TRUTHS else float(value) for value in room]
+        return [float(bool(value)) if kind.is_boolean else float(value) for value in room]
 
     def give_numbers(self, variable: Variable, values: Sequence[float], time: float | None) -> None:
         """Give *variable* the *values*, as they are inside; *time* is for messages."""
@@ -216,7 +213,7 @@ class Instance(Handle):
         for label, value in zip(variable.labels, values, strict=True):
             if not _fits(value, kind):
                 raise self.unfit(variable, label, value, time)
-        return (C_TYPES[kind] * len(values))(*(value if kind in FLOATING else int(value) for value in values))
+        return (kind.c_type * len(values))(*(value if kind.is_floating else int(value) for value in values))
 
     def unfit(self, variable: Variable, label: str, value: float, time: float | None) -> RunFailed:
         """The failure of a *value* that *variable* cannot take."""
@@ -276,12 +273,12 @@ def _bytes_at(pointer: int, size: int | None) -> bytes | None:
 
 
 def _fits(value: float, kind: AccessorType) -> bool:
-    if kind in FLOATING:
-        return math.isfinite(C_TYPES[kind](value).value) or not math.isfinite(value)
+    if kind.is_floating:
+        return math.isfinite(kind.c_type(value).value) or not math.isfinite(value)
     if not float(value).is_integer():
         return False
-    if kind in TRUTHS:
+    if kind.is_boolean:
         return value in (0.0, 1.0)
-    bits = 8 * ctypes.sizeof(C_TYPES[kind])
+    bits = 8 * kind.size
     low, high = (0, 2**bits - 1) if kind.name.startswith("U") else (-(2 ** (bits - 1)), 2 ** (bits - 1) - 1)
     return bool(max(low, -EXACT_INTEGER) <= value <= min(high, EXACT_INTEGER))

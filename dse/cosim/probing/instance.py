@@ -16,15 +16,12 @@ from typing import Any
 from dse.cosim.binding import layout
 from dse.cosim.binding.abilities import Ability
 from dse.cosim.binding.calls import (
-    C_TYPES,
     DISCARD,
     EXACT_INTEGER,
     FATAL,
-    FLOATING,
     LONGEST_TEXT,
     MOST_EVENT_ITERATIONS,
     PENDING,
-    TRUTHS,
     WARNING,
     AccessorType,
     Call,
@@ -155,16 +152,16 @@ class FmuInstance:
         for label, value in zip(variable.labels, found, strict=True):
             if not fits(value, kind):
                 raise self._bad_value(StopReason.UNFIT_INPUT, Call.SET, variable, label, time, value)
-        return (C_TYPES[kind] * len(found))(*(value if kind in FLOATING else int(value) for value in found))
+        return (kind.c_type * len(found))(*(value if kind.is_floating else int(value) for value in found))
 
     def _numbers(self, variable: Variable, time: float | None) -> list[float]:
         kind = self._type(variable)
-        room = (C_TYPES[kind] * variable.size)()
+        room = (kind.c_type * variable.size)()
         self._access(Call.GET, variable, room, time)
         for label, value in zip(variable.labels, room, strict=True):
             if kind in (AccessorType.INT64, AccessorType.UINT64) and abs(value) > EXACT_INTEGER:
                 raise self._bad_value(StopReason.TOO_LARGE, Call.GET, variable, label, time)
-        return [float(bool(value)) if kind in TRUTHS else float(value) for value in room]
+        return [float(bool(value)) if kind.is_boolean else float(value) for value in room]
 
     def _texts(self, variable: Variable, time: float | None) -> list[bytes]:
         pointers, sizes = (c_void_p * variable.size)(), (c_size_t * variable.size)()
@@ -374,13 +371,13 @@ class FmuInstance:
 
 def fits(value: float, kind: AccessorType) -> bool:
     """Whether an accessor of that type can be given *value*, so that the master could read it back."""
-    if kind in FLOATING:
-        return math.isfinite(C_TYPES[kind](value).value) or not math.isfinite(value)
+    if kind.is_floating:
+        return math.isfinite(kind.c_type(value).value) or not math.isfinite(value)
     if not float(value).is_integer():
         return False
-    if kind in TRUTHS:
+    if kind.is_boolean:
         return value in (0.0, 1.0)
-    bits = 8 * ctypes.sizeof(C_TYPES[kind])
+    bits = 8 * kind.size
     low, high = (0, 2**bits - 1) if kind.name.startswith("U") else (-(2 ** (bits - 1)), 2 ** (bits - 1) - 1)
     return bool(max(low, -EXACT_INTEGER) <= value <= min(high, EXACT_INTEGER))
 

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dse.cosim.binding import layout
-from dse.cosim.binding.calls import C_TYPES, FLOATING, AccessorType, Call, function_name
+from dse.cosim.binding.calls import AccessorType, Call, function_name
 from dse.cosim.binding.library import about, address
 from dse.cosim.tables.elements import KernelElements
 from dse.cosim.wiring.wiring import VariableGroup, has_event_mode
@@ -51,7 +51,7 @@ class GroupMaker:
     def number_group(self, index: int, group: VariableGroup, verb: Call, memory: GroupMemory) -> layout.Group:
         """Numbers of the element with that *index*."""
         element = self._elements.elements[index]
-        count, size = len(group.labels), ctypes.sizeof(C_TYPES[group.type])
+        count, size = len(group.labels), group.type.size
         conversions = self._conversions([element.conversions.get(v.name) for v in group.variables for _ in v.labels])
         transforms = self._conversions(group.transforms)
         changes = conversions is not None or transforms is not None
@@ -164,9 +164,9 @@ class GroupMaker:
 
 def raw_values(structure: layout.Group) -> list[RawValue]:
     """Where each value of a group of outputs lies."""
-    kind, size = AccessorType(structure.type), ctypes.sizeof(C_TYPES[AccessorType(structure.type)])
+    kind = AccessorType(structure.type)
     known = None if structure.conversions else kind
-    return [RawValue(known, structure.room + size * number) for number in range(structure.n_values)]
+    return [RawValue(known, structure.room + kind.size * number) for number in range(structure.n_values)]
 
 
 def in_place(group: VariableGroup, raw: Sequence[RawValue], conversions: Mapping[str, Conversion]) -> int | None:
@@ -174,9 +174,9 @@ def in_place(group: VariableGroup, raw: Sequence[RawValue], conversions: Mapping
 
     Floating-point values are never passed on in place: the kernel looks at them on the way.
     """
-    if group.type in FLOATING or group.transforms or any(v.name in conversions for v in group.variables):
+    if group.type.is_floating or group.transforms or any(v.name in conversions for v in group.variables):
         return None
-    first, size = raw[group.positions[0]].address, ctypes.sizeof(C_TYPES[group.type])
+    first, size = raw[group.positions[0]].address, group.type.size
     wanted = [RawValue(group.type, first + size * number) for number in range(len(group.positions))]
     return first if [raw[position] for position in group.positions] == wanted else None
 
@@ -209,7 +209,7 @@ def _is_truth(structure: layout.Group) -> bool:
 
 
 def _truths(structure: layout.Group) -> list[layout.Truth]:
-    room = ctypes.sizeof(C_TYPES[AccessorType.FMI2_BOOLEAN])
+    room = AccessorType.FMI2_BOOLEAN.size
     return [
         layout.Truth(structure.room + room * n, structure.values + VALUE_SIZE * n) for n in range(structure.n_values)
     ]

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 
-from dse.cosim.binding.calls import TRUTHS, text_type_of, type_of
+from dse.cosim.binding.calls import text_type_of, type_of
 from dse.cosim.wiring.wiring import VariableGroup, groups_by_type
 from dse.domain.fmu import Variable
 from dse.domain.system import Element, SystemStructure
@@ -81,7 +81,8 @@ def _described(element: Element, variable: Variable, index: int, asked: bool) ->
         return None
     text = texts[index] if len(texts) > 1 else texts[0]
     kind = type_of(variable, element.model.version)
-    value = float(text.strip() in ("true", "1")) if kind in TRUTHS else float(text)
+    is_boolean = kind is not None and kind.is_boolean
+    value = float(text.strip() in ("true", "1")) if is_boolean else float(text)
     conversion = element.conversions.get(variable.name)
     if conversion is None:
         return value

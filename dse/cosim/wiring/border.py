@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from typing import NamedTuple
 
-from dse.cosim.binding.calls import FLOATING
 from dse.cosim.wiring.wiring import VariableGroup, Wiring
 from dse.domain.fmu import Variable
 
@@ -59,7 +58,7 @@ class Border:
     @property
     def floating_outputs(self) -> list[ElementPort]:
         """Outputs that are floating-point numbers, in order."""
-        return [port for part in self.outputs for port in part if self._signals[port].group.type in FLOATING]
+        return [port for part in self.outputs for port in part if self._signals[port].group.type.is_floating]
 
     @property
     def real_outputs(self) -> list[ElementPort]:
@@ -69,7 +68,7 @@ class Border:
     def is_real(self, port: ElementPort) -> bool:
         """Whether the variable is a number that changes continuously."""
         signal = self._signals[port]
-        return signal.group.type in FLOATING and signal.variable.variability in ("", "continuous")
+        return signal.group.type.is_floating and signal.variable.variability in ("", "continuous")
 
     def moves(self, port: ElementPort) -> tuple[bool, ...]:
         """For each value of an input, whether it and its source change continuously: only then it has a slope."""

@@ -6,7 +6,6 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from math import isfinite
 
-from dse.cosim.binding.calls import FLOATING
 from dse.cosim.clock import steps_in
 from dse.cosim.wiring.border import Border
 from dse.cosim.wiring.dependency import AlgebraicLoop, order_of
@@ -147,7 +146,7 @@ def _bad_bonds(wiring: Wiring, method: Method) -> Iterable[Problem]:
 def _not_a_bond(wiring: Wiring, bond: Bond) -> Iterable[Problem]:
     for from_label, to_label in ((bond.effort, bond.flow), (bond.flow, bond.effort)):
         position, target = wiring.values.index(from_label), wiring.owners[wiring.values.index(to_label)]
-        if wiring.group_at(position).type not in FLOATING:
+        if not wiring.group_at(position).type.is_floating:
             yield Problem(f"bond {bond.name}: {from_label} is not a real number")
         if not any(position in group.positions for group in wiring.inputs[target]):
             name = wiring.system.elements[target].name

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
-from dse.cosim.binding.calls import FLOATING, AccessorType, text_type_of, type_of
+from dse.cosim.binding.calls import AccessorType, text_type_of, type_of
 from dse.domain.fmu import FmiInterface, FmuModel, Variable
 from dse.domain.system import Conversion, Element, SystemStructure, Wire
 from dse.errors import Problem, fail, raise_if_any
@@ -132,8 +132,9 @@ def groups_by_type(element: Element, variables: Iterable[Variable], *, texts: bo
 
 def is_discrete_input(variable: Variable, model: FmuModel) -> bool:
     """Whether *variable* is an input that changes at events only."""
-    is_real = type_of(variable, model.version) in FLOATING
-    return variable.causality == "input" and not (is_real and variable.variability in ("", "continuous"))
+    found = type_of(variable, model.version)
+    is_real = found is not None and found.is_floating and variable.variability in ("", "continuous")
+    return variable.causality == "input" and not is_real
 
 
 def moves_within_steps(variable: Variable, model: FmuModel) -> bool:
