@@ -141,6 +141,11 @@ FUNCTIONS = (
 """What the kernel calls of an element besides its accessors, in the order of kernel.h."""
 
 
+def is_good(status: int) -> bool:
+    """Whether *status* is no worse than a warning."""
+    return 0 <= status <= WARNING
+
+
 def type_of(variable: Variable, version: int) -> AccessorType | None:
     """The accessor type of a number in an FMU of FMI *version*; None for strings, clocks and whatever else."""
     found = _FMI_TYPES[version].get(variable.fmi_type)
