@@ -17,7 +17,8 @@ from dse.cosim.tables.method import DISCRETE_WALKS, declared_nominal, nominal_of
 from dse.cosim.wiring.border import Border, ElementPort
 from dse.cosim.wiring.check import OwnStep, extrapolation_of
 from dse.cosim.wiring.dependency import AlgebraicLoop, Read, Step, doubtful_reads, order_of
-from dse.cosim.wiring.wiring import Wiring, links_of
+from dse.cosim.wiring.links import links_of
+from dse.cosim.wiring.wiring import Wiring
 from dse.domain.method import Adaptive, Algorithm, Coupling, Extrapolation, Method
 from oracle.conversion import carried
 from oracle.newton import NoSolution, newton, same_bits

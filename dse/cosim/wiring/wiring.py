@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 
 from dse.cosim.binding.calls import AccessorType, text_type_of, type_of
+from dse.cosim.wiring.links import Link, link_problems, links_of
 from dse.domain.fmu import FmiInterface, FmuModel, Variable
-from dse.domain.system import Conversion, Element, SystemStructure, Wire
-from dse.errors import Problem, fail, raise_if_any
+from dse.domain.system import Conversion, Element, SystemStructure
+from dse.errors import Problem, raise_if_any
 
 
 @dataclass(frozen=True, slots=True)
@@ -77,7 +78,7 @@ class Wiring:
 def wire_up(system: SystemStructure) -> Wiring:
     """Number all outputs of *system* and find every input's source; DseError for what cannot be simulated."""
     links = links_of(system)
-    raise_if_any([*_unsupported(system, links), *_loose_ends(system, links)])
+    raise_if_any(link_problems(system, links))
     values, outputs = _numbered(system, links, texts=False)
     texts, text_outputs = _numbered(system, links, texts=True)
     at = {name: position for position, name in enumerate(values)}
@@ -93,25 +94,6 @@ def wire_up(system: SystemStructure) -> Wiring:
         text_outputs,
         tuple(_sources(element, links, text_at, texts=True) for element in system.elements),
     )
-
-
-@dataclass(frozen=True, slots=True)
-class Link:
-    """Where one value of an input comes from, as ``element.label``, and what the wire does to it."""
-
-    source: str
-    transform: Conversion | None = field(default=None)
-
-
-def links_of(system: SystemStructure) -> Mapping[str, Link]:
-    """The source of every wired value by ``element.label`` of the input; wires between arrays count for each value."""
-    outputs = {f"{e.name}.{v.name}": v for e in system.elements for v in e.outputs}
-    inputs = {f"{e.name}.{v.name}": v for e in system.elements for v in e.inputs}
-    links = {}
-    for wire in system.wires:
-        for source, target in _ends(wire, outputs, inputs):
-            links[target] = Link(source, _transform_of(wire))
-    return links
 
 
 def groups_by_type(element: Element, variables: Iterable[Variable], *, texts: bool = False) -> list[VariableGroup]:
@@ -160,23 +142,6 @@ def _knows_events(model: FmuModel) -> bool:
     )
 
 
-def _transform_of(wire: Wire) -> Conversion | None:
-    """What *wire* does to a value, None if it passes on what it is given."""
-    if wire.factor == 1.0 and wire.offset == 0.0 and not wire.items:
-        return None
-    return Conversion(wire.factor, wire.offset, wire.items)
-
-
-def _ends(wire: Wire, outputs: Mapping[str, Variable], inputs: Mapping[str, Variable]) -> Iterable[tuple[str, str]]:
-    source, target = f"{wire.source}.{wire.source_variable}", f"{wire.target}.{wire.target_variable}"
-    if source not in outputs or target not in inputs or not (outputs[source].shape or inputs[target].shape):
-        return [(source, target)]
-    return [
-        (f"{wire.source}.{a}", f"{wire.target}.{b}")
-        for a, b in zip(outputs[source].labels, inputs[target].labels, strict=False)
-    ]
-
-
 def _numbered(
     system: SystemStructure, links: Mapping[str, Link], *, texts: bool
 ) -> tuple[tuple[str, ...], tuple[tuple[VariableGroup, ...], ...]]:
@@ -222,101 +187,6 @@ def _sources(
         positions = tuple(at[link.source] for link in found)
         groups.append(replace(group, positions=positions, transforms=transforms if any(transforms) else ()))
     return tuple(groups)
-
-
-def _unsupported(system: SystemStructure, links: Mapping[str, Link]) -> Iterable[Problem]:
-    ends = set(links) | {link.source for link in links.values()}
-    for element in system.elements:
-        version = element.model.version
-        if version not in (1, 2, 3):
-            raise fail(f"{element.name}: FMI {version} is not supported", hint="export the FMU as FMI 2.0 or 3.0")
-        for variable in (*element.inputs, *element.outputs):
-            name = f"{element.name}.{variable.name}"
-            if any(f"{element.name}.{label}" in ends for label in variable.labels) and (
-                why := _unwireable(element, variable)
-            ):
-                yield Problem(
-                    f"{name}: {why}", hint="wire real, integer, Boolean, enumeration, string or binary variables"
-                )
-
-
-def _unwireable(element: Element, variable: Variable) -> str:
-    if type_of(variable, element.model.version) is None and text_type_of(variable, element.model.version) is None:
-        return f"variables of type {variable.fmi_type} cannot be wired"
-    if variable.is_clocked:
-        return "a variable that belongs to a clock cannot be wired"
-    return ""
-
-
-def _loose_ends(system: SystemStructure, links: Mapping[str, Link]) -> Iterable[Problem]:
-    inputs = {f"{e.name}.{v.name}": v for e in system.elements for v in e.inputs}
-    outputs = {f"{e.name}.{v.name}": v for e in system.elements for v in e.outputs}
-    counted: dict[str, int] = {}
-    for wire in system.wires:
-        ends = list(_ends(wire, outputs, inputs))
-        for _, target in ends:
-            counted[target] = counted.get(target, 0) + 1
-        yield from _unequal(wire, outputs, inputs)
-    yield from (Problem(f"{target}: {n} wires end at one input") for target, n in counted.items() if n > 1)
-    yield from _twice_by_other_names(system)
-    labels = _labels(system, of_inputs=True)
-    yield from (
-        Problem(f"{target}: a wire ends at what is not an input") for target in sorted(links.keys() - labels.keys())
-    )
-    known = _labels(system, of_inputs=False)
-    sources = {link.source for link in links.values()}
-    yield from (
-        Problem(f"{source}: a wire starts at what is not an output") for source in sorted(sources - known.keys())
-    )
-    for target, link in links.items():
-        if target in labels and link.source in known:
-            yield from _unlike(target, labels[target], link, known[link.source])
-    for name, variable in sorted(inputs.items()):
-        element = name[: -len(variable.name) - 1]
-        if variable.size and not any(f"{element}.{label}" in links for label in variable.labels):
-            yield Problem(f"{name}: no wire ends at this connected input")
-
-
-def _twice_by_other_names(system: SystemStructure) -> Iterable[Problem]:
-    """Connected inputs that are other names (aliases) of each other."""
-    for element in system.elements:
-        names: dict[str, str] = {}
-        for variable in element.inputs:
-            first = names.setdefault(variable.alias_of or variable.name, variable.name)
-            if first != variable.name:
-                both = f"{element.name}.{first} and {element.name}.{variable.name}"
-                yield Problem(f"wires end at {both}, which are two names of one input")
-
-
-def _unequal(wire: Wire, outputs: Mapping[str, Variable], inputs: Mapping[str, Variable]) -> Iterable[Problem]:
-    source, target = f"{wire.source}.{wire.source_variable}", f"{wire.target}.{wire.target_variable}"
-    if source in outputs and target in inputs and outputs[source].shape != inputs[target].shape:
-        shapes = [_shape(variable) for variable in (outputs[source], inputs[target])]
-        yield Problem(
-            f"{source} -> {target}: {shapes[0]} cannot be wired to {shapes[1]}",
-            hint="wire single values of an array as name[2] or name[1,3], counted from 1",
-        )
-
-
-def _shape(variable: Variable) -> str:
-    return f"an array of {' x '.join(map(str, variable.shape))}" if variable.shape else "a single value"
-
-
-def _labels(system: SystemStructure, *, of_inputs: bool) -> Mapping[str, AccessorType | None]:
-    return {
-        f"{element.name}.{label}": text_type_of(variable, element.model.version)
-        for element in system.elements
-        for variable in (element.inputs if of_inputs else element.outputs)
-        for label in variable.labels
-    }
-
-
-def _unlike(target: str, kind: AccessorType | None, link: Link, source_kind: AccessorType | None) -> Iterable[Problem]:
-    if kind is not source_kind:
-        words = ["a number" if k is None else f"a {k.name.lower()}" for k in (source_kind, kind)]
-        yield Problem(f"{link.source} -> {target}: {words[0]} cannot be wired to {words[1]}")
-    elif kind is not None and link.transform is not None:
-        yield Problem(f"{link.source} -> {target}: a {kind.name.lower()} takes no factor, offset or items")
 
 
 def _no_output(name: str, wiring: Wiring) -> Problem:
