@@ -55,12 +55,12 @@ def _machine_compiler() -> list[str] | None:
 def _compile_kernel(folder: Path) -> None:
     target = folder / f"_kernel{_SUFFIX}"
     sources = [folder / "kernel" / "kernel.c"]
-    shared = (folder.parent / "fmu" / "runtime").glob("*.h")
+    shared = (folder.parent / "csolve").glob("*.h")
     if not _is_stale(target, [*(folder / "kernel").glob("*.c"), *(folder / "kernel").glob("*.h"), *shared]):
         return
     compiler = _machine_compiler() or [sys.executable, "-m", "ziglang", "cc"]
     scratch = target.with_suffix(".tmp")
-    flags = ["-std=c11", "-O2", "-ffp-contract=off", "-shared", "-Wall", "-Wextra", "-Werror"]
+    flags = ["-std=c11", "-O2", "-ffp-contract=off", "-shared", "-Wall", "-Wextra", "-Werror", f"-I{folder.parent}"]
     if sys.platform != "win32":
         flags += ["-fPIC", "-fvisibility=hidden"]
     mathematics = [] if sys.platform == "win32" else ["-lm"]

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any, ClassVar
 
 from dse.cosim.calls import FUNCTIONS, Call
-from dse.cosim.exchange_layout import Exchange, Refusal, Standing
+from dse.cosim.exchange_layout import Exchange, Solver, Standing
 from dse.errors import fail
 
 LOG_LINES = 16
@@ -228,7 +228,7 @@ def kernel() -> ctypes.CDLL:
         ) from error
     sizes = [ctypes.sizeof(structure) for structure in _STRUCTURES]
     found = (ctypes.c_int64 * (len(sizes) + 1)).in_dll(library, "dse_layout")
-    exchanges = [ctypes.sizeof(structure) for structure in (Standing, Refusal, Exchange)]
+    exchanges = [ctypes.sizeof(structure) for structure in (Standing, Solver, Exchange)]
     found_exchanges = (ctypes.c_int64 * len(exchanges)).in_dll(library, "dse_exchange_layout")
     if list(found) != [*sizes, LOG_LINES * LOG_WIDTH] or list(found_exchanges) != exchanges:
         raise fail("the simulation kernel does not fit this version of dse", hint="install dse again")

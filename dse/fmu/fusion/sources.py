@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
 
+from dse.csolve import headers
 from dse.domain.fmu import FmuModel
 
 _RUNTIME = Path(__file__).parent.parent / "runtime"
@@ -91,7 +92,8 @@ def _rows(text: str) -> tuple[Row, ...]:
 
 @lru_cache(maxsize=1)
 def _runtime() -> dict[str, bytes]:
-    return {f"runtime/{path.name}": path.read_bytes() for path in sorted(_RUNTIME.glob("*.[ch]"))}
+    ours = {path.name: path.read_bytes() for path in sorted(_RUNTIME.glob("*.[ch]"))}
+    return {f"runtime/{name}": content for name, content in {**ours, **headers()}.items()}
 
 
 def is_runtime(name: str) -> bool:

@@ -7,6 +7,7 @@ from dataclasses import replace
 from functools import lru_cache
 from pathlib import Path
 
+from dse.csolve import headers
 from dse.domain.component import Component, ModelicaCompiler, ModelicaSource
 from dse.errors import DseError, fail
 from dse.fmu.archive import pack
@@ -33,10 +34,8 @@ from dse.fmu.toolchain import Compiler, find_compiler
 _RUNTIME = Path(__file__).parent.parent / "runtime"
 # fmt: off
 _COMMON = (
-    "slot.h", "instance.h", "value.h", "modelica.h", "solver_memory.h", "arithmetic.h", "linear.h", "newton.h",
-    "tables.h", "evaluate.h", "crossings.h", "dormand_prince_tableau.h", "dormand_prince.h", "rosenbrock_tableau.h",
-    "rosenbrock.h", "locate.h", "integrate.h", "events.h",
-    "co_simulation.h", "simulation.h", "exchange.h",
+    "slot.h", "instance.h", "value.h", "modelica.h", "arithmetic.h", "tables.h", "evaluate.h", "relations.h",
+    "integrate.h", "events.h", "co_simulation.h", "simulation.h", "exchange.h",
 )
 _FILES = {
     2: (*_COMMON, "fmi2_abi.h", "fmi2_exchange.h", "fmi2.c"),
@@ -165,7 +164,7 @@ def _contents(
         dependencies=translated.solved.dependencies,
     )
     contents = {
-        **{f"sources/runtime/{name}": _runtime()[name] for name in _FILES[version]},
+        **{f"sources/runtime/{name}": _runtime()[name] for name in (*_FILES[version], *headers())},
         **{f"sources/runtime/{name}": content for name, content in generated.items()},
         "modelDescription.xml": describe_model(described, version),
     }
@@ -221,7 +220,7 @@ def _identity(
 
 @lru_cache(maxsize=1)
 def _runtime() -> dict[str, bytes]:
-    return {path.name: path.read_bytes() for path in sorted(_RUNTIME.glob("*.[ch]"))}
+    return {**{path.name: path.read_bytes() for path in sorted(_RUNTIME.glob("*.[ch]"))}, **headers()}
 
 
 @lru_cache(maxsize=1)

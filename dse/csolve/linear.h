@@ -1,6 +1,6 @@
 /* Small dense linear systems: LU factors with partial pivoting of equilibrated rows (Golub and Van Loan, 3.4-3.5). */
-#ifndef DSE_LINEAR_H
-#define DSE_LINEAR_H
+#ifndef DSE_CSOLVE_LINEAR_H
+#define DSE_CSOLVE_LINEAR_H
 
 #include <float.h>
 #include <math.h>
