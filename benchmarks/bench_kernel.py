@@ -25,7 +25,7 @@ from dse.domain.fmu import FmuModel
 from dse.domain.system import Element, SystemStructure, Wire
 from dse.fmu.build import build
 from dse.fmu.fusion.fuse import fuse
-from dse.fmu.toolchain import find_compiler
+from dse.fmu.toolchain.compiler import find_compiler
 from dse.fmu.unpack import open_fmu
 
 SOURCES = Path(__file__).parent / "kernel"

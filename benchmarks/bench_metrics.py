@@ -11,7 +11,7 @@ import numpy as np
 
 from dse.domain.bench import Metric, Requirement
 from dse.domain.component import Kind, Type
-from dse.loading.expression import parse_expression
+from dse.expression.parse import parse_expression
 from dse.metrics.program import MetricProgram, compile_metrics
 from dse.units import parse_unit
 

@@ -116,7 +116,7 @@ def feature_models() -> None:
     if not UVL.is_dir():
         print("no feature models here: ../shared is absent")
         return
-    from dse.loading.uvl import read_uvl
+    from dse.loading.uvl.reading import read_uvl
 
     known = json.loads((UVL / "counts.json").read_text(encoding="utf-8"))
     for name in known:

@@ -28,7 +28,7 @@ from dse.exploration.explore import explore
 from dse.exploration.job import Bench, MakeRunner
 from dse.exploration.samplers.full_factorial import FullFactorial
 from dse.loading.workspace import Workspace
-from dse.results.folder import StudyFolder
+from dse.storage.folder import StudyFolder
 from dse.testbench.execute import Runner, make_runner
 from dse.testbench.plan import Plan, plan
 from dse.testbench.prepared import PreparedBench

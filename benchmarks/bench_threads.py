@@ -22,7 +22,7 @@ from dse.exploration.job import Batch, Setup
 from dse.exploration.plan import missing_runs
 from dse.exploration.seat import Seat, bench_file
 from dse.loading.workspace import Workspace
-from dse.results.asks import Asks, blocks_of
+from dse.storage.asks import Asks, blocks_of
 from dse.testbench.execute import make_runner
 from dse.testbench.plan import plan
 

@@ -14,7 +14,7 @@ from collections.abc import Mapping, Sequence
 
 from dse.domain.component import Component, Interface
 from dse.domain.design import Alternative, Compound, Constraint, DesignSpace, Optional, Part
-from dse.loading.expression import parse_expression
+from dse.expression.parse import parse_expression
 from dse.units import parse_quantity
 
 PROPERTIES: Mapping[str, tuple[int, str]] = {"cost": (20, "EUR"), "mass": (12, "kg"), "power": (15, "W")}

@@ -11,7 +11,7 @@ from playwright.sync_api import sync_playwright
 
 from dse.report.figures import default_run
 from dse.report.study import read_content
-from dse.results.folder import StudyFolder
+from dse.storage.folder import StudyFolder
 
 ROOT = Path(__file__).resolve().parents[1]
 STUDY = ROOT / "out" / "acc_gains"

@@ -62,12 +62,11 @@ _PLACES = {
     "Waveforms": "api.run:Waveforms",
     "Workspace": "api.workspace:Workspace",
     "open": "api.workspace:open_workspace",
+    "results": "api.results:results",
 }
 
 
 def __getattr__(name: str) -> object:
-    if name == "results":
-        return import_module("dse.results")  # a room that can be called
     if name not in _PLACES:
         raise AttributeError(f"module 'dse' has no attribute '{name}'")
     module, _, attribute = _PLACES[name].partition(":")

@@ -31,7 +31,7 @@ def use(folder: Path) -> None:
     import shlex
     import time
 
-    from dse.fmu.toolchain import find_compiler
+    from dse.fmu.toolchain.compiler import find_compiler
 
     # A worker of a parallel run has it from its parent. Elsewhere a library holds its own path or time.
     if _REAL in os.environ or sys.platform != "linux":

@@ -10,9 +10,9 @@ from pathlib import Path
 from dse.domain.component import Kind
 from dse.domain.fmu import FmuModel, UnitDefinition, Variable
 from dse.fmu.unpack import open_fmu
-from dse.system.ssp.open import open_ssp
-from dse.system.ssp.resolve import ResolvedSystem, system_of
-from dse.system.ssp.structure import SspSystem
+from dse.interchange.reading.open import open_ssp
+from dse.interchange.resolving.resolve import ResolvedSystem, system_of
+from dse.interchange.structure import SspSystem
 
 NAMESPACES = " ".join(
     f'xmlns:{short}="http://ssp-standard.org/SSP1/SystemStructure{name}"'

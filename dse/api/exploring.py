@@ -14,7 +14,7 @@ from dse.exploration.alone import simulate_alone
 from dse.exploration.executor import Executor, chosen
 from dse.exploration.explore import ExplorationInterruptedError, explore
 from dse.exploration.progress import Progress
-from dse.results.folder import StudyFolder
+from dse.storage.folder import StudyFolder
 from dse.testbench.execute import make_runner
 from dse.testbench.fuse import fused_plan
 from dse.testbench.plan import Plan, plan
@@ -22,7 +22,7 @@ from dse.testbench.plan import Plan, plan
 if TYPE_CHECKING:
     from dse.domain.run import Run, Waveforms
     from dse.domain.study import Study
-    from dse.testbench.ssp import PreparedPackage
+    from dse.interchange.prepared import PreparedPackage
 
 __all__ = ["ExplorationInterruptedError", "Explored", "Progress", "alone", "explore_into", "package_alone", "ready"]
 

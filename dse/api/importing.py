@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dse.testbench.importing import import_component
-from dse.testbench.ssp_import import import_ssp
+from dse.interchange.importing.component import import_component
+from dse.interchange.importing.ssp import import_ssp
 
 __all__ = ["import_component", "import_ssp"]

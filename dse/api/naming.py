@@ -41,7 +41,7 @@ def space_of(
 
     It is looked for in *workspace*, else in that of `workspace_of`. Raises DseError with all problems.
     """
-    from dse.loading.uvl import read_uvl
+    from dse.loading.uvl.reading import read_uvl
     from dse.space.check import check
     from dse.space.switch import switched
 
@@ -55,6 +55,6 @@ def space_of(
 
 def condition_of(text: str | None) -> Expression | None:
     """The condition of ``--where``; its problems are located in the text of the option. Raises DseError."""
-    from dse.loading.expression import parse_expression
+    from dse.expression.parse import parse_expression
 
     return None if text is None else parse_expression(text, Location("--where", 1, 1))

@@ -6,13 +6,13 @@ from typing import TYPE_CHECKING
 
 from dse.api.exploring import package_alone
 from dse.domain.run import Waveforms
-from dse.testbench.ssp import PreparedPackage, prepare_ssp
+from dse.interchange.prepared import PreparedPackage, prepare_ssp
 
 if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
-    from dse.system.ssp.conversion import Carry
+    from dse.interchange.resolving.conversion import Carry
 
 __all__ = ["PreparedPackage", "prepare_ssp", "simulate_package"]
 

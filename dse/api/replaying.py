@@ -62,7 +62,7 @@ def replay(
     *prepare* makes a study ready, for an FMI version, in place of `exploring.ready`.
     """
     from dse.api.exploring import alone, ready
-    from dse.results.difference import changes, differences
+    from dse.storage.difference import changes, differences
 
     stored = results.run(number)
     study = _single(_study(results.definition, source), stored)

@@ -19,8 +19,8 @@ if TYPE_CHECKING:
     from dse.api.replaying import Replay
     from dse.domain.definition import StudyDefinition
     from dse.errors import Problem
-    from dse.results.folder import StudyFolder
-    from dse.results.table import RunTable
+    from dse.storage.folder import StudyFolder
+    from dse.storage.table import RunTable
 
 T = TypeVar("T")
 
@@ -86,7 +86,7 @@ class Results:
     def export(self, kind: str) -> bytes:
         """The table of runs as ``csv``, ``json``, ``parquet`` or ``junit``."""
         from dse.errors import closest, fail
-        from dse.results.export import EXPORTS
+        from dse.storage.export import EXPORTS
 
         if kind not in EXPORTS:
             raise fail(f"results cannot be written as '{kind}'", None, closest(kind, EXPORTS))
@@ -135,14 +135,14 @@ class Results:
         return table(what, ("requirement", *heads) if rows else (), rows)
 
     def _read(self, question: Callable[[StudyFolder], T]) -> T:
-        from dse.results.folder import StudyFolder
+        from dse.storage.folder import StudyFolder
 
         with StudyFolder.open(self.folder) as store:
             return question(store)
 
 
 def _summary(runs: RunTable) -> Summary:
-    from dse.results.rows import VERDICTS
+    from dse.storage.rows import VERDICTS
 
     verdicts = {
         name: {str(verdict): int((runs.verdicts(name) == code).sum()) for code, verdict in enumerate(VERDICTS)}

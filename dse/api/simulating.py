@@ -46,8 +46,8 @@ def fused_libraries(planned: Plan) -> dict[str, Path]:
 
 def write_package(study: Study, target: Path, *, version: int = 2) -> tuple[Configuration, int]:
     """Write the configuration of `single` as an SSP package; returns it and the number of its elements."""
-    from dse.system.ssp.structure import ExperimentSettings
-    from dse.system.ssp.write import write_ssp
+    from dse.interchange.structure import ExperimentSettings
+    from dse.interchange.writing.write import write_ssp
     from dse.testbench.prepare import prepare
 
     chosen = one(study.bench.design, *study.selection.ids)

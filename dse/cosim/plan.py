@@ -10,16 +10,16 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from dse.cosim import plan_failure
-from dse.cosim import plan_layout as layout
-from dse.cosim.border import Border, Port
-from dse.cosim.check import OwnStep, extrapolation_of, owner_of
-from dse.cosim.dependency import Loop, Read, Step, Write, doubtful_reads, order_of
-from dse.cosim.diagnosis import moment_of
-from dse.cosim.failure import RunFailed
-from dse.cosim.layout import Group, Groups
-from dse.cosim.tables import Tables
-from dse.cosim.wiring import Wiring
+from dse.cosim.binding import plan_layout as layout
+from dse.cosim.binding.layout import Group, Groups
+from dse.cosim.failing import plan_failure
+from dse.cosim.failing.diagnosis import moment_of
+from dse.cosim.failing.failure import RunFailed
+from dse.cosim.tables.tables import Tables
+from dse.cosim.wiring.border import Border, Port
+from dse.cosim.wiring.check import OwnStep, extrapolation_of, owner_of
+from dse.cosim.wiring.dependency import Loop, Read, Step, Write, doubtful_reads, order_of
+from dse.cosim.wiring.wiring import Wiring
 from dse.domain.fmu import Variable
 from dse.domain.method import Algorithm, Coupling, Extrapolation, Method
 from dse.domain.system import Element

@@ -10,18 +10,18 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from dse.cosim import layout
-from dse.cosim.check import check_wired, is_plain, own_steps
+from dse.cosim.binding import layout
+from dse.cosim.binding.library import occupy, vacate
 from dse.cosim.clock import end_of, steps_in
-from dse.cosim.diagnosis import Kind, diagnose
-from dse.cosim.failure import RunFailed
+from dse.cosim.failing.diagnosis import Kind, diagnose
+from dse.cosim.failing.failure import RunFailed
+from dse.cosim.failing.plan_failure import MISLED
 from dse.cosim.fused import fitted, loop_of
-from dse.cosim.library import occupy, vacate
 from dse.cosim.plan import Plan, columns_of
-from dse.cosim.plan_failure import MISLED
-from dse.cosim.tables import Tables
+from dse.cosim.tables.tables import Tables
 from dse.cosim.trust import NOTHING_KNOWN, Facts, Wear, never_reset, refusals
-from dse.cosim.wiring import wire_up
+from dse.cosim.wiring.check import check_wired, is_plain, own_steps
+from dse.cosim.wiring.wiring import wire_up
 from dse.domain.fused import FusedLibrary
 from dse.domain.method import PLAIN, Method
 from dse.domain.system import SystemStructure
@@ -55,7 +55,7 @@ class Simulator:
 
     *reset_is_trusted* tells the outcome, None before the proof; set it to False to do without resets from the start.
     *reset_differs* names the elements whose outputs were the first to differ. *progress* is a writable buffer of
-    :data:`dse.cosim.progress.PROGRESS_BYTES` in which the kernel keeps note of the FMI call it is in.
+    :data:`dse.cosim.failing.progress.PROGRESS_BYTES` in which the kernel keeps note of the FMI call it is in.
 
     *method* is the co-simulation algorithm. With bonds in it, *record* may name their residual energies as
     ``bonds.NAME``. A run that diverges fails: if a wired output is not finite at a communication point, or larger at

@@ -115,7 +115,7 @@ class Parameter:
 class Source:
     """Where a component's behaviour comes from. Each kind of component has a noun of its own that derives from this.
 
-    Other rooms ask it what they have to know; what is done with it, its `dse.loading.kind.ComponentKind` knows.
+    Other rooms ask it what they have to know; what is done with it, its `ComponentKind` knows.
     """
 
     __slots__ = ()

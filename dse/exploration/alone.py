@@ -10,8 +10,8 @@ from dse.domain.run import Waveforms
 from dse.errors import DseError
 from dse.exploration.job import Batch, Bench, MakeRunner, Setup
 from dse.exploration.supervisor import Supervisor
-from dse.results.rows import RowBlock
-from dse.results.waveforms import file_name, read_waveforms
+from dse.storage.rows import RowBlock
+from dse.storage.waveforms import file_name, read_waveforms
 
 
 @dataclass(slots=True)

@@ -16,9 +16,9 @@ from dse.domain.sampler import Brief, Candidate, Outcomes, Point
 from dse.domain.study import Study
 from dse.errors import DseError, Location, fail
 from dse.exploration.sampling import require_few
-from dse.results.folder import StudyFolder
-from dse.results.rows import VERDICTS
-from dse.results.table import RunTable
+from dse.storage.folder import StudyFolder
+from dse.storage.rows import VERDICTS
+from dse.storage.table import RunTable
 
 _MOST_IDLE_ASKS = 100
 

@@ -16,8 +16,8 @@ from dse.exploration.executor import Executor
 from dse.exploration.job import Batch, Bench, MakeRunner, Work
 from dse.exploration.plan import missing_runs, missing_waveforms
 from dse.exploration.progress import Meter, Progress, Stage
-from dse.results.folder import StudyFolder
-from dse.results.rows import RowBlock
+from dse.storage.folder import StudyFolder
+from dse.storage.rows import RowBlock
 from dse.testbench.execute import make_runner
 
 _TELL_EVERY = 0.1

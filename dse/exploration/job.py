@@ -9,7 +9,7 @@ from typing import Any, Protocol
 
 from dse.domain.component import Value
 from dse.domain.run import Run, RunRequest
-from dse.results.rows import RowBlock
+from dse.storage.rows import RowBlock
 
 
 class Bench(Protocol):

@@ -20,8 +20,8 @@ from dse.exploration.heartbeat import PROGRESS_BYTES
 from dse.exploration.job import Batch, Bench, MakeRunner, Runner, Sink, Work
 from dse.exploration.seat import checked_run, failed_run, in_words
 from dse.fmu.cache import cache_folder
-from dse.results.rows import RowBlock, block_of
-from dse.results.waveforms import write_waveforms
+from dse.storage.rows import RowBlock, block_of
+from dse.storage.waveforms import write_waveforms
 
 
 @dataclass(frozen=True, slots=True)

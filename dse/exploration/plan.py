@@ -12,8 +12,8 @@ from types import MappingProxyType
 
 from dse.domain.run import RunRequest
 from dse.exploration.job import Batch
-from dse.results.asks import Asks
-from dse.results.waveforms import file_name
+from dse.storage.asks import Asks
+from dse.storage.waveforms import file_name
 
 _NO_LIMITS: Mapping[str, int] = MappingProxyType({})
 

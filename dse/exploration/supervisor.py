@@ -33,8 +33,8 @@ from dse.exploration.parcel import packed
 from dse.exploration.process import Assignment, WorkerProcess
 from dse.exploration.seat import bench_file, failed_run
 from dse.exploration.worker import LINE_CLOSED
-from dse.results.rows import block_of
-from dse.results.waveforms import file_name
+from dse.storage.rows import block_of
+from dse.storage.waveforms import file_name
 
 START_TIMEOUT = 60.0
 """Seconds a worker may take to start, to load a configuration or to write a file."""

@@ -24,8 +24,8 @@ from dse.exploration.job import Batch, Report, Setup
 from dse.exploration.line import receive, send
 from dse.exploration.open_files import OUT_OF_FILES, SpareFiles
 from dse.exploration.seat import Seat
-from dse.results.rows import block_of
-from dse.results.waveforms import write_waveforms
+from dse.storage.rows import block_of
+from dse.storage.waveforms import write_waveforms
 
 _SEND_EVERY = 0.1
 _TURN = 1e-4

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from dse.loading.zipped import pack_zip
+from dse.formats.zipped import pack_zip
 
 
 def pack(contents: Mapping[str, bytes]) -> bytes:

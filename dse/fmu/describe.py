@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from fractions import Fraction
 
 from dse.domain.component import Kind, Type
-from dse.fmu.slots import Role, Slot
+from dse.fmu.c.slots import Role, Slot
 from dse.units import SI_SYMBOLS, Unit
 
 

@@ -8,12 +8,12 @@ from collections.abc import Iterator, Mapping
 from pathlib import Path
 
 from dse.errors import DseError, Location, Problem
-from dse.fmu.build_description import Recipe, read_recipe
 from dse.fmu.cache import cache_folder, content_key, keep_file
-from dse.fmu.compilation import CompilationError, compile_foreign, foreign_options
-from dse.fmu.description import Description
-from dse.fmu.platforms import this_platform
-from dse.fmu.toolchain import Compiler, find_compiler
+from dse.fmu.reading.build_description import Recipe, read_recipe
+from dse.fmu.reading.description import Description
+from dse.fmu.toolchain.compilation import CompilationError, compile_foreign, foreign_options
+from dse.fmu.toolchain.compiler import Compiler, find_compiler
+from dse.fmu.toolchain.platforms import this_platform
 
 _HEADERS = {
     2: ("fmi2Functions.h", "fmi2FunctionTypes.h", "fmi2TypesPlatform.h"),

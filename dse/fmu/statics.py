@@ -9,9 +9,9 @@ from pathlib import Path
 from dse.domain.fmu import FmuModel
 from dse.errors import DseError
 from dse.fmu.cache import cache_folder, content_key, keep_file
-from dse.fmu.compilation import CompilationError, compile_assembly
 from dse.fmu.fusion.sources import NotOursError, OwnSources, own_sources
-from dse.fmu.toolchain import find_compiler
+from dse.fmu.toolchain.compilation import CompilationError, compile_assembly
+from dse.fmu.toolchain.compiler import find_compiler
 
 
 def shares_nothing(model: FmuModel, *, cache: Path | None = None) -> bool:

@@ -6,13 +6,13 @@ from pathlib import Path
 
 from dse.domain.fmu import FmiInterface, FmuModel
 from dse.errors import DseError, Location, fail
-from dse.fmu.build_description import has_recipe
 from dse.fmu.cache import cache_folder, keep_folder
-from dse.fmu.description import Description, read_description
-from dse.fmu.platforms import this_platform
+from dse.fmu.reading.build_description import has_recipe
+from dse.fmu.reading.description import Description, read_description
 from dse.fmu.source_build import build_from_sources
-from dse.loading.yaml import shown
-from dse.loading.zipped import digest_of, unpack_zip
+from dse.fmu.toolchain.platforms import this_platform
+from dse.formats.yaml import shown
+from dse.formats.zipped import digest_of, unpack_zip
 
 
 def open_fmu(archive: Path, *, cache: Path | None = None, interface: FmiInterface | None = None) -> FmuModel:

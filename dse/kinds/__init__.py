@@ -5,6 +5,6 @@ A kind of one's own takes what it needs from here; `dse.testing.kinds` has the t
 
 from dse.domain.component import Component, CSource, Source
 from dse.kinds._generated import build_generated
-from dse.loading.kind import ComponentKind, SourcePlace, SourceSection
+from dse.loading.component.kind import ComponentKind, SourcePlace, SourceSection
 
 __all__ = ["CSource", "Component", "ComponentKind", "Source", "SourcePlace", "SourceSection", "build_generated"]

@@ -22,7 +22,7 @@ def build_generated(
     There is ``<struct>.h``, which defines the type *struct*, ``<struct>_init`` and ``<struct>_step``; with *step* the
     code is sampled. What is built so can be fused. The files are kept in the folder *cache*. Raises DseError.
     """
-    from dse.fmu.build_c import build_c
+    from dse.fmu.c.build import build_c
     from dse.fmu.cache import cache_folder, content_key, keep_folder
 
     contents = {name: text.encode() for name, text in sorted(files.items())}

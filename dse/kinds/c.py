@@ -6,8 +6,8 @@ from pathlib import Path
 
 from dse.domain.component import Component, CSource
 from dse.errors import Location, fail
+from dse.loading.component.kind import ComponentKind, SourcePlace, SourceSection
 from dse.loading.fields import Plain
-from dse.loading.kind import ComponentKind, SourcePlace, SourceSection
 from dse.loading.names import is_identifier
 from dse.loading.values import read_number, read_unit
 
@@ -52,7 +52,7 @@ class CKind(ComponentKind[CSection, CSource]):
 
     def build(self, component: Component, source: CSource, *, version: int, cache: Path | None) -> Path:
         """The FMU, with its sources inside. Raises DseError: the C does not compile, or lacks a port."""
-        from dse.fmu.build_c import build_c
+        from dse.fmu.c.build import build_c
 
         return build_c(component, source, version=version, cache=cache)
 

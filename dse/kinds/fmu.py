@@ -7,9 +7,9 @@ from pathlib import Path
 
 from dse.domain.component import Component, Source
 from dse.errors import fail
-from dse.loading.kind import ComponentKind, SourcePlace, SourceSection, existing
+from dse.formats.yaml import shown
+from dse.loading.component.kind import ComponentKind, SourcePlace, SourceSection, existing
 from dse.loading.root import followed
-from dse.loading.yaml import shown
 
 
 class FmuSection(SourceSection):

@@ -9,15 +9,15 @@ from typing import TYPE_CHECKING, TypeVar
 
 from dse.domain.component import Component, ModelicaCompiler, ModelicaSource, Solver
 from dse.errors import Location, closest, fail
+from dse.formats.yaml import shown
+from dse.loading.component.kind import ComponentKind, SourcePlace, SourceSection
 from dse.loading.fields import Plain
-from dse.loading.kind import ComponentKind, SourcePlace, SourceSection
 from dse.loading.root import followed, is_file
 from dse.loading.values import read_number
-from dse.loading.yaml import shown
 from dse.units import DIMENSIONLESS
 
 if TYPE_CHECKING:
-    from dse.fmu.modelica.diagram import Diagram
+    from dse.domain.diagram import Diagram
 
 
 class ModelicaSection(SourceSection):
@@ -64,21 +64,21 @@ class ModelicaKind(ComponentKind[ModelicaSection, ModelicaSource]):
 
     def build(self, component: Component, source: ModelicaSource, *, version: int, cache: Path | None) -> Path:
         """The FMU. Raises DseError with what neither dse nor OpenModelica can translate."""
-        from dse.fmu.modelica.build import build_modelica
+        from dse.modelica.build import build_modelica
 
         return build_modelica(component, source, version, cache)
 
     def check(self, component: Component, source: ModelicaSource) -> None:
         """Raise DseError with all that is wrong with the model; needs no C compiler."""
-        from dse.fmu.modelica.build import check_modelica
+        from dse.modelica.build import check_modelica
 
         check_modelica(component, source)
 
     def diagram(self, component: Component, source: ModelicaSource) -> Diagram:
         """The model's parts and connections."""
-        from dse.fmu.modelica.diagram import diagram
-        from dse.fmu.modelica.frontend.compile import compile_model
-        from dse.fmu.modelica.frontend.sources import read_sources
+        from dse.domain.diagram import diagram
+        from dse.modelica.frontend.compile import compile_model
+        from dse.modelica.frontend.sources import read_sources
 
         sources = read_sources(component.name, source.model, source.files, source.roots, component.where)
         return diagram(compile_model(sources).flat)

@@ -11,8 +11,8 @@ from pydantic import ValidationError
 
 from dse.domain.study import DesignVariable
 from dse.errors import Location, closest, fail
+from dse.formats.yaml import Document, Path_
 from dse.loading.fields import Section, read_section
-from dse.loading.yaml import Document, Path_
 from dse.registry import Registry
 
 

@@ -8,7 +8,7 @@ from typing import Annotated, Any, ClassVar, TypeVar
 from pydantic import BaseModel, BeforeValidator, ConfigDict, ValidationError
 
 from dse.errors import DseError, Problem, closest
-from dse.loading.yaml import Document, Path_
+from dse.formats.yaml import Document, Path_
 
 
 class Section(BaseModel):

@@ -7,9 +7,9 @@ from pathlib import Path
 from typing import Any
 
 from dse.errors import DseError, Location, Problem, fail
-from dse.loading.kept import read_kept
+from dse.formats.kept import read_kept
+from dse.formats.yaml import Document, Mark, Path_, shown
 from dse.loading.root import named_file, root_of
-from dse.loading.yaml import Document, Mark, Path_, shown
 
 _DEEPEST = 20
 _MOST = 200

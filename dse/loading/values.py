@@ -7,7 +7,7 @@ from fractions import Fraction
 
 from dse.domain.component import Kind, Type, Value
 from dse.errors import DseError, Location, closest, fail
-from dse.loading.expression_tokens import KEYWORDS
+from dse.expression.tokens import KEYWORDS
 from dse.units import DIMENSIONLESS, LARGEST, Quantity, Unit, UnitError, describe, parse_quantity, parse_unit
 
 Raw = str | int | float | bool

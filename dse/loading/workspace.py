@@ -10,11 +10,11 @@ from typing import TYPE_CHECKING
 
 from dse.domain.component import Component, Interface
 from dse.errors import DseError, Location, Problem, closest, fail, raise_if_any
-from dse.loading.components import read_collection, read_component
-from dse.loading.interfaces import read_interfaces
-from dse.loading.kept import remember
+from dse.formats.kept import remember
+from dse.formats.yaml import shown
+from dse.loading.component.component import read_collection, read_component
+from dse.loading.component.interfaces import read_interfaces
 from dse.loading.root import find_root
-from dse.loading.yaml import shown
 
 if TYPE_CHECKING:
     from dse.domain.bench import TestBench
@@ -130,7 +130,7 @@ class Workspace:
         """The design space called *name*, or in the file *name*. Raises DseError."""
         path = self._file(name, "designs", ".yaml", where)
         if path not in self._designs:
-            from dse.loading.design import read_design
+            from dse.loading.design.design import read_design
 
             design = read_design(path, self.component, self.interfaces, self.root)
             _require_name(design.name, path, ".yaml", design.where)
@@ -141,7 +141,7 @@ class Workspace:
         """The test bench called *name*, or in the file *name*. Raises DseError."""
         path = self._file(name, "testbenches", ".yaml", where)
         if path not in self._benches:
-            from dse.loading.bench import read_bench
+            from dse.loading.bench.bench import read_bench
 
             bench = read_bench(path, self.component, self.design, self.root)
             _require_name(bench.name, path, ".yaml", bench.where)
@@ -150,7 +150,7 @@ class Workspace:
 
     def study(self, name: str, where: Location | None = None) -> Study:
         """The study called *name*, or in the file *name*. Raises DseError."""
-        from dse.loading.study import read_study
+        from dse.loading.bench.study import read_study
 
         path = self._file(name, "testbenches", _STUDY, where)
         study = read_study(path, self.bench, self.root)

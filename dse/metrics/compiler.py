@@ -28,7 +28,7 @@ from dse.domain.expression import (
     Unary,
 )
 from dse.errors import DseError, closest
-from dse.loading.expression_sorts import (
+from dse.expression.sorts import (
     TRUTH,
     Form,
     Sort,

@@ -11,8 +11,8 @@ from dse.domain.expression import (
     Name,
 )
 from dse.errors import DseError, Problem, closest, raise_if_any
-from dse.loading.expression import descend
-from dse.loading.expression_sorts import (
+from dse.expression.parse import descend
+from dse.expression.sorts import (
     Sort,
     error_in,
     require_number,

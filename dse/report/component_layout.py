@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
-from dse.fmu.modelica.diagram import Diagram
+from dse.domain.diagram import Diagram
 from dse.space.output.layout import Box
 
 ROW = 40.0

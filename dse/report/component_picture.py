@@ -6,8 +6,8 @@ from collections.abc import Iterator
 from xml.sax.saxutils import escape, quoteattr
 
 from dse.domain.component import Causality, Component, Port
-from dse.fmu.modelica.diagram import Diagram
-from dse.loading.kind import kind_of
+from dse.domain.diagram import Diagram
+from dse.loading.component.kind import kind_of
 from dse.report.component_layout import Layout, lay_out
 from dse.space.output.layout import Box
 

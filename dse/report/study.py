@@ -30,11 +30,11 @@ from dse.report.content import (
     SamplerKind,
     Variable,
 )
-from dse.results.database import damaged
-from dse.results.folder import StudyFolder
-from dse.results.rows import VERDICTS
-from dse.results.table import RunTable
-from dse.results.waveforms import read_all_waveforms
+from dse.storage.database import damaged
+from dse.storage.folder import StudyFolder
+from dse.storage.rows import VERDICTS
+from dse.storage.table import RunTable
+from dse.storage.waveforms import read_all_waveforms
 from dse.units import Unit, parse_unit
 
 MAX_WAVEFORMS = 4000

@@ -29,9 +29,9 @@ from dse.domain.expression import (
     Truth,
     Unary,
 )
-from dse.loading.design_scope import is_rollup
-from dse.loading.expression import children, descend, parse_expression
-from dse.loading.expression_text import show_expression
+from dse.expression.parse import children, descend, parse_expression
+from dse.expression.text import show_expression
+from dse.loading.design.scope import is_rollup
 from dse.space.decisions import sites
 from dse.units import DIMENSIONLESS, Unit
 

@@ -11,7 +11,7 @@ from fractions import Fraction
 from dse.domain.component import Causality, Component, Interface, Kind, Parameter, Port, Source, Type, Value
 from dse.domain.fmu import FmuModel, Variable
 from dse.errors import DseError
-from dse.loading.expression_tokens import KEYWORDS
+from dse.expression.tokens import KEYWORDS
 from dse.loading.names import is_identifier
 from dse.loading.values import LARGEST_WHOLE
 from dse.system.binding import unit_of

@@ -14,7 +14,7 @@ from dse.domain.design import Configuration
 from dse.domain.method import Coupling, Method
 from dse.errors import DseError, Problem
 from dse.fmu.together import together
-from dse.loading.kind import kind_of
+from dse.loading.component.kind import kind_of
 from dse.loading.workspace import Workspace
 from dse.space.check import check as check_space
 from dse.testbench.plan import require_variables

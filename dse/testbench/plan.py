@@ -13,7 +13,7 @@ from dse.domain.design import Configuration
 from dse.domain.sampler import Nominal
 from dse.domain.study import Keep, Selection, Study
 from dse.errors import DseError, Location, Problem
-from dse.loading.bench import setting
+from dse.loading.bench.bench import setting
 from dse.loading.values import Raw
 from dse.testbench.definition import define
 from dse.testbench.prepare import prepare

@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 
-from dse.cosim.check import check_system, own_steps
-from dse.cosim.layout import kernel as load_kernel
+from dse.cosim.binding.layout import kernel as load_kernel
 from dse.cosim.trust import refusals
+from dse.cosim.wiring.check import check_system, own_steps
 from dse.domain.bench import Simulation, TestBench
 from dse.domain.component import Causality, Component, Kind, Type, Value, as_number
 from dse.domain.design import Configuration, Connection, split_path, walk

@@ -69,6 +69,6 @@ class PreparedBench:
 
     def describe_progress(self, block: bytes) -> str:
         """The FMU, call and time a dead or hanging worker was at."""
-        from dse.cosim.progress import describe
+        from dse.cosim.failing.progress import describe
 
         return describe(block, self.system, self.simulation.step)

@@ -15,8 +15,8 @@ from dse.domain.facts import Answer, FmuFacts, Question
 from dse.domain.fmu import FmuModel
 from dse.domain.system import SystemStructure
 from dse.fmu.cache import cache_folder, keep_file
-from dse.fmu.platforms import this_platform
 from dse.fmu.statics import shares_nothing
+from dse.fmu.toolchain.platforms import this_platform
 
 
 def known_facts(model: FmuModel, *, cache: Path | None = None) -> FmuFacts | None:

@@ -24,7 +24,7 @@ from dse.exploration.executor import Executor
 from dse.exploration.job import Batch, Work
 from dse.exploration.parcel import carry_out, hand_over, parcel
 from dse.loading.extensions import EXECUTORS, ExecutorSection
-from dse.results.rows import RowBlock
+from dse.storage.rows import RowBlock
 
 _RUNS, _SIZE = 60, 7
 

@@ -17,9 +17,9 @@ from dse.domain.component import Causality, Component, Kind, Parameter, Port, Va
 from dse.errors import DseError
 from dse.fmu.build import build
 from dse.fmu.unpack import open_fmu
-from dse.loading.kind import KINDS, kind_of
+from dse.formats.yaml import read_yaml
+from dse.loading.component.kind import KINDS, kind_of
 from dse.loading.workspace import Workspace
-from dse.loading.yaml import read_yaml
 from dse.system.assemble import assemble, check_fmu
 
 Files = Mapping[str, str | bytes]

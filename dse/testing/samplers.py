@@ -18,8 +18,8 @@ import pytest
 from dse.domain.bench import Verdict
 from dse.domain.sampler import Brief, Candidate, Outcomes, Sampler
 from dse.domain.study import DesignVariable
+from dse.formats.yaml import read_yaml
 from dse.loading.extensions import SAMPLERS, SamplerSection, Surroundings
-from dse.loading.yaml import read_yaml
 from dse.units import DIMENSIONLESS
 
 VARIABLES = (

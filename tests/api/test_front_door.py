@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import importlib
 import subprocess
 import sys
 
@@ -42,12 +41,7 @@ def test_asking_a_design_space_imports_nothing_that_simulates_or_draws(folder):
     assert python(code) == "[]"
 
 
-@pytest.mark.parametrize("first", ["import dse", "from dse.results.folder import StudyFolder; import dse"])
+@pytest.mark.parametrize("first", ["import dse", "from dse.storage.folder import StudyFolder; import dse"])
 def test_results_can_be_called_whatever_was_imported_before(first):
     code = f"{first}\ntry: dse.results('nothing/here')\nexcept dse.DseError as error: print(error)"
     assert "nothing" in python(code)
-
-
-def test_the_room_of_results_is_still_a_room():
-    assert importlib.import_module("dse.results").folder.StudyFolder
-    assert dse.results is sys.modules["dse.results"]

@@ -127,7 +127,7 @@ def test_one_worker_and_two_give_the_same_bytes(dse, explored, tmp_path):
     }
     from dse.report.page import page_of
     from dse.report.study import read_content
-    from dse.results.folder import StudyFolder
+    from dse.storage.folder import StudyFolder
 
     pages = []
     for folder in (alone, explored):

@@ -11,7 +11,7 @@ from dse.cli.interactive import choices_yaml, outcome
 from dse.cli.picker import Picker
 from dse.domain.component import Component, Interface
 from dse.domain.design import Alternative, Compound, Constraint, DesignSpace, Optional, Part
-from dse.loading.expression import parse_expression
+from dse.expression.parse import parse_expression
 from dse.space.engine import Engine
 from dse.space.enumerate import configurations
 from dse.units import parse_quantity

@@ -142,7 +142,7 @@ def test_a_package_is_simulated_as_it_says(dse, package):
 def test_the_package_gives_what_the_bench_gives_bit_for_bit(workspace, dse_in, package, tmp_path):
     done = dse_in(workspace, "run", "ramped", "-o", str(tmp_path / "study"))
     assert done.returncode == 0, done.stderr
-    from dse.results.folder import StudyFolder
+    from dse.storage.folder import StudyFolder
 
     with StudyFolder.open(tmp_path / "study") as study:
         expected = study.run(0).waveforms.values

@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 from command_line import run_dse
 
-from dse.fmu.toolchain import find_compiler
+from dse.fmu.toolchain.compiler import find_compiler
 
 ODD = Path(__file__).parents[1] / "cosim" / "probing" / "fmus" / "odd.c"
 

@@ -14,8 +14,8 @@ import pytest
 from dse.cli.app import print_json
 from dse.domain.run import Waveforms
 from dse.report.study import read_content
-from dse.results.folder import StudyFolder
-from dse.results.waveforms import read_all_waveforms, write_waveforms
+from dse.storage.folder import StudyFolder
+from dse.storage.waveforms import read_all_waveforms, write_waveforms
 
 
 @pytest.fixture

@@ -13,7 +13,7 @@ from pathlib import Path
 import pytest
 
 from dse.domain.component import Component, CSource, Kind, Type, Value
-from dse.fmu.toolchain import find_compiler
+from dse.fmu.toolchain.compiler import find_compiler
 from dse.loading.workspace import Workspace
 
 ROOT = Path(__file__).parents[2]

@@ -59,7 +59,7 @@ def test_there_is_no_writable_data(new_part: NewPart, shelf: Any, c_component: s
     nm = shutil.which("nm")
     if nm is None:
         pytest.skip("no nm on this machine")
-    from dse.fmu.toolchain import find_compiler
+    from dse.fmu.toolchain.compiler import find_compiler
 
     source = shelf.workspace.component(c_component).source
     assert isinstance(source, CSource)

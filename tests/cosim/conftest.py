@@ -11,7 +11,7 @@ import pytest
 from dse.domain.component import Kind
 from dse.domain.fmu import Capabilities, FmuModel, Variable
 from dse.domain.system import Element, SystemStructure, Wire
-from dse.fmu.toolchain import find_compiler
+from dse.fmu.toolchain.compiler import find_compiler
 
 SOURCES = Path(__file__).parent / "fmus"
 

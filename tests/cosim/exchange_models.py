@@ -15,7 +15,7 @@ from dse.cosim.simulator import Simulator
 from dse.domain.component import Kind
 from dse.domain.fmu import Capabilities, Exchange, Experiment, FmiInterface, FmuModel, Variable
 from dse.domain.system import Element, SystemStructure, Wire
-from dse.fmu.toolchain import find_compiler
+from dse.fmu.toolchain.compiler import find_compiler
 
 _SOURCES = Path(__file__).parent / "fmus_me"
 

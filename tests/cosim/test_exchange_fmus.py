@@ -17,7 +17,7 @@ from reference_fmus import build
 from scipy.integrate import solve_ivp
 from scipy.linalg import expm
 
-from dse.cosim.failure import RunFailed
+from dse.cosim.failing.failure import RunFailed
 from dse.domain.fmu import Experiment, FmiInterface
 from dse.fmu.unpack import open_fmu
 from dse.system.shapes import resized

@@ -11,7 +11,7 @@ import pytest
 
 from dse.cosim.simulator import Simulator
 from dse.errors import DseError, FreshProcessNeeded
-from dse.fmu.toolchain import find_compiler
+from dse.fmu.toolchain.compiler import find_compiler
 
 pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="the test's FMUs are linked for Linux")
 

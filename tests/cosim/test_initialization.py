@@ -10,10 +10,10 @@ from hypothesis import HealthCheck, assume, given, settings
 from hypothesis import strategies as st
 from linear_fmus import Linear, system
 
-from dse.cosim.dependency import Loop, Read, Write, doubtful_reads, order_of
 from dse.cosim.oracle.reference import run_reference
 from dse.cosim.simulator import RunFailed, Simulator
-from dse.cosim.wiring import wire_up
+from dse.cosim.wiring.dependency import Loop, Read, Write, doubtful_reads, order_of
+from dse.cosim.wiring.wiring import wire_up
 from dse.domain.method import Coupling, Method
 from dse.domain.system import Wire
 

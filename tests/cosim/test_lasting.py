@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import ctypes
 
-from dse.cosim import lasting
+from dse.cosim.binding import lasting
 from dse.cosim.simulator import Simulator
 
 

@@ -10,7 +10,7 @@ from reference_fmus import build
 
 from dse.cosim.oracle.reference import run_reference
 from dse.cosim.simulator import Simulator
-from dse.cosim.wiring import wire_up
+from dse.cosim.wiring.wiring import wire_up
 from dse.domain.fmu import FmuModel
 from dse.domain.method import Adaptive, Algorithm, Coupling, Extrapolation, Method
 from dse.domain.system import Element, SystemStructure, Wire

@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 
 import dse
-from dse.cosim.progress import PROGRESS_BYTES, describe
+from dse.cosim.failing.progress import PROGRESS_BYTES, describe
 from dse.cosim.simulator import RunFailed, Simulator
 
 CRASHING = """

@@ -16,12 +16,12 @@ from command_line import run_dse
 from dse.domain.bench import Verdict
 from dse.domain.expression import ROLLUPS
 from dse.domain.study import Keep
+from dse.expression.tokens import KEYWORDS
 from dse.loading import documents
-from dse.loading.expression_tokens import KEYWORDS
+from dse.loading.component.kind import KINDS
 from dse.loading.fields import Section
-from dse.loading.kind import KINDS
 from dse.metrics.catalogue import FUNCTIONS, ROWWISE
-from dse.results.export import EXPORTS
+from dse.storage.export import EXPORTS
 from dse.units import parse_unit
 
 TEXT = (Path(__file__).parents[2] / "docs" / "formats.md").read_text(encoding="utf-8")

@@ -20,8 +20,8 @@ from dse.exploration.explore import ExplorationInterruptedError, Summary, explor
 from dse.exploration.progress import Progress, Stage
 from dse.exploration.samplers.full_factorial import FullFactorial
 from dse.exploration.samplers.latin_hypercube import LatinHypercube
-from dse.results.export import to_csv
-from dse.results.folder import StudyFolder
+from dse.storage.export import to_csv
+from dse.storage.folder import StudyFolder
 
 NAMES = ("a", "b")
 
@@ -154,7 +154,7 @@ from fake_runners import benches, definition_of, make_fake, study_of
 from dse.domain.study import Keep
 from dse.exploration.executors.local import Local
 from dse.exploration.explore import explore
-from dse.results.folder import StudyFolder
+from dse.storage.folder import StudyFolder
 
 signal.signal(signal.SIGINT, signal.default_int_handler)  # tests in the background of a shell are started without
 study = study_of(levels=12, keep=Keep({keep!r}))

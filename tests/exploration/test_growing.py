@@ -28,8 +28,8 @@ from dse.exploration.samplers.full_factorial import FullFactorial
 from dse.exploration.samplers.latin_hypercube import LatinHypercube
 from dse.exploration.samplers.sobol import Sobol
 from dse.loading.extensions import SamplerSection
-from dse.results.export import to_csv
-from dse.results.folder import StudyFolder
+from dse.storage.export import to_csv
+from dse.storage.folder import StudyFolder
 
 NAMES = ("a", "b")
 BISECTION = Bisection(requirement="R1", width=0.002)

@@ -17,7 +17,7 @@ from dse.domain.study import Keep
 from dse.exploration.executors.local import Local
 from dse.exploration.explore import explore
 from dse.exploration.surroundings import Surroundings
-from dse.results.folder import StudyFolder
+from dse.storage.folder import StudyFolder
 
 pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="forks, signals, limits")
 

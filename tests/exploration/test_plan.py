@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 from dse.domain.run import RunRequest
 from dse.exploration.asking import first_ask
 from dse.exploration.plan import missing_runs, missing_waveforms
-from dse.results.asks import Asks, Block, blocks_of
+from dse.storage.asks import Asks, Block, blocks_of
 
 
 def asked(levels: int, variables: int, names: tuple[str, ...] = ("a",)) -> tuple[dict[int, RunRequest], Asks]:

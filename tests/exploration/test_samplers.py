@@ -18,8 +18,8 @@ from dse.exploration.samplers.full_factorial import FullFactorial, levels
 from dse.exploration.samplers.halton import Halton
 from dse.exploration.samplers.latin_hypercube import LatinHypercube
 from dse.exploration.samplers.sobol import Sobol
+from dse.formats.yaml import read_yaml
 from dse.loading.extensions import Surroundings
-from dse.loading.yaml import read_yaml
 from dse.units import DIMENSIONLESS, parse_unit
 
 

@@ -18,8 +18,8 @@ from dse.errors import DseError
 from dse.exploration import supervisor
 from dse.exploration.executors.local import Local
 from dse.exploration.explore import Summary, explore
-from dse.results.folder import StudyFolder
-from dse.results.table import RunTable
+from dse.storage.folder import StudyFolder
+from dse.storage.table import RunTable
 
 posix = pytest.mark.skipif(sys.platform == "win32", reason="signals")
 

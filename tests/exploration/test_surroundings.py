@@ -15,7 +15,7 @@ from dse.exploration import process
 from dse.exploration.executors.local import Local
 from dse.exploration.explore import explore
 from dse.exploration.surroundings import Surroundings
-from dse.results.folder import StudyFolder
+from dse.storage.folder import StudyFolder
 
 
 @pytest.fixture

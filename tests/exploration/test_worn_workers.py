@@ -15,8 +15,8 @@ from dse.exploration.asking import first_ask
 from dse.exploration.executors.local import Local
 from dse.exploration.explore import Summary, explore
 from dse.exploration.plan import missing_runs
-from dse.results.asks import Asks, blocks_of
-from dse.results.folder import StudyFolder
+from dse.storage.asks import Asks, blocks_of
+from dse.storage.folder import StudyFolder
 
 BASELINE = 200e6  # a worker by itself, with room to spare
 

@@ -13,7 +13,7 @@ from dse.domain.component import Causality, Component, CSource, Interface, Kind,
 from dse.domain.fmu import FmiInterface, FmuModel
 from dse.errors import DseError
 from dse.fmu.build import build
-from dse.fmu.description import Description, read_description
+from dse.fmu.reading.description import Description, read_description
 from dse.fmu.unpack import open_fmu
 from dse.units import parse_unit
 

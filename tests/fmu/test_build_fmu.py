@@ -22,8 +22,8 @@ from dse.domain.component import (
 )
 from dse.errors import DseError, Location
 from dse.fmu.build import build, build_all
-from dse.fmu.platforms import this_platform
-from dse.fmu.toolchain import environment, find_compiler
+from dse.fmu.toolchain.compiler import environment, find_compiler
+from dse.fmu.toolchain.platforms import this_platform
 from dse.fmu.unpack import open_fmu
 from dse.kinds.fmu import FmuSource
 from dse.units import parse_unit

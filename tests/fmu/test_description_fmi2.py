@@ -8,7 +8,7 @@ from fmu.descriptions import FMI_2 as TEXT
 from dse.domain.component import Kind
 from dse.domain.fmu import Exchange, Experiment, FmiInterface, UnitDefinition
 from dse.errors import DseError
-from dse.fmu.description import read_description
+from dse.fmu.reading.description import read_description
 
 
 def test_every_variable_is_there_with_what_its_type_adds(described):

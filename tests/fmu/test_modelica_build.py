@@ -28,10 +28,10 @@ from dse.domain.component import (
     Type,
 )
 from dse.errors import DseError, Location
-from dse.fmu import compilation
 from dse.fmu.build import build, build_all
-from dse.fmu.modelica.build import check_modelica
+from dse.fmu.toolchain import compilation
 from dse.fmu.unpack import open_fmu
+from dse.modelica.build import check_modelica
 from dse.units import parse_unit
 
 MODEL = """package Lib
@@ -205,7 +205,7 @@ def test_new_start_values_compile_nothing_of_the_model(
         units.append(unit)
         return compile_object(compiler, files, unit, extra)
 
-    monkeypatch.setattr("dse.fmu.modelica.build.compile_object", watched)
+    monkeypatch.setattr("dse.modelica.build.compile_object", watched)
     other = build(replace(lag, parameters=(replace(TIME_CONSTANT, start=0.75),)), cache=cache)
     assert units == ["start.c"]
     assert variables(other)["T"]["start"] == "0.75"
@@ -334,7 +334,7 @@ def late(tmp_path: Path) -> Component:
 def test_what_is_refused_names_omc_as_a_way_out(
     late: Component, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("dse.fmu.modelica.build.find_omc", lambda: None)
+    monkeypatch.setattr("dse.modelica.build.find_omc", lambda: None)
     with pytest.raises(DseError, match=r"(?s)late\.mo:1:.*if OpenModelica's omc were on PATH, it would be tried"):
         build(late, cache=tmp_path)
     alone = replace(late, source=replace(source_of(late), compiler=ModelicaCompiler.RUMOCA))

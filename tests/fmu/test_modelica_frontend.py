@@ -7,13 +7,13 @@ from pathlib import Path
 import pytest
 
 from dse.errors import DseError, Location
-from dse.fmu.modelica.frontend import process
-from dse.fmu.modelica.frontend.compile import compile_model
-from dse.fmu.modelica.frontend.literal import literal, wrapper
-from dse.fmu.modelica.frontend.process import FrontEnd, FrontEndDied
-from dse.fmu.modelica.frontend.reach import used
-from dse.fmu.modelica.frontend.sources import SourceText, read_sources
-from dse.fmu.modelica.frontend.structural import compile_probed
+from dse.modelica.frontend import process
+from dse.modelica.frontend.compile import compile_model
+from dse.modelica.frontend.literal import literal, wrapper
+from dse.modelica.frontend.process import FrontEnd, FrontEndDied
+from dse.modelica.frontend.reach import used
+from dse.modelica.frontend.sources import SourceText, read_sources
+from dse.modelica.frontend.structural import compile_probed
 
 LIBRARY = {
     "Lib/package.mo": 'package Lib "Größe"\nend Lib;\n',
@@ -273,7 +273,7 @@ def test_after_a_crash_the_next_request_is_answered(tmp_path: Path) -> None:
 
 
 def test_another_layout_is_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    from dse.fmu.modelica.frontend import compile as compiling
+    from dse.modelica.frontend import compile as compiling
 
     monkeypatch.setattr(compiling, "SCHEMA", 44)
     assert "writes layout 43, not 44" in refusal(tmp_path, "model M output Real y = 1; end M;")

@@ -11,10 +11,10 @@ import pytest
 
 from dse.domain.component import NO_INTERFACE, Component, Kind, ModelicaSource, Parameter, Type
 from dse.fmu.build import build
-from dse.fmu.modelica.frontend import process
-from dse.fmu.modelica.frontend.remembered import Memory
-from dse.fmu.modelica.frontend.sources import ModelSources, read_sources
 from dse.fmu.unpack import open_fmu
+from dse.modelica.frontend import process
+from dse.modelica.frontend.remembered import Memory
+from dse.modelica.frontend.sources import ModelSources, read_sources
 
 LAG = """within Lib;
 model Lag

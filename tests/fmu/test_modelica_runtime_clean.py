@@ -10,8 +10,8 @@ import pytest
 from fmu.modelica_models import models
 from fmu.modelica_models.bench import Handmade
 
-from dse.fmu.compilation import LANGUAGE_OPTIONS
-from dse.fmu.toolchain import find_compiler
+from dse.fmu.toolchain.compilation import LANGUAGE_OPTIONS
+from dse.fmu.toolchain.compiler import find_compiler
 
 _ALL = [model for model in vars(models).values() if isinstance(model, Handmade)]
 _SANITIZED = ("stiff_oscillator", "van_der_pol", "ball", "relay", "sampled", "root", "checked", "kinds")

@@ -13,10 +13,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from dse.csolve import headers
-from dse.fmu.compilation import compile_library
-from dse.fmu.modelica.tables import table1, table2
-from dse.fmu.platforms import this_platform
-from dse.fmu.toolchain import find_compiler
+from dse.fmu.toolchain.compilation import compile_library
+from dse.fmu.toolchain.compiler import find_compiler
+from dse.fmu.toolchain.platforms import this_platform
+from dse.modelica.algebra.tables import table1, table2
 
 _SOURCE = b"""
 #include "csolve/linear.h"

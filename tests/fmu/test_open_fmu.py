@@ -14,7 +14,7 @@ from fmu.descriptions import FMI_1
 
 from dse.errors import DseError
 from dse.fmu.build import build
-from dse.fmu.platforms import this_platform
+from dse.fmu.toolchain.platforms import this_platform
 from dse.fmu.unpack import open_fmu
 
 FMI_2 = """<?xml version="1.0" encoding="UTF-8"?>

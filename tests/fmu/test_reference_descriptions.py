@@ -13,7 +13,7 @@ from reference_fmus.describe import BOTH, description
 from reference_fmus.tables import c_tables
 
 from dse.domain.fmu import FmiInterface
-from dse.fmu.platforms import this_platform
+from dse.fmu.toolchain.platforms import this_platform
 from dse.fmu.unpack import open_fmu
 
 INTERFACES = {1: ("CoSimulation",), 2: BOTH, 3: BOTH}

@@ -11,7 +11,7 @@ import pytest
 
 from dse.errors import DseError
 from dse.fmu.build import build
-from dse.fmu.platforms import this_platform
+from dse.fmu.toolchain.platforms import this_platform
 from dse.fmu.unpack import open_fmu
 
 DESCRIPTION_2 = """<fmiModelDescription fmiVersion="2.0" modelName="m" guid="g">

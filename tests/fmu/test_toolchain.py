@@ -9,7 +9,7 @@ import pytest
 
 from dse.errors import DseError
 from dse.fmu.build import build
-from dse.fmu.toolchain import find_compiler
+from dse.fmu.toolchain.compiler import find_compiler
 from dse.fmu.unpack import open_fmu
 
 

@@ -17,7 +17,7 @@ from dse.errors import DseError
 from dse.fmu.fusion.fuse import Wanted, fuse, fuse_all
 from dse.fmu.fusion.part import build_part
 from dse.fmu.fusion.sources import own_sources
-from dse.fmu.toolchain import find_compiler
+from dse.fmu.toolchain.compiler import find_compiler
 
 CODE = "void {0}_init({0} *c) {{ c->out.y = 1; }}\nvoid {0}_step({0} *c, double h) {{ c->out.y += h * c->in.u; }}"
 MEMBERS = "struct { double u; } in; struct { double y; } out;"

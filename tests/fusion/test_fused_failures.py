@@ -12,7 +12,7 @@ import pytest
 from fusion.conftest import GEAR, REAL, WHOLE, assert_same, failures, ports, system_of
 
 import dse
-from dse.cosim.progress import PROGRESS_BYTES, describe
+from dse.cosim.failing.progress import PROGRESS_BYTES, describe
 from dse.cosim.simulator import RunFailed, Simulator
 from dse.domain.component import Parameter
 

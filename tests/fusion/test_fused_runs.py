@@ -23,8 +23,8 @@ from fusion.conftest import (
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from dse.cosim.calls import Call as KernelCall
-from dse.cosim.calls import Type, function_name, type_of
+from dse.cosim.binding.calls import Call as KernelCall
+from dse.cosim.binding.calls import Type, function_name, type_of
 from dse.cosim.simulator import Simulator
 from dse.domain.component import Parameter
 from dse.domain.fmu import Variable

@@ -13,7 +13,7 @@ from fusion.conftest import Workshop, both_ways, system_of
 from kinds.examples import EXAMPLES, written
 
 from dse.errors import DseError
-from dse.loading.kind import KINDS
+from dse.loading.component.kind import KINDS
 from dse.testing.kinds import Files, KindSuite, lay_out, the_component
 
 EXAMPLE = Path(__file__).parents[2] / "examples" / "plugin" / "dse_example"

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from dse.domain.component import Kind
 from dse.domain.fmu import Capabilities, FmuModel, Variable
 from dse.domain.system import Element, SystemStructure, Wire
-from dse.fmu.toolchain import find_compiler
+from dse.fmu.toolchain.compiler import find_compiler
 
 STATES, INPUTS, OUTPUTS = 4, 3, 3
 _FIRST = {"u": 0, "y": 8, "x": 16, "A": 32, "B": 48, "C": 64, "D": 80}

@@ -9,8 +9,8 @@ from ruamel.yaml import YAML
 from dse.domain.bench import Simulation
 from dse.domain.component import Kind, Type
 from dse.errors import Location
-from dse.loading.bench_writer import write_bench
 from dse.loading.values import read_value
+from dse.loading.writing.bench import write_bench
 from dse.units import parse_unit
 
 

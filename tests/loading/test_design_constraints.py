@@ -6,7 +6,7 @@ import pytest
 
 from dse.domain.component import NO_INTERFACE
 from dse.errors import DseError
-from dse.loading.expression import parse_expression
+from dse.expression.parse import parse_expression
 from dse.loading.workspace import Workspace
 from dse.space.check import check
 from dse.space.enumerate import configurations

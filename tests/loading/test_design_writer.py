@@ -13,14 +13,14 @@ from hypothesis import strategies as st
 from dse.domain.component import NO_INTERFACE, Component, CSource
 from dse.domain.design import Alternative, Compound, Constraint, DesignSpace, Optional, Part, walk
 from dse.errors import DseError
+from dse.expression.parse import parse_expression
+from dse.expression.text import same
 from dse.kinds.fmu import FmuSource
-from dse.loading.design import read_design
-from dse.loading.design_writer import write_components, write_design
-from dse.loading.expression import parse_expression
-from dse.loading.expression_text import same
-from dse.loading.uvl import read_uvl_text
-from dse.loading.uvl_tokens import Source
+from dse.loading.design.design import read_design
+from dse.loading.uvl.reading import read_uvl_text
+from dse.loading.uvl.tokens import Source
 from dse.loading.workspace import Workspace
+from dse.loading.writing.design import write_components, write_design
 from dse.space.check import check
 from dse.units import parse_quantity
 

@@ -11,8 +11,8 @@ from hypothesis import strategies as st
 
 from dse.domain.expression import Between, Binary, Call, Chosen, Conditional, Name, Number, Truth, Unary
 from dse.errors import DseError
-from dse.loading.expression import parse_expression
-from dse.loading.expression_tokens import KEYWORDS
+from dse.expression.parse import parse_expression
+from dse.expression.tokens import KEYWORDS
 from dse.units import parse_unit
 
 NOWHERE = (0, 0)

@@ -14,9 +14,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from dse.cache import keep, kept
-from dse.loading import kept as documents
-from dse.loading.kept import _document, _Kept, _written
-from dse.loading.yaml import parse_yaml, read_yaml
+from dse.formats import kept as documents
+from dse.formats.kept import _document, _Kept, _written
+from dse.formats.yaml import parse_yaml, read_yaml
 
 REPOSITORY = Path(__file__).parents[2]
 EVERY_YAML = sorted(
@@ -280,7 +280,7 @@ def test_two_processes_at_once_read_the_same(tmp_path, workspace):
     (workspace / "components").mkdir()
     code = (
         "import sys; from pathlib import Path\n"
-        "from dse.loading.kept import remember, read_kept\n"
+        "from dse.formats.kept import remember, read_kept\n"
         "root = Path(sys.argv[1]); remember(root)\n"
         "print(read_kept(root / 'a.yaml', root).data)"
     )

@@ -15,7 +15,7 @@ from ruamel.yaml.scalarstring import (
 )
 
 from dse.domain.expression import locate
-from dse.loading.yaml import read_yaml
+from dse.formats.yaml import read_yaml
 
 STYLES = (str, SingleQuotedScalarString, DoubleQuotedScalarString, LiteralScalarString, FoldedScalarString)
 WORDS = st.lists(

@@ -11,8 +11,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from dse.domain.design import Alternative, Compound, Optional, Part
-from dse.loading.uvl import read_uvl, read_uvl_text
-from dse.loading.uvl_tokens import Source
+from dse.loading.uvl.reading import read_uvl, read_uvl_text
+from dse.loading.uvl.tokens import Source
 from dse.space.check import check
 from dse.space.decisions import sites
 from dse.space.language.evaluate import compile_rule

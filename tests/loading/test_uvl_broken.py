@@ -9,8 +9,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from dse.errors import DseError
-from dse.loading.uvl import read_uvl, read_uvl_text
-from dse.loading.uvl_tokens import Source
+from dse.loading.uvl.reading import read_uvl, read_uvl_text
+from dse.loading.uvl.tokens import Source
 
 GOOD = """\
 namespace Menu

@@ -12,10 +12,10 @@ from hypothesis import strategies as st
 from dse.domain.component import NO_INTERFACE, Component
 from dse.domain.design import Alternative, Compound, Constraint, DesignSpace, Optional, Part, walk
 from dse.errors import DseError
-from dse.loading.expression import parse_expression
-from dse.loading.uvl import read_uvl_text
-from dse.loading.uvl_tokens import Source
-from dse.loading.uvl_writer import to_uvl
+from dse.expression.parse import parse_expression
+from dse.loading.uvl.reading import read_uvl_text
+from dse.loading.uvl.tokens import Source
+from dse.loading.uvl.writing import to_uvl
 from dse.loading.workspace import Workspace
 from dse.units import parse_quantity
 

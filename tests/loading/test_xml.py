@@ -10,8 +10,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from dse.errors import DseError, Location
-from dse.loading.xml import read_xml, read_xml_file
-from dse.loading.xml_values import flag, real, real_of, required, whole, whole_of, word
+from dse.formats.xml import read_xml, read_xml_file
+from dse.formats.xml_values import flag, real, real_of, required, whole, whole_of, word
 
 
 def refusal(content: bytes) -> str:

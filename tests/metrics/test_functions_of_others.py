@@ -13,7 +13,7 @@ from installed_package import install
 from dse.domain.bench import Metric
 from dse.domain.component import Kind, Type
 from dse.errors import DseError, Location
-from dse.loading.expression import parse_expression
+from dse.expression.parse import parse_expression
 from dse.metrics.catalogue import OFFERED
 from dse.metrics.program import compile_metrics
 from dse.units import parse_unit

@@ -11,7 +11,7 @@ import pytest
 from dse.domain.bench import Judgement, Metric, Requirement, Verdict
 from dse.domain.component import Kind, Type
 from dse.errors import DseError, Location
-from dse.loading.expression import parse_expression
+from dse.expression.parse import parse_expression
 from dse.metrics.program import compile_metrics, judge_failed
 from dse.units import DIMENSIONLESS, parse_unit
 

@@ -12,8 +12,8 @@ from pathlib import Path
 import fmpy
 
 from dse.domain.fmu import FmiInterface
-from dse.fmu.platforms import this_platform
-from dse.fmu.toolchain import environment, find_compiler
+from dse.fmu.toolchain.compiler import environment, find_compiler
+from dse.fmu.toolchain.platforms import this_platform
 from reference_fmus.declared import ReferenceModel
 from reference_fmus.describe import BOTH, description
 from reference_fmus.models import MODELS

@@ -9,7 +9,7 @@ from xml.etree import ElementTree as ET  # reads what was written a line before
 import pytest
 
 from dse.domain.component import Component
-from dse.fmu.modelica.diagram import Diagram, Link
+from dse.domain.diagram import Diagram, Link
 from dse.loading.workspace import Workspace
 from dse.report.component_layout import lay_out
 from dse.report.component_picture import draw, pictured

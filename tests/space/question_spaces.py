@@ -12,7 +12,7 @@ from random_spaces import bare_space, condition, design_spaces, rows_of
 
 from dse.domain.design import Alternative, Compound, Constraint, DesignSpace, Node, Optional, Part
 from dse.errors import DseError
-from dse.loading.expression import parse_expression
+from dse.expression.parse import parse_expression
 from dse.space.decisions import sites
 from dse.space.engine import Engine
 from dse.space.flat import Rows

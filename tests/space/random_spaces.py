@@ -15,7 +15,7 @@ from hypothesis import strategies as st
 from dse.domain.component import Component, Interface, Kind, Parameter, Type
 from dse.domain.design import Alternative, Compound, Constraint, DesignSpace, Node, Optional, Part
 from dse.errors import DseError
-from dse.loading.expression import parse_expression
+from dse.expression.parse import parse_expression
 from dse.space.decisions import Site, decisions, product_of, sites
 from dse.space.flat import NOTHING, Bools, Clause, FlatSpace, Fold, Gather, Linear, Rows, Rule, Table
 from dse.space.language.evaluate import compile_rule

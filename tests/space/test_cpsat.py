@@ -15,7 +15,7 @@ from random_spaces import design_spaces
 
 from dse.domain.design import Constraint
 from dse.errors import DseError
-from dse.loading.expression import parse_expression
+from dse.expression.parse import parse_expression
 from dse.space.flat import Clause, FlatSpace, Fold, Gather, Ints, Linear, Rule, Table, Variable, Wide
 from dse.space.lowering import flatten
 from dse.space.mdd.diagram import compile_diagram

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from feature_models import feature_model
 
-from dse.loading.uvl import read_uvl
+from dse.loading.uvl.reading import read_uvl
 from dse.space.dnnf.compile import Dnnf, compile_dnnf
 from dse.space.dnnf.queries import count, occurrences
 from dse.space.dnnf.rows import rows, sample

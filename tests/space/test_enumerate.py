@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from dse.domain.component import Component, Interface
 from dse.domain.design import Alternative, Compound, Constraint, DesignSpace, Optional, Part
 from dse.errors import DseError
-from dse.loading.expression import parse_expression
+from dse.expression.parse import parse_expression
 from dse.space.enumerate import configurations, count, engine_of, find, total, violated
 from dse.space.identify import Identifier
 from dse.space.language.evaluate import compile_rule

@@ -9,7 +9,7 @@ import pytest
 from dse.domain.component import Component, Interface, Kind, Parameter, Type
 from dse.domain.design import Alternative, Compound, Constraint, DesignSpace, Optional, Part
 from dse.errors import DseError, Location
-from dse.loading.expression import parse_expression
+from dse.expression.parse import parse_expression
 from dse.space.check import check
 from dse.space.enumerate import configurations
 from dse.space.language.evaluate import compile_rule, matching

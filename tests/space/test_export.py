@@ -13,7 +13,7 @@ import pytest
 from dse.domain.component import Component, Interface
 from dse.domain.design import Alternative, Compound, Constraint, DesignSpace, Optional, Part
 from dse.errors import DseError
-from dse.loading.expression import parse_expression
+from dse.expression.parse import parse_expression
 from dse.space.engine import Engine
 from dse.space.enumerate import configurations
 from dse.space.output import export

@@ -9,7 +9,7 @@ from defusedxml import ElementTree
 from dse.domain.component import Component, Interface
 from dse.domain.design import Alternative, Compound, Constraint, DesignSpace, Optional, Part
 from dse.errors import DseError
-from dse.loading.expression import parse_expression
+from dse.expression.parse import parse_expression
 from dse.space.engine import Engine
 from dse.space.output.drawing import draw
 from dse.space.output.graph import ONE_OF, Kind, below, dead_branches, graph

@@ -13,7 +13,7 @@ from dse.domain.component import Component, Interface
 from dse.domain.design import Alternative, Compound, Constraint, DesignSpace, Optional, Part
 from dse.domain.expression import Binary, Chosen, Expression
 from dse.errors import DseError, Location
-from dse.loading.expression import parse_expression
+from dse.expression.parse import parse_expression
 from dse.space.flat import Clause, Linear, Table, Variable, Wide
 from dse.space.language.evaluate import compile_rule
 from dse.space.lowering import clauses, flatten

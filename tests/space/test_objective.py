@@ -13,7 +13,7 @@ from random_spaces import bare_space, folded, number, rows_of
 from dse.domain.component import Component, Interface
 from dse.domain.design import Alternative, Compound, DesignSpace, Optional, Part
 from dse.errors import DseError
-from dse.loading.expression import parse_expression
+from dse.expression.parse import parse_expression
 from dse.space.flat import FlatSpace, Rows
 from dse.space.language.evaluate import compile_value
 from dse.space.lowering import flatten

@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 
 from dse.domain.component import Component, Interface
 from dse.domain.design import Alternative, Compound, Constraint, DesignSpace, Optional, Part
-from dse.loading.expression import parse_expression
+from dse.expression.parse import parse_expression
 from dse.space import engine as engines
 from dse.space.engine import Engine
 from dse.space.lowering import flatten

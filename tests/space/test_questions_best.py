@@ -13,7 +13,7 @@ from random_spaces import ANY, number
 from dse.domain.component import Component
 from dse.domain.design import Alternative, Compound, DesignSpace, Part
 from dse.errors import DseError
-from dse.loading.expression import parse_expression
+from dse.expression.parse import parse_expression
 from dse.space.engine import Engine
 from dse.space.language.evaluate import compile_value
 from dse.space.questions.nearest import nearest

@@ -12,9 +12,9 @@ from hypothesis import strategies as st
 from dse.domain.component import NO_INTERFACE, Causality, Component, Interface, Kind, Port, Type
 from dse.domain.design import Alternative, Compound, Connection, Constraint, DesignSpace, Optional, Part, walk
 from dse.errors import DseError
-from dse.loading.design_writer import write_components, write_design
-from dse.loading.expression import parse_expression
+from dse.expression.parse import parse_expression
 from dse.loading.workspace import Workspace
+from dse.loading.writing.design import write_components, write_design
 from dse.space.check import check
 from dse.space.decisions import decisions, flat
 from dse.space.refine import refine, spanned

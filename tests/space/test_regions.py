@@ -14,7 +14,7 @@ from random_spaces import design_spaces, folded, holding, number, rows_of
 from dse.domain.component import NO_INTERFACE, Component
 from dse.domain.design import Alternative, Compound, DesignSpace, Part
 from dse.errors import DseError
-from dse.loading.expression import parse_expression
+from dse.expression.parse import parse_expression
 from dse.space.budget import TooMuchError
 from dse.space.flat import FlatSpace, Ints, Linear, Variable
 from dse.space.listing.blocks import first

@@ -9,7 +9,7 @@ import pytest
 from dse.exploration.executors.local import Local
 from dse.exploration.explore import explore
 from dse.loading.workspace import Workspace
-from dse.results.folder import StudyFolder
+from dse.storage.folder import StudyFolder
 from dse.testbench.execute import make_runner
 from dse.testbench.plan import plan
 

@@ -12,9 +12,9 @@ from dse.domain.study import Keep
 from dse.errors import DseError
 from dse.exploration.executors.local import Local
 from dse.exploration.explore import explore
-from dse.fmu.platforms import this_platform
+from dse.fmu.toolchain.platforms import this_platform
 from dse.loading.workspace import Workspace
-from dse.results.folder import StudyFolder
+from dse.storage.folder import StudyFolder
 from dse.testbench.execute import make_runner
 from dse.testbench.plan import Plan, bench_study, plan
 from dse.testbench.trust import keep_facts

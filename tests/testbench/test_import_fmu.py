@@ -13,10 +13,10 @@ from reference_fmus import MODELS, build
 
 from dse.domain.component import Causality, Kind
 from dse.errors import DseError
+from dse.interchange.importing.component import import_component, name_of
 from dse.loading.workspace import Workspace
 from dse.testbench.check import check_workspace
 from dse.testbench.fuse import fused_plan
-from dse.testbench.importing import import_component, name_of
 from dse.testbench.plan import bench_study, plan
 
 

@@ -9,7 +9,7 @@ from ssp_packages import model, variable
 
 from dse.domain.fmu import Experiment
 from dse.errors import DseError, Location
-from dse.testbench.ssp import timing_of
+from dse.interchange.prepared import timing_of
 
 HERE = Location("x.ssp")
 SILENT = model("silent", variable("y", "output"))

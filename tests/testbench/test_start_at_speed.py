@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from dse.cosim.failure import RunFailed
+from dse.cosim.failing.failure import RunFailed
 from dse.cosim.simulator import Simulator
 from dse.loading.workspace import Workspace
 from dse.space.enumerate import configurations

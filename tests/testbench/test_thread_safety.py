@@ -6,9 +6,9 @@ from pathlib import Path
 
 import pytest
 
-from dse.fmu.compilation import compile_assembly
 from dse.fmu.statics import static_names
-from dse.fmu.toolchain import find_compiler
+from dse.fmu.toolchain.compilation import compile_assembly
+from dse.fmu.toolchain.compiler import find_compiler
 from dse.loading.workspace import Workspace
 from dse.testbench.plan import bench_study, plan
 

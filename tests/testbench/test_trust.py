@@ -14,7 +14,7 @@ from dse.domain.component import Component, CSource, Interface
 from dse.domain.facts import Answer, FmuFacts, Question
 from dse.domain.fmu import Capabilities, FmiInterface, FmuModel
 from dse.domain.system import Element, SystemStructure
-from dse.fmu.platforms import this_platform
+from dse.fmu.toolchain.platforms import this_platform
 from dse.kinds.fmu import FmuSource
 from dse.testbench.trust import consequences, facts_of, is_thread_safe, keep_facts, known_facts
 

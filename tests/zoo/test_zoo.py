@@ -14,7 +14,7 @@ import pytest
 from dse.domain.run import Outcome, Run, Waveforms
 from dse.exploration.executors.local import Local
 from dse.exploration.explore import Summary, explore
-from dse.results.folder import StudyFolder
+from dse.storage.folder import StudyFolder
 from dse.testbench.execute import make_runner
 from dse.testbench.plan import plan
 from zoo.animals import ANIMALS

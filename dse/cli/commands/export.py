@@ -41,7 +41,7 @@ def export_uvl(design: Design, target: Target, on: On = [], off: Off = []) -> No
     With the constraints that are on; one that UVL cannot say is refused by name.
     """
     from dse.errors import fail
-    from dse.loading.uvl_writer import to_uvl
+    from dse.loading.uvl.writing import to_uvl
 
     space = space_of(design, on, off)
     text = to_uvl(space)

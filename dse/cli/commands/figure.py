@@ -45,7 +45,7 @@ def figure(
     from dse.report.draw import save
     from dse.report.figure import FIGURES, View, drawings
     from dse.report.study import read_content
-    from dse.results.folder import StudyFolder
+    from dse.storage.folder import StudyFolder
 
     if (x is None) != (y is None):
         raise typer.BadParameter("give both --x and --y, or neither", param_hint="--x/--y")

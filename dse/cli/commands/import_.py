@@ -41,7 +41,7 @@ def import_uvl(
 
     Its tree goes to DIR/designs, its features' attributes to DIR/components, each as a file called after the model.
     """
-    from dse.loading.uvl import read_uvl
+    from dse.loading.uvl.reading import read_uvl
 
     space = read_uvl(model)
     files = _files(space, folder)
@@ -132,7 +132,7 @@ def _counted(things: Sized, what: str) -> str:
 def _files(space: DesignSpace, folder: Path) -> dict[Path, str]:
     """What to write, by path. Raises DseError if one of the files is there already."""
     from dse.errors import Location, Problem, raise_if_any
-    from dse.loading.design_writer import write_components, write_design
+    from dse.loading.writing.design import write_components, write_design
     from dse.space.decisions import sites
 
     components = {site.name: site.component for site in sites(space) if site.component}

@@ -40,7 +40,7 @@ def space_refine(
 
     Its configurations are those of the design that choose nothing else, with the same ids. Without -o it is printed.
     """
-    from dse.loading.design_writer import write_design
+    from dse.loading.writing.design import write_design
     from dse.space.choosing import kept_choices
     from dse.space.decisions import decisions, product_of
     from dse.space.refine import refine

@@ -1,5 +1,5 @@
 /* What the kernel knows of a model exchange FMU: its functions, where its integration stands, the room the solvers work
- * in. dse/cosim/exchange_layout.py mirrors the structures, field by field, and sets the room up. */
+ * in. dse/cosim/binding/exchange_layout.py mirrors the structures, field by field, and sets the room up. */
 #ifndef DSE_COSIM_EXCHANGE_MEMORY_H
 #define DSE_COSIM_EXCHANGE_MEMORY_H
 

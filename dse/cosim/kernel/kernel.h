@@ -1,4 +1,4 @@
-/* The tables the co-simulation kernel works on. dse/cosim/layout.py mirrors every structure, field by field. */
+/* The tables the co-simulation kernel works on. dse/cosim/binding/layout.py mirrors every structure, field by field. */
 #ifndef DSE_COSIM_KERNEL_H
 #define DSE_COSIM_KERNEL_H
 

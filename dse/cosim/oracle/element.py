@@ -7,15 +7,15 @@ from collections.abc import Collection, Iterable, Mapping
 from math import isfinite
 from types import TracebackType
 
-from dse.cosim import diagnosis
-from dse.cosim.abilities import Ability, takes_slopes
-from dse.cosim.calls import text_type_of
-from dse.cosim.conversion import inside, outside
+from dse.cosim.binding.abilities import Ability, takes_slopes
+from dse.cosim.binding.calls import text_type_of
+from dse.cosim.failing import diagnosis
 from dse.cosim.oracle.exchange import ReferenceExchange
 from dse.cosim.oracle.instance import Instance
 from dse.cosim.oracle.steps import make_step
-from dse.cosim.starts import starts_of
-from dse.cosim.wiring import groups_by_type, is_discrete_input, moves_within_steps
+from dse.cosim.tables.starts import starts_of
+from dse.cosim.wiring.conversion import inside, outside
+from dse.cosim.wiring.wiring import groups_by_type, is_discrete_input, moves_within_steps
 from dse.domain.fmu import FmiInterface, Variable
 from dse.domain.system import Element, SystemStructure
 

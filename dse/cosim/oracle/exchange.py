@@ -10,14 +10,15 @@ import ctypes
 from collections.abc import Callable
 from typing import Any
 
-from dse.cosim import diagnosis, layout
-from dse.cosim.abilities import Ability, abilities_of
-from dse.cosim.calls import FATAL, Call, Type, function_name
-from dse.cosim.exchange import describe
-from dse.cosim.exchange_layout import Exchange
-from dse.cosim.failure import RunFailed, place
-from dse.cosim.integration import Integration
-from dse.cosim.library import address
+from dse.cosim.binding import layout
+from dse.cosim.binding.abilities import Ability, abilities_of
+from dse.cosim.binding.calls import FATAL, Call, Type, function_name
+from dse.cosim.binding.exchange_layout import Exchange
+from dse.cosim.binding.integration import Integration
+from dse.cosim.binding.library import address
+from dse.cosim.failing import diagnosis
+from dse.cosim.failing.exchange import describe
+from dse.cosim.failing.failure import RunFailed, place
 from dse.domain.system import Element
 
 _SET = ctypes.CFUNCTYPE(

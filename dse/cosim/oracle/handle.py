@@ -9,17 +9,17 @@ from ctypes import POINTER, byref, c_bool, c_byte, c_char_p, c_double, c_int, c_
 from types import TracebackType
 from typing import Any, Self
 
-from dse.cosim import diagnosis
-from dse.cosim.abilities import Ability, abilities_of
-from dse.cosim.calls import (
+from dse.cosim.binding.abilities import Ability, abilities_of
+from dse.cosim.binding.calls import (
     FATAL,
     WARNING,
     Call,
     function_name,
 )
-from dse.cosim.failure import RunFailed, place
-from dse.cosim.layout import kernel
-from dse.cosim.library import address, resources
+from dse.cosim.binding.layout import kernel
+from dse.cosim.binding.library import address, resources
+from dse.cosim.failing import diagnosis
+from dse.cosim.failing.failure import RunFailed, place
 from dse.cosim.oracle.callbacks import (
     BETWEEN,
     FINISHED,

@@ -8,9 +8,8 @@ from collections.abc import Sequence
 from ctypes import POINTER, byref, c_bool, c_byte, c_char_p, c_double, c_int, c_int32, c_size_t, c_uint32, c_void_p
 from typing import Any
 
-from dse.cosim import diagnosis
-from dse.cosim.abilities import Ability
-from dse.cosim.calls import (
+from dse.cosim.binding.abilities import Ability
+from dse.cosim.binding.calls import (
     C_TYPES,
     EXACT_INTEGER,
     FLOATING,
@@ -23,8 +22,9 @@ from dse.cosim.calls import (
     text_type_of,
     type_of,
 )
-from dse.cosim.failure import RunFailed, place
-from dse.cosim.library import find
+from dse.cosim.binding.library import find
+from dse.cosim.failing import diagnosis
+from dse.cosim.failing.failure import RunFailed, place
 from dse.cosim.oracle.handle import Handle
 from dse.domain.fmu import FmiInterface, Variable
 

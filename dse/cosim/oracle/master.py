@@ -9,15 +9,15 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from dse.cosim import diagnosis, plan_failure
-from dse.cosim.border import Border, Port
-from dse.cosim.check import OwnStep, extrapolation_of
-from dse.cosim.conversion import carried
-from dse.cosim.dependency import Loop, Read, Step, doubtful_reads, order_of
-from dse.cosim.failure import RunFailed
+from dse.cosim.failing import diagnosis, plan_failure
+from dse.cosim.failing.failure import RunFailed
 from dse.cosim.oracle.newton import NoSolution, newton, same_bits
 from dse.cosim.plan import DISCRETE_WALKS, declared_nominal, nominal_of
-from dse.cosim.wiring import Wiring, links_of
+from dse.cosim.wiring.border import Border, Port
+from dse.cosim.wiring.check import OwnStep, extrapolation_of
+from dse.cosim.wiring.conversion import carried
+from dse.cosim.wiring.dependency import Loop, Read, Step, doubtful_reads, order_of
+from dse.cosim.wiring.wiring import Wiring, links_of
 from dse.domain.method import Adaptive, Algorithm, Coupling, Extrapolation, Method
 
 _EXCHANGES = 20

@@ -6,10 +6,10 @@ import math
 import time as clock
 from ctypes import c_double, c_int
 
-from dse.cosim.abilities import Ability
-from dse.cosim.calls import DISCARD, MOST_EVENT_ITERATIONS, PENDING, WARNING, Call, function_name
-from dse.cosim.diagnosis import endless_events
-from dse.cosim.failure import place
+from dse.cosim.binding.abilities import Ability
+from dse.cosim.binding.calls import DISCARD, MOST_EVENT_ITERATIONS, PENDING, WARNING, Call, function_name
+from dse.cosim.failing.diagnosis import endless_events
+from dse.cosim.failing.failure import place
 from dse.cosim.oracle.instance import Instance
 
 _STEP_STATUS, _LAST_SUCCESSFUL_TIME, _TERMINATED = 0, 2, 3

@@ -16,7 +16,7 @@ from typing import Any
 
 import psutil
 
-from dse.cosim.failure import RunFailed
+from dse.cosim.failing.failure import RunFailed
 from dse.cosim.probing.journal import Journal
 from dse.cosim.spawn import start
 from dse.errors import DseError

@@ -6,7 +6,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from math import nan
 
-from dse.cosim.layout import kernel
+from dse.cosim.binding.layout import kernel
 from dse.cosim.probing import experiments, strain
 from dse.cosim.probing.child import Experiment, Limits, Outcome, attempt
 from dse.cosim.probing.drive import Drive, drive_of, driven

@@ -9,7 +9,7 @@ from math import nan
 
 import psutil
 
-from dse.cosim.failure import RunFailed
+from dse.cosim.failing.failure import RunFailed
 from dse.cosim.probing.drive import Drive, watched
 from dse.cosim.probing.journal import Journal
 from dse.cosim.simulator import Simulator

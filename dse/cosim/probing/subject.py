@@ -7,8 +7,8 @@ from collections.abc import Iterator
 from contextlib import AbstractContextManager
 from ctypes import CDLL
 
+from dse.cosim.binding.library import load
 from dse.cosim.clock import end_of
-from dse.cosim.library import load
 from dse.cosim.oracle.element import ReferenceElement, Value
 from dse.cosim.probing.drive import Drive, driven, watched
 from dse.cosim.probing.journal import Journal

@@ -14,10 +14,10 @@ from dse.domain.sampler import Brief, Point
 from dse.domain.study import DesignVariable
 from dse.errors import Location, Problem, closest, fail, raise_if_any
 from dse.exploration.sampling import OnceSampler, require_few
+from dse.formats.yaml import shown
 from dse.loading.extensions import Surroundings
 from dse.loading.root import named_file
 from dse.loading.values import read_unit
-from dse.loading.yaml import shown
 from dse.units import Unit
 
 _MAX_BYTES = 500_000_000

@@ -9,10 +9,10 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from dse.fmu.cache import cache_folder, content_key, keep_file, keep_folder
-from dse.fmu.compilation import MODEL_OPTIONS, compile_assembly, compile_object, options
 from dse.fmu.fusion.layout import Layout, layout_unit, read_layout
 from dse.fmu.fusion.sources import OwnSources, is_runtime, runtime_file
-from dse.fmu.toolchain import Compiler
+from dse.fmu.toolchain.compilation import MODEL_OPTIONS, compile_assembly, compile_object, options
+from dse.fmu.toolchain.compiler import Compiler
 
 
 @dataclass(frozen=True, slots=True)

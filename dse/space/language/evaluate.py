@@ -23,7 +23,7 @@ from typing import Generic, TypeVar
 from dse.domain.design import Configuration, DesignSpace
 from dse.domain.expression import Expression
 from dse.errors import fail
-from dse.loading.expression_sorts import error_in
+from dse.expression.sorts import error_in
 from dse.space.decisions import Choices
 from dse.space.language.arithmetic import FUNCTIONS, UndefinedError, Value, quota
 from dse.space.language.interpret import interpret, interpret_condition

@@ -9,7 +9,7 @@ import pytest
 
 from dse.domain.component import Kind
 from dse.domain.fmu import Capabilities, Experiment, FmuModel, Variable
-from dse.fmu.toolchain import find_compiler
+from dse.fmu.toolchain.compiler import find_compiler
 
 SOURCE = Path(__file__).parent / "fmus" / "odd.c"
 

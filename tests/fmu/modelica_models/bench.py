@@ -10,10 +10,10 @@ from pathlib import Path
 import pytest
 
 from dse.csolve import headers
-from dse.fmu import compilation
 from dse.fmu.archive import pack
-from dse.fmu.platforms import this_platform
-from dse.fmu.toolchain import find_compiler
+from dse.fmu.toolchain import compilation
+from dse.fmu.toolchain.compiler import find_compiler
+from dse.fmu.toolchain.platforms import this_platform
 
 RUNTIME = Path(__file__).parents[3] / "dse" / "fmu" / "runtime"
 

@@ -10,13 +10,13 @@ from pathlib import Path
 
 import dse.fmu
 from dse import csolve
-from dse.fmu.compilation import LANGUAGE_OPTIONS
-from dse.fmu.modelica.emit.layout import layout
-from dse.fmu.modelica.emit.model import emit
-from dse.fmu.modelica.emit.variables import FmuVariable, variables
-from dse.fmu.modelica.expression import Symbol
-from dse.fmu.modelica.solved import Solved
-from dse.fmu.toolchain import environment, find_compiler
+from dse.fmu.toolchain.compilation import LANGUAGE_OPTIONS
+from dse.fmu.toolchain.compiler import environment, find_compiler
+from dse.modelica.algebra.expression import Symbol
+from dse.modelica.emit.layout import layout
+from dse.modelica.emit.model import emit
+from dse.modelica.emit.variables import FmuVariable, variables
+from dse.modelica.solved import Solved
 
 INCLUDES = (f"-I{Path(dse.fmu.__file__).parent / 'runtime'}", f"-I{csolve.INCLUDE}")
 _SHIM = """

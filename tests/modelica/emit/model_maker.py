@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-from dse.fmu.modelica.emit.layout import variable
-from dse.fmu.modelica.expression import Expression, Graph, Symbol
-from dse.fmu.modelica.flat import (
+from dse.modelica.algebra.expression import Expression, Graph, Symbol
+from dse.modelica.emit.layout import variable
+from dse.modelica.flat import (
     FlatModel,
     Kind,
     Role,
     Variable,
 )
-from dse.fmu.modelica.solved import EventBlock, Explicit, Solved
+from dse.modelica.solved import EventBlock, Explicit, Solved
 
 
 class Maker:

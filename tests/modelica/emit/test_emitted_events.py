@@ -11,10 +11,10 @@ from emitted_model import INCLUDES, Emitter
 from model_maker import Maker, explicit
 
 from dse.errors import Location
-from dse.fmu.compilation import LANGUAGE_OPTIONS
-from dse.fmu.modelica.emit.layout import variable
-from dse.fmu.modelica.expression import Place, Symbol
-from dse.fmu.modelica.flat import (
+from dse.fmu.toolchain.compilation import LANGUAGE_OPTIONS
+from dse.modelica.algebra.expression import Place, Symbol
+from dse.modelica.emit.layout import variable
+from dse.modelica.flat import (
     Check,
     Clock,
     Reinitialization,
@@ -22,7 +22,7 @@ from dse.fmu.modelica.flat import (
     Role,
     Trigger,
 )
-from dse.fmu.modelica.solved import Activation, When
+from dse.modelica.solved import Activation, When
 
 _AT = Location("ball.mo", 7, 3)
 

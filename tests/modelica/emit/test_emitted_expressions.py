@@ -9,11 +9,11 @@ from emitted_model import Emitter
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from dse.fmu.modelica.emit.layout import variable
-from dse.fmu.modelica.evaluate import evaluate
-from dse.fmu.modelica.expression import Expression, Graph
-from dse.fmu.modelica.flat import FlatModel, Kind, Role, Variable
-from dse.fmu.modelica.solved import Explicit, Solved
+from dse.modelica.algebra.evaluate import evaluate
+from dse.modelica.algebra.expression import Expression, Graph
+from dse.modelica.emit.layout import variable
+from dse.modelica.flat import FlatModel, Kind, Role, Variable
+from dse.modelica.solved import Explicit, Solved
 
 _INPUTS = ("a", "b", "c", "d")
 

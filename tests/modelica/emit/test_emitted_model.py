@@ -9,15 +9,15 @@ from emitted_model import Emitter
 from model_maker import Maker, explicit
 
 from dse.errors import DseError, Location
-from dse.fmu.modelica.emit.layout import variable
-from dse.fmu.modelica.emit.model import emit
-from dse.fmu.modelica.emit.variables import Causality, Variability, variables
-from dse.fmu.modelica.expression import Place, Symbol
-from dse.fmu.modelica.flat import (
+from dse.modelica.algebra.expression import Place, Symbol
+from dse.modelica.emit.layout import variable
+from dse.modelica.emit.model import emit
+from dse.modelica.emit.variables import Causality, Variability, variables
+from dse.modelica.flat import (
     Kind,
     Role,
 )
-from dse.fmu.modelica.solved import Block
+from dse.modelica.solved import Block
 
 _AT = Location("ball.mo", 7, 3)
 

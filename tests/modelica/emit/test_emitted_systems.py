@@ -10,15 +10,15 @@ from emitted_model import Emitter
 from model_maker import Maker, explicit
 
 from dse.errors import DseError, Location
-from dse.fmu.modelica.emit.layout import variable
-from dse.fmu.modelica.emit.model import emit
-from dse.fmu.modelica.emit.variables import variables
-from dse.fmu.modelica.expression import Expression
-from dse.fmu.modelica.flat import (
+from dse.modelica.algebra.expression import Expression
+from dse.modelica.emit.layout import variable
+from dse.modelica.emit.model import emit
+from dse.modelica.emit.variables import variables
+from dse.modelica.flat import (
     Clock,
     Role,
 )
-from dse.fmu.modelica.solved import Explicit, Solved, System
+from dse.modelica.solved import Explicit, Solved, System
 
 _AT = Location("ball.mo", 7, 3)
 

@@ -9,10 +9,10 @@ from emitted_model import Emitter
 from model_maker import Maker, explicit
 
 from dse.errors import DseError, Location
-from dse.fmu.modelica.emit.layout import variable
-from dse.fmu.modelica.emit.model import emit
-from dse.fmu.modelica.emit.variables import variables
-from dse.fmu.modelica.flat import (
+from dse.modelica.emit.layout import variable
+from dse.modelica.emit.model import emit
+from dse.modelica.emit.variables import variables
+from dse.modelica.flat import (
     Kind,
     Role,
 )

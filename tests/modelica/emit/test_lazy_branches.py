@@ -8,12 +8,12 @@ from emitted_model import Emitter
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from dse.fmu.modelica.arithmetic import FUNCTIONS
-from dse.fmu.modelica.emit.layout import variable
-from dse.fmu.modelica.emit.regions import ROOT, regions
-from dse.fmu.modelica.expression import Expression, Graph, walk
-from dse.fmu.modelica.flat import FlatModel, Kind, Role, Variable
-from dse.fmu.modelica.solved import Explicit, Solved
+from dse.modelica.algebra.arithmetic import FUNCTIONS
+from dse.modelica.algebra.expression import Expression, Graph, walk
+from dse.modelica.emit.layout import variable
+from dse.modelica.emit.regions import ROOT, regions
+from dse.modelica.flat import FlatModel, Kind, Role, Variable
+from dse.modelica.solved import Explicit, Solved
 
 _INPUTS = ("a", "b", "c")
 

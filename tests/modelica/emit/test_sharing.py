@@ -10,11 +10,11 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from model_maker import Maker, explicit
 
-from dse.fmu.modelica.emit.layout import expressions, targets, variable
-from dse.fmu.modelica.emit.sharing import Part, Plan, plan
-from dse.fmu.modelica.expression import Graph, Symbol, symbols
-from dse.fmu.modelica.flat import FlatModel, Role, Trigger
-from dse.fmu.modelica.solved import Activation, Block, EventBlock, Explicit, When
+from dse.modelica.algebra.expression import Graph, Symbol, symbols
+from dse.modelica.emit.layout import expressions, targets, variable
+from dse.modelica.emit.sharing import Part, Plan, plan
+from dse.modelica.flat import FlatModel, Role, Trigger
+from dse.modelica.solved import Activation, Block, EventBlock, Explicit, When
 
 _COUNT = 110
 

@@ -8,12 +8,12 @@ from collections.abc import Mapping
 
 import rumoca
 
-from dse.fmu.modelica.evaluate import evaluate
-from dse.fmu.modelica.expression import Expression, Place, Symbol, symbols
-from dse.fmu.modelica.flat import FlatModel, Role
-from dse.fmu.modelica.flatten import flatten
-from dse.fmu.modelica.frontend.result import FrontEndResult
-from dse.fmu.modelica.frontend.sources import SourceText
+from dse.modelica.algebra.evaluate import evaluate
+from dse.modelica.algebra.expression import Expression, Place, Symbol, symbols
+from dse.modelica.flat import FlatModel, Role
+from dse.modelica.flatten import flatten
+from dse.modelica.frontend.result import FrontEndResult
+from dse.modelica.frontend.sources import SourceText
 
 
 def compiled(text: str, structural: frozenset[str] = frozenset()) -> FrontEndResult:

@@ -8,9 +8,9 @@ from fractions import Fraction
 import pytest
 from modelica_text import flattened, values
 
-from dse.fmu.modelica.evaluate import evaluate
-from dse.fmu.modelica.expression import Expression, Place, Symbol
-from dse.fmu.modelica.flat import Assignment, Clock, FlatModel, Kind, Role, Trigger
+from dse.modelica.algebra.evaluate import evaluate
+from dse.modelica.algebra.expression import Expression, Place, Symbol
+from dse.modelica.flat import Assignment, Clock, FlatModel, Kind, Role, Trigger
 
 STATE = "model M Real x(start = 0, fixed = true); "
 

@@ -11,9 +11,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 from modelica_text import flattened, values
 
-from dse.fmu.modelica.evaluate import evaluate
-from dse.fmu.modelica.expression import Place, Symbol
-from dse.fmu.modelica.flat import FlatModel
+from dse.modelica.algebra.evaluate import evaluate
+from dse.modelica.algebra.expression import Place, Symbol
+from dse.modelica.flat import FlatModel
 
 
 def _branches(u: float, w: float) -> float:

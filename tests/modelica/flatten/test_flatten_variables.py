@@ -6,10 +6,10 @@ import pytest
 from modelica_text import compiled, flattened
 
 from dse.errors import Location
-from dse.fmu.modelica.evaluate import evaluate
-from dse.fmu.modelica.expression import Expression, Place, Symbol
-from dse.fmu.modelica.flat import FlatModel, Kind, Role
-from dse.fmu.modelica.flatten import flatten
+from dse.modelica.algebra.evaluate import evaluate
+from dse.modelica.algebra.expression import Expression, Place, Symbol
+from dse.modelica.flat import FlatModel, Kind, Role
+from dse.modelica.flatten import flatten
 
 
 def _number(flat: FlatModel, expression: Expression | None) -> float | None:

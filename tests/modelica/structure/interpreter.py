@@ -8,10 +8,10 @@ from collections.abc import Callable, Iterable, Sequence
 import numpy as np
 from scipy.integrate import solve_ivp
 
-from dse.fmu.modelica.evaluate import evaluate
-from dse.fmu.modelica.expression import Expression, Graph, Place, Symbol
-from dse.fmu.modelica.flat import Equation, FlatModel, Kind, Relation, Role, Variable
-from dse.fmu.modelica.solved import Activation, EventBlock, Explicit, Solved, System, When
+from dse.modelica.algebra.evaluate import evaluate
+from dse.modelica.algebra.expression import Expression, Graph, Place, Symbol
+from dse.modelica.flat import Equation, FlatModel, Kind, Relation, Role, Variable
+from dse.modelica.solved import Activation, EventBlock, Explicit, Solved, System, When
 
 
 class RunError(Exception):
@@ -373,7 +373,7 @@ def check_order(solved: Solved) -> None:
 
 
 def _refers(block: EventBlock) -> set[Symbol]:
-    from dse.fmu.modelica.expression import symbols
+    from dse.modelica.algebra.expression import symbols
 
     roots: list[Expression] = []
     match block:

@@ -4,10 +4,10 @@ import pytest
 from modelica.structure.interpreter import Building, Machine, symbol
 
 from dse.errors import DseError
-from dse.fmu.modelica.flat import Relation
-from dse.fmu.modelica.structure.blocks import components
-from dse.fmu.modelica.structure.matching import Matching
-from dse.fmu.modelica.structure.solve import solve
+from dse.modelica.flat import Relation
+from dse.modelica.structure.blocks import components
+from dse.modelica.structure.matching import Matching
+from dse.modelica.structure.solve import solve
 
 
 def test_chains_of_equal_and_opposite_variables_have_one_representative() -> None:

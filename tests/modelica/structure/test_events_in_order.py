@@ -8,9 +8,9 @@ import pytest
 from modelica.structure.interpreter import Building, Machine, check_order
 
 from dse.errors import DseError
-from dse.fmu.modelica.expression import Place, Symbol
-from dse.fmu.modelica.flat import Assignment, Clock, Reinitialization, Relation, Trigger
-from dse.fmu.modelica.structure.solve import solve
+from dse.modelica.algebra.expression import Place, Symbol
+from dse.modelica.flat import Assignment, Clock, Reinitialization, Relation, Trigger
+from dse.modelica.structure.solve import solve
 
 
 def pre(b: Building, name: str):

@@ -6,8 +6,8 @@ from modelica.structure.interpreter import Building, Machine, RunError, check_or
 from scipy.integrate import solve_ivp
 
 from dse.errors import DseError
-from dse.fmu.modelica.solved import System
-from dse.fmu.modelica.structure.solve import solve
+from dse.modelica.solved import System
+from dse.modelica.structure.solve import solve
 
 
 def geared_inertias(**second: object) -> Building:

@@ -6,9 +6,9 @@ import pytest
 from modelica.structure.interpreter import Building, Machine, check_order, symbol
 
 from dse.errors import DseError
-from dse.fmu.modelica.evaluate import evaluate
-from dse.fmu.modelica.flat import Assignment, Trigger
-from dse.fmu.modelica.structure.solve import solve
+from dse.modelica.algebra.evaluate import evaluate
+from dse.modelica.flat import Assignment, Trigger
+from dse.modelica.structure.solve import solve
 
 
 def started(b: Building) -> Machine:
@@ -127,7 +127,7 @@ def test_a_discrete_variable_that_only_appears_in_an_initial_equation_keeps_its_
 
 
 def test_initial_is_true_at_the_start_only() -> None:
-    from dse.fmu.modelica.expression import Place, Symbol
+    from dse.modelica.algebra.expression import Place, Symbol
 
     b = Building()
     x, y = b.real("x", start=0.0, is_fixed=True), b.real("y")

@@ -8,8 +8,8 @@ from hypothesis import strategies as st
 from modelica.structure.interpreter import Building, Machine, RunError, check_order
 
 from dse.errors import DseError
-from dse.fmu.modelica.expression import Expression
-from dse.fmu.modelica.structure.solve import solve
+from dse.modelica.algebra.expression import Expression
+from dse.modelica.structure.solve import solve
 
 STOP = 0.5
 

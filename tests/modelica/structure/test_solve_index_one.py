@@ -7,8 +7,8 @@ import pytest
 from modelica.structure.interpreter import Building, Machine, check_order, symbol
 
 from dse.errors import DseError
-from dse.fmu.modelica.solved import Explicit, System
-from dse.fmu.modelica.structure.solve import solve
+from dse.modelica.solved import Explicit, System
+from dse.modelica.structure.solve import solve
 
 
 def oscillator() -> Building:

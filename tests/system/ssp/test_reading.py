@@ -21,8 +21,8 @@ from ssp_packages import (
 )
 
 from dse.errors import DseError
-from dse.system.ssp.open import open_ssp
-from dse.system.ssp.structure import System
+from dse.interchange.reading.open import open_ssp
+from dse.interchange.structure import System
 
 GAIN = {"gain": model("gain", variable("u", "input"), variable("y", "output"), variable("k", "parameter"))}
 PLAIN = elements(component("gain", "input u", "output y"))

@@ -17,10 +17,10 @@ from dse.domain.component import Kind
 from dse.domain.fmu import FmuModel
 from dse.domain.system import Conversion, Element, SystemStructure, Wire
 from dse.errors import DseError
-from dse.system.ssp.open import open_ssp
-from dse.system.ssp.resolve import system_of
-from dse.system.ssp.structure import ExperimentSettings
-from dse.system.ssp.write import write_ssp
+from dse.interchange.reading.open import open_ssp
+from dse.interchange.resolving.resolve import system_of
+from dse.interchange.structure import ExperimentSettings
+from dse.interchange.writing.write import write_ssp
 
 SCHEMAS = Path(fmpy.__file__).parent / "ssp" / "schema"
 EXPERIMENT = ExperimentSettings(0.0, 2.0, 0.01, 0.1)

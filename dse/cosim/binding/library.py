@@ -1,0 +1,159 @@
+"""FMU libraries in this process: loaded once, never unloaded (some FMUs crash when they are)."""
+
+from __future__ import annotations
+
+import ctypes
+import filecmp
+import os
+import sys
+from collections import Counter
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import replace
+from pathlib import Path
+
+from dse.cosim.binding.calls import FUNCTIONS, Call, function_name
+from dse.domain.fmu import FmiInterface, FmuModel
+from dse.domain.system import SystemStructure
+from dse.errors import DseError, FreshProcessNeeded, Problem, fail, raise_if_any
+
+_ALWAYS = frozenset({
+    Call.INSTANTIATE, Call.FREE_INSTANCE, Call.RESET, Call.SETUP_EXPERIMENT, Call.ENTER_INITIALIZATION,
+    Call.EXIT_INITIALIZATION, Call.DO_STEP, Call.TERMINATE,
+})  # fmt: skip
+_NOT_OF_EXCHANGE = frozenset({Call.INSTANTIATE, Call.DO_STEP, Call.ENTER_EVENT_MODE, Call.UPDATE_DISCRETE_STATES})
+
+_occupied: set[Path] = set()
+_brought: dict[str, Path] = {}
+"""Helper libraries of FMUs by their names."""
+
+
+@contextmanager
+def about(element: str) -> Iterator[None]:
+    """Problems that are found inside are said to be those of *element*."""
+    try:
+        yield
+    except DseError as error:
+        raise type(error)(*(replace(p, what=f"{element}: {p.what}") for p in error.problems)) from error
+
+
+def load(model: FmuModel) -> ctypes.CDLL:
+    """The library of *model*; DseError if the system cannot load it.
+
+    FreshProcessNeeded if it would be given a library of another FMU in place of one that lies beside it.
+    """
+    if not model.library.is_file():
+        raise fail(f"{model.identifier}: the FMU has no library for this platform ({model.library.name})")
+    path = str(model.library.resolve())
+    _bring(model)
+    try:
+        if sys.platform == "win32":
+            # The FMU's own DLLs lie beside its library.
+            with os.add_dll_directory(str(model.library.resolve().parent)):
+                return ctypes.CDLL(path, winmode=0)
+        return ctypes.CDLL(path)
+    except OSError as error:
+        reason = str(error).replace(f"{model.folder.resolve()}{os.sep}", "")
+        raise fail(f"{model.identifier}: the FMU's library cannot be loaded: {reason}") from error
+
+
+def _bring(model: FmuModel) -> None:
+    """Note the libraries beside that of *model* that it needs: a process takes only the first one of each name."""
+    needed = _needed(model.library.resolve())
+    for path in needed:
+        before = _brought.get(path.name, path)
+        if before != path and not filecmp.cmp(before, path, shallow=False):
+            raise FreshProcessNeeded(
+                Problem(
+                    f"{model.identifier}: it would compute with another FMU's {path.name} than its own, as that one "
+                    f"was loaded before",
+                    hint="a process loads only one library of each name: FMUs whose helper libraries have the same "
+                    "name but differ cannot be simulated together",
+                )
+            )
+    for path in needed:
+        _brought.setdefault(path.name, path)
+
+
+def _needed(library: Path) -> list[Path]:
+    """Libraries in the same folder whose names *library*, or one of them, holds."""
+    beside = [path for path in sorted(library.parent.iterdir()) if _is_library(path) and path != library]
+    needed: list[Path] = []
+    asking = [library] if beside else []
+    while asking:
+        content = asking.pop().read_bytes()
+        found = [path for path in beside if path not in needed and path.name.encode() in content]
+        needed += found
+        asking += found
+    return needed
+
+
+def _is_library(path: Path) -> bool:
+    return path.is_file() and (".so" in path.suffixes or path.suffix in (".dll", ".dylib"))
+
+
+def address(model: FmuModel, library: ctypes.CDLL, name: str) -> int:
+    """Address of the FMI function called *name*; DseError if the library does not export it."""
+    found = find(model, library, name)
+    if found is None:
+        raise fail(f"{model.identifier}: the FMU's library lacks the function {_prefix(model)}{name}")
+    return found
+
+
+def find(model: FmuModel, library: ctypes.CDLL, name: str) -> int | None:
+    """Address of the FMI function called *name*, None if the library does not export it."""
+    try:
+        return ctypes.cast(getattr(library, _prefix(model) + name), ctypes.c_void_p).value
+    except AttributeError:
+        return None
+
+
+def lifecycle(model: FmuModel, library: ctypes.CDLL) -> dict[Call, int]:
+    """Addresses of the functions that create, initialize, step and end an instance.
+
+    What every FMU must have is looked for in vain only with a DseError; all else is left out if it is not there.
+    """
+    found = {}
+    for call in FUNCTIONS:
+        name = function_name(call, model.version)
+        if not name or (model.interface is FmiInterface.MODEL_EXCHANGE and call in _NOT_OF_EXCHANGE):
+            continue
+        where = address(model, library, name) if call in _ALWAYS else find(model, library, name)
+        if where is not None:
+            found[call] = where
+    return found
+
+
+def resources(model: FmuModel) -> str:
+    """The FMU's resources as its standard wants them.
+
+    A file URI in FMI 2, a path ending in a separator in FMI 3; FMI 1 is told the folder of the FMU itself, as a URI.
+    """
+    folder = model.folder.resolve()
+    if model.version == 1:
+        return folder.as_uri()
+    return (folder / "resources").as_uri() if model.version == 2 else str(folder / "resources") + os.sep  # FMI 2
+
+
+def _prefix(model: FmuModel) -> str:
+    return model.prefix or (f"{model.identifier}_" if model.version == 1 else "")
+
+
+def occupy(system: SystemStructure) -> frozenset[Path]:
+    """Claim the libraries that can be instantiated only once per process, until :func:`vacate`; DseError if taken."""
+    once = Counter(e.model.library for e in system.elements if e.model.capabilities.once_per_process)
+    raise_if_any(
+        Problem(
+            f"{library.stem} can be instantiated only once per process",
+            hint="use it in one element and close the simulator before the next one is made",
+        )
+        for library, count in once.items()
+        if count > 1 or library in _occupied
+    )
+    _occupied.update(once)
+    return frozenset(once)
+
+
+def vacate(libraries: frozenset[Path]) -> None:
+    """Give back what :func:`occupy` claimed."""
+    _occupied.difference_update(libraries)

@@ -1,0 +1,139 @@
+"""Writes expressions as text that reads back as the same tree."""
+
+from __future__ import annotations
+
+from dataclasses import fields
+from fractions import Fraction
+
+from dse.domain.expression import (
+    Between,
+    Binary,
+    Call,
+    Chosen,
+    Conditional,
+    Expression,
+    Name,
+    Node,
+    Number,
+    Truth,
+    Unary,
+)
+from dse.errors import DseError
+from dse.expression.parse import parse_expression
+
+_CONDITIONAL, _COMPARE, _SUM, _NEGATIVE, _ATOM = 0, 7, 8, 10, 12
+_STRENGTH = {"iff": 1, "implies": 2, "or": 3, "xor": 4, "and": 5, "not": 6, "+": _SUM, "-": _SUM, "*": 9, "/": 9}
+_STRENGTH |= {"^": 11, **dict.fromkeys(("<", "<=", ">", ">=", "==", "!="), _COMPARE)}
+
+
+def show_expression(node: Node) -> str:
+    """*node* in the language of `dse.expression.parse`, on one line, with few brackets.
+
+    The tree that reads back has other spans, and a quotient where a number has no finite decimals.
+    """
+    match node:
+        case Number():
+            return _number(node)
+        case Truth():
+            return str(node.value).lower()
+        case Name():
+            return node.path
+        case Chosen():
+            return f"{node.place} is {node.options[0]}" if len(node.options) == 1 else _in(node)
+        case Call():
+            named = [f"{name} = {show_expression(value)}" for name, value in node.options]
+            return f"{node.function}({', '.join([*map(show_expression, node.arguments), *named])})"
+        case Unary("not"):
+            return f"not {_within(node.operand, _STRENGTH['not'])}"
+        case Unary():
+            return f"-{_within(node.operand, _NEGATIVE)}"
+        case Between():
+            value, low, high = (_within(part, _SUM) for part in (node.value, node.low, node.high))
+            return f"{value} between {low} and {high}"
+        case Conditional():
+            yes, no = show_expression(node.yes), show_expression(node.no)
+            return f"if {show_expression(node.condition)} then {yes} else {no}"
+        case Binary():
+            own = _STRENGTH[node.operator]
+            from_the_right = node.operator in ("implies", "^")
+            left = _within(node.left, own + 1 if from_the_right or own == _COMPARE else own)
+            right = _within(node.right, own if from_the_right else own + 1)
+            return f"{left} {node.operator} {right}"
+
+
+def text_of(expression: Expression) -> str:
+    """The text of *expression* if it stands for its tree in our language, else the tree written out."""
+    try:
+        if same(parse_expression(expression.text).root, expression.root):
+            return expression.text
+    except DseError:
+        pass  # The user wrote it in another language.
+    return show_expression(expression.root)
+
+
+def same(a: Node, b: Node) -> bool:
+    """Whether two trees are equal wherever they stand."""
+    stack: list[tuple[object, object]] = [(a, b)]
+    while stack:
+        left, right = stack.pop()
+        if type(left) is not type(right):
+            return False
+        if isinstance(left, tuple) and isinstance(right, tuple):
+            if len(left) != len(right):
+                return False
+            stack += zip(left, right, strict=True)
+        elif isinstance(left, Node):
+            compared = (field.name for field in fields(left) if field.compare and field.name != "span")
+            stack += [(getattr(left, name), getattr(right, name)) for name in compared]
+        elif left != right:
+            return False
+    return True
+
+
+def decimal(value: Fraction) -> str | None:
+    """*value* written out exactly; None if its decimals never end."""
+    rest, twos, fives = value.denominator, 0, 0
+    while rest % 2 == 0:
+        rest, twos = rest // 2, twos + 1
+    while rest % 5 == 0:
+        rest, fives = rest // 5, fives + 1
+    if rest != 1:
+        return None
+    digits = max(twos, fives)
+    whole = str(abs(value.numerator) * 10**digits // value.denominator).zfill(digits + 1)
+    text = f"{whole[:-digits]}.{whole[-digits:]}" if digits else whole
+    return f"-{text}" if value < 0 else text
+
+
+def _number(node: Number) -> str:
+    magnitude = (node.si - node.unit.offset) / node.unit.factor
+    text = decimal(magnitude)
+    if text is None:
+        return f"({f'{magnitude.numerator} {node.unit}'.strip()} / {magnitude.denominator})"
+    return f"{text} {node.unit}".strip()
+
+
+def _in(node: Chosen) -> str:
+    return f"{node.place} in [{', '.join(node.options)}]"
+
+
+def _within(node: Node, least: int) -> str:
+    # A prefix that could swallow what follows, or be swallowed, always has brackets as an operand.
+    loose = isinstance(node, Conditional) or (isinstance(node, Unary) and least > _STRENGTH["not"])
+    text = show_expression(node)
+    return f"({text})" if loose or _strength(node) < least else text
+
+
+def _strength(node: Node) -> int:
+    match node:
+        case Binary():
+            return _STRENGTH[node.operator]
+        case Unary():
+            return _STRENGTH["not"] if node.operator == "not" else _NEGATIVE
+        case Chosen() | Between():
+            return _COMPARE
+        case Conditional():
+            return _CONDITIONAL
+        case Number():
+            return _NEGATIVE if node.si < 0 else _ATOM
+    return _ATOM

@@ -1,0 +1,126 @@
+"""A component written in C as an FMU: its files, the FMI functions and the C that ties them, compiled."""
+
+from __future__ import annotations
+
+import posixpath
+from collections.abc import Mapping
+from dataclasses import replace
+from pathlib import Path
+
+from dse.domain.component import Component, CSource
+from dse.errors import DseError, Location, Problem
+from dse.fmu.archive import pack
+from dse.fmu.c.glue import Demand, glue
+from dse.fmu.c.slots import slots
+from dse.fmu.c.staging import LIST_IT, StagedSources, stage
+from dse.fmu.cache import cache_folder, content_key, keep_file
+from dse.fmu.describe import Subject, describe, describe_sources, identifier
+from dse.fmu.toolchain.compilation import LANGUAGE_OPTIONS, CompilationError, Diagnostic, compile_library, options
+from dse.fmu.toolchain.compiler import Compiler, find_compiler
+from dse.fmu.toolchain.platforms import this_platform
+from dse.formats.yaml import shown
+
+
+def build_c(component: Component, source: CSource, *, version: int, cache: Path | None = None) -> Path:
+    """The FMU archive of *component*, for FMI *version* 2 or 3, from the C of *source*, or from the cache.
+
+    The same files give the same bytes, wherever they lie. Raises DseError: the C does not compile or lacks a port, or
+    there is no compiler.
+    """
+    staged = stage(component.name, source, component.where)
+    contents, subject, demands = _contents(component, source, staged, version)
+    compiler = find_compiler()
+    platform = this_platform()
+    keyed = [*sorted(contents.items()), ("build", repr((compiler.identity, options(compiler), platform.name)).encode())]
+    target = cache_folder(cache) / "built" / f"{subject.identifier}-{content_key(keyed)}.fmu"
+    if target.is_file():
+        return target
+    library = platform.library(version, subject.identifier)
+    try:
+        binary = _compile(compiler, contents, subject, library.name)
+    except CompilationError as error:
+        raise DseError(*_problems(error, component, staged, demands)) from error
+    return keep_file(target, pack({**contents, str(library): binary}))
+
+
+_RUNTIME = Path(__file__).parents[1] / "runtime"
+_RUNTIME_FILES = {
+    2: ("slot.h", "instance.h", "c_component.h", "value.h", "fmi2_abi.h", "fmi2.c"),
+    3: ("slot.h", "instance.h", "c_component.h", "value.h", "fmi3_abi.h", "fmi3_refused.h", "fmi3.c"),
+}
+
+
+def _contents(
+    component: Component, source: CSource, staged: StagedSources, version: int
+) -> tuple[dict[str, bytes], Subject, Mapping[int, Demand]]:
+    """Every file of the FMU but its library, by path; the same for the same component on every machine."""
+    variables = slots(component)
+    runtime = {f"sources/runtime/{name}": (_RUNTIME / name).read_bytes() for name in _RUNTIME_FILES[version]}
+    user = {f"sources/component/{name}": content for name, content in staged.contents.items()}
+    subject = Subject(
+        name=component.name,
+        identifier=identifier(component.name),
+        title=component.title,
+        token="",
+        period=source.step,
+        slots=variables,
+        files=(f"runtime/fmi{version}.c", *(f"component/{unit}" for unit in staged.units)),
+        include_folder=posixpath.dirname(f"component/{staged.header}"),
+    )
+
+    def generated(token: str) -> tuple[dict[str, bytes], Mapping[int, Demand]]:
+        tied = glue(source, variables, f"../component/{staged.header}", token)
+        named = replace(subject, token=token)
+        files = {
+            "sources/runtime/model.h": tied.text.encode(),
+            "modelDescription.xml": describe(named, version),
+        }
+        if version == 3:
+            told = describe_sources(named.identifier, named.files, named.include_folder, LANGUAGE_OPTIONS)
+            files["sources/buildDescription.xml"] = told
+        return {**runtime, **user, **files}, tied.demands
+
+    # The token names the contents, so it is made from the contents with a blank in its place.
+    blank, _ = generated("")
+    contents, demands = generated("{" + content_key(sorted(blank.items())) + "}")
+    return contents, subject, demands
+
+
+_SOURCES = "sources/"
+_MODEL = "runtime/model.h"
+
+
+def _compile(compiler: Compiler, contents: Mapping[str, bytes], subject: Subject, library: str) -> bytes:
+    files = {name.removeprefix(_SOURCES): text for name, text in contents.items() if name.startswith(_SOURCES)}
+    return compile_library(compiler, files, subject.files, subject.include_folder, library)
+
+
+def _problems(
+    error: CompilationError, component: Component, staged: StagedSources, demands: Mapping[int, Demand]
+) -> list[Problem]:
+    """What the compiler says, in the user's own files; only then what the component lacks; else all it said."""
+    own = [problem for diagnostic in error.diagnostics if (problem := _in_own_file(diagnostic, staged))]
+    if own:
+        return own
+    lines = sorted({diagnostic.line for diagnostic in error.diagnostics if diagnostic.file == _MODEL})
+    unmet: dict[str, Problem] = {}
+    for demand in (demands[line] for line in lines if line in demands):
+        unmet.setdefault(demand.subject, demand.problem)
+    if "" in unmet:  # without the struct, nothing else can be told
+        return [unmet[""]]
+    if unmet:
+        return list(unmet.values())
+    return [Problem(f"component '{component.name}': {_said(d)}", component.where) for d in error.diagnostics]
+
+
+def _in_own_file(diagnostic: Diagnostic, staged: StagedSources) -> Problem | None:
+    origin = staged.origins.get(diagnostic.file.removeprefix("component/"))
+    if origin is None or not diagnostic.file.startswith("component/"):
+        return None
+    is_missing_header = "No such file" in diagnostic.message or "file not found" in diagnostic.message
+    hint = LIST_IT if is_missing_header else ""
+    return Problem(diagnostic.message, Location(shown(origin), diagnostic.line, diagnostic.column), hint)
+
+
+def _said(diagnostic: Diagnostic) -> str:
+    return f"{diagnostic.file}:{diagnostic.line}: {diagnostic.message}" if diagnostic.file else diagnostic.message

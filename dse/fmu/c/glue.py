@@ -1,0 +1,160 @@
+"""The C that ties a component to the FMU runtime: ``model.h``, and what each of its lines proves about the component.
+
+Every demand on the user's C stands on a line of its own. If the compiler rejects the line, the demand is not met, and
+the problem is told in the user's words, whatever the compiler says.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from dse.domain.component import CSource, Kind
+from dse.errors import Location, Problem
+from dse.fmu.c.slots import Role, Slot
+
+
+@dataclass(frozen=True, slots=True)
+class Demand:
+    """What a line proves. Of several unmet demands on one *subject* only the first matters."""
+
+    subject: str
+    problem: Problem
+
+
+@dataclass(frozen=True, slots=True)
+class Glue:
+    """The text of model.h and its demands by line number, from 1."""
+
+    text: str
+    demands: Mapping[int, Demand]
+
+
+def glue(source: CSource, slots: tuple[Slot, ...], header: str, token: str) -> Glue:
+    """model.h for a component whose header is found at *header*, seen from model.h."""
+    page = _Page(source.header, source.struct)
+    page.add("/* Generated: how the FMU runtime reaches this component. */")
+    page.add("#ifndef DSE_MODEL_H", "#define DSE_MODEL_H", '#include "slot.h"', f'#include "{header}"')
+    page.demand(
+        "",
+        f"typedef {source.struct} dse_component;",
+        f"there is no type '{source.struct}'",
+        f"end the struct with `}} {source.struct};` after `typedef struct {{`",
+    )
+    _add_functions(page, source)
+    for slot in slots:
+        _demand_member(page, slot)
+    _add_table(page, slots)
+    _add_behaviour(page, source, slots)
+    page.add(f'#define DSE_TOKEN "{token}"', "#endif")
+    return Glue("\n".join(page.lines) + "\n", page.demands)
+
+
+@dataclass(slots=True)
+class _Page:
+    header: Path
+    struct: str
+    lines: list[str] = field(default_factory=list)
+    demands: dict[int, Demand] = field(default_factory=dict)
+
+    def add(self, *lines: str) -> None:
+        self.lines.extend(lines)
+
+    def demand(self, subject: str, line: str, what: str, hint: str) -> None:
+        self.add(line)
+        self.demands[len(self.lines)] = Demand(subject, Problem(what, Location(str(self.header)), hint))
+
+
+def _add_functions(page: _Page, source: CSource) -> None:
+    struct = source.struct
+    step = f"({struct} *)" if source.step is not None else f"({struct} *, double)"
+    why = f"because it runs every {source.step} s" if source.step is not None else "because the component has no 'step'"
+    for name, arguments, reason in ((source.init, f"({struct} *)", ""), (source.step_function, step, why)):
+        shown = f"`void {name}{arguments};`"
+        what = f"'{name}' is not declared as {shown}" + (f", {reason}" if reason else "")
+        page.demand(
+            name,
+            f'_Static_assert(_Generic(&{name}, void (*){arguments}: 1, default: 0), "");',
+            what,
+            f"declare it so in {page.header.name}",
+        )
+
+
+_C_TYPES = {
+    Kind.REAL: ("double", "double or float"),
+    Kind.INTEGER: ("int32_t", "an integer type"),
+    Kind.BOOLEAN: ("bool", "bool or an integer type"),
+    Kind.ENUMERATION: ("int", "an enum or an integer type"),
+}
+
+
+def _demand_member(page: _Page, slot: Slot) -> None:
+    simple, accepted = _C_TYPES[slot.type.kind]
+    page.demand(
+        slot.member,
+        f'_Static_assert(sizeof(((dse_component *)0)->{slot.member}) > 0, "");',
+        f"struct {page.struct} has no member '{slot.member}' for {slot.source}",
+        f"declare it in {page.header.name}, as {simple}",
+    )
+    page.demand(
+        slot.member,
+        f'_Static_assert(DSE_IS_{slot.type.kind.name}({slot.member}), "");',
+        f"struct {page.struct}: '{slot.member}' is not {accepted}, as {slot.source} ({slot.type.kind}) needs",
+        f"declare it as {simple}",
+    )
+    for number in _extremes(slot):
+        page.demand(
+            slot.member,
+            f'_Static_assert(DSE_FITS({slot.member}, {_literal(slot, number)}), "");',
+            f"struct {page.struct}: '{slot.member}' is too narrow for {number}, a value of {slot.source}",
+            "declare it as a wider integer type",
+        )
+
+
+def _extremes(slot: Slot) -> tuple[int, ...]:
+    """The least and greatest whole numbers the member certainly has to hold."""
+    if slot.type.kind is Kind.ENUMERATION:
+        return (len(slot.type.items) - 1,)
+    if slot.type.kind is Kind.INTEGER:
+        known = (slot.start, slot.minimum, slot.maximum)
+        return tuple(sorted({int(number) for number in known if number is not None}))
+    return ()
+
+
+def _add_table(page: _Page, slots: tuple[Slot, ...]) -> None:
+    # C knows no empty array: a component without ports gets a row that no reference reaches.
+    page.add(f"#define DSE_SLOT_COUNT {len(slots)}u", "static const struct dse_slot dse_slots[] = {")
+    page.add(
+        *(
+            f"    DSE_SLOT({slot.member}, DSE_{slot.type.kind.name}, DSE_{_settable(slot)}, {len(slot.type.items)}),"
+            for slot in slots
+        )
+    )
+    page.add(*(() if slots else ("    {0, DSE_NO_TYPE, 0, 0, 0},",)), "};")
+    page.add("static const char *const dse_names[] = {")
+    page.add(*(f'    "{slot.name}",' for slot in slots), *(() if slots else ('    "",',)), "};")
+
+
+def _settable(slot: Slot) -> str:
+    if slot.role is Role.PARAMETER:
+        return "TUNABLE" if slot.is_tunable else "FIXED"
+    return slot.role.name
+
+
+def _add_behaviour(page: _Page, source: CSource, slots: tuple[Slot, ...]) -> None:
+    page.add("static inline void dse_component_start(dse_component *component) {", "    (void)component;")
+    page.add(
+        *(
+            f"    component->{slot.member} = {_literal(slot, slot.start)};"
+            for slot in slots
+            if slot.start is not None and slot.start != 0
+        )
+    )
+    page.add("}", f"#define dse_component_init {source.init}", f"#define dse_component_step {source.step_function}")
+    if source.step is not None:
+        page.add(f"#define DSE_PERIOD {source.step!r}")
+
+
+def _literal(slot: Slot, number: float | bool) -> str:
+    return repr(float(number)) if slot.type.kind is Kind.REAL else f"INT64_C({int(number)})"

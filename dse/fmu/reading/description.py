@@ -1,0 +1,198 @@
+"""modelDescription.xml as it comes, in FMI 1.0, 2.0 or 3.0: every variable, and what the FMU can do.
+
+What this program cannot simulate, and what the file lacks or contradicts, is told by line and all at once.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+from dse.domain.fmu import Capabilities, Exchange, Experiment, FmiInterface, UnitDefinition, Variable
+from dse.errors import DseError, Location, Problem, fail
+from dse.fmu.reading.declared_types import read_types
+from dse.fmu.reading.fmi1 import direct_dependencies, read_implementation, read_variables_1
+from dse.fmu.reading.interfaces import Offered, choose_interface, read_experiment, read_identifier
+from dse.fmu.reading.model_structure import Structure, catalog, read_exchange, read_structure
+from dse.fmu.reading.units import read_units
+from dse.fmu.reading.variables import Listed, read_variables
+from dse.formats.xml import XmlElement, read_xml_file
+from dse.formats.xml_values import shortened
+from dse.formats.yaml import shown
+
+_FILE = "modelDescription.xml"
+_MOST_TOLD = 20
+_MOST_VALUES = 50_000_000
+
+
+@dataclass(frozen=True, slots=True)
+class Description:
+    """What modelDescription.xml says of one interface of an FMU; the fields are those of FmuModel.
+
+    *source_files* are the files to compile, if FMI 2.0's description lists them; *where* is the file.
+    """
+
+    version: int
+    identifier: str
+    token: str
+    variables: Mapping[str, Variable]
+    capabilities: Capabilities
+    fixed_step: float | None
+    interface: FmiInterface
+    exchange: Exchange | None
+    depends: Mapping[str, tuple[str, ...]]
+    initially_depends: Mapping[str, tuple[str, ...]]
+    units: Mapping[str, UnitDefinition]
+    experiment: Experiment
+    title: str
+    source_files: tuple[str, ...]
+    where: Location
+
+
+def read_description(folder: Path, name: str | None = None, *, interface: FmiInterface | None = None) -> Description:
+    """Read ``modelDescription.xml`` in *folder*, which messages call *name*.
+
+    *interface* is the one that is asked for; without, co-simulation comes before model exchange. Raises DseError,
+    located in the file: not XML, with a document type or entities, an unknown version, without an interface that can
+    be used, or with anything missing, doubled or contradictory that a simulation depends on.
+    """
+    name = shown(folder) if name is None else name
+    file = f"{name}/{_FILE}"
+    if not (folder / _FILE).is_file():
+        inner = sorted(path.parent.name for path in folder.glob(f"*/{_FILE}"))
+        hint = f"there is one in its folder '{inner[0]}': zip what is in that folder" if inner else ""
+        raise fail(f"there is no {_FILE} in it, so it is not an FMU", Location(name), hint)
+    root = read_xml_file(folder / _FILE, file)
+    if root.tag != "fmiModelDescription":
+        what = f"it does not describe an FMU: its root is <{shortened(root.tag)}>, not <fmiModelDescription>"
+        raise fail(what, root.where)
+    version = _version(root)
+    if version == 1 and interface is FmiInterface.MODEL_EXCHANGE:
+        raise fail("model exchange of FMI 1.0 is not supported", root.where)
+    problems: list[Problem] = []
+    experiment = read_experiment(root, problems)
+    offered = (
+        _interface_1(root, experiment, problems)
+        if version == 1
+        else choose_interface(root, version, interface, experiment, problems)
+    )
+    token = _token(root, version, problems)
+    units = read_units(root, problems) if version > 1 else {}
+    types = read_types(root, version, problems)
+    listed = read_variables_1(root, types, problems) if version == 1 else read_variables(root, version, types, problems)
+    if version < 3:
+        listed = list(_one_input_each(listed))
+    problems += _contradictions(listed, version, file)
+    _raise_some(problems, file)
+    structure, exchange = _structure(root, version, listed, offered, problems)
+    _raise_some(problems, file)
+    return Description(
+        version=version,
+        identifier=offered.identifier,
+        token=token,
+        variables={one.variable.name: one.variable for one in listed if one is not None},
+        capabilities=offered.capabilities,
+        fixed_step=offered.fixed_step,
+        interface=offered.interface,
+        exchange=exchange,
+        depends=structure.depends,
+        initially_depends=structure.initially_depends,
+        units=units,
+        experiment=experiment,
+        title=root.get("description") or root.get("modelName"),
+        source_files=tuple(file.get("name") for file in offered.element.below("SourceFiles", "File")),
+        where=Location(file),
+    )
+
+
+def _version(root: XmlElement) -> int:
+    text = root.get("fmiVersion").strip()
+    if re.fullmatch(r"1\.0(\.\d+)?", text):
+        return 1
+    if re.fullmatch(r"2\.0(\.\d+)?", text):
+        return 2
+    if re.fullmatch(r"3\.\d+(\.\d+)?", text):
+        return 3
+    what = f"the FMU is of the unknown FMI version '{shortened(text)}'" if text else "it does not say its fmiVersion"
+    raise fail(what, root.where, "export it for FMI 2.0 or 3.0")
+
+
+def _token(root: XmlElement, version: int, problems: list[Problem]) -> str:
+    """The text by which a library and a description know that they belong together; it may be empty."""
+    name = "instantiationToken" if version == 3 else "guid"
+    if name not in root.attributes:
+        problems.append(Problem(f"there is no {name}", root.where))
+    return root.get(name)
+
+
+def _interface_1(root: XmlElement, experiment: Experiment, problems: list[Problem]) -> Offered:
+    capabilities = read_implementation(root, problems)
+    return Offered(
+        interface=FmiInterface.CO_SIMULATION,
+        element=root,
+        identifier=read_identifier(root, problems),
+        capabilities=capabilities,
+        fixed_step=None if capabilities.can_handle_variable_step else experiment.step,
+    )
+
+
+def _structure(
+    root: XmlElement, version: int, listed: list[Listed | None], offered: Offered, problems: list[Problem]
+) -> tuple[Structure, Exchange | None]:
+    if version == 1:
+        return direct_dependencies(listed), None
+    variables = catalog(listed, version)
+    structure = read_structure(root, variables)
+    if offered.interface is FmiInterface.CO_SIMULATION:
+        return structure, None
+    needs = offered.needs_completed_step
+    return structure, read_exchange(root, variables, needs_completed_step=needs, problems=problems)
+
+
+def _one_input_each(listed: Iterable[Listed | None]) -> Iterator[Listed | None]:
+    """Of inputs that share a value reference all but the first become other names of it."""
+    inputs: dict[tuple[str, int], str] = {}
+    for one in listed:
+        if one is None or one.variable.causality != "input" or one.variable.alias_of:
+            yield one
+            continue
+        variable = one.variable
+        first = inputs.setdefault((variable.fmi_type, variable.reference), variable.name)
+        yield one if first == variable.name else replace(one, variable=replace(variable, alias_of=first))
+
+
+def _contradictions(listed: Iterable[Listed | None], version: int, file: str) -> Iterator[Problem]:
+    """What no variable is to blame for alone: names and references that are taken."""
+    names: set[str] = set()
+    references: dict[int, str] = {}
+    values = 0
+    for one in listed:
+        if one is None:
+            continue
+        variable, where = one.variable, one.element.where
+        if variable.name in names:
+            yield Problem(f"variable '{shortened(variable.name)}' is there twice", where)
+        names.add(variable.name)
+        values += variable.size
+        # Up to FMI 2.0 variables share references by being aliases; from FMI 3.0 on aliases are written otherwise.
+        if variable.alias_of or version < 3:
+            continue
+        taken = references.setdefault(variable.reference, variable.name)
+        if taken != variable.name:
+            what = (
+                f"variable '{variable.name}' has the value reference {variable.reference}, which is that of '{taken}'"
+            )
+            yield Problem(what, where)
+    if values > _MOST_VALUES:
+        yield Problem(f"all arrays together have more than {_MOST_VALUES:,} elements", Location(file))
+
+
+def _raise_some(problems: list[Problem], file: str) -> None:
+    """Raise what there is; of a flood only the beginning, and how much it is."""
+    if len(problems) > _MOST_TOLD:
+        head = Problem(f"{len(problems)} problems, of which these are the first {_MOST_TOLD}", Location(file))
+        raise DseError(head, *problems[:_MOST_TOLD])
+    if problems:
+        raise DseError(*problems)

@@ -1,0 +1,217 @@
+"""One run of the compiler: staged C files in, a shared library or located problems out."""
+
+from __future__ import annotations
+
+import os
+import posixpath
+import re
+import subprocess
+import sys
+import tempfile
+from collections.abc import Iterable, Mapping
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
+from pathlib import Path
+
+from dse.fmu.toolchain.compiler import Compiler, environment
+
+# No contraction: a*b+c rounds twice everywhere, so results do not depend on the processor's instructions.
+LANGUAGE_OPTIONS = ("-std=c11", "-O2", "-ffp-contract=off")
+"""Options that decide what the numbers are; whoever compiles the embedded sources should use them too."""
+
+# No errno: it is never looked at, and without it square roots are one instruction. Values stay the same.
+MODEL_OPTIONS = ("-fno-math-errno",)
+"""Further options for the C that is made from Modelica."""
+
+# A clock in the binary would make two builds differ; the rest are mistakes that C would let through.
+_CHECKS = ("date-time", "implicit-function-declaration", "incompatible-pointer-types", "int-conversion", "return-type")
+
+_LONGEST = 900
+"""Seconds after which a compiler is stopped."""
+
+
+@dataclass(frozen=True, slots=True)
+class Diagnostic:
+    """An error the compiler reports. *file* is relative to the staged folder; "" if it is the linker's."""
+
+    file: str
+    line: int
+    column: int
+    message: str
+
+
+class CompilationError(Exception):
+    """The compiler refused; *diagnostics* is never empty."""
+
+    def __init__(self, diagnostics: tuple[Diagnostic, ...]) -> None:
+        super().__init__(diagnostics)
+        self.diagnostics = diagnostics
+
+
+def options(compiler: Compiler) -> tuple[str, ...]:
+    """All options but the names of files, for this platform. They belong in the cache key."""
+    return (*_compile_options(), *_link_options(compiler))
+
+
+def _compile_options() -> tuple[str, ...]:
+    checks = (f"-Werror={check}" for check in _CHECKS)
+    common = (*LANGUAGE_OPTIONS, "-fvisibility=hidden", *checks)
+    return common if sys.platform == "win32" else (*common, "-fPIC")
+
+
+def _link_options(compiler: Compiler) -> tuple[str, ...]:
+    common = ("-shared", *compiler.link_options)
+    if sys.platform == "win32":
+        return (*common, "-s")
+    # Without "defs", a function that is nowhere defined would only be missed when the FMU is loaded.
+    return common if sys.platform == "darwin" else (*common, "-s", "-Wl,-z,defs")
+
+
+def compile_library(
+    compiler: Compiler, files: Mapping[str, bytes], units: Iterable[str], include_folder: str, library: str
+) -> bytes:
+    """The shared library *library* made of *units*, which see no other files than *files* and the system's headers.
+
+    Same input, same bytes: paths are relative. Raises CompilationError.
+    """
+    arguments = [*options(compiler), f"-I{include_folder}", *units]
+    return _made(compiler, files, arguments, library, _libraries())
+
+
+def compile_object(compiler: Compiler, files: Mapping[str, bytes], unit: str, extra: Iterable[str] = ()) -> bytes:
+    """The object file of *unit*, which sees no other files than *files* and the system's headers.
+
+    *extra* are further options. Same input, same bytes: paths are relative. Raises CompilationError.
+    """
+    return _made(compiler, files, [*_compile_options(), *extra, "-c", unit], "unit.o", ())
+
+
+def compile_assembly(compiler: Compiler, files: Mapping[str, bytes], unit: str, extra: Iterable[str] = ()) -> str:
+    """The assembler text of *unit*, not optimized: to see which names it defines. Raises CompilationError."""
+    made = _made(compiler, files, [*_compile_options(), *extra, "-O0", "-S", unit], "unit.s", ())
+    return made.decode("utf-8", "replace")
+
+
+def link_library(compiler: Compiler, objects: Mapping[str, bytes], library: str) -> bytes:
+    """The shared library *library* made of *objects* by file name. Raises CompilationError."""
+    return _made(compiler, objects, [*_link_options(compiler), *objects], library, _libraries())
+
+
+def compile_foreign(
+    compiler: Compiler,
+    folder: Path,
+    units: Mapping[str, tuple[str, ...]],
+    libraries: Iterable[str],
+    library: str,
+) -> bytes:
+    """The shared library *library* made of other people's *units* (paths in *folder*), each with its own options.
+
+    *libraries* are linked besides the mathematical one. Same input, same bytes: paths are relative. Raises
+    CompilationError with the diagnostics of all units.
+    """
+    common = (*_FOREIGN_OPTIONS, *(() if sys.platform == "win32" else ("-fPIC",)))
+    linked = (*_libraries(), *(f"-l{name}" for name in libraries))
+    with tempfile.TemporaryDirectory(prefix="dse-") as scratch:
+        objects = {f"{number}.o": unit for number, unit in enumerate(units)}
+
+        def compile_unit(item: tuple[str, str]) -> tuple[Diagnostic, ...]:
+            made, unit = item
+            target = Path(scratch) / made
+            arguments = (*common, *units[unit], "-c", unit, "-o", str(target))
+            answer = _run(compiler, arguments, folder)
+            return () if answer.returncode == 0 and target.is_file() else _told(answer)
+
+        with ThreadPoolExecutor(max_workers=os.cpu_count() or 1) as pool:
+            problems = [one for told in pool.map(compile_unit, objects.items()) for one in told]
+        if problems:
+            raise CompilationError(tuple(dict.fromkeys(problems)))
+        answer = _run(compiler, (*_link_foreign(compiler), *objects, "-o", library, *linked), Path(scratch))
+        made = Path(scratch) / library
+        if answer.returncode == 0 and made.is_file():
+            return made.read_bytes()
+    raise CompilationError(_told(answer))
+
+
+# No contraction, as for our own. What they leave to the system's headers, GNU's C knows.
+_FOREIGN_OPTIONS = ("-w", "-std=gnu17", "-O2", "-ffp-contract=off")
+
+
+def foreign_options(compiler: Compiler) -> tuple[str, ...]:
+    """What ``compile_foreign`` adds to a unit's own options, and what it links with. They belong in the cache key."""
+    return (*_FOREIGN_OPTIONS, *_link_foreign(compiler))
+
+
+def _link_foreign(compiler: Compiler) -> tuple[str, ...]:
+    """A function of an FMU must not be replaced by one of the same name elsewhere in the process."""
+    return (
+        _link_options(compiler) if sys.platform in ("win32", "darwin") else (*_link_options(compiler), "-Wl,-Bsymbolic")
+    )
+
+
+def _libraries() -> tuple[str, ...]:
+    return () if sys.platform == "win32" else ("-lm",)
+
+
+def _made(
+    compiler: Compiler, files: Mapping[str, bytes], arguments: Iterable[str], product: str, libraries: Iterable[str]
+) -> bytes:
+    with tempfile.TemporaryDirectory(prefix="dse-") as scratch:
+        folder = Path(scratch) / "sources"
+        for name, content in files.items():
+            target = folder / name
+            target.parent.mkdir(parents=True, exist_ok=True)
+            target.write_bytes(content)
+        answer = _run(compiler, (*arguments, "-o", f"../{product}", *libraries), folder)
+        made = Path(scratch) / product
+        if answer.returncode == 0 and made.is_file():
+            return made.read_bytes()
+    raise CompilationError(_told(answer))
+
+
+def _run(compiler: Compiler, arguments: Iterable[str], folder: Path) -> subprocess.CompletedProcess[str]:
+    command = [*compiler.command, *arguments]
+    try:
+        return subprocess.run(
+            command,
+            cwd=folder,
+            env=environment(),
+            stdin=subprocess.DEVNULL,
+            capture_output=True,
+            text=True,
+            encoding="utf-8",
+            errors="replace",
+            timeout=_LONGEST,
+            check=False,
+        )
+    except subprocess.TimeoutExpired:
+        return subprocess.CompletedProcess(command, 1, "", f"it took longer than {_LONGEST} s")
+
+
+def _told(answer: subprocess.CompletedProcess[str]) -> tuple[Diagnostic, ...]:
+    return tuple(_diagnostics(answer.stderr or answer.stdout))
+
+
+_LOCATED = re.compile(r"^(?P<file>[^\s:][^:]*):(?P<line>\d+):(?:(?P<column>\d+):)? (?:fatal )?error: (?P<message>.*)$")
+_UNDEFINED = re.compile(r"undefined (?:reference to|symbol:?) [`'\"]?(?P<name>[A-Za-z_]\w*)")
+_TWICE = re.compile(r"(?:multiple definition of|duplicate symbol:?) [`'\"]?(?P<name>[A-Za-z_]\w*)")
+_FLAG = re.compile(r" \[-W[^\]]*\]$")
+
+
+def _diagnostics(text: str) -> list[Diagnostic]:
+    found = []
+    for line in text.splitlines():
+        if match := _LOCATED.match(line):
+            file = posixpath.normpath(match["file"].replace("\\", "/"))
+            message = _FLAG.sub("", match["message"])
+            found.append(Diagnostic(file, int(match["line"]), int(match["column"] or 0), message))
+    if found:
+        return list(dict.fromkeys(found))
+    for pattern, message in ((_UNDEFINED, "'{}' is called but not defined"), (_TWICE, "'{}' is defined twice")):
+        names = dict.fromkeys(match["name"] for match in pattern.finditer(text))
+        found += [Diagnostic("", 0, 0, message.format(name)) for name in names]
+    return found or [Diagnostic("", 0, 0, "the compiler failed: " + _last_lines(text))]
+
+
+def _last_lines(text: str) -> str:
+    lines = [line.strip() for line in text.splitlines() if line.strip()]
+    return "; ".join(lines[-3:]) or "it said nothing"

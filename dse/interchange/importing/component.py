@@ -1,0 +1,95 @@
+"""Finished FMUs become components of a workspace."""
+
+from __future__ import annotations
+
+import re
+import shutil
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+from dse.domain.component import Component, Interface, Value
+from dse.errors import Location, Problem, fail, raise_if_any
+from dse.fmu.unpack import open_fmu
+from dse.formats.yaml import shown
+from dse.formats.yaml_text import write_value
+from dse.kinds.fmu import FmuSource
+from dse.loading.names import check_choice
+from dse.loading.workspace import Workspace
+from dse.loading.writing.component import write_fmu_component, write_interfaces
+from dse.system.fmu_component import implementing, offer
+from dse.units import DIMENSIONLESS
+
+
+@dataclass(frozen=True, slots=True)
+class Imported:
+    """A component that was written to *path*.
+
+    *starts* are the FMU's own values of its inputs, as a test bench gives them. *left_out* are variables it does
+    without, each with the reason; *told* says what became something else than it is in the FMU.
+    """
+
+    component: Component
+    path: Path
+    has_own_interface: bool
+    starts: tuple[str, ...]
+    left_out: tuple[str, ...]
+    told: tuple[str, ...]
+
+
+def import_component(file: Path, folder: Path, name: str | None = None, *, cache: Path | None = None) -> Imported:
+    """Copy the FMU in *file* into the workspace *folder* and write its component beside it.
+
+    It implements that interface of the workspace whose ports it has by name, kind and dimension if all its inputs are
+    among them, else one of its own.
+    Raises DseError: no FMU that can be simulated, a name that is none, a component that is there already, a workspace
+    that cannot be read. Nothing is written then.
+    """
+    model = open_fmu(file, cache=cache)
+    own = name if name is not None else name_of(file)
+    problems: list[Problem] = []
+    check_choice(own, Location(shown(file)), problems)
+    target = folder / "components" / own
+    if target.exists():
+        problems.append(Problem("is there already", Location(shown(target)), "give another --name"))
+    raise_if_any(problems)
+    known = _interfaces(folder)
+    offered = implementing(offer(own, model, FmuSource(target / f"{own}.fmu")), known.values())
+    component = offered.component
+    has_own = component.interface.name not in known or component.interface != known[component.interface.name]
+    if has_own:
+        component = replace(component, interface=replace(component.interface, name=_free(own, set(known))))
+    target.mkdir(parents=True)
+    try:
+        shutil.copyfile(file, target / f"{own}.fmu")
+        if has_own:
+            _write(target / "interfaces.yaml", write_interfaces([component.interface]))
+        _write(target / "component.yaml", write_fmu_component(component, f"{own}.fmu"))
+    except OSError as error:
+        shutil.rmtree(target, ignore_errors=True)
+        raise fail(f"cannot be written: {error.strerror or error}", Location(shown(target))) from error
+    starts = (_start(component, port, value) for port, value in offered.starts.items())
+    return Imported(component, target / "component.yaml", has_own, tuple(starts), offered.left_out, offered.told)
+
+
+def name_of(file: Path) -> str:
+    """A component's name from a file's: ``Supplier Radar-2.fmu`` is ``supplier_radar_2``."""
+    plain = re.sub(r"[^A-Za-z0-9]+", "_", re.sub(r"(?<=[a-z])(?=[A-Z])", "_", file.stem)).strip("_").lower()
+    return plain if plain and not plain[0].isdigit() else f"fmu_{plain}".rstrip("_")
+
+
+def _start(component: Component, name: str, value: Value) -> str:
+    port = component.interface.port(name)
+    unit = port.type.unit if port is not None else DIMENSIONLESS
+    return f"{name}: {write_value(value, unit, None)} {unit}".rstrip()
+
+
+def _interfaces(folder: Path) -> dict[str, Interface]:
+    return dict(Workspace(folder).interfaces) if (folder / "components").is_dir() else {}
+
+
+def _free(name: str, taken: set[str]) -> str:
+    return next(c for c in (name, *(f"{name}_{number}" for number in range(2, len(taken) + 3))) if c not in taken)
+
+
+def _write(path: Path, text: str) -> None:
+    path.write_text(text, encoding="utf-8", newline="\n")

@@ -1,0 +1,253 @@
+"""An SSP package as a workspace: its FMUs as components, its system as a design, each variant as a bench."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+from dse.domain.bench import Simulation
+from dse.domain.component import Causality, Component, Interface, Kind, Type, Value
+from dse.domain.design import Alternative, Compound, Connection, DesignSpace, Node, Part
+from dse.errors import DseError, Location, Problem, fail, raise_if_any
+from dse.fmu.unpack import open_fmu
+from dse.formats.yaml import shown
+from dse.interchange.importing.names import free_name, part_names
+from dse.interchange.importing.parts import Catalogue
+from dse.interchange.importing.values import given_values
+from dse.interchange.prepared import read_package, timing_of
+from dse.interchange.resolving.resolve import Models, ResolvedSystem, system_of
+from dse.interchange.structure import SspSystem
+from dse.loading.writing.bench import write_bench
+from dse.loading.writing.component import write_fmu_component, write_interfaces
+from dse.loading.writing.design import write_design
+from dse.space.enumerate import configurations
+
+
+@dataclass(frozen=True, slots=True)
+class ImportedBench:
+    """A variant as a bench. *configuration* is the id of what it is about, "" if that is the first there is."""
+
+    variant: str
+    name: str
+    configuration: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class Imported:
+    """What was written, the benches that can be simulated, and what of the package could not be kept."""
+
+    files: tuple[Path, ...]
+    benches: tuple[ImportedBench, ...]
+    left_out: tuple[str, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class _Variant:
+    """One variant in the words of a workspace."""
+
+    ssp: SspSystem
+    bench: str
+    parts: Mapping[str, Component]
+    connections: tuple[Connection, ...]
+    parameters: Mapping[str, tuple[Value, Type]]
+    simulation: Simulation
+
+
+def import_ssp(
+    path: Path, folder: Path, *, stop: float | None = None, step: float | None = None, cache: Path | None = None
+) -> Imported:
+    """Make the workspace *folder* of the package at *path*; nothing that is there is overwritten.
+
+    Benches simulate to *stop* in steps of *step* (seconds); None for what the package says.
+
+    Raises DseError with what a workspace has no words for (a transformation on a connection, a wire of strings, a start
+    value of what is no parameter), each where it stands in the package; nothing is written then.
+    """
+    first, _ = read_package(path, None, cache)
+    catalogue = Catalogue()
+    told: list[str] = []
+    variants: list[_Variant] = []
+    problems: list[Problem] = []
+    for name in (first.variant, *(other for other in first.variants if other != first.variant)):
+        try:
+            taken = [variant.bench for variant in variants]
+            variants.append(_variant(path, name, catalogue, taken, told, (stop, step), cache))
+        except DseError as error:
+            problems += error.problems
+    raise_if_any(problems)
+    spaces, benches = _designs(variants, catalogue)
+    texts: dict[Path, str] = {}
+    archives: dict[Path, Path] = {}
+    for component, archive in catalogue.components():
+        own = folder / "components" / component.name
+        archives[own / f"{component.name}.fmu"] = archive
+        texts[own / "component.yaml"] = write_fmu_component(component, f"{component.name}.fmu")
+    texts[folder / "components" / "interfaces.yaml"] = write_interfaces(catalogue.interfaces())
+    for space in spaces:
+        texts[folder / "designs" / f"{space.name}.yaml"] = write_design(space)
+    for variant, (_, design) in zip(variants, benches, strict=True):
+        title = "" if variant.ssp.name == variant.bench else variant.ssp.name
+        metrics = _metrics(variant)
+        text = write_bench(variant.bench, title, design, variant.parameters, variant.simulation, metrics)
+        texts[folder / "testbenches" / f"{variant.bench}.yaml"] = text
+    _write(texts, archives)
+    files = tuple(sorted((*texts, *archives)))
+    return Imported(files, tuple(bench for bench, _ in benches), tuple(dict.fromkeys((*catalogue.left_out, *told))))
+
+
+def _variant(
+    path: Path,
+    variant: str,
+    catalogue: Catalogue,
+    taken: list[str],
+    told: list[str],
+    times: tuple[float | None, float | None],
+    cache: Path | None,
+) -> _Variant:
+    ssp, models = read_package(path, variant, cache)
+    _require_usual_kind(ssp, models, cache)
+    resolved = system_of(ssp, models)
+    told += [f"{note}" for note in resolved.notes]
+    names = part_names(resolved.structure)
+    components = {
+        element.name: catalogue.component(ssp.places[element.name], element) for element in resolved.structure.elements
+    }
+    connections = catalogue.connect(resolved, names, components)
+    order = [name for name in ssp.places if name in names]
+    parts = {names[name]: components[name] for name in order}
+    parameters = given_values(resolved, names, catalogue, components)
+    where = Location(shown(path))
+    timing = timing_of(resolved.experiment, list(models.values()), *times, where)
+    every = ssp.experiment.record_every if times == (None, None) else None
+    record = _record(resolved, names, catalogue, components, told)
+    simulation = Simulation(timing.stop, timing.step, record, every or timing.step)
+    # Variants are told apart by their files, as with 'dse simulate --variant'; the first is the system itself.
+    name = ssp.name if ssp.variant == next(iter(ssp.variants)) else ssp.variant
+    return _Variant(ssp, free_name(name, taken), parts, connections, parameters, simulation)
+
+
+def _require_usual_kind(ssp: SspSystem, models: Models, cache: Path | None) -> None:
+    """Raise DseError for each FMU that the package simulates in another way than a workspace would."""
+    raise_if_any(
+        Problem(
+            f"{name}: {component.source} is to be simulated by {component.implementation}, a workspace takes the other",
+            component.where,
+            "simulate the package as it is: dse simulate FILE.ssp",
+        )
+        for name, component in ssp.places.items()
+        if models[component.key].interface is not open_fmu(component.fmu, cache=cache).interface
+    )
+
+
+def _record(
+    resolved: ResolvedSystem,
+    names: Mapping[str, str],
+    catalogue: Catalogue,
+    components: Mapping[str, Component],
+    told: list[str],
+) -> tuple[str, ...]:
+    record: list[str] = []
+    for signal in resolved.signals:
+        element = ".".join(signal.way)
+        label = signal.label.removeprefix(f"{element}.")
+        own = catalogue.own_name(components[element], label)
+        if own is None or components[element].interface.port(own) is None:
+            told.append(f"'{signal.name}' is not recorded: it is no output that a port can be")
+            continue
+        record.append(f"{names[element]}.{own}")
+        if signal.name != signal.label and not signal.carry.is_linear_identity:
+            told.append(f"the system's output '{signal.name}' is recorded as {record[-1]}, without its transformation")
+    return tuple(dict.fromkeys(record))
+
+
+def _designs(
+    variants: list[_Variant], catalogue: Catalogue
+) -> tuple[list[DesignSpace], list[tuple[ImportedBench, str]]]:
+    """The designs, and each variant's bench with the design it is about.
+
+    Variants that differ only in what stands at their places, or in values, share a design.
+    """
+    shared: list[list[_Variant]] = []
+    for variant in variants:
+        group = next((g for g in shared if _fits(variant, g[0], catalogue)), None)
+        if group is None:
+            shared.append([variant])
+        else:
+            group.append(variant)
+    spaces: list[DesignSpace] = []
+    designs: dict[str, tuple[str, str]] = {}
+    for group in shared:
+        space = _space(group, catalogue)
+        spaces.append(space)
+        found = list(configurations(space))
+        for variant in group:
+            wanted = {place: component.name for place, component in variant.parts.items()}
+            meant = next(c for c in found if {path: part.name for path, part in c.parts.items()} == wanted)
+            designs[variant.bench] = space.name, "" if meant is found[0] else meant.id
+    benches = [(ImportedBench(v.ssp.variant, v.bench, designs[v.bench][1]), designs[v.bench][0]) for v in variants]
+    return spaces, benches
+
+
+def _fits(variant: _Variant, first: _Variant, catalogue: Catalogue) -> bool:
+    """Whether *variant* is *first* with other components at some places; they then implement the same interfaces."""
+    if [*variant.parts] != [*first.parts] or set(map(str, variant.connections)) != set(map(str, first.connections)):
+        return False
+    changed: dict[str, Component] = {}
+    for place, component in variant.parts.items():
+        own = first.parts[place]
+        if component.interface == own.interface:
+            continue
+        if not _offers(component, own.interface):
+            return False
+        changed[component.name] = replace(component, interface=own.interface)
+    if changed.keys() & {component.name for component in first.parts.values()}:
+        return False
+    for component in changed.values():
+        catalogue.replace(component)
+    return True
+
+
+def _offers(component: Component, interface: Interface) -> bool:
+    """Whether *component* has the ports of *interface*, by the same names, and no inputs besides."""
+    ports, wanted = set(component.interface.ports), set(interface.ports)
+    return wanted <= ports and all(port.causality is Causality.OUTPUT for port in ports - wanted)
+
+
+def _space(group: list[_Variant], catalogue: Catalogue) -> DesignSpace:
+    first = group[0]
+    parts: dict[str, Node] = {}
+    for place in first.parts:
+        options = dict.fromkeys(variant.parts[place].name for variant in group)
+        nodes = tuple(Part(catalogue.named(name)) for name in options)
+        parts[place] = nodes[0] if len(nodes) == 1 else Alternative(nodes)
+    title = "" if first.ssp.name == first.bench else first.ssp.name
+    return DesignSpace(first.bench, Compound(first.bench, parts, first.connections), title=title)
+
+
+def _metrics(variant: _Variant) -> dict[str, tuple[str, str]]:
+    """Where each recorded real value ends: something to look at and to explore, until a person asks for more."""
+    found: dict[str, tuple[str, str]] = {}
+    for signal in variant.simulation.record:
+        place, _, name = signal.partition(".")
+        port = variant.parts[place].interface.port(name)
+        if port is not None and port.type.kind is Kind.REAL:
+            found[free_name(f"{signal} at the end", found)] = f"final({signal})", port.type.unit.symbol
+    return found
+
+
+def _write(texts: Mapping[Path, str], archives: Mapping[Path, Path]) -> None:
+    raise_if_any(
+        Problem("the file is there already", Location(str(path)), "move it away; nothing is overwritten")
+        for path in (*texts, *archives)
+        if path.exists()
+    )
+    try:
+        for path, archive in archives.items():
+            path.parent.mkdir(parents=True, exist_ok=True)
+            path.write_bytes(archive.read_bytes())
+        for path, text in texts.items():
+            path.parent.mkdir(parents=True, exist_ok=True)
+            path.write_text(text, encoding="utf-8", newline="\n")
+    except OSError as error:
+        raise fail(f"cannot be written: {error.strerror or error}", Location(str(error.filename))) from error

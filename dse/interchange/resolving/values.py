@@ -1,0 +1,208 @@
+"""Parameter sets and their precedence: which value every variable of an FMU, and every system's connector, is given."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+
+from dse.domain.component import Kind
+from dse.domain.fmu import FmuModel
+from dse.errors import Location, Problem
+from dse.formats.xml_values import flag_of, real_of, shortened, whole_of
+from dse.interchange.resolving.conversion import KINDS, Carry, ConversionError, Form, carry, convert
+from dse.interchange.resolving.network import Network, Node, Way
+from dse.interchange.structure import (
+    Binding,
+    Component,
+    NamedUnit,
+    ParameterValue,
+    System,
+    Transformation,
+)
+from dse.units import UnitError, parse_quantity
+
+TYPED = "typed"
+"""Type of a value that a person typed: it is read as what it is given to."""
+
+Settled = float | str | bytes
+
+
+@dataclass(frozen=True, slots=True)
+class Assigned:
+    """A value on its way to a variable or connector."""
+
+    value: ParameterValue
+    transformation: Transformation | None
+    suppresses_unit_conversion: bool
+    where: Location
+
+
+def assignments(
+    system: System, network: Network, models: Mapping[Way, FmuModel], notes: list[Problem]
+) -> dict[Node, Assigned]:
+    """What the bindings of all elements of *system* give, by variable of an FMU or connector of a system.
+
+    Of several values for one of them the later binding's counts, and that of the outer system (SSP, 5.2.3). A name that
+    matches nothing is ignored, as SSP says; *notes* tell which.
+    """
+    given: dict[Node, Assigned] = {}
+    _collect(system, (), network, models, given, notes)
+    return given
+
+
+def _collect(
+    element: Component | System,
+    way: Way,
+    network: Network,
+    models: Mapping[Way, FmuModel],
+    given: dict[Node, Assigned],
+    notes: list[Problem],
+) -> None:
+    if isinstance(element, System):
+        for inner in element.elements:
+            if isinstance(inner, Component | System):
+                _collect(inner, (*way, inner.name), network, models, given, notes)
+    for binding in element.bindings:
+        for name, assigned in _entries(binding, notes):
+            nodes = list(named(element, way, name, models))
+            if not nodes:
+                place = ".".join(way) or "the system"
+                notes.append(
+                    Problem(f"nothing in {place} is called '{shortened(name)}'; its value is not used", assigned.where)
+                )
+            for node in nodes:
+                given[node] = assigned
+
+
+def _entries(binding: Binding, notes: list[Problem]) -> Iterator[tuple[str, Assigned]]:
+    values = {binding.prefix + value.name: value for value in binding.values}
+    if binding.mapping is None:
+        for name, value in values.items():
+            yield name, Assigned(value, None, False, value.where)
+        return
+    # With a mapping, only what it names is applied (SSP, ParameterBindings).
+    for entry in binding.mapping:
+        found = values.get(entry.source)
+        if found is None:
+            what = (
+                f"the parameter set has no '{shortened(entry.source)}', so that '{shortened(entry.target)}' is not set"
+            )
+            notes.append(Problem(what, entry.where))
+        else:
+            yield entry.target, Assigned(found, entry.transformation, entry.suppresses_unit_conversion, entry.where)
+
+
+def named(element: Component | System, way: Way, name: str, models: Mapping[Way, FmuModel]) -> Iterator[Node]:
+    """All variables and connectors in *element* that have the hierarchical *name*; there may be several."""
+    if isinstance(element, Component):
+        if name in models[way].variables or _is_label(name, models[way]):
+            yield Node(way, name)
+        return
+    if any(connector.name == name for connector in element.connectors):
+        yield Node(way, name)
+    for inner in element.elements:
+        if isinstance(inner, Component | System) and name.startswith(f"{inner.name}."):
+            yield from named(inner, (*way, inner.name), name[len(inner.name) + 1 :], models)
+
+
+def _is_label(name: str, model: FmuModel) -> bool:
+    array = model.variables.get(name.rpartition("[")[0]) if name.endswith("]") else None
+    return array is not None and name in array.labels
+
+
+def settle(assigned: Assigned, target: Form, after: Carry | None = None) -> tuple[Settled, ...]:
+    """What *assigned* gives to something of the form *target*, then carried on *after*. Raises ConversionError."""
+    value = assigned.value
+    if value.type == TYPED:
+        return tuple(_typed(text, target, after) for text in value.values)
+    if value.type in ("String", "Binary") or target.kind in ("String", "Binary"):
+        if value.type != target.kind or assigned.transformation is not None:
+            raise ConversionError(f"a value of the type {value.type} cannot be given to {target.kind}")
+        return tuple(_bytes(text) if value.type == "Binary" else text for text in value.values)
+    if value.type == "Enumeration":
+        return tuple(_item(text, assigned.transformation, target, after) for text in value.values)
+    source = Form(KINDS[value.type], value.unit)
+    numbers = [_number(text, value.type) for text in value.values]
+    if source.kind == Kind.REAL and target.kind == Kind.INTEGER and all(number.is_integer() for number in numbers):
+        source = Form(Kind.INTEGER)
+    way = carry(
+        source,
+        target,
+        assigned.transformation,
+        suppresses_unit_conversion=assigned.suppresses_unit_conversion,
+    )
+    way = way.then(after) if after else way
+    return tuple(_applied(way, number) for number in numbers)
+
+
+def _applied(way: Carry, number: float) -> float:
+    value = way.apply(number)
+    if math.isfinite(number) and not math.isfinite(value):
+        raise ConversionError(f"{number:g} is converted to what is beyond the range of numbers")
+    return value
+
+
+def _item(text: str, transformation: Transformation | None, target: Form, after: Carry | None) -> float:
+    if target.kind != Kind.ENUMERATION or not target.items:
+        raise ConversionError(f"the item '{shortened(text)}' cannot be given to {target.kind}")
+    if transformation is not None and transformation.name != "EnumerationMappingTransformation":
+        raise ConversionError("the value is an item's name, which only a table of items can change")
+    name = dict(transformation.entries).get(text, text) if transformation else text
+    if name not in target.items:
+        raise ConversionError(f"'{shortened(name)}' is none of {', '.join(target.items)}")
+    number = float(target.items[name])
+    return after.apply(number) if after else number
+
+
+def _number(text: str, type_: str) -> float:
+    kind = KINDS[type_]
+    value: float | int | bool | None
+    if kind == Kind.BOOLEAN:
+        value = flag_of(text)
+    elif kind == Kind.INTEGER:
+        value = whole_of(text)
+    else:
+        value = real_of(text)
+    if value is None:
+        raise ConversionError(f"'{shortened(text)}' is no {type_}")
+    if not math.isfinite(value):
+        raise ConversionError(f"'{shortened(text)}' is no number that an FMU can begin with")
+    return float(value)
+
+
+def _bytes(text: str) -> bytes:
+    try:
+        return bytes.fromhex(text)
+    except ValueError:
+        raise ConversionError(f"'{shortened(text)}' is no sequence of hexadecimal digits") from None
+
+
+def _typed(text: str, target: Form, after: Carry | None) -> Settled:
+    if target.kind == "String":
+        return text
+    if target.kind == "Binary":
+        return _bytes(text)
+    if target.kind == Kind.ENUMERATION and target.items and whole_of(text) is None:
+        return _item(text, None, target, after)
+    if target.kind == Kind.REAL:
+        number = _quantity(text, target)
+    else:
+        number = _number(text, "Boolean" if target.kind == Kind.BOOLEAN else "Integer")
+    return after.apply(number) if after else number
+
+
+def _quantity(text: str, target: Form) -> float:
+    """A number in the target's own unit, or with another unit of the same kind."""
+    try:
+        quantity = parse_quantity(text)
+    except UnitError as error:
+        raise ConversionError(str(error)) from None
+    if not quantity.unit.symbol:
+        return float(quantity.magnitude)
+    if target.unit is None:
+        raise ConversionError(f"it has no unit, so that '{text}' cannot be converted")
+    unit = quantity.unit
+    known = NamedUnit(unit.symbol)
+    way = convert(Form(Kind.REAL, known), Form(Kind.REAL, target.unit))
+    return _applied(way, float(quantity.magnitude))

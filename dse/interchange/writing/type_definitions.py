@@ -1,0 +1,106 @@
+"""Connectors with their types, and the units and enumerations they name."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
+from xml.etree import ElementTree as ET
+
+from dse.domain.component import Kind
+from dse.domain.fmu import FmuModel, UnitDefinition, Variable
+from dse.domain.system import Element
+from dse.interchange.reading.common import BASE_UNITS
+from dse.interchange.resolving.conversion import ConversionError, definition
+from dse.interchange.structure import NamedUnit
+
+_IN_VERSION_1 = {
+    "Float64": "Real",
+    "Int32": "Integer",
+    **{name: name for name in ("Real", "Integer", "Boolean", "String", "Binary")},
+}
+"""Types of FMI that SSP 1.0 has a word for."""
+_KINDS_1 = ("input", "output", "parameter", "calculatedParameter")
+
+
+def needs_version_2(element: Element) -> bool:
+    """Whether something of *element* cannot be said in SSP 1.0."""
+    return any(
+        variable.shape
+        or variable.is_structural
+        or (variable.kind is not Kind.ENUMERATION and variable.fmi_type not in _IN_VERSION_1)
+        or (connected and variable.causality not in _KINDS_1)
+        for variable, connected in _said(element)
+    )
+
+
+def _said(element: Element) -> Iterator[tuple[Variable, bool]]:
+    yield from ((variable, True) for variable in (*element.inputs, *element.outputs))
+    for name in (*element.start, *element.texts):
+        variable = element.model.variables.get(name) or element.model.variables[name.rpartition("[")[0]]
+        yield variable, False
+
+
+@dataclass(slots=True)
+class Definitions:
+    """The units and enumerations a file names."""
+
+    units: dict[str, UnitDefinition] = field(default_factory=dict)
+    enumerations: dict[str, Mapping[str, int]] = field(default_factory=dict)
+
+    def unit(self, variable: Variable, model: FmuModel) -> str:
+        """The name of the variable's unit in the file; "" if nobody says what it is."""
+        if not variable.unit:
+            return ""
+        try:
+            meant = definition(NamedUnit(variable.unit, model.units.get(variable.unit)))
+        except ConversionError:
+            return ""
+        # Two FMUs may call different units the same; then the second connector goes without.
+        return variable.unit if self.units.setdefault(variable.unit, meant) == meant else ""
+
+    def enumeration(self, variable: Variable, component: str) -> str:
+        """The name of the variable's enumeration in the file."""
+        same = [name for name, items in self.enumerations.items() if items == variable.items]
+        if same:
+            return same[0]
+        name = f"{component}.{variable.name}"
+        self.enumerations[name] = variable.items
+        return name
+
+    def add_to(self, root: ET.Element) -> None:
+        """Write them down."""
+        if self.enumerations:
+            group = ET.SubElement(root, "ssd:Enumerations")
+            for name, items in sorted(self.enumerations.items()):
+                entry = ET.SubElement(group, "ssc:Enumeration", name=name)
+                for item, value in items.items():
+                    ET.SubElement(entry, "ssc:Item", name=item, value=str(value))
+        if self.units:
+            group = ET.SubElement(root, "ssd:Units")
+            for name, unit in sorted(self.units.items()):
+                entry = ET.SubElement(group, "ssc:Unit", name=name)
+                said = {base: str(unit.exponents[base]) for base in BASE_UNITS if unit.exponents.get(base)}
+                if unit.factor != 1:
+                    said["factor"] = repr(unit.factor)
+                if unit.offset != 0:
+                    said["offset"] = repr(unit.offset)
+                ET.SubElement(entry, "ssc:BaseUnit", said)
+
+
+def add_connector(
+    group: ET.Element, variable: Variable, model: FmuModel, component: str, definitions: Definitions, version: str
+) -> None:
+    """A connector for *variable*, with its type as far as this version of SSP has a word for it."""
+    connector = ET.SubElement(group, "ssd:Connector", name=variable.name, kind=variable.causality)
+    if variable.kind is Kind.ENUMERATION:
+        if variable.items:
+            ET.SubElement(connector, "ssc:Enumeration", name=definitions.enumeration(variable, component))
+    else:
+        word = _IN_VERSION_1.get(variable.fmi_type) if version == "1.0" else variable.fmi_type
+        if word:
+            typed = ET.SubElement(connector, f"ssc:{word}")
+            unit = definitions.unit(variable, model) if variable.kind is Kind.REAL else ""
+            if unit:
+                typed.set("unit", unit)
+    for size in variable.shape:
+        ET.SubElement(connector, "ssc:Dimension", size=str(size))

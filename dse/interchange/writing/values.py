@@ -1,0 +1,147 @@
+"""Start values as parameter sets: those that differ from what the FMU starts with by itself."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from fractions import Fraction
+from xml.etree import ElementTree as ET
+
+from dse.domain.component import Kind
+from dse.domain.fmu import Variable
+from dse.domain.system import Element
+from dse.errors import fail
+from dse.formats.xml_values import flag_of, real_of
+from dse.interchange.resolving.conversion import as_float
+
+Inside = float | str | bytes
+
+_SET = "start_values"
+
+
+def add_values(component: ET.Element, element: Element, version: str) -> None:
+    """A parameter binding of *component* with what *element* starts with; none if that is what the FMU says.
+
+    All sets have one name, as some programs apply those that have the name they are told.
+    """
+    given = {label: inside(element, variable, value) for label, variable, value in _given(element)}
+    lines: list[tuple[str, Variable, list[Inside]]] = []
+    for variable in element.model.variables.values():
+        own = starts(variable)
+        labels = variable.labels
+        if not any(label in given for label in labels):
+            continue
+        known = {**own, **{label: given[label] for label in labels if label in given}}
+        if known == own:
+            continue
+        if len(known) < len(labels):
+            raise fail(f"{element.name}.{variable.name}: only some of its values are given, which SSP cannot say")
+        lines.append((variable.name, variable, [known[label] for label in labels]))
+    if not lines:
+        return
+    bindings = ET.SubElement(component, "ssd:ParameterBindings")
+    binding = ET.SubElement(bindings, "ssd:ParameterBinding")
+    inline = ET.SubElement(binding, "ssd:ParameterValues")
+    values = ET.SubElement(inline, "ssv:ParameterSet", version=version, name=_SET)
+    parameters = ET.SubElement(values, "ssv:Parameters")
+    for parameter, variable, numbers in lines:
+        entry = ET.SubElement(parameters, "ssv:Parameter", name=parameter)
+        _add_value(entry, variable, numbers, version)
+
+
+def starts(variable: Variable) -> dict[str, Inside]:
+    """What the FMU starts with, by label; what it does not say, or not as its type asks for, is missing."""
+    labels = variable.labels
+    texts = variable.start * len(labels) if len(variable.start) == 1 else variable.start
+    if len(texts) != len(labels):
+        return {}
+    found: dict[str, Inside] = {}
+    for label, text in zip(labels, texts, strict=True):
+        value: Inside | None
+        if variable.fmi_type == "Binary":
+            value = _bytes(text)
+        elif variable.kind is None:
+            value = text
+        elif variable.kind is Kind.BOOLEAN:
+            flag = flag_of(text)
+            value = None if flag is None else float(flag)
+        else:
+            value = real_of(text)
+        if value is not None:
+            found[label] = value
+    return found
+
+
+def _bytes(text: str) -> bytes | None:
+    try:
+        return bytes.fromhex(text)
+    except ValueError:
+        return None
+
+
+def _given(element: Element) -> list[tuple[str, Variable, float | str | bytes]]:
+    found: list[tuple[str, Variable, float | str | bytes]] = []
+    for label, value in (*element.start.items(), *element.texts.items()):
+        variable = element.model.variables.get(label) or element.model.variables[label.rpartition("[")[0]]
+        found.append((label, variable, value))
+    return found
+
+
+def inside(element: Element, variable: Variable, value: float | str | bytes) -> Inside:
+    """The value in the FMU that *value* stands for outside of it. Raises DseError for a value no item has."""
+    conversion = element.conversions.get(variable.name)
+    if conversion is None or not isinstance(value, float | int):
+        return float(value) if isinstance(value, int) else value
+    if conversion.items:
+        meant = [within for within, outside in conversion.items if outside == value]
+        if not meant:
+            raise fail(f"{element.name}.{variable.name}: {value:g} is the value of no item")
+        return float(meant[0])
+    if conversion.factor == 1 and conversion.offset == 0:
+        return float(value)
+    if not math.isfinite(value):
+        return float(value)
+    number = as_float((Fraction(value) - Fraction(conversion.offset)) / Fraction(conversion.factor))
+    if not math.isfinite(number):
+        raise fail(f"{element.name}.{variable.name}: {value:g} is beyond the range of numbers in the FMU's unit")
+    return number
+
+
+def _add_value(entry: ET.Element, variable: Variable, values: Sequence[Inside], version: str) -> None:
+    if variable.kind is Kind.ENUMERATION and variable.items and not variable.shape:
+        named = [name for name, number in variable.items.items() if number == values[0]]
+        if named:
+            ET.SubElement(entry, "ssv:Enumeration", value=named[0])
+            return
+    word = variable.fmi_type
+    if variable.kind is Kind.ENUMERATION:
+        word = "Integer" if version == "1.0" else "Int64"
+    elif version == "1.0":
+        word = {"Float64": "Real", "Int32": "Integer"}.get(word, word)
+    if word == "String" and variable.shape:
+        typed = ET.SubElement(entry, "ssv:String")
+        for value in values:
+            ET.SubElement(typed, "ssv:Value", value=str(value))
+    elif word == "Binary" and variable.shape:
+        typed = ET.SubElement(entry, "ssv:Binary")
+        for value in values:
+            ET.SubElement(typed, "ssv:Value", value=_text(value, variable))
+    else:
+        ET.SubElement(entry, f"ssv:{word}", value=" ".join(_text(value, variable) for value in values))
+    for size in variable.shape:
+        ET.SubElement(entry, "ssc:Dimension", size=str(size))
+
+
+_SPECIAL = {"inf": "INF", "-inf": "-INF", "nan": "NaN"}
+
+
+def _text(value: Inside, variable: Variable) -> str:
+    if isinstance(value, bytes):
+        return value.hex()
+    if isinstance(value, str):
+        return value
+    if variable.kind is Kind.BOOLEAN:
+        return "true" if value else "false"
+    if variable.kind is Kind.REAL:
+        return _SPECIAL.get(repr(value), repr(value))
+    return str(int(value))

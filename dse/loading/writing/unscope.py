@@ -1,0 +1,40 @@
+"""Writes a constraint of a container in the names of the container: the reverse of `dse.loading.design.scope`."""
+
+from __future__ import annotations
+
+from collections.abc import Collection
+from dataclasses import replace
+
+from dse.domain.expression import Binary, Call, Chosen, Expression, Name, Node
+from dse.errors import DseError, Location
+from dse.expression.rewrite import rewritten
+from dse.expression.text import same, show_expression
+from dse.loading.design.scope import Spot, inside, is_rollup
+from dse.loading.passages import written
+
+
+def relative_rule(rule: Expression, spot: Spot, parts: Collection[str]) -> str | None:
+    """The text that *rule* has within the container at *spot*; None if it cannot stand there."""
+    root = rule.root
+    if spot.guards:
+        if not (isinstance(root, Binary) and root.operator == "implies"):
+            return None
+        root = root.right
+    prefix = f"{spot.path}."
+
+    def stripped(node: Node) -> Node:
+        match node:
+            case Chosen():
+                return replace(node, place=node.place.removeprefix(prefix))
+            case Name(path) if path != spot.path:
+                return replace(node, path=path.removeprefix(prefix))
+            case Call(function, (first, Name(path))) if path == spot.path and is_rollup(function, first):
+                return replace(node, arguments=(first,))
+        return node
+
+    try:
+        text = show_expression(rewritten(root, stripped))
+        again = inside(spot, parts, written(text, Location(""))).parse()
+    except DseError:
+        return None
+    return text if same(again.root, rule.root) else None

@@ -1,0 +1,74 @@
+"""Values of expressions: for start values, and as an oracle that shares nothing with the generated C."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterable, Mapping
+from itertools import pairwise
+
+from dse.errors import fail
+from dse.modelica.algebra.arithmetic import FUNCTIONS
+from dse.modelica.algebra.expression import Expression, Symbol, walk
+from dse.modelica.algebra.tables import ERROR, HOLD, table1, table2
+
+Values = Mapping[Symbol, float] | Callable[[Symbol], float]
+
+
+def evaluate(expressions: Iterable[Expression], values: Values) -> list[float]:
+    """Value of each of *expressions* where symbols have *values*.
+
+    IEEE doubles: NaN outside a domain (of an operator, a ``select`` or a table that refuses to extrapolate), infinite
+    at a pole. Raises what *values* raises for an unknown symbol; DseError for a table whose axis does not increase.
+    """
+    of = values.__getitem__ if isinstance(values, Mapping) else values
+    roots = list(expressions)
+    done: dict[int, float] = {}
+    for node in walk(roots):
+        if node.symbol is not None:
+            done[node.number] = float(of(node.symbol))
+        elif node.is_constant:
+            done[node.number] = node.value
+        elif node.operator == "select":
+            done[node.number] = _selected(node, done)
+        elif node.operator == "call":
+            done[node.number] = _called(node, done)
+        elif node.operator != "array":
+            done[node.number] = FUNCTIONS[node.operator](*(done[operand.number] for operand in node.operands))
+    return [done[root.number] for root in roots]
+
+
+def _selected(node: Expression, done: Mapping[int, float]) -> float:
+    array, *indices = node.operands
+    place = 0
+    for index, size in zip(indices, array.shape, strict=True):
+        value = done[index.number]
+        if not (1 <= value <= size and value.is_integer()):
+            return math.nan
+        place = place * size + int(value) - 1
+    return done[array.operands[place].number]
+
+
+def _called(node: Expression, done: Mapping[int, float]) -> float:
+    def scalar(place: int) -> float:
+        return done[node.operands[place].number]
+
+    def elements(place: int) -> list[float]:
+        return [done[element.number] for element in node.operands[place].operands]
+
+    if node.name == "table1":
+        axes = [elements(2)]
+    elif node.name == "table2":
+        axes = [elements(4), elements(5)]
+    else:
+        raise fail(f"'{node.name}' cannot be evaluated")
+    for axis in axes:
+        if len(axis) < 2 or any(not a < b for a, b in pairwise(axis)):
+            raise fail(f"a table needs at least two points on a strictly increasing axis, not {axis}")
+    extrapolation = scalar(len(node.operands) - 1)
+    if extrapolation not in range(HOLD, ERROR + 1):
+        raise fail(f"a table's extrapolation is 1, 2 or 3, not {extrapolation:g}")
+    is_smooth = scalar(len(node.operands) - 2) != 0
+    if node.name == "table1":
+        return table1(int(scalar(0)), scalar(1), axes[0], elements(3), is_smooth, int(extrapolation))
+    orders, point = (int(scalar(0)), int(scalar(1))), (scalar(2), scalar(3))
+    return table2(orders, point, (axes[0], axes[1]), elements(6), is_smooth, int(extrapolation))

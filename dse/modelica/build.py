@@ -1,0 +1,232 @@
+"""A Modelica component as an FMU: front-end, flattening, sorting, C, one object that outlives new start values."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+from functools import lru_cache
+from pathlib import Path
+
+from dse.csolve import headers
+from dse.domain.component import Component, ModelicaCompiler, ModelicaSource
+from dse.errors import DseError, fail
+from dse.fmu.archive import pack
+from dse.fmu.cache import cache_folder, content_key, keep_file
+from dse.fmu.describe import describe_sources, identifier
+from dse.fmu.toolchain.compilation import (
+    LANGUAGE_OPTIONS,
+    MODEL_OPTIONS,
+    CompilationError,
+    compile_object,
+    link_library,
+    options,
+)
+from dse.fmu.toolchain.compiler import Compiler, find_compiler
+from dse.fmu.toolchain.platforms import this_platform
+from dse.modelica.description import Described, describe_model
+from dse.modelica.documentation import documentation
+from dse.modelica.emit.model import Settings, Solver, emit
+from dse.modelica.frontend.remembered import Memory
+from dse.modelica.frontend.sources import ModelSources, library_contents, read_sources
+from dse.modelica.omc import build_with_omc, find_omc, omc_version
+from dse.modelica.translate import Translated, TranslationError, translate
+
+_DSE = Path(__file__).parents[1]
+_RUNTIME = _DSE / "fmu" / "runtime"
+# fmt: off
+_COMMON = (
+    "slot.h", "instance.h", "value.h", "modelica.h", "arithmetic.h", "tables.h", "evaluate.h", "relations.h",
+    "integrate.h", "events.h", "co_simulation.h", "simulation.h", "exchange.h",
+)
+_FILES = {
+    2: (*_COMMON, "fmi2_abi.h", "fmi2_exchange.h", "fmi2.c"),
+    3: (*_COMMON, "fmi3_abi.h", "fmi3_refused.h", "fmi3_exchange.h", "fmi3.c"),
+}
+# fmt: on
+_DEFAULT_TOLERANCE = 1e-6
+
+
+def build_modelica(component: Component, source: ModelicaSource, version: int, cache: Path | None) -> Path:
+    """The FMU archive of *component*, from the cache if it was built before. Raises DseError.
+
+    With the compiler ``auto``, what dse cannot translate is given to OpenModelica, if this machine has it.
+    """
+    sources = _read(component, source)
+    omc = find_omc() if source.compiler is not ModelicaCompiler.RUMOCA else None
+    if source.compiler is ModelicaCompiler.OMC:
+        if omc is None:
+            raise _without_omc(component)
+        return _by_omc(component, source, sources, omc, version, cache)
+    try:
+        return _by_dse(component, source, sources, version, cache)
+    except TranslationError as refusal:
+        if omc is None:
+            raise _mentioning_omc(refusal, source) from refusal
+        try:
+            return _by_omc(component, source, sources, omc, version, cache)
+        except DseError as error:
+            raise DseError(*refusal.problems, *error.problems) from error
+
+
+def check_modelica(component: Component, source: ModelicaSource, cache: Path | None = None) -> None:
+    """Raise DseError with everything that is wrong with the model and its component, as `build_modelica` would.
+
+    No C compiler is needed, and OpenModelica is not run. What was found right is noted in the cache.
+    """
+    sources = _read(component, source)
+    if source.compiler is ModelicaCompiler.OMC:
+        if find_omc() is None:
+            raise _without_omc(component)
+        return
+    note = cache_folder(cache) / "checked" / content_key(_identity(component, source, sources, 0))
+    if note.is_file():
+        return
+    try:
+        translate(component, sources, _memory(cache))
+    except TranslationError as refusal:
+        if source.compiler is ModelicaCompiler.AUTO and find_omc() is not None:
+            return
+        raise _mentioning_omc(refusal, source) from refusal
+    keep_file(note, b"")
+
+
+def _without_omc(component: Component) -> DseError:
+    what = f"component '{component.name}': its compiler is omc, which is not on PATH"
+    return fail(what, component.where, "install OpenModelica, or say compiler: auto")
+
+
+def _mentioning_omc(refusal: TranslationError, source: ModelicaSource) -> DseError:
+    if source.compiler is not ModelicaCompiler.AUTO:
+        return DseError(*refusal.problems)
+    first, *others = refusal.problems
+    hint = "; ".join(filter(None, (first.hint, "if OpenModelica's omc were on PATH, it would be tried")))
+    return DseError(replace(first, hint=hint), *others)
+
+
+def _by_omc(
+    component: Component, source: ModelicaSource, sources: ModelSources, omc: str, version: int, cache: Path | None
+) -> Path:
+    if version != 2:
+        what = f"component '{component.name}': omc writes FMI 2.0, not {version}"
+        raise fail(what, component.where, "build it for FMI 2")
+    keyed = [*_identity(component, source, sources, version), ("omc", omc_version(omc).encode())]
+    target = cache_folder(cache) / "built" / f"{identifier(component.name)}-{content_key(keyed)}.fmu"
+    return target if target.is_file() else keep_file(target, build_with_omc(component, source, sources, omc))
+
+
+def _by_dse(
+    component: Component, source: ModelicaSource, sources: ModelSources, version: int, cache: Path | None
+) -> Path:
+    compiler = find_compiler()
+    platform = this_platform()
+    identity = _identity(component, source, sources, version)
+    token = "{" + content_key(identity) + "}"
+    machine = ("build", repr((compiler.identity, options(compiler), MODEL_OPTIONS, platform.name)).encode())
+    named = identifier(component.name)
+    target = cache_folder(cache) / "built" / f"{named}-{content_key([*identity, machine])}.fmu"
+    if target.is_file():
+        return target
+    translated = translate(component, sources, _memory(cache))
+    contents = _contents(component, source, translated, named, token, version)
+    library = platform.library(version, named)
+    try:
+        binary = _compiled(compiler, contents, version, library.name, cache)
+    except CompilationError as error:
+        said = "; ".join(f"{d.file}:{d.line}: {d.message}" if d.file else d.message for d in error.diagnostics[:3])
+        what = f"component '{component.name}': the C made from {source.model} does not compile: {said}"
+        raise fail(what, component.where, "this is a mistake of dse: please report it with the model") from error
+    return keep_file(target, pack({**contents, str(library): binary}))
+
+
+def _memory(cache: Path | None) -> Memory:
+    return Memory(cache_folder(cache) / "modelica", _implementation())
+
+
+def _read(component: Component, source: ModelicaSource) -> ModelSources:
+    return read_sources(component.name, source.model, source.files, source.roots, component.where)
+
+
+def _contents(
+    component: Component, source: ModelicaSource, translated: Translated, named: str, token: str, version: int
+) -> dict[str, bytes]:
+    """Every file of the FMU but its library, by path; the same for the same component on every machine."""
+    tolerance = source.tolerance or _DEFAULT_TOLERANCE
+    generated = emit(translated.solved, translated.variables, token, Settings(Solver(source.solver.value), tolerance))
+    files = (f"runtime/fmi{version}.c", "runtime/start.c")
+    described = Described(
+        name=component.name,
+        identifier=named,
+        title=component.title or translated.description,
+        token=token,
+        tolerance=tolerance,
+        variables=translated.variables,
+        indicators=len(translated.solved.flat.relations),
+        files=files,
+        dependencies=translated.solved.dependencies,
+    )
+    contents = {
+        **{f"sources/runtime/{name}": _runtime()[name] for name in (*_FILES[version], *headers())},
+        **{f"sources/runtime/{name}": content for name, content in generated.items()},
+        "modelDescription.xml": describe_model(described, version),
+    }
+    settings = f"solver {source.solver.value}, relative tolerance {tolerance:g}"
+    contents["documentation/index.html"] = documentation(
+        component.title or component.name, source.model, translated.files, settings, translated.solved.notes
+    )
+    if version == 3:
+        contents["sources/buildDescription.xml"] = describe_sources(
+            named, files, "runtime", (*LANGUAGE_OPTIONS, *MODEL_OPTIONS)
+        )
+    return contents
+
+
+def _compiled(
+    compiler: Compiler, contents: Mapping[str, bytes], version: int, library: str, cache: Path | None
+) -> bytes:
+    """The library. The model's object is kept, so that new start values cost a link only."""
+    prefix = "sources/runtime/"
+    files = {name.removeprefix(prefix): text for name, text in contents.items() if name.startswith(prefix)}
+    start = {"start.c": files.pop("start.c")}
+    keyed = [*sorted(files.items()), ("build", repr((compiler.identity, options(compiler), MODEL_OPTIONS)).encode())]
+    kept = cache_folder(cache) / "objects" / f"{content_key(keyed)}.o"
+    if not kept.is_file():
+        keep_file(kept, compile_object(compiler, files, f"fmi{version}.c", MODEL_OPTIONS))
+    return link_library(
+        compiler, {"model.o": kept.read_bytes(), "start.o": compile_object(compiler, start, "start.c")}, library
+    )
+
+
+def _identity(
+    component: Component, source: ModelicaSource, sources: ModelSources, version: int
+) -> list[tuple[str, bytes]]:
+    """Everything the FMU is made of, without places on this machine."""
+    declared = (
+        component.name,
+        component.title,
+        tuple((port.name, str(port.causality), str(port.type)) for port in component.interface.ports),
+        tuple(replace(parameter, where=None) for parameter in component.parameters),
+        sorted(component.names.items()),
+        source.model,
+        source.solver.value,
+        source.tolerance,
+        version,
+    )
+    return [
+        ("component", repr(declared).encode()),
+        *sorted(sources.contents.items()),
+        *((f"library/{name}", content) for name, content in library_contents(sources)),
+        ("implementation", _implementation().encode()),
+    ]
+
+
+@lru_cache(maxsize=1)
+def _runtime() -> dict[str, bytes]:
+    return {**{path.name: path.read_bytes() for path in sorted(_RUNTIME.glob("*.[ch]"))}, **headers()}
+
+
+@lru_cache(maxsize=1)
+def _implementation() -> str:
+    """A name of the program that translates: other code may write another FMU."""
+    files = [path for room in ("fmu", "modelica") for path in sorted((_DSE / room).rglob("*.py"))]
+    code = ((path.relative_to(_DSE).as_posix(), path.read_bytes()) for path in files)
+    return content_key([*code, *_runtime().items()])

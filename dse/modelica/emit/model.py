@@ -1,0 +1,137 @@
+"""A solved model as C: ``model.h`` for the FMU runtime, and ``start.c`` with what may change without compiling anew."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass, replace
+from enum import StrEnum
+from itertools import chain
+
+from dse.modelica.emit.axes import axis_checks
+from dse.modelica.emit.blocks import (
+    activation_lines,
+    block_pieces,
+    function_lines,
+    part_name,
+    pass_lines,
+    scoped,
+    scopes,
+)
+from dse.modelica.emit.data import size_lines, slot_lines, start_lines, table_lines
+from dse.modelica.emit.events import check_lines, reinitialization_lines, relation_lines
+from dse.modelica.emit.hoist import Hoisted, hoisted
+from dse.modelica.emit.layout import Layout, all_expressions, layout
+from dse.modelica.emit.scope import Store
+from dse.modelica.emit.setting import Collected, Setting
+from dse.modelica.emit.sharing import Program, plan
+from dse.modelica.emit.text import comment, literal
+from dse.modelica.emit.variables import FmuVariable
+from dse.modelica.solved import Activation, Solved
+
+
+class Solver(StrEnum):
+    """How the FMU integrates itself in co-simulation; auto: by the stiffness it meets."""
+
+    AUTO = "auto"
+    EXPLICIT = "explicit"
+    STIFF = "stiff"
+
+
+@dataclass(frozen=True, slots=True)
+class Settings:
+    """How the FMU simulates. *tolerance* is relative; a state's absolute one is it times the nominal value."""
+
+    solver: Solver = Solver.AUTO
+    tolerance: float = 1e-6
+
+
+def emit(
+    solved: Solved, variables: Sequence[FmuVariable], token: str, settings: Settings | None = None
+) -> dict[str, bytes]:
+    """``model.h`` and ``start.c``, by name. *variables* are those of `variables`, in order of their references.
+
+    Start values and *token* stand in start.c only. Raises DseError for what cannot become C: too large a system, a
+    clock too fine to count, a token too long.
+    """
+    where = layout(solved)
+    lean = hoisted(solved, where)
+    model = _model(solved, where, lean, variables, settings or Settings())
+    start = start_lines(solved, variables, where.size + len(lean.own), token)
+    return {"model.h": _bytes(model), "start.c": _bytes(start)}
+
+
+def _bytes(lines: Iterable[str]) -> bytes:
+    return ("\n".join(lines) + "\n").encode("ascii")
+
+
+def _model(
+    solved: Solved, where: Layout, lean: Hoisted, variables: Sequence[FmuVariable], settings: Settings
+) -> list[str]:
+    collected = Collected()
+    functions = list(_functions(solved, where, lean, collected))
+    return [
+        comment(f"Generated from the Modelica model {solved.flat.name}."),
+        "#ifndef DSE_MODEL_H",
+        "#define DSE_MODEL_H",
+        *size_lines(solved, where, lean, collected.largest_system),
+        f"#define DSE_SOLVER DSE_{settings.solver.name}_SOLVER",
+        f"#define DSE_DEFAULT_TOLERANCE {literal(settings.tolerance)}",
+        '#include "arithmetic.h"',
+        '#include "modelica.h"',
+        *table_lines(solved, where, list(collected.failures)),
+        *slot_lines(variables),
+        *collected.array_lines(),
+        *collected.system_lines,
+        *functions,
+        "#endif",
+    ]
+
+
+def _functions(solved: Solved, where: Layout, lean: Hoisted, collected: Collected) -> Iterator[str]:
+    plain = Setting(where, collected)
+    hot = replace(plain, own=lean.own, gathered={node.number: place for node, place in lean.gathered})
+    flat = lean.solved.flat
+    yield from function_lines("model_parameters", _parameters(solved, lean, replace(plain, own=lean.own), hot))
+    yield from pass_lines("model_guess", solved.guesses, solved.flat, plain)
+    order = plan(lean.solved.derivatives, lean.solved.outputs, lean.solved.event, lean.lean_initial or (), flat)
+    for part in order.parts:
+        yield from pass_lines(part_name(part.number), part.blocks, flat, hot)
+    at_start = replace(plain if lean.lean_initial is None else hot, is_initial=True)
+    yield from function_lines("model_initial", _initial(solved, order.initial or solved.initial, at_start))
+    yield from pass_lines("model_derivatives", order.derivatives, flat, hot)
+    yield from pass_lines("model_outputs", order.outputs, flat, hot)
+    yield from pass_lines("model_event", order.event, flat, hot)
+    yield from relation_lines(flat, hot)
+    yield from reinitialization_lines(lean.solved, hot)
+    yield from check_lines(flat, hot)
+    yield from _aliases(solved, plain)
+
+
+def _parameters(solved: Solved, lean: Hoisted, setting: Setting, hot: Setting) -> Iterator[list[str]]:
+    """Dependent parameters, what the hot functions need of them, copies of arrays, and a look at all tables' axes."""
+    yield from block_pieces((*solved.parameters, *lean.assignments), solved.flat, setting)
+    for node, place in lean.gathered:
+        stores = [Store(f"m->data[{place + k}]", element, "in an array") for k, element in enumerate(node.operands)]
+        yield from scopes(stores, hot)
+    hoisted_values = (assignment.value for assignment in lean.assignments)
+    yield from axis_checks(chain(all_expressions(lean.solved), hoisted_values), hot)
+
+
+def _initial(solved: Solved, blocks: Program, setting: Setting) -> Iterator[list[str]]:
+    """The initial blocks; then the memory of all conditions, which is set without making any when-clause active."""
+    yield from block_pieces(blocks, solved.flat, setting)
+    decided = {block.trigger for block in solved.initial if isinstance(block, Activation)}
+    for number, trigger in enumerate(solved.flat.triggers):
+        if number not in decided:
+            yield activation_lines(number, trigger, setting)
+
+
+def _aliases(solved: Solved, setting: Setting) -> list[str]:
+    graph = solved.flat.graph
+    stores = []
+    for name, place in setting.layout.own.items():
+        kept, sign = solved.aliases[name]
+        value = graph.symbol(kept)
+        stores.append(Store(f"v[{place}]", value if sign > 0 else -value, f"in the equation for {name}"))
+    head = ["static void model_aliases(dse_component *m) {", "    double *const v = m->v;", "    (void)v;"]
+    return [*head, *scoped(stores, setting), "}"]

@@ -1,0 +1,166 @@
+"""Values while a model is flattened: arrays of scalar expressions, records, strings."""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+
+from dse.modelica.algebra.expression import Expression, Graph
+
+
+@dataclass(frozen=True, slots=True)
+class Array:
+    """*elements* row by row; a scalar has *shape* () and one element."""
+
+    elements: tuple[Expression, ...]
+    shape: tuple[int, ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class Structure:
+    """A record's fields, in order."""
+
+    fields: tuple[Value, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Text:
+    """A string; known while the model is built."""
+
+    text: str
+
+
+Value = Array | Structure | Text
+
+
+class MismatchError(Exception):
+    """Operands do not fit; its text says why. Turned into a problem with a place by whoever knows the place."""
+
+
+def scalar(expression: Expression) -> Array:
+    """*expression* as a value."""
+    return Array((expression,))
+
+
+def only(value: Value) -> Expression:
+    """The one expression of a scalar. Raises MismatchError for anything else."""
+    if isinstance(value, Array) and value.shape == ():
+        return value.elements[0]
+    raise MismatchError("a scalar is needed here")
+
+
+def array(value: Value) -> Array:
+    """*value*, which must be a number or an array of numbers."""
+    if isinstance(value, Array):
+        return value
+    raise MismatchError("a number is needed here")
+
+
+def whole(value: Value) -> int:
+    """The whole number that *value* is while the model is built."""
+    found = only(value)
+    if not found.is_constant or not found.value.is_integer():
+        raise MismatchError("a whole number known while the model is built is needed here")
+    return int(found.value)
+
+
+def places(shape: Sequence[int]) -> Iterator[tuple[int, ...]]:
+    """All index tuples from 1, row by row."""
+    return itertools.product(*(range(1, size + 1) for size in shape))
+
+
+def position(shape: Sequence[int], index: Sequence[int]) -> int:
+    """Row-major position of *index* (from 1)."""
+    place = 0
+    for size, at in zip(shape, index, strict=True):
+        place = place * size + at - 1
+    return place
+
+
+def mapped(value: Array, function: Callable[[Expression], Expression]) -> Array:
+    """*function* of each element."""
+    return Array(tuple(function(element) for element in value.elements), value.shape)
+
+
+def broadcast(left: Array, right: Array, function: Callable[[Expression, Expression], Expression]) -> Array:
+    """*function* element by element; a scalar goes with every element."""
+    if left.shape == right.shape:
+        shape, pairs = left.shape, list(zip(left.elements, right.elements, strict=True))
+    elif left.shape == ():
+        shape, pairs = right.shape, [(left.elements[0], element) for element in right.elements]
+    elif right.shape == ():
+        shape, pairs = left.shape, [(element, right.elements[0]) for element in left.elements]
+    else:
+        raise MismatchError(f"sizes {list(left.shape)} and {list(right.shape)} do not fit")
+    return Array(tuple(function(a, b) for a, b in pairs), shape)
+
+
+def stacked(values: Sequence[Value]) -> Value:
+    """An array whose first dimension counts *values*, all of one shape."""
+    arrays = [array(value) for value in values]
+    shapes = {value.shape for value in arrays}
+    if len(shapes) != 1:
+        raise MismatchError("an array's elements must have one size")
+    return Array(tuple(element for value in arrays for element in value.elements), (len(arrays), *shapes.pop()))
+
+
+def total(graph: Graph, elements: Sequence[Expression]) -> Expression:
+    """Sum from left to right; 0 of nothing."""
+    if not elements:
+        return graph.constant(0.0)
+    found = elements[0]
+    for element in elements[1:]:
+        found = found + element
+    return found
+
+
+def product(graph: Graph, elements: Sequence[Expression]) -> Expression:
+    """Product from left to right; 1 of nothing."""
+    if not elements:
+        return graph.constant(1.0)
+    found = elements[0]
+    for element in elements[1:]:
+        found = found * element
+    return found
+
+
+def multiplied(graph: Graph, left: Array, right: Array) -> Array:
+    """Modelica's ``*``: with a scalar by element, else the product of vectors and matrices (Modelica 3.6, 10.6.5)."""
+    if left.shape == () or right.shape == ():
+        return broadcast(left, right, lambda a, b: a * b)
+    if len(left.shape) > 2 or len(right.shape) > 2 or left.shape[-1] != right.shape[0]:
+        raise MismatchError(f"a product of sizes {list(left.shape)} and {list(right.shape)}")
+    inner = right.shape[0]
+    rows = left.shape[:-1]
+    columns = right.shape[1:]
+    width = math.prod(columns)
+    elements = []
+    for row in range(math.prod(rows)):
+        for column in range(width):
+            terms = [left.elements[row * inner + k] * right.elements[k * width + column] for k in range(inner)]
+            elements.append(total(graph, terms))
+    return Array(tuple(elements), (*rows, *columns))
+
+
+def concatenated(dimension: int, values: Sequence[Array]) -> Array:
+    """``cat(dimension, ...)``, the dimension counted from 1; all of one rank."""
+    if len({len(value.shape) for value in values}) != 1 or not 1 <= dimension <= len(values[0].shape):
+        raise MismatchError("a concatenation of arrays of different rank")
+    before, after = values[0].shape[: dimension - 1], values[0].shape[dimension:]
+    if any(value.shape[: dimension - 1] != before or value.shape[dimension:] != after for value in values):
+        raise MismatchError("a concatenation of arrays of different size")
+    elements: list[Expression] = []
+    block = math.prod(after)
+    for outer in range(math.prod(before)):
+        for value in values:
+            width = value.shape[dimension - 1] * block
+            elements.extend(value.elements[outer * width : (outer + 1) * width])
+    size = sum(value.shape[dimension - 1] for value in values)
+    return Array(tuple(elements), (*before, size, *after))
+
+
+def promoted(value: Array, rank: int) -> Array:
+    """*value* with ones appended to its shape until it has *rank* dimensions."""
+    return Array(value.elements, value.shape + (1,) * (rank - len(value.shape)))

@@ -1,0 +1,139 @@
+"""Modelica sources to the front-end's flat system, with every failure told in the user's words."""
+
+from __future__ import annotations
+
+import contextlib
+import tempfile
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from dse.errors import DseError, Problem, fail
+from dse.modelica.frontend.literal import Value, is_class_name, literal, wrapper
+from dse.modelica.frontend.messages import found_problems, refusal
+from dse.modelica.frontend.misread import misread
+from dse.modelica.frontend.process import FrontEnd, FrontEndDied, FrontEndRefusal
+from dse.modelica.frontend.result import SCHEMA, FrontEndResult
+from dse.modelica.frontend.sources import ModelSources, SourceText, libraries
+from dse.modelica.frontend.text import declarations
+
+_FILES = "files"
+_BASE, _TRIAL = "base", "trial"
+_WRAPPER = "DseWrapper"
+_WRAPPER_FILE = "dse_wrapper.mo"
+
+
+def compile_model(sources: ModelSources, structural: Mapping[str, Value] | None = None) -> FrontEndResult:
+    """The flat system of the model with the parameters *structural* set; ``structural`` of the result is empty.
+
+    Raises DseError: the front-end refuses the model, crashes, takes too long, or is one whose output is not known.
+    """
+    with opened(sources) as session:
+        return session.compiled({name: literal(value) for name, value in (structural or {}).items()})
+
+
+@dataclass(frozen=True, slots=True)
+class Session:
+    """A front-end that has the sources before it."""
+
+    sources: ModelSources
+    front_end: FrontEnd
+    folder: Path
+
+    def compiled(self, changes: Mapping[str, str]) -> FrontEndResult:
+        """The flat system of the model with the parameters in *changes* given as Modelica texts. Raises DseError."""
+        try:
+            result = read_answer(self.sources, self._flattened(_BASE, changes))
+            self._refuse_partial(result)
+        except FrontEndDied as error:
+            what = f"component '{self.sources.component}': {self.sources.model}: the Modelica front-end {error}"
+            raise fail(what, self.sources.where) from error
+        except FrontEndRefusal as error:
+            raise DseError(*self._problems(str(error))) from error
+        problems = list(misread(result))
+        if problems:
+            raise DseError(*problems)
+        return result
+
+    def trial(self, overlay: Mapping[str, bytes], changes: Mapping[str, str]) -> dict[str, Any]:
+        """The front-end's answer with the contents *overlay* in place of some files.
+
+        Raises FrontEndDied and FrontEndRefusal.
+        """
+        self.lay({**self.sources.contents, **overlay}, _TRIAL)
+        return self._flattened(_TRIAL, changes)
+
+    def lay(self, contents: Mapping[str, bytes], folder: str = _BASE) -> None:
+        """Write *contents* where the front-end finds them."""
+        for name, content in contents.items():
+            target = self.folder / folder / _FILES / name
+            target.parent.mkdir(parents=True, exist_ok=True)
+            target.write_bytes(content)
+        (self.folder / folder / _FILES).mkdir(parents=True, exist_ok=True)
+
+    def _flattened(self, folder: str, changes: Mapping[str, str]) -> dict[str, Any]:
+        text = wrapper(_WRAPPER, self.sources.model, changes, libraries(self.sources))
+        request = {"wrapper": text, "model": _WRAPPER, "filename": _WRAPPER_FILE}
+        return self.front_end.ask({**request, "folder": str(self.folder / folder)})
+
+    def _refuse_partial(self, result: FrontEndResult) -> None:
+        """A model that extends a partial one is not partial to the front-end, so that one is asked for by itself."""
+        partial = [found for found in declarations(result.sources.values(), self.sources.model) if found.is_partial]
+        named = sorted(name for name in self.sources.contents if name.endswith(".mo"))
+        if not partial or not named:
+            return
+        top = self.sources.model.split(".", maxsplit=1)[0]
+        first = next((name for name in named if name in (f"{top}/package.mo", f"{top}.mo")), named[0])
+        request = {"class": self.sources.model, "file": f"{_FILES}/{first}", "folder": str(self.folder / _BASE)}
+        if self.front_end.ask(request)["is_partial"]:
+            what = f"component '{self.sources.component}': {self.sources.model} is partial"
+            raise fail(what, partial[0].where, "name a model that is complete")
+
+    def _problems(self, message: str) -> list[Problem]:
+        files = [f"{_FILES}/{name}" for name in sorted(self.sources.contents) if name.endswith(".mo")]
+        found: list[Any] = []
+        with contextlib.suppress(FrontEndDied, FrontEndRefusal):  # the refusal itself is told
+            found = self.front_end.ask({"check": files, "folder": str(self.folder / _BASE)})["found"]
+        return found_problems(self.sources, _FILES, found) or [refusal(self.sources, _FILES, message, _WRAPPER)]
+
+
+def read_answer(
+    sources: ModelSources, answer: Mapping[str, Any], structural: frozenset[str] = frozenset()
+) -> FrontEndResult:
+    """What the front-end says of *sources*. Raises DseError for an answer in another layout."""
+    dae, flat = answer.get("dae"), answer.get("flat")
+    schema = dae.get("schema_version") if isinstance(dae, dict) else None
+    if not isinstance(dae, dict) or not isinstance(flat, dict) or schema != SCHEMA:
+        what = f"component '{sources.component}': the Modelica front-end writes layout {schema}, not {SCHEMA}"
+        raise fail(what, sources.where, "install the version of rumoca that dse asks for")
+    texts = {
+        number: SourceText(_spelled(sources, path), text)
+        for number, path, text in dae["source_map"]["files"]
+        if path != _WRAPPER_FILE
+    }
+    described = [found.description for found in declarations(texts.values(), sources.model)]
+    description = described[0] if len(described) == 1 else ""
+    return FrontEndResult(sources.model, dae, flat, texts, structural, description)
+
+
+def _spelled(sources: ModelSources, path: str) -> str:
+    relative = path.replace("\\", "/").removeprefix(f"{_FILES}/")
+    return sources.origins.get(relative, path)
+
+
+@contextlib.contextmanager
+def opened(sources: ModelSources) -> Iterator[Session]:
+    """A front-end with the sources before it, for as long as the block lasts. Raises DseError for impossible names."""
+    if not is_class_name(sources.model):
+        what = f"component '{sources.component}': '{sources.model}' is no name of a Modelica class"
+        raise fail(what, sources.where, "model: Package.Model")
+    with tempfile.TemporaryDirectory(prefix="dse-", ignore_cleanup_errors=True) as scratch:
+        folder = Path(scratch).resolve()
+        cache = folder / "cache"
+        cache.mkdir()
+        roots = (_FILES, *(str(root.resolve()) for root in sources.roots))
+        with FrontEnd(folder, roots, cache) as front_end:
+            session = Session(sources, front_end, folder)
+            session.lay(sources.contents)
+            yield session

@@ -1,0 +1,131 @@
+"""The front-end's messages as problems at places in the user's files."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable
+from typing import Any
+
+from dse.errors import Location, Problem
+from dse.modelica.frontend.sources import ModelSources, SourceText, libraries
+from dse.modelica.frontend.text import code, declarations, found
+from dse.modelica.frontend.wording import NOT_THERE, in_other_words
+
+_AT = re.compile(r"\s*\[(?P<file>[^\[\]]+?):(?P<line>\d+):(?P<column>\d+)\]")
+_QUOTED = re.compile(r"['`\"]([A-Za-z_][\w.]*)['`\"]")
+
+
+def found_problems(sources: ModelSources, folder: str, entries: Iterable[Any]) -> list[Problem]:
+    """What the front-end says about single files, as lists of path, message, line, column and suggestion."""
+    problems = []
+    for path, message, line, column, suggestion in entries:
+        lines = [text.strip() for text in str(message).splitlines() if text.strip()]
+        what = next((text.lstrip("×x ").strip() for text in lines if text.startswith("×")), lines[0] if lines else "")
+        helped = re.search(r"help: (.*(?:\n {6,}.*)*)", str(message))
+        hint = _signs(" ".join(helped[1].split())) if helped else str(suggestion or "")
+        drawn = re.search(r"╭─\[(.+):(\d+):(\d+)\]", str(message))
+        place = (int(drawn[2]), int(drawn[3])) if drawn else (int(line or 0), int(column or 0))
+        problems.append(Problem(what, Location(_spelled(sources, folder, str(path)), *place), hint))
+    return problems
+
+
+# fmt: off
+_SIGNS = {
+    "dotstar": ".*", "dotplus": ".+", "dotminus": ".-", "dotslash": "./", "dotcircumflex": ".^", "circumflex": "^",
+    "lt": "<", "ltequ": "<=", "gt": ">", "gtequ": ">=", "equequ": "==", "ltgt": "<>",
+}
+# fmt: on
+
+
+def _signs(hint: str) -> str:
+    """*hint* with the signs that the front-end gives names to."""
+    return re.sub(rf"\b({'|'.join(_SIGNS)})\b", lambda match: _SIGNS[match[0]], hint)
+
+
+def refusal(sources: ModelSources, folder: str, message: str, wrapper: str) -> Problem:
+    """One problem of a message about the whole model, where it says or, failing that, at the model."""
+    first = _most_telling(message)
+    where = None
+    if match := _AT.search(first):
+        first = (first[: match.start()] + first[match.end() :]).strip()
+        if folder in match["file"] or sources.origins:
+            spelled = _spelled(sources, folder, match["file"])
+            is_own = wrapper.lower() not in spelled.lower().replace("_", "")
+            where = Location(spelled, int(match["line"]), int(match["column"])) if is_own else None
+    either = f"(?:{re.escape(wrapper)}|{re.escape(sources.model)})"
+    first = re.sub(rf"^\w[\w ]* failed: {either} failed in \w+: |^{either} could not be compiled:? ?", "", first)
+    first = re.sub(rf"\b{re.escape(wrapper)}\b", sources.model, first)
+    said = in_other_words(sources.model, first)
+    located = where or (_construct(sources, said.place) if said.place else None) or _mentioned(sources, first)
+    located = located or model_location(sources)
+    hint = said.hint
+    if located is None and not hint:
+        hint = "the model's full name, and a file or library that holds it, stand in 'source'"
+    first = said.what
+    if first == NOT_THERE and (package := _within(sources)):
+        hint = f"the file says 'within {package}', so its full name is {package}.{sources.model.rpartition('.')[2]}"
+    missing = re.match(r"unresolved type reference: '(\w+)\.", first)
+    if missing is not None and declarations(_texts(sources), missing[1]):
+        hint = f"if '{missing[1]}' inherits it: name it where it is declared"
+    elif missing is not None and missing[1] not in libraries(sources):
+        hint = f"if '{missing[1]}' is a library: name it in 'files', or the folder that holds it in 'modelica_path'"
+    return Problem(f"component '{sources.component}': {sources.model}: {first}", located or sources.where, hint)
+
+
+def _most_telling(message: str) -> str:
+    """One of the failures that *message* tells: what has an unknown type has unknown parts, and not the reverse."""
+    first, _, related = message.partition("\nRelated failures")
+    types = re.search(r"unresolved type reference: [^\n]*", first + related)
+    return types[0] if types and "unresolved component reference" in first else first.strip()
+
+
+def model_location(sources: ModelSources) -> Location | None:
+    """Where the model is declared, if one of the component's own files does."""
+    places = declarations(_texts(sources), sources.model)
+    return places[0].where if places else None
+
+
+def _mentioned(sources: ModelSources, message: str) -> Location | None:
+    """Where the only name the message quotes stands, if it stands in one place."""
+    for name in _QUOTED.findall(message):
+        if name == sources.model:
+            continue
+        place = _only(sources, rf"(?<![\w.])({re.escape(name)})(?![\w])")
+        if place is not None:
+            return place
+    return None
+
+
+def _within(sources: ModelSources) -> str:
+    """The package that the file says it is within which declares a model of that name."""
+    for text in _texts(sources):
+        within = re.search(r"\bwithin\s+([\w.]+)\s*;", code(text.text))
+        if within is not None and declarations([text], sources.model):
+            return within[1]
+    return ""
+
+
+def _construct(sources: ModelSources, pattern: str) -> Location | None:
+    """The first place of *pattern* in the file of the model, or the only one in all files."""
+    model = model_location(sources)
+    own = [text for text in _texts(sources) if model is not None and text.path == model.file]
+    first = next((where for _, _, where in found(own, re.compile(pattern))), None)
+    return first or _only(sources, pattern)
+
+
+def _only(sources: ModelSources, pattern: str) -> Location | None:
+    """Where *pattern* occurs, if that is in one place."""
+    places = [where for _, _, where in found(_texts(sources), re.compile(pattern))]
+    return places[0] if len(places) == 1 else None
+
+
+def _texts(sources: ModelSources) -> list[SourceText]:
+    return [
+        SourceText(sources.origins[relative], content.decode("utf-8", "replace"))
+        for relative, content in sources.contents.items()
+    ]
+
+
+def _spelled(sources: ModelSources, folder: str, path: str) -> str:
+    relative = path.replace("\\", "/").removeprefix(f"{folder}/")
+    return sources.origins.get(relative, path)

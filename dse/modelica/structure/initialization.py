@@ -1,0 +1,192 @@
+"""The equations that hold at the start: how many conditions there are, and which are missing or too many."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+from dse.errors import DseError, Problem
+from dse.modelica.algebra.expression import Expression, Place, Symbol, shown
+from dse.modelica.flat import Check, FlatModel, Role, Trigger
+from dse.modelica.structure.events import by_target
+from dse.modelica.structure.incidence import occurring, smooth
+from dse.modelica.structure.matching import Matching
+from dse.modelica.structure.parameters import default, is_dependent, is_free
+from dse.modelica.structure.rows import Row, told
+
+CONSISTENT = 1e-8
+"""How far a superfluous condition may be from holding, relative to the larger side, or absolute below 1."""
+
+
+@dataclass(frozen=True, slots=True)
+class Start:
+    """*rows* determine *unknowns*. *discretes*: discrete variables among them. *superfluous*: to be checked only."""
+
+    rows: tuple[Row, ...]
+    unknowns: tuple[Symbol, ...]
+    discretes: frozenset[str]
+    superfluous: tuple[Row, ...]
+    notes: tuple[str, ...]
+
+
+def start(flat: FlatModel, rows: Sequence[Row], unknowns: Sequence[Symbol], states: Sequence[Symbol]) -> Start:
+    """Complete the model's equations *rows* to a system for all *unknowns* (states included) at the start.
+
+    In this order: the model's equations, its initial equations, fixed starts; what is missing then is taken from the
+    starts of *states* and of parameters that are not fixed, with a note. Conditions for which there is no room any
+    more are superfluous: they follow from the others or contradict them. Raises DseError if conditions are missing for
+    anything else.
+    """
+    all_rows = list(rows)
+    all_unknowns = list(unknowns)
+    all_unknowns.extend(_free_parameters(flat, all_rows))
+    discretes = _free_discretes(flat)
+    all_unknowns.extend(Symbol(Place.VARIABLE, name) for name in discretes)
+    filling = _Filling(all_rows, all_unknowns)
+    filling.enter(_given(flat, [symbol.name for symbol in unknowns if symbol.order == 0]))
+    is_state = set(states)
+    others = [one for one in unknowns if one not in is_state and not one.order and _has_start(flat, one)]
+    free = [one for one in all_unknowns[len(unknowns) :] if one.name not in discretes]
+    kept = [Symbol(Place.VARIABLE, name) for name in discretes]
+    notes = filling.complete(flat, kept, [*states, *free, *others])
+    unfinished = filling.missing()
+    if unfinished:
+        raise DseError(*(_too_few(flat, symbol) for symbol in unfinished[:12]))
+    is_determined = frozenset(discretes)
+    return Start(tuple(filling.rows), tuple(all_unknowns), is_determined, tuple(filling.superfluous), tuple(notes))
+
+
+class _Filling:
+    """Rows entered one by one, as long as there is an unknown for them."""
+
+    def __init__(self, rows: list[Row], unknowns: list[Symbol]) -> None:
+        self.rows: list[Row] = []
+        self.superfluous: list[Row] = []
+        self._unknowns = unknowns
+        self._number = {symbol: place for place, symbol in enumerate(unknowns)}
+        self._columns: list[list[int]] = []
+        self._matching = Matching()
+        for row in rows:
+            if not self._try(row):
+                raise DseError(*told([row], "this equation cannot hold at the start together with the others"))
+
+    def _try(self, row: Row) -> bool:
+        self._columns.append([self._number[symbol] for symbol in smooth(row.residual) if symbol in self._number])
+        if self._matching.match(len(self._columns) - 1, self._columns):
+            self._columns.pop()
+            return False
+        self.rows.append(row)
+        return True
+
+    def enter(self, rows: Sequence[Row]) -> None:
+        for row in rows:
+            if not self._try(row):
+                self.superfluous.append(row)
+
+    def missing(self) -> list[Symbol]:
+        return [symbol for symbol in self._unknowns if self._number[symbol] not in self._matching.row_of]
+
+    def complete(self, flat: FlatModel, discretes: Sequence[Symbol], others: Sequence[Symbol]) -> list[str]:
+        notes = []
+        # Discrete variables keep their starts. Then what has a start value of its own, the model's favourites first.
+        for symbol in [*discretes, *sorted(others, key=lambda one: _rank(flat, one))]:
+            if len(self.rows) == len(self._unknowns):
+                break
+            value = _start_of(flat, symbol)
+            row = Row(flat.graph.symbol(symbol) - value, flat.variables[symbol.name].where)
+            if self._try(row) and symbol not in discretes:
+                notes.append(f"{symbol} starts at {shown(value)}: nothing else determines it at the start")
+        return notes
+
+
+def _rank(flat: FlatModel, symbol: Symbol) -> tuple[int, int]:
+    return -_has_start(flat, symbol), -flat.variables[symbol.name].prefers_state
+
+
+def _has_start(flat: FlatModel, symbol: Symbol) -> bool:
+    return not symbol.order and flat.variables[symbol.name].start is not None
+
+
+def _start_of(flat: FlatModel, symbol: Symbol) -> Expression:
+    variable = flat.variables[symbol.name]
+    if symbol.order == 0 and variable.start is not None:
+        return variable.start
+    return flat.graph.constant(0.0 if symbol.order else default(variable))
+
+
+def _given(flat: FlatModel, names: Sequence[str]) -> list[Row]:
+    rows = [Row(one.residual, one.where) for one in flat.initial_equations]
+    for name in names:
+        variable = flat.variables[name]
+        if variable.is_fixed:
+            value = _start_of(flat, Symbol(Place.VARIABLE, name))
+            rows.append(Row(flat.graph.variable(name) - value, variable.where))
+    return rows
+
+
+def _free_parameters(flat: FlatModel, rows: list[Row]) -> list[Symbol]:
+    """Parameters to be found at the start, and those that depend on them; the latter's bindings join *rows*."""
+    names = {name: None for name, variable in flat.variables.items() if is_free(variable)}
+    if not names:
+        return []
+    is_grown = True
+    while is_grown:
+        is_grown = False
+        for name, variable in flat.variables.items():
+            if name in names or not is_dependent(variable) or variable.binding is None:
+                continue
+            if any(symbol.name in names for symbol in occurring(variable.binding)):
+                names[name] = None
+                rows.append(Row(flat.graph.variable(name) - variable.binding, variable.where))
+                is_grown = True
+    return [Symbol(Place.VARIABLE, name) for name in names]
+
+
+def _free_discretes(flat: FlatModel) -> list[str]:
+    """Discrete variables that initial equations speak of and no equation determines at the start."""
+    always = set()
+    for target, places in by_target(flat).items():
+        triggers = [flat.assignments[place].trigger for place in places]
+        if any(trigger is None or flat.triggers[trigger].at_start for trigger in triggers):
+            always.add(target)
+    found: dict[str, None] = {}
+    for equation in flat.initial_equations:
+        for symbol in occurring(equation.residual):
+            if symbol.place is Place.PRE:
+                what = f"an initial equation refers to pre({symbol.name})"
+                raise DseError(Problem(what, equation.where, "give the variable a start value"))
+            if symbol.place is not Place.VARIABLE or flat.variables[symbol.name].role is not Role.DISCRETE:
+                continue
+            if symbol.name not in always:
+                found[symbol.name] = None
+    return list(found)
+
+
+def _too_few(flat: FlatModel, symbol: Symbol) -> Problem:
+    where = flat.variables[symbol.name].where
+    return Problem(f"nothing determines {symbol} at the start", where, "give an initial equation or a fixed start")
+
+
+def checked(flat: FlatModel, superfluous: Sequence[Row]) -> FlatModel:
+    """*flat* with a check at the start for each superfluous condition that may not hold.
+
+    Raises DseError for one that cannot hold.
+    """
+    checks = []
+    trigger = len(flat.triggers)
+    graph = flat.graph
+    for row in superfluous:
+        residual = row.residual
+        if residual.is_number(0):
+            continue
+        if residual.is_constant:
+            raise DseError(*told([row], "this condition contradicts others at the start"))
+        left, right = residual.operands if residual.operator == "subtract" else (residual, graph.constant(0.0))
+        size = graph.make("maximum", graph.make("abs", left), graph.make("abs", right))
+        size = graph.make("maximum", graph.constant(1.0), size)
+        condition = graph.make("less_equal", graph.make("abs", residual), CONSISTENT * size)
+        message = f"at the start there is one condition too many, and it does not hold: {row}"
+        checks.append(Check(condition, message, trigger=trigger, where=row.where))
+    if not checks:
+        return flat
+    return replace(flat, triggers=(*flat.triggers, Trigger(at_start=True)), checks=(*flat.checks, *checks))

@@ -1,0 +1,40 @@
+"""Equations on their way through the structure room."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+from dse.errors import Location, Problem
+from dse.modelica.algebra.expression import Expression, Symbol, shown
+
+
+@dataclass(frozen=True, slots=True)
+class Row:
+    """``residual = 0``; *where* is the equation it stems from, *order* how often it was differentiated."""
+
+    residual: Expression
+    where: Location | None = None
+    order: int = 0
+
+    def __str__(self) -> str:
+        times = f" (differentiated {self.order} times)" if self.order > 1 else " (differentiated)" if self.order else ""
+        return f"{_equation(self.residual)}{times}"
+
+
+def told(rows: Iterable[Row], what: str, hint: str = "") -> list[Problem]:
+    """One problem for each of *rows*, at its place; not more than a screen holds."""
+    return [Problem(f"{what}: {row}", row.where, hint) for row in list(rows)[:12]]
+
+
+def listed(symbols: Iterable[Symbol]) -> str:
+    """Names for a message; not more than a line holds."""
+    names = [str(symbol) for symbol in symbols]
+    return ", ".join(names[:8]) + (f" and {len(names) - 8} more" if len(names) > 8 else "")
+
+
+def _equation(residual: Expression) -> str:
+    if residual.operator == "subtract":
+        left, right = residual.operands
+        return f"{shown(left)} = {shown(right)}"
+    return f"{shown(residual)} = 0"

@@ -1,0 +1,183 @@
+"""From a flat model to a sorted one."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+
+from dse.errors import DseError, Problem
+from dse.modelica.algebra.expression import Expression, Place, Symbol, replaced
+from dse.modelica.flat import FlatModel, Role
+from dse.modelica.solved import Explicit, Solved
+from dse.modelica.structure.aliases import Eliminated, without_aliases
+from dse.modelica.structure.arrange import arranged
+from dse.modelica.structure.dependencies import Reach, dependencies
+from dse.modelica.structure.dummies import chosen
+from dse.modelica.structure.events import discrete_steps, ordered
+from dse.modelica.structure.guards import guarded
+from dse.modelica.structure.incidence import occurring
+from dse.modelica.structure.initialization import checked, start
+from dse.modelica.structure.known import Known
+from dse.modelica.structure.merging import merged
+from dse.modelica.structure.pantelides import reduced
+from dse.modelica.structure.parameters import Starts, default, dependent_parameters, is_free
+from dse.modelica.structure.partition import partitioned
+from dse.modelica.structure.reinitialization import refuse_uncertain
+from dse.modelica.structure.rows import Row, listed
+from dse.modelica.structure.singular import refuse_singular
+from dse.modelica.structure.substitution import rewriter, rewritten
+
+
+def solve(flat: FlatModel) -> Solved:
+    """Sort *flat*: aliases eliminated, index reduced, blocks ordered and torn, initialization completed.
+
+    The flat model of the result is rewritten: its expressions refer to no eliminated variable. Raises DseError, with
+    the equations' places, for whatever cannot be solved with certainty.
+    """
+    parameters = dependent_parameters(flat)
+    eliminated = without_aliases(flat)
+    flat, notes = _reduced_model(flat, eliminated)
+    names = _unknown_names(flat, eliminated)
+    _refuse_lone_derivatives(flat)
+    known = Known(flat, Starts(flat, parameters))
+
+    rows = [Row(_with_initial(one.residual, 0.0), one.where) for one in flat.equations]
+    found = reduced(rows, names, flat.variables)
+    choice = chosen(found, flat.variables, known)
+    chains = guarded(found.chains, choice.guards)
+    every = [Symbol(Place.VARIABLE, name, order) for name in names for order in range(found.highest[name] + 1)]
+    states = [
+        symbol
+        for symbol in every
+        if symbol.order < found.highest[symbol.name]
+        and Symbol(symbol.place, symbol.name, symbol.order + 1) not in choice.dummies
+    ]
+    is_state = set(states)
+    unknowns = [symbol for symbol in every if symbol not in is_state]
+    stages = arranged([row for chain in chains for row in chain], unknowns, known)
+    refuse_singular(stages, known)
+
+    first = start(flat, _at_start(flat, chains), every, states)
+    flat = checked(flat, first.superfluous)
+    first_stages = arranged(first.rows, first.unknowns, known)
+    refuse_singular(first_stages, known)
+
+    steps = discrete_steps(flat)
+    inputs = [Symbol(Place.VARIABLE, name) for name, one in flat.variables.items() if one.role is Role.INPUT]
+    refuse_uncertain(flat, states, Reach(stages, steps, states))
+    reach = Reach(stages, steps, [*inputs, *states], flat.relations)
+    wanted = [Symbol(one.place, one.name, one.order + 1) for one in states]
+    wanted += occurring(*(relation.truth for relation in flat.relations))
+    hot, cold = partitioned(stages, wanted)
+    aliases = {name: (Symbol(Place.VARIABLE, kept), sign) for name, (kept, sign) in eliminated.aliases.items()}
+    numbers = [
+        Explicit(Symbol(Place.VARIABLE, name), flat.graph.constant(value)) for name, value in eliminated.numbers.items()
+    ]
+    return Solved(
+        flat=flat,
+        states=tuple(states),
+        parameters=(*numbers, *(_dependent(one, flat) for one in parameters)),
+        derivatives=tuple(hot),
+        outputs=tuple(cold),
+        event=tuple(ordered(stages, steps)),
+        initial=tuple(ordered(first_stages, discrete_steps(flat, first.discretes, at_start=True))),
+        aliases=aliases,
+        guesses=tuple(_guesses(flat, eliminated)),
+        dependencies=dependencies(flat, reach, states, aliases),
+        notes=(*flat.notes, *notes, *_jumps(flat, chains), *first.notes),
+    )
+
+
+def _reduced_model(flat: FlatModel, eliminated: Eliminated) -> tuple[FlatModel, list[str]]:
+    """*flat* without the equations and symbols of what is eliminated."""
+    rewrite = rewriter(flat.graph, eliminated.substitutes(flat.graph))
+    kept = rewritten(replace(flat, equations=eliminated.equations), rewrite)
+    reinitializations = []
+    for one in kept.reinitializations:
+        name, sign = eliminated.aliases.get(one.state, (one.state, 1))
+        reinitializations.append(replace(one, state=name, value=one.value if sign > 0 else -one.value))
+    return merged(replace(kept, reinitializations=tuple(reinitializations)), eliminated)
+
+
+def _unknown_names(flat: FlatModel, eliminated: Eliminated) -> list[str]:
+    return [
+        name
+        for name, variable in flat.variables.items()
+        if variable.role is Role.CONTINUOUS and name not in eliminated.aliases and name not in eliminated.numbers
+    ]
+
+
+def _refuse_lone_derivatives(flat: FlatModel) -> None:
+    """Derivatives that occur in events only are not among the unknowns: say so."""
+    known = occurring(*(one.residual for one in flat.equations))
+    orders: dict[str, int] = {}
+    for symbol in known:
+        orders[symbol.name] = max(orders.get(symbol.name, 0), symbol.order)
+    others = [(one.truth, one.where) for one in flat.relations]
+    others += [(one.value, one.where) for one in flat.assignments]
+    others += [(one.value, one.where) for one in flat.reinitializations]
+    others += [(one.condition, one.where) for one in flat.checks]
+    others += [(one.residual, one.where) for one in flat.initial_equations]
+    problems = [
+        Problem(f"{symbol} is used here, but in no equation", where, f"add a variable that equals {symbol}")
+        for root, where in others
+        for symbol in occurring(root)
+        if symbol.place is Place.VARIABLE and symbol.order > orders.get(symbol.name, 0)
+    ]
+    if problems:
+        raise DseError(*problems)
+
+
+def _with_initial(residual: Expression, value: float) -> Expression:
+    """*residual* where ``initial()`` is *value*."""
+    number = residual.graph.constant(value)
+
+    def new(node: Expression) -> Expression | None:
+        return number if node.symbol is not None and node.symbol.place is Place.INITIAL else None
+
+    return replaced((residual,), new)[0]
+
+
+def _at_start(flat: FlatModel, chains: Sequence[Sequence[Row]]) -> list[Row]:
+    """The equations and their derivatives as they are while ``initial()`` is true."""
+    rows = []
+    for equation, chain in zip(flat.equations, chains, strict=True):
+        first = _with_initial(equation.residual, 1.0)
+        if first is not chain[0].residual and len(chain) > 1:
+            what = "this equation differs at the start, but its derivative is needed"
+            raise DseError(Problem(what, equation.where, "write an initial equation instead of initial()"))
+        rows.extend([Row(first, equation.where), *chain[1:]])
+    return rows
+
+
+def _jumps(flat: FlatModel, chains: Sequence[Sequence[Row]]) -> list[str]:
+    """What happens at events to variables that are joined by an equation that changes there."""
+    notes = []
+    for chain in chains:
+        causes = [
+            symbol
+            for symbol in (occurring(chain[0].residual) if len(chain) > 1 else ())
+            if symbol.place is Place.HELD
+            or (symbol.place is Place.VARIABLE and flat.variables[symbol.name].role is Role.DISCRETE)
+        ]
+        if causes:
+            place = f"{chain[0].where}: " if chain[0].where else ""
+            what = f"{place}{chain[0]} joins states and depends on {listed(causes)}"
+            notes.append(f"{what}: at its events what is no state jumps, without an impulse on the states")
+    return notes
+
+
+def _dependent(parameter: Explicit, flat: FlatModel) -> Explicit:
+    binding = flat.variables[parameter.unknown.name].binding
+    return parameter if binding is None else Explicit(parameter.unknown, binding)
+
+
+def _guesses(flat: FlatModel, eliminated: Eliminated) -> list[Explicit]:
+    found = []
+    gone: Mapping[str, object] = {**eliminated.aliases, **eliminated.numbers}
+    for name, variable in flat.variables.items():
+        is_unknown = variable.role in (Role.CONTINUOUS, Role.DISCRETE) and name not in gone
+        if is_unknown or is_free(variable):
+            value = flat.graph.constant(default(variable)) if variable.start is None else variable.start
+            found.append(Explicit(Symbol(Place.VARIABLE, name), value))
+    return found

@@ -1,0 +1,110 @@
+"""From a component's Modelica model to the sorted equations, with the component's own values for its parameters."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+from dse.domain.component import Component, Kind, Parameter
+from dse.errors import DseError, fail
+from dse.modelica.emit.variables import FmuVariable, Variability, variables
+from dse.modelica.flatten import flatten
+from dse.modelica.frontend.literal import Value
+from dse.modelica.frontend.remembered import Memory
+from dse.modelica.frontend.result import FrontEndResult
+from dse.modelica.frontend.sources import ModelSources
+from dse.modelica.interface import starts
+from dse.modelica.relocate import relocated
+from dse.modelica.solved import Solved
+from dse.modelica.structure.solve import solve
+
+
+@dataclass(frozen=True, slots=True)
+class Translated:
+    """A model ready to become C, with the component's values for its parameters; *files* by their own names."""
+
+    solved: Solved
+    variables: tuple[FmuVariable, ...]
+    description: str
+    files: tuple[str, ...]
+
+
+class TranslationError(DseError):
+    """The model is not wrong, as far as is known, but cannot be translated."""
+
+
+def translate(component: Component, sources: ModelSources, memory: Memory) -> Translated:
+    """The model of *sources* with the values of *component*; *memory* keeps what the front-end said.
+
+    Raises TranslationError for what cannot be translated, and DseError for ports and parameters that do not fit.
+    """
+    try:
+        result = _instantiated(component, sources, memory)
+        flat = flatten(result)
+    except DseError as error:
+        raise TranslationError(*error.problems) from error
+    given = starts(component, flat)
+    try:
+        solved = solve(flat)
+        listed = tuple(_as_asked(component, variable) for variable in variables(solved, given))
+    except DseError as error:
+        raise TranslationError(*error.problems) from error
+    # What is built must not depend on where the files lie.
+    names = {path: name for name, path in sources.origins.items()}
+    return Translated(relocated(solved, names), listed, result.description, tuple(sorted(sources.contents)))
+
+
+_MOST_ROUNDS = 10
+
+
+def _instantiated(component: Component, sources: ModelSources, memory: Memory) -> FrontEndResult:
+    """The flat system with the component's values for the structural parameters, of which each may bring others."""
+    values: dict[str, Value] = {}
+    for _ in range(_MOST_ROUNDS):
+        result = memory.compiled(sources, values)
+        wanted = {
+            component.variable(parameter.name): value
+            for parameter in component.parameters
+            if component.variable(parameter.name) in result.structural
+            and (value := _literal(parameter, result, component.variable(parameter.name))) is not None
+        }
+        if wanted == values:
+            return result
+        values = wanted
+    what = f"component '{component.name}': its parameters change which parameters {sources.model} has"
+    raise fail(what, component.where, "give fewer of them that are structural")
+
+
+def _literal(parameter: Parameter, result: FrontEndResult, name: str) -> Value | None:
+    """The parameter's start for the front-end; None if it does not fit, which is told when all are compared."""
+    scalar = next(
+        (
+            result.dae["storage"]["value_types"][variable["value_type"]]["scalar"]
+            for variable in result.dae["storage"]["variables"]
+            if variable["name"] == name
+        ),
+        "",
+    )
+    match parameter.type.kind, scalar:
+        case Kind.REAL, "real":
+            return float(parameter.start)
+        case Kind.INTEGER, "integer":
+            return int(parameter.start)
+        case Kind.BOOLEAN, "boolean":
+            return bool(parameter.start)
+        case Kind.ENUMERATION, "enumeration":
+            return f"{result.flat['variable_type_names'][name]}.{parameter.start}"
+    return None
+
+
+def _as_asked(component: Component, variable: FmuVariable) -> FmuVariable:
+    """*variable* as the component declares it where it does: narrower bounds, and whether it is tunable."""
+    found = next((p for p in component.parameters if component.variable(p.name) == variable.name), None)
+    if found is None or variable.variability is Variability.CONSTANT:
+        return variable
+    return replace(
+        variable,
+        variability=Variability.TUNABLE if found.tunable else Variability.FIXED,
+        minimum=variable.minimum if found.minimum is None else found.minimum,
+        maximum=variable.maximum if found.maximum is None else found.maximum,
+        description=found.title or variable.description,
+    )

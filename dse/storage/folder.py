@@ -1,0 +1,322 @@
+"""The study folder: `study.sqlite` with a row per run, and `waveforms/` with the waveforms that were kept."""
+
+from __future__ import annotations
+
+import sqlite3
+import time
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from pathlib import Path
+from types import TracebackType
+
+from dse.domain.component import Value
+from dse.domain.definition import StudyDefinition
+from dse.domain.run import Outcome, Run, RunRequest, Waveforms
+from dse.errors import Location, fail
+from dse.storage.asks import Asks, blocks_of, write_asks
+from dse.storage.database import NAME, connect, damaged, lay_out, located, migrate, read_header, write_header
+from dse.storage.definition import unit_flaws
+from dse.storage.header import StudyHeader
+from dse.storage.rows import VERDICTS, RowBlock
+from dse.storage.schema import cell_of, columns
+from dse.storage.table import RunTable, read_table
+from dse.storage.waveforms import PART, is_file_name, read_waveforms
+
+WAVEFORMS = "waveforms"
+
+_COMMIT_EVERY = 0.25
+_OURS = (WAVEFORMS, f"{NAME}.part", "report.html", "figures")
+"""What an earlier study may have left in a folder that is used again."""
+
+
+class StudyFolder:
+    """One study's results. Use `create`, `resume` or `open`; close it, or use it in a with statement.
+
+    *is_extended* tells that `resume` was given a definition that asks for other runs.
+    There is one writer; any number of readers may look on while it writes. What is added is committed every
+    quarter of a second and at the end, so a killed process loses no more than that.
+    """
+
+    def __init__(self, path: Path, header: StudyHeader, connection: sqlite3.Connection, asks: Asks) -> None:
+        self.path = path
+        self.header = header
+        self.asks = asks
+        self._connection = connection
+        self.is_extended = False
+        self._begun: float | None = None
+
+    @classmethod
+    def create(cls, path: Path, definition: StudyDefinition) -> StudyFolder:
+        """A new folder for the study of *definition*; DseError if *path* is a file or holds something else already."""
+        if path.is_file():
+            raise fail("is a file, not a folder", Location(str(path)), "give another folder with -o")
+        if (path / NAME).exists():
+            raise fail("holds a study already", Location(str(path)), "give another folder with -o, or say --fresh")
+        if path.is_dir() and any(entry.name not in _OURS for entry in path.iterdir()):
+            raise fail("is not empty and not a study folder", Location(str(path)), "give another folder with -o")
+        try:
+            (path / WAVEFORMS).mkdir(parents=True, exist_ok=True)
+        except OSError as error:
+            raise fail(f"the folder cannot be made: {error.strerror}", Location(str(path))) from error
+        header = StudyHeader(definition)
+        lay_out(path, header)
+        return cls(path, header, connect(path, write=True), Asks())
+
+    @classmethod
+    def resume(cls, path: Path, definition: StudyDefinition) -> StudyFolder:
+        """The folder at *path* to go on with, or a new one; DseError if it holds the results of another study.
+
+        If *definition* only asks for other points or more configurations than the stored one, the study is extended:
+        a new era begins. Waveforms whose file is gone count as never kept, so that they are made again.
+        """
+        if not (path / NAME).exists():
+            return cls.create(path, definition)
+        folder = cls._connected(path, write=True)
+        try:
+            folder.take_up(definition)
+            for torn in (path / WAVEFORMS).glob(f"*{PART}"):
+                torn.unlink(missing_ok=True)
+            (path / WAVEFORMS).mkdir(exist_ok=True)
+            folder.forget_lost()
+        except BaseException:
+            folder.close()
+            raise
+        return folder
+
+    @classmethod
+    def open(cls, path: Path) -> StudyFolder:
+        """The folder at *path* for reading; DseError if it is none, is damaged or was written by a newer dse."""
+        return cls._connected(path, write=False)
+
+    @staticmethod
+    def discard(path: Path) -> None:
+        """Remove the study in *path* and nothing else; DseError if there is something there that is no study."""
+        if not (path / NAME).exists():
+            if path.exists() and not (path.is_dir() and all(entry.name in _OURS for entry in path.iterdir())):
+                raise fail("is not a study folder", Location(str(path)), "give another folder with -o")
+            return
+        for pattern in (f"{NAME}*", f"{WAVEFORMS}/*.parquet", f"{WAVEFORMS}/*{PART}"):
+            for file in path.glob(pattern):
+                file.unlink()
+
+    @property
+    def waveform_folder(self) -> Path:
+        """Where the waveform files lie."""
+        return self.path / WAVEFORMS
+
+    def finished(self) -> set[int]:
+        """Numbers of the runs that have a row, done or failed."""
+        return self._numbers("SELECT number FROM runs")
+
+    def failed(self) -> set[int]:
+        """Numbers of the runs that failed."""
+        return self._numbers("SELECT number FROM runs WHERE outcome = 'failed'")
+
+    def kept(self) -> Mapping[int, str]:
+        """Waveform file by number for the runs whose waveforms were asked for; "" where there are none to store."""
+        with located(self.path):
+            rows = self._connection.execute("SELECT number, file FROM kept ORDER BY number").fetchall()
+        return {number: self._checked(file) for number, file in rows}
+
+    def lost(self) -> set[int]:
+        """Numbers of the runs whose waveforms were kept in a file that is there no more."""
+        kept = self.kept()
+        gone = {file for file in set(kept.values()) if file and not (self.waveform_folder / file).is_file()}
+        return {number for number, file in kept.items() if file in gone}
+
+    def forget_lost(self) -> None:
+        """Take waveforms whose file is gone as never kept."""
+        lost = self.lost()
+        if lost:
+            with located(self.path):
+                self._begin()
+                self._connection.executemany("DELETE FROM kept WHERE number = ?", [(number,) for number in lost])
+            self.commit()
+
+    def require_definition(self) -> StudyDefinition:
+        """The study's definition, fit to be shown; DseError if it has units that nobody can read."""
+        flaw = next(unit_flaws(self.header.definition), "")
+        if flaw:
+            raise damaged(self.path, flaw)
+        return self.header.definition
+
+    def ask(self, number: int, requests: Sequence[RunRequest], asked: int) -> None:
+        """Note that the sampler's ask *number* of this era wants *requests*, which are new, and *asked* in all so far.
+
+        If it is noted already it must be the same. DseError if it is another one.
+        """
+        blocks = blocks_of(requests, number, self.header.era)
+        stored = self.asks.of(self.header.era, number)
+        if stored and stored != blocks:
+            what = "the sampler asks for other runs than it did before"
+            raise fail(what, Location(str(self.path)), "explore into another folder, or say --fresh")
+        if not stored:
+            self.asks.add(blocks)
+        runs = self.header.earlier + self.asks.numbers - self.header.base
+        header = replace(self.header, runs=runs, asked=asked, numbers=self.asks.numbers)
+        if not stored or header != self.header:
+            self.header = header
+            with located(self.path):
+                self._begin()
+                write_asks(self._connection, () if stored else blocks)
+                write_header(self._connection, header)
+            self.commit()
+
+    def table(self, numbers: Sequence[int] = ()) -> RunTable:
+        """The runs of *numbers* that are stored, or all that are, as columns; DseError if the database is damaged."""
+        try:
+            with located(self.path):
+                return read_table(self._connection, self.header, numbers)
+        except (KeyError, ValueError, TypeError) as error:
+            raise damaged(self.path, str(error)) from error
+
+    def run(self, number: int) -> Run:
+        """Run *number* with its waveforms if they were kept; DseError if it has not been made."""
+        for run in self.table((number,)).runs():
+            return Run(
+                run.request, run.outcome, run.metrics, run.judgements, run.problem, waveforms=self.waveforms(number)
+            )
+        raise fail(
+            f"there is no run {number}", Location(str(self.path)), f"the study has runs 0 to {self.header.numbers - 1}"
+        )
+
+    def waveforms(self, number: int) -> Waveforms | None:
+        """The waveforms of run *number*, None if they were not kept; DseError if their file is gone or damaged."""
+        with located(self.path):
+            row = self._connection.execute("SELECT file FROM kept WHERE number = ?", (number,)).fetchone()
+        return read_waveforms(self.waveform_folder / self._checked(row[0]), number) if row and row[0] else None
+
+    def timing(self) -> Mapping[int, float]:
+        """Wall time in seconds by run, of this machine and never exported; NaN where a worker died."""
+        with located(self.path):
+            rows = self._connection.execute("SELECT number, wall FROM timing ORDER BY number").fetchall()
+        return {number: float("nan") if wall is None else wall for number, wall in rows}
+
+    def add(self, configuration: str, points: Sequence[Sequence[Value]], block: RowBlock) -> None:
+        """Store *block*, all of one *configuration*; *points* (n, variables) in the header's order.
+
+        A run that has a row already keeps it.
+        """
+        numbers = block.numbers.tolist()
+        rows = [
+            (
+                number,
+                configuration,
+                str(Outcome.DONE if done else Outcome.FAILED),
+                block.problems.get(number, ""),
+                *map(cell_of, point),
+                *metrics,
+                *(str(VERDICTS[code]) for code in verdicts),
+                *margins,
+            )
+            for number, done, point, metrics, verdicts, margins in zip(
+                numbers,
+                block.done.tolist(),
+                points,
+                block.metrics.tolist(),
+                block.verdicts.tolist(),
+                block.margins.tolist(),
+                strict=True,
+            )
+        ]
+        places = ", ".join("?" * len(columns(self.header)))
+        with located(self.path):
+            self._begin()
+            self._connection.executemany(f"INSERT OR IGNORE INTO runs VALUES ({places})", rows)  # noqa: S608  # marks only
+            self._connection.executemany(
+                "INSERT OR IGNORE INTO timing VALUES (?, ?)", zip(numbers, block.wall.tolist(), strict=True)
+            )
+        self.commit_if_due()
+
+    def add_kept(self, numbers: Sequence[int], file: str) -> None:
+        """Note that the waveforms of *numbers* are in *file*, which is there already; "" if there are none to store."""
+        with located(self.path):
+            self._begin()
+            self._connection.executemany(
+                "INSERT OR REPLACE INTO kept VALUES (?, ?)", [(number, file or None) for number in numbers]
+            )
+        self.commit_if_due()
+
+    def set_problem(self, number: int, problem: str) -> None:
+        """Replace what run *number* has to say of itself."""
+        with located(self.path):
+            self._begin()
+            self._connection.execute("UPDATE runs SET problem = ? WHERE number = ?", (problem, number))
+        self.commit_if_due()
+
+    def commit_if_due(self) -> None:
+        """Commit what has been waiting for a quarter of a second or more."""
+        if self._begun is not None and time.monotonic() - self._begun >= _COMMIT_EVERY:
+            self.commit()
+
+    def commit(self) -> None:
+        """Commit what has been added."""
+        if self._begun is not None:
+            with located(self.path):
+                self._connection.execute("COMMIT")
+            self._begun = None
+
+    def close(self) -> None:
+        """Commit and close."""
+        try:
+            self.commit()
+        finally:
+            self._connection.close()
+
+    def __enter__(self) -> StudyFolder:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self.close()
+
+    @classmethod
+    def _connected(cls, path: Path, *, write: bool) -> StudyFolder:
+        connection = connect(path, write=write)
+        try:
+            with located(path):
+                header, asks = read_header(connection, path)
+        except BaseException:
+            connection.close()
+            raise
+        return cls(path, header, connection, asks)
+
+    def take_up(self, definition: StudyDefinition) -> None:
+        """Make *definition* the folder's, in a new era if it asks for other runs; DseError if it is another study's."""
+        stored = self.header.definition
+        different = stored.differences(definition)
+        if different:
+            raise fail(
+                f"holds the results of another study (different: {', '.join(different)})",
+                Location(str(self.path)),
+                "give another folder with -o, or say --fresh to throw these results away",
+            )
+        header = replace(self.header, definition=stored.joined(definition))
+        if not stored.samples_alike(definition):
+            self.is_extended = True
+            era = self.header.era + 1
+            earlier = len(self.finished())
+            header = replace(header, era=era, base=self.asks.numbers, earlier=earlier, runs=earlier, asked=0)
+        with located(self.path):
+            self._begin()
+            migrate(self._connection, header, self.asks)
+            if header != self.header:
+                write_header(self._connection, header)
+        self.commit()
+        self.header = header
+
+    def _checked(self, file: str | None) -> str:
+        # The database may come from anywhere: what it names must lie in the folder of waveforms.
+        if file and not is_file_name(file):
+            raise damaged(self.path, f"'{file}' is no file of waveforms")
+        return file or ""
+
+    def _numbers(self, query: str) -> set[int]:
+        with located(self.path):
+            return {number for (number,) in self._connection.execute(query)}
+
+    def _begin(self) -> None:
+        if self._begun is None:
+            self._connection.execute("BEGIN IMMEDIATE")
+            self._begun = time.monotonic()

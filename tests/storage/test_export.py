@@ -1,0 +1,124 @@
+from __future__ import annotations
+
+import csv
+import io
+import json
+import math
+from collections.abc import Callable, Iterator
+from dataclasses import replace
+from pathlib import Path
+from xml.etree import ElementTree as ET
+
+import pandas as pd
+import pyarrow as pa
+import pyarrow.parquet as pq
+import pytest
+
+from dse.domain.definition import StudyDefinition
+from dse.domain.run import Run, RunRequest
+from dse.storage.export import EXPORTS, to_csv, to_json, to_junit, to_parquet
+from dse.storage.folder import StudyFolder
+from dse.storage.frame import to_frame
+
+
+@pytest.fixture
+def folder(stored: Path) -> Iterator[StudyFolder]:
+    with StudyFolder.open(stored) as folder:
+        yield folder
+
+
+@pytest.mark.parametrize("name", EXPORTS)
+def test_an_export_does_not_tell_in_which_order_runs_were_made(
+    name: str,
+    folder: StudyFolder,
+    tmp_path: Path,
+    definition: StudyDefinition,
+    runs: list[Run],
+    add: Callable[[StudyFolder, Run], None],
+    asked: Callable[[StudyFolder], StudyFolder],
+) -> None:
+    with StudyFolder.create(tmp_path / "other", definition) as other:
+        asked(other)
+        for run in runs:
+            add(other, run)
+        assert EXPORTS[name](other) == EXPORTS[name](folder)
+
+
+@pytest.mark.parametrize("name", EXPORTS)
+def test_a_study_without_runs_can_be_exported(name: str, tmp_path: Path, definition: StudyDefinition) -> None:
+    with StudyFolder.create(tmp_path / "new", definition) as new:
+        assert EXPORTS[name](new)
+
+
+def test_csv_floats_read_back_exactly_and_the_undefined_is_empty(folder: StudyFolder) -> None:
+    rows = list(csv.DictReader(io.StringIO(to_csv(folder).decode())))
+    assert list(rows[0]) == [
+        *("run", "configuration", "outcome", "problem", "controller.kp", "overshoot", "rise_time"),
+        *("R1.verdict", "R1.margin", "R2.verdict", "R2.margin"),
+    ]
+    assert float(rows[0]["overshoot"]) == 0.1 + 0.2
+    assert rows[0]["rise_time"] == ""
+    assert float(rows[1]["overshoot"]) == -5e-324
+    assert float(rows[1]["rise_time"]) == math.inf
+    assert [row["R1.verdict"] for row in rows] == ["pass", "fail", "failed to run", "pass"]
+    assert rows[2]["outcome"] == "failed"
+
+
+def test_json_is_strict_and_holds_the_definition(folder: StudyFolder) -> None:
+    def refuse(constant: str) -> None:
+        raise AssertionError(f"{constant} is not JSON")
+
+    document = json.loads(to_json(folder), parse_constant=refuse)
+    assert document["definition"]["study"] == "gains"
+    assert document["fingerprint"] == folder.header.fingerprint
+    assert [run["run"] for run in document["runs"]] == [0, 1, 2, 4]
+    assert document["runs"][0]["metrics"] == {"overshoot": 0.1 + 0.2, "rise_time": None}
+    assert document["runs"][1]["metrics"]["rise_time"] == "inf"
+    assert document["runs"][1]["requirements"]["R1"] == {"verdict": "fail", "margin": -1.5}
+    assert document["runs"][2]["problem"].startswith("world")
+
+
+def test_parquet_holds_what_the_csv_holds(folder: StudyFolder) -> None:
+    table = pq.read_table(pa.BufferReader(to_parquet(folder)))
+    rows = list(csv.reader(io.StringIO(to_csv(folder).decode())))
+    assert table.column_names == rows[0]
+    assert table.column("overshoot").to_pylist()[:2] == [0.1 + 0.2, -5e-324]
+    assert table.column("R1.verdict").to_pylist() == ["pass", "fail", "failed to run", "pass"]
+
+
+def test_a_data_frame_holds_what_the_csv_holds(folder: StudyFolder) -> None:
+    frame = to_frame(folder)
+    text = frame.reset_index().to_csv(index=False, lineterminator="\n")
+    assert pd.read_csv(io.StringIO(text)).equals(pd.read_csv(io.BytesIO(to_csv(folder))))
+    assert frame.index.name == "run"
+
+
+def test_junit_has_a_suite_per_configuration_and_a_case_per_requirement_and_run(folder: StudyFolder) -> None:
+    root = ET.fromstring(to_junit(folder))  # noqa: S314  # our own bytes
+    first, second = root.findall("testsuite")
+    assert first.attrib == {"name": "c1", "tests": "6", "failures": "1", "errors": "2", "skipped": "2"}
+    assert second.attrib == {"name": "c2", "tests": "2", "failures": "0", "errors": "0", "skipped": "1"}
+    cases = {case.attrib["name"]: case for case in first.findall("testcase")}
+    assert len(cases["R1 run 0 (controller.kp = 0.1)"]) == 0
+    failure = cases["R1 run 1 (controller.kp = 0.2)"].find("failure")
+    assert failure is not None
+    assert failure.attrib["message"] == "margin -1.5"
+    error = cases["R1 run 2 (controller.kp = 0.3)"].find("error")
+    assert error is not None
+    assert error.attrib["message"] == 'world: "t" < 3 s? & more'
+
+
+def test_junit_of_a_bench_without_requirements_tells_which_runs_failed(
+    tmp_path: Path, definition: StudyDefinition, runs: list[Run]
+) -> None:
+    from dse.storage.rows import block_of
+
+    bare = replace(definition, requirements=())
+    with StudyFolder.create(tmp_path / "bare", bare) as folder:
+        folder.ask(0, [RunRequest(n, "c1", {}) for n in range(3)] + [RunRequest(n, "c2", {}) for n in range(3, 6)], 6)
+        for run in runs:
+            block = block_of((run,), (0.0,), ("overshoot", "rise_time"), ())
+            folder.add(run.request.configuration, [tuple(run.request.point.values())], block)
+        root = ET.fromstring(to_junit(folder))  # noqa: S314  # our own bytes
+    assert [suite.attrib["tests"] for suite in root] == ["3", "1"]
+    assert len(root.findall(".//error")) == 1

@@ -1,0 +1,282 @@
+from __future__ import annotations
+
+import math
+import sqlite3
+from collections.abc import Callable
+from contextlib import closing
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from dse.domain.bench import Verdict
+from dse.domain.component import Value
+from dse.domain.definition import DefinedConfiguration, DefinedMetric, StudyDefinition
+from dse.domain.run import Outcome, Run, RunRequest, Waveforms
+from dse.errors import DseError
+from dse.storage.folder import StudyFolder
+from dse.storage.rows import VERDICTS, block_of
+from dse.storage.schema import cell_of, value_of
+from dse.storage.waveforms import file_name, write_waveforms
+
+Add = Callable[[StudyFolder, Run], None]
+
+
+def test_a_stored_run_is_read_back_as_it_was(stored: Path, runs: list[Run]) -> None:
+    with StudyFolder.open(stored) as folder:
+        first, second, failed = folder.run(0), folder.run(1), folder.run(2)
+    assert first.request == runs[0].request
+    assert first.metrics["overshoot"] == 0.1 + 0.2
+    assert math.isnan(first.metrics["rise_time"])
+    assert first.judgements[0] == runs[0].judgements[0]
+    assert math.isnan(first.judgements[1].margin)
+    assert second.metrics == runs[1].metrics
+    assert failed.outcome is Outcome.FAILED
+    assert failed.problem == runs[2].problem
+    assert failed.metrics == {}
+    assert {judgement.verdict for judgement in failed.judgements} == {Verdict.FAILED_TO_RUN}
+
+
+def test_the_table_is_sorted_by_run_number_whatever_the_order_of_arrival(stored: Path) -> None:
+    with StudyFolder.open(stored) as folder:
+        table = folder.table()
+    assert table.numbers.tolist() == [0, 1, 2, 4]
+    assert table.configurations == ("c1", "c1", "c1", "c2")
+    assert table.done.tolist() == [True, True, False, True]
+    assert table.points["controller.kp"].tolist() == [0.1, 0.2, 0.3, 0.2]
+    np.testing.assert_array_equal(table.metric("rise_time"), [np.nan, np.inf, np.nan, -np.inf])
+    assert [VERDICTS[code] for code in table.verdicts("R1")] == [
+        Verdict.PASS,
+        Verdict.FAIL,
+        Verdict.FAILED_TO_RUN,
+        Verdict.PASS,
+    ]
+    np.testing.assert_array_equal(table.margins("R1"), [0.25, -1.5, np.nan, 0.0])
+    assert table.problems == ("", "", 'world: "t" < 3 s\x00 & more', "")
+
+
+def test_the_header_comes_back(stored: Path, definition: StudyDefinition) -> None:
+    with StudyFolder.open(stored) as folder:
+        assert folder.header.definition == definition
+        assert (folder.header.runs, folder.header.asked, folder.header.numbers) == (6, 6, 6)
+        assert folder.header.configurations == ("c1", "c2")
+
+
+def test_a_new_study_is_an_empty_table(tmp_path: Path, definition: StudyDefinition) -> None:
+    with StudyFolder.create(tmp_path / "deep" / "study", definition) as folder:
+        assert folder.finished() == set()
+        assert len(folder.table()) == 0
+        assert folder.table().metric("overshoot").shape == (0,)
+
+
+def test_a_closed_folder_is_one_database_and_one_folder(stored: Path) -> None:
+    with StudyFolder.open(stored) as folder:
+        folder.table()
+    assert sorted(entry.name for entry in stored.iterdir()) == ["study.sqlite", "waveforms"]
+
+
+def test_a_run_keeps_its_first_row(stored: Path, runs: list[Run], add: Add, definition: StudyDefinition) -> None:
+    with StudyFolder.resume(stored, definition) as folder:
+        add(folder, replace(runs[0], metrics={"overshoot": 7.0, "rise_time": 7.0}))
+        assert folder.run(0).metrics["overshoot"] == 0.1 + 0.2
+
+
+def test_a_reader_sees_what_a_writer_committed(
+    tmp_path: Path, definition: StudyDefinition, runs: list[Run], add: Add
+) -> None:
+    with StudyFolder.create(tmp_path, definition) as writer, StudyFolder.open(tmp_path) as reader:
+        add(writer, runs[0])
+        assert reader.finished() == set()
+        writer.commit()
+        assert reader.finished() == {0}
+
+
+def test_a_reader_cannot_write(stored: Path, runs: list[Run], add: Add) -> None:
+    with StudyFolder.open(stored) as folder, pytest.raises(DseError, match="readonly"):
+        add(folder, runs[0])
+
+
+def test_wall_times_are_kept_apart(stored: Path) -> None:
+    with StudyFolder.open(stored) as folder:
+        assert folder.timing() == {0: 0.5, 1: 0.5, 2: 0.5, 4: 0.5}
+
+
+@given(
+    st.one_of(
+        st.floats(allow_nan=False), st.integers(-(2**70), 2**70), st.booleans(), st.text(st.characters(codec="utf-8"))
+    )
+)
+def test_a_point_value_comes_back_with_its_type(value: Value) -> None:
+    with closing(sqlite3.connect(":memory:")) as connection:
+        connection.execute("CREATE TABLE t (x ANY) STRICT")
+        connection.execute("INSERT INTO t VALUES (?)", (cell_of(value),))
+        (cell,) = connection.execute("SELECT x FROM t").fetchone()
+    assert value_of(cell) == value
+    assert type(value_of(cell)) is type(value)
+
+
+def test_waveforms_come_back_through_the_folder(tmp_path: Path, definition: StudyDefinition) -> None:
+    wave = Waveforms(np.array([0.0, 0.1]), {"world.gap": np.array([150.0, math.nan])})
+    with StudyFolder.create(tmp_path, definition) as folder:
+        name = file_name(0, 31)
+        write_waveforms(folder.waveform_folder / name, [(3, wave)])
+        folder.add_kept((3,), name)
+        folder.add_kept((4,), "")
+        read = folder.waveforms(3)
+        assert read is not None
+        np.testing.assert_array_equal(read.values["world.gap"], wave.values["world.gap"])
+        assert folder.waveforms(4) is None
+        assert folder.waveforms(5) is None
+        assert folder.kept() == {3: "runs-00000000-00000031.parquet", 4: ""}
+        (folder.waveform_folder / name).unlink()
+        with pytest.raises(DseError, match="waveforms of run 3 cannot be read"):
+            folder.waveforms(3)
+
+
+def test_another_study_does_not_go_into_the_same_folder(stored: Path, definition: StudyDefinition) -> None:
+    with pytest.raises(DseError, match=r"another study \(different: fmus\)[\s\S]*--fresh"):
+        StudyFolder.resume(stored, replace(definition, fmus={"pd_acc": "4567"}))
+    changed = replace(definition.requirements[0], at_most=2.0)
+    with pytest.raises(DseError, match=r"another study \(different: requirements\)"):
+        StudyFolder.resume(stored, replace(definition, requirements=(changed, definition.requirements[1])))
+
+
+def test_titles_may_change_and_the_folder_has_the_new_ones(stored: Path, definition: StudyDefinition) -> None:
+    renamed = replace(definition, title="Gains again")
+    with StudyFolder.resume(stored, renamed) as folder:
+        assert (folder.header.era, folder.header.runs) == (0, 6)
+    with StudyFolder.open(stored) as folder:
+        assert folder.header.definition == renamed
+
+
+def test_other_points_or_configurations_extend_a_study_and_its_runs_stay(
+    stored: Path, definition: StudyDefinition
+) -> None:
+    wider = replace(definition, variables=(replace(definition.variables[0], high=2.0, levels=5),))
+    with StudyFolder.resume(stored, wider) as folder:
+        assert (folder.header.era, folder.header.base, folder.header.earlier) == (1, 6, 4)
+        assert folder.finished() == {0, 1, 2, 4}
+    more = replace(
+        wider, configurations=(DefinedConfiguration("c3"), definition.configurations[1]), explored=("c3", "c2")
+    )
+    with StudyFolder.resume(stored, more) as folder:
+        assert folder.header.era == 2
+        assert folder.header.configurations == ("c3", "c2", "c1")
+        assert len(folder.table()) == 4
+
+
+def test_an_ask_that_is_noted_must_stay_as_it_was(
+    stored: Path, definition: StudyDefinition, asked: Callable[[StudyFolder], StudyFolder]
+) -> None:
+    with StudyFolder.resume(stored, definition) as folder:
+        asked(folder)
+        with pytest.raises(DseError, match=r"asks for other runs than it did before[\s\S]*--fresh"):
+            folder.ask(0, [RunRequest(0, "c2", {"controller.kp": 0.1})], 1)
+
+
+def test_a_study_is_not_created_over_another(stored: Path, definition: StudyDefinition) -> None:
+    with pytest.raises(DseError, match="holds a study already"):
+        StudyFolder.create(stored, definition)
+
+
+def test_a_study_does_not_go_among_other_files(tmp_path: Path, definition: StudyDefinition) -> None:
+    (tmp_path / "thesis.txt").write_text("x", encoding="utf-8")
+    with pytest.raises(DseError, match="not empty and not a study folder"):
+        StudyFolder.resume(tmp_path, definition)
+    with pytest.raises(DseError, match="not a study folder"):
+        StudyFolder.discard(tmp_path)
+    assert (tmp_path / "thesis.txt").exists()
+
+
+def test_a_file_is_no_place_for_a_study(tmp_path: Path, definition: StudyDefinition) -> None:
+    file = tmp_path / "file"
+    file.write_text("x", encoding="utf-8")
+    with pytest.raises(DseError, match="is a file, not a folder"):
+        StudyFolder.resume(file, definition)
+    with pytest.raises(DseError, match="is not a study folder"):
+        StudyFolder.open(file)
+
+
+def test_a_missing_folder_and_an_empty_one_are_told_apart(tmp_path: Path) -> None:
+    with pytest.raises(DseError, match="there is no such folder"):
+        StudyFolder.open(tmp_path / "nowhere")
+    with pytest.raises(DseError, match=r"there is no study\.sqlite in it"):
+        StudyFolder.open(tmp_path)
+
+
+def test_a_database_of_another_program_is_refused(tmp_path: Path) -> None:
+    with closing(sqlite3.connect(tmp_path / "study.sqlite")) as connection:
+        connection.execute("CREATE TABLE notes (x)")
+    with pytest.raises(DseError, match="written by another program"):
+        StudyFolder.open(tmp_path)
+
+
+def test_a_newer_study_asks_for_a_newer_dse(stored: Path) -> None:
+    with closing(sqlite3.connect(stored / "study.sqlite")) as connection:
+        connection.execute("PRAGMA user_version = 99")
+    with pytest.raises(DseError, match="newer dse"):
+        StudyFolder.open(stored)
+
+
+@pytest.mark.parametrize("where", [0, 4096])
+def test_a_damaged_database_is_named(stored: Path, where: int) -> None:
+    file = stored / "study.sqlite"
+    data = bytearray(file.read_bytes())
+    data[where : where + 4096] = b"\xff" * 4096
+    file.write_bytes(data)
+    with pytest.raises(DseError, match=r"study\.sqlite is damaged"), StudyFolder.open(stored) as folder:
+        folder.table()
+
+
+def test_facts_that_are_no_json_are_damage(stored: Path) -> None:
+    with closing(sqlite3.connect(stored / "study.sqlite")) as connection:
+        connection.execute("UPDATE facts SET value = '{' WHERE key = 'definition'")
+        connection.commit()
+    with pytest.raises(DseError, match="damaged"):
+        StudyFolder.open(stored)
+
+
+def test_a_creation_that_was_cut_short_is_done_again(tmp_path: Path, definition: StudyDefinition) -> None:
+    (tmp_path / "study.sqlite.part").write_bytes(b"torn")
+    (tmp_path / "waveforms").mkdir()
+    with StudyFolder.resume(tmp_path, definition) as folder:
+        assert folder.finished() == set()
+    assert not (tmp_path / "study.sqlite.part").exists()
+
+
+def test_going_on_sweeps_away_torn_waveform_files(stored: Path, definition: StudyDefinition) -> None:
+    torn = stored / "waveforms" / "runs-00000000-00000031.parquet.77.part"
+    torn.write_bytes(b"PAR1")
+    StudyFolder.resume(stored, definition).close()
+    assert not torn.exists()
+
+
+def test_a_discarded_study_leaves_room_for_another(stored: Path, definition: StudyDefinition) -> None:
+    StudyFolder.discard(stored)
+    with StudyFolder.resume(stored, replace(definition, seed=2)) as folder:
+        assert folder.finished() == set()
+
+
+def test_names_that_differ_only_in_case_are_refused(tmp_path: Path, definition: StudyDefinition) -> None:
+    metrics = tuple(DefinedMetric(name, "", "", "") for name in ("gap", "Gap"))
+    bare = replace(definition, metrics=metrics, requirements=())
+    with pytest.raises(DseError, match="'gap' and 'Gap' cannot both be stored"):
+        StudyFolder.create(tmp_path, bare)
+
+
+def test_names_may_hold_any_character(tmp_path: Path, definition: StudyDefinition) -> None:
+    odd = 'a"b; DROP TABLE runs --'
+    named = replace(definition, variables=(replace(definition.variables[0], name=odd),), metrics=(), requirements=())
+    run = Run(RunRequest(0, "c1", {odd: 0.5}), Outcome.DONE)
+    with StudyFolder.create(tmp_path, named) as folder:
+        folder.ask(0, [run.request], 1)
+        folder.add("c1", [(0.5,)], block_of((run,), (0.0,), (), ()))
+        assert folder.run(0).request.point == {odd: 0.5}
+
+
+def test_a_run_that_was_not_made_is_named(stored: Path) -> None:
+    with StudyFolder.open(stored) as folder, pytest.raises(DseError, match=r"no run 3[\s\S]*runs 0 to 5"):
+        folder.run(3)
