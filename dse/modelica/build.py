@@ -13,6 +13,7 @@ from dse.errors import DseError, fail
 from dse.fmu.archive import pack
 from dse.fmu.cache import cache_folder, content_key, keep_file
 from dse.fmu.describe import describe_sources, identifier
+from dse.fmu.slot_table import SLOT_TABLE, SlotTable
 from dse.fmu.toolchain.compilation import (
     LANGUAGE_OPTIONS,
     MODEL_OPTIONS,
@@ -25,6 +26,7 @@ from dse.fmu.toolchain.compiler import Compiler, find_compiler
 from dse.fmu.toolchain.platforms import this_platform
 from dse.modelica.description import Described, describe_model
 from dse.modelica.documentation import documentation
+from dse.modelica.emit.data import slot_rows
 from dse.modelica.emit.model import Settings, Solver, emit
 from dse.modelica.frontend.remembered import Memory
 from dse.modelica.frontend.sources import ModelSources, library_contents, read_sources
@@ -167,6 +169,7 @@ def _contents(
     contents = {
         **{f"sources/runtime/{name}": _runtime()[name] for name in (*_FILES[version], *headers())},
         **{f"sources/runtime/{name}": content for name, content in generated.items()},
+        f"sources/{SLOT_TABLE}": SlotTable("", slot_rows(translated.variables)).to_bytes(),
         "modelDescription.xml": describe_model(described, version),
     }
     settings = f"solver {source.solver.value}, relative tolerance {tolerance:g}"
