@@ -13,11 +13,11 @@ from pathlib import Path
 
 import psutil
 
-from dse.cosim.spawn import start
 from dse.exploration.heartbeat import Heartbeat, Phase, State
 from dse.exploration.job import Batch, Report, Setup
 from dse.exploration.line import Line
 from dse.exploration.worker import work
+from dse.processes import start_process
 
 _TAIL = 2000
 _LARGEST_LOG = 4_000_000
@@ -55,7 +55,7 @@ class WorkerProcess:
         near, far = socket.socketpair()
         self._line = Line(near)
         self._process = context.Process(target=work, args=(far, setup, heartbeat, self._log), daemon=True)
-        start(self._process)
+        start_process(self._process)
         far.close()
         self._memory = psutil.Process(self._process.pid)
         self.assignments: deque[Assignment] = deque()

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dse.domain.system import Conversion, Wire
+from dse.domain.system import Conversion
 
 
 def outside(conversion: Conversion | None, inside: float) -> float | None:
@@ -21,13 +21,6 @@ def inside(conversion: Conversion | None, outer: float) -> float | None:
     if conversion.items:
         return next((inner for inner, known in conversion.items if known == outer), None)
     return (outer - conversion.offset) / conversion.factor
-
-
-def transform_of(wire: Wire) -> Conversion | None:
-    """What *wire* does to a value, None if it passes on what it is given."""
-    if wire.factor == 1.0 and wire.offset == 0.0 and not wire.items:
-        return None
-    return Conversion(wire.factor, wire.offset, wire.items)
 
 
 def carried(transform: Conversion | None, value: float) -> float:

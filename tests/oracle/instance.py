@@ -10,26 +10,21 @@ from typing import Any
 
 from dse.cosim.binding.abilities import Ability
 from dse.cosim.binding.calls import (
-    C_TYPES,
     EXACT_INTEGER,
-    FLOATING,
     LONGEST_TEXT,
     MOST_EVENT_ITERATIONS,
-    TRUTHS,
+    AccessorType,
     Call,
-    Type,
     function_name,
     text_type_of,
     type_of,
 )
 from dse.cosim.binding.library import find
-from dse.cosim.failing import diagnosis
-from dse.cosim.failing.failure import RunFailed, place
-from dse.cosim.oracle.handle import Handle
-from dse.domain.fmu import FmiInterface, Variable
-
-_FMI2_TYPES = {FmiInterface.MODEL_EXCHANGE: 0, FmiInterface.CO_SIMULATION: 1}
-_MIME_TYPE = b"application/x-fmu-sharedlibrary"
+from dse.cosim.failing.failure import RunFailed
+from dse.cosim.failing.reason import StopReason
+from dse.cosim.failing.words import of_call, of_value, place
+from dse.domain.fmu import Variable
+from oracle.handle import Handle
 
 
 class Instance(Handle):
@@ -94,12 +89,12 @@ class Instance(Handle):
             flags = [byref(flag) for flag in (again, ended, nominals, states, known)]
             self._call(Call.UPDATE_DISCRETE_STATES, time, types, *flags, byref(event))
             if ended.value:
-                raise self.failure(name, time, diagnosis.cut_short(place(self.name, name, time), ended=True))
+                raise self.failure(name, time, of_call(StopReason.STEP_CUT_SHORT, place(self.name, name, time), True))
             self.next_event = event.value if known.value else math.inf
             if not again.value:
                 self._call(Call.ENTER_STEP_MODE, time)
                 return
-        raise self.failure(name, time, diagnosis.endless_events(place(self.name, name, time)))
+        raise self.failure(name, time, of_call(StopReason.ENDLESS_EVENTS, place(self.name, name, time)))
 
     # ---- steps ----
 
@@ -132,7 +127,7 @@ class Instance(Handle):
     def cut_short(self, time: float, *, ended: bool) -> RunFailed:
         """The failure of a step that was not made to its end."""
         name = function_name(Call.DO_STEP, self.model.version)
-        return self.failure(name, time, diagnosis.cut_short(place(self.name, name, time), ended=ended))
+        return self.failure(name, time, of_call(StopReason.STEP_CUT_SHORT, place(self.name, name, time), ended))
 
     def status(self, call: Call, what: int, room: Any) -> int | None:
         """What GetStatus and its like of FMI 1 and 2 return for *what*, the answer in *room*; None without them."""
@@ -200,13 +195,13 @@ class Instance(Handle):
     def numbers(self, variable: Variable, time: float | None) -> list[float]:
         """Values of *variable* inside of the FMU, row by row; *time* is for messages."""
         kind = self._type(variable)
-        room = (C_TYPES[kind] * variable.size)()
+        room = (kind.c_type * variable.size)()
         self._access(Call.GET + kind, variable, room, time)
         for label, value in zip(variable.labels, room, strict=True):
-            if kind in (Type.INT64, Type.UINT64) and abs(value) > EXACT_INTEGER:
-                what = diagnosis.too_large(f"{self.name}.{label}", time)
+            if kind in (AccessorType.INT64, AccessorType.UINT64) and abs(value) > EXACT_INTEGER:
+                what = of_value(StopReason.TOO_LARGE, f"{self.name}.{label}", time)
                 raise self.failure(self.accessor("Get", variable), time, what)
-        return [float(bool(value)) if kind in TRUTHS else float(value) for value in room]
+        return [float(bool(value)) if kind.is_boolean else float(value) for value in room]
 
     def give_numbers(self, variable: Variable, values: Sequence[float], time: float | None) -> None:
         """Give *variable* the *values*, as they are inside; *time* is for messages."""
@@ -218,11 +213,11 @@ class Instance(Handle):
         for label, value in zip(variable.labels, values, strict=True):
             if not _fits(value, kind):
                 raise self.unfit(variable, label, value, time)
-        return (C_TYPES[kind] * len(values))(*(value if kind in FLOATING else int(value) for value in values))
+        return (kind.c_type * len(values))(*(value if kind.is_floating else int(value) for value in values))
 
     def unfit(self, variable: Variable, label: str, value: float, time: float | None) -> RunFailed:
         """The failure of a *value* that *variable* cannot take."""
-        what = diagnosis.unfit(f"{self.name}.{label}", variable.fmi_type, value, time)
+        what = of_value(StopReason.UNFIT_INPUT, f"{self.name}.{label}", time, value, variable.fmi_type)
         return self.failure(self.accessor("Set", variable), time, what)
 
     def texts(self, variable: Variable, time: float | None) -> list[bytes]:
@@ -230,18 +225,18 @@ class Instance(Handle):
         kind, n = text_type_of(variable, self.model.version), variable.size
         pointers, sizes = (c_void_p * n)(), (c_size_t * n)()
         name = self.accessor("Get", variable)
-        if kind is Type.BINARY:
+        if kind is AccessorType.BINARY:
             types = (POINTER(c_uint32), c_size_t, c_void_p, c_void_p, c_size_t)
             self.call(name, time, types, (c_uint32 * 1)(variable.reference), 1, byref(sizes), byref(pointers), n)
         else:
-            self._access(Call.GET + Type.STRING, variable, pointers, time)
+            self._access(Call.GET + AccessorType.STRING, variable, pointers, time)
         found = []
         for label, pointer, size in zip(variable.labels, pointers, sizes, strict=True):
-            if pointer is None and (kind is Type.STRING or size):
-                raise self.failure(name, time, diagnosis.no_text(f"{self.name}.{label}", time))
-            text = b"" if pointer is None else _bytes_at(pointer, size if kind is Type.BINARY else None)
+            if pointer is None and (kind is AccessorType.STRING or size):
+                raise self.failure(name, time, of_value(StopReason.NO_TEXT, f"{self.name}.{label}", time))
+            text = b"" if pointer is None else _bytes_at(pointer, size if kind is AccessorType.BINARY else None)
             if text is None:
-                raise self.failure(name, time, diagnosis.long_text(f"{self.name}.{label}", time))
+                raise self.failure(name, time, of_value(StopReason.LONG_TEXT, f"{self.name}.{label}", time))
             found.append(text)
         return found
 
@@ -249,13 +244,13 @@ class Instance(Handle):
         """Give *variable* strings (encoded in UTF-8) or binaries."""
         n = len(texts)
         values = (c_char_p * n)(*texts)
-        if text_type_of(variable, self.model.version) is Type.BINARY:
+        if text_type_of(variable, self.model.version) is AccessorType.BINARY:
             types = (POINTER(c_uint32), c_size_t, c_void_p, c_void_p, c_size_t)
             sizes = (c_size_t * n)(*map(len, texts))
             reference = (c_uint32 * 1)(variable.reference)
             self.call(self.accessor("Set", variable), time, types, reference, 1, byref(sizes), byref(values), n)
         else:
-            self._access(Call.SET + Type.STRING, variable, values, time)
+            self._access(Call.SET + AccessorType.STRING, variable, values, time)
 
     def _access(self, call: int, variable: Variable, room: Any, time: float | None) -> None:
         references = (c_uint32 * 1)(variable.reference)
@@ -265,9 +260,9 @@ class Instance(Handle):
         else:
             self._call(call, time, (*types, c_size_t), references, 1, byref(room), len(room))
 
-    def _type(self, variable: Variable) -> Type:
+    def _type(self, variable: Variable) -> AccessorType:
         kind = type_of(variable, self.model.version)
-        assert kind is not None, "the wiring lets only numbers through"  # noqa: S101  # an invariant, not a check of input
+        assert kind is not None, "the wiring lets only numbers through"  # an invariant, not a check of input
         return kind
 
 
@@ -277,13 +272,13 @@ def _bytes_at(pointer: int, size: int | None) -> bytes | None:
     return None if len(text) > LONGEST_TEXT else text
 
 
-def _fits(value: float, kind: Type) -> bool:
-    if kind in FLOATING:
-        return math.isfinite(C_TYPES[kind](value).value) or not math.isfinite(value)
+def _fits(value: float, kind: AccessorType) -> bool:
+    if kind.is_floating:
+        return math.isfinite(kind.c_type(value).value) or not math.isfinite(value)
     if not float(value).is_integer():
         return False
-    if kind in TRUTHS:
+    if kind.is_boolean:
         return value in (0.0, 1.0)
-    bits = 8 * ctypes.sizeof(C_TYPES[kind])
+    bits = 8 * kind.size
     low, high = (0, 2**bits - 1) if kind.name.startswith("U") else (-(2 ** (bits - 1)), 2 ** (bits - 1) - 1)
     return bool(max(low, -EXACT_INTEGER) <= value <= min(high, EXACT_INTEGER))

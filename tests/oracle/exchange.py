@@ -12,20 +12,17 @@ from typing import Any
 
 from dse.cosim.binding import layout
 from dse.cosim.binding.abilities import Ability, abilities_of
-from dse.cosim.binding.calls import FATAL, Call, Type, function_name
+from dse.cosim.binding.calls import AccessorType, Call, function_name
 from dse.cosim.binding.exchange_layout import Exchange
 from dse.cosim.binding.integration import Integration
 from dse.cosim.binding.library import address
-from dse.cosim.failing import diagnosis
-from dse.cosim.failing.exchange import describe
-from dse.cosim.failing.failure import RunFailed, place
+from dse.cosim.failing.diagnosis import failed_call
 from dse.domain.system import Element
 
 _SET = ctypes.CFUNCTYPE(
     ctypes.c_int, ctypes.c_void_p, ctypes.c_void_p, ctypes.c_size_t, ctypes.POINTER(ctypes.c_double)
 )
 _OK, _ERROR = 0, 3
-_FIRST_OF_EXCHANGE = 32
 
 
 class ReferenceExchange:
@@ -93,17 +90,7 @@ class ReferenceExchange:
     def _check(self, failed: int, moment: float | None) -> None:
         if not failed:
             return
-        failure, element = self._system.failure, self._element
-        name = function_name(failure.progress.place.call, element.model.version)
-        where = place(element.name, name, moment)
-        if failure.kind >= _FIRST_OF_EXCHANGE:
-            what = describe(element, failure.kind, failure.position, failure.status, failure.value)
-        elif failure.kind == diagnosis.Kind.BAD_STATUS:
-            what = diagnosis.bad_status(where, failure.status)
-        else:
-            what = diagnosis.of_call(diagnosis.Kind(failure.kind), where, ended=bool(failure.status))
-        fatal = failure.kind == diagnosis.Kind.BAD_STATUS and failure.status == FATAL
-        raise RunFailed(element.name, name, moment, self._log(), what, fatal)
+        raise failed_call(self._system.failure, self._element, moment, self._log())
 
 
 class _Mover:
@@ -124,7 +111,7 @@ class _Mover:
                 count=1,
                 n_values=1,
                 version=2,
-                type=Type.FLOAT64,
+                type=AccessorType.FLOAT64,
             )
         )
         first = ctypes.addressof(self._group)

@@ -14,14 +14,14 @@ from numpy.typing import NDArray
 
 from dse.cosim.binding.library import load, occupy, vacate
 from dse.cosim.clock import end_of, steps_in
-from dse.cosim.oracle.element import ReferenceElement
-from dse.cosim.oracle.master import Master
-from dse.cosim.plan import columns_of
+from dse.cosim.tables.method import columns_of
 from dse.cosim.tables.starts import starts_of
 from dse.cosim.wiring.check import check_wired, own_steps
 from dse.cosim.wiring.wiring import wire_up
 from dse.domain.method import PLAIN, Method
 from dse.domain.system import SystemStructure
+from oracle.element import ReferenceElement
+from oracle.master import Master
 
 _NO_START: Mapping[str, float] = {}
 

@@ -9,16 +9,19 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from dse.cosim.failing import diagnosis, plan_failure
 from dse.cosim.failing.failure import RunFailed
-from dse.cosim.oracle.newton import NoSolution, newton, same_bits
-from dse.cosim.plan import DISCRETE_WALKS, declared_nominal, nominal_of
-from dse.cosim.wiring.border import Border, Port
+from dse.cosim.failing.master import of_loop, of_output
+from dse.cosim.failing.reason import StopReason
+from dse.cosim.failing.words import of_value
+from dse.cosim.tables.method import DISCRETE_WALKS, declared_nominal, nominal_of
+from dse.cosim.wiring.border import Border, ElementPort
 from dse.cosim.wiring.check import OwnStep, extrapolation_of
-from dse.cosim.wiring.conversion import carried
-from dse.cosim.wiring.dependency import Loop, Read, Step, doubtful_reads, order_of
-from dse.cosim.wiring.wiring import Wiring, links_of
+from dse.cosim.wiring.dependency import AlgebraicLoop, Read, Step, doubtful_reads, order_of
+from dse.cosim.wiring.links import links_of
+from dse.cosim.wiring.wiring import Wiring
 from dse.domain.method import Adaptive, Algorithm, Coupling, Extrapolation, Method
+from oracle.conversion import carried
+from oracle.newton import NoSolution, newton, same_bits
 
 _EXCHANGES = 20
 _EASY = 0.1
@@ -94,11 +97,11 @@ class Master:
         reads = doubtful_reads(self.wiring)
         passed_on = dict(self.values)
         self._walk(reads)
-        ports = [Port(read.element, True, place) for read in reads for place in read.places]
+        ports = [port for read in reads for port in read.ports]
         if any(self._differs(port, label, passed_on) for port in ports for label in self._labels(port)):
             self._walk(order_of(self.wiring, initially=True, told=False))
 
-    def _differs(self, port: Port, label: str, passed_on: Mapping[str, Value]) -> bool:
+    def _differs(self, port: ElementPort, label: str, passed_on: Mapping[str, Value]) -> bool:
         a, b = self.values[label], passed_on[label]
         if not self.border.is_real(port):
             return bool(a != b)
@@ -111,11 +114,11 @@ class Master:
     def _recorded(self, name: str) -> float:
         return self.energies[name.removeprefix("bonds.")] if name.startswith("bonds.") else self.values[name]
 
-    def _labels(self, port: Port) -> list[str]:
+    def _labels(self, port: ElementPort) -> list[str]:
         return [f"{self.names[port.element]}.{label}" for label in self.border.variable(port).labels]
 
-    def _read(self, e: int, variables: Sequence[Any]) -> None:
-        found = self.parts[e].read([variable.name for variable in variables], self.time)
+    def _read(self, e: int, ports: Sequence[ElementPort]) -> None:
+        found = self.parts[e].read([self.border.variable(port).name for port in ports], self.time)
         self.values |= {f"{self.names[e]}.{label}": value for label, value in found.items()}
 
     def _write(self, e: int, values: Mapping[str, Value]) -> None:
@@ -136,20 +139,20 @@ class Master:
 
     def _walk(self, steps: Sequence[Step], *, in_loop: bool = False) -> None:
         for step in steps:
-            if isinstance(step, Loop):
+            if isinstance(step, AlgebraicLoop):
                 self._solve(step)
                 self._check_finite([label for port in (*step.reals, *step.others) for label in self._labels(port)])
             elif self.k % self.own[step.element].every:
                 continue
             elif isinstance(step, Read):
-                self._read(step.element, [self.border.outputs[step.element][place] for place in step.places])
+                self._read(step.element, step.ports)
             else:
-                labels = [label for place in step.places for label in self._labels(Port(step.element, False, place))]
+                labels = [label for port in step.ports for label in self._labels(port)]
                 if not in_loop:
                     self._check_finite(map(self._source, labels))
                 self._write(step.element, {label: self.values[self._source(label)] for label in labels})
 
-    def _solve(self, loop: Loop) -> None:
+    def _solve(self, loop: AlgebraicLoop) -> None:
         reals, others = (
             [label for port in ports for label in self._labels(port)] for ports in (loop.reals, loop.others)
         )
@@ -186,14 +189,16 @@ class Master:
                 x, found = newton(walk, x, nominals, stays)
             except NoSolution as stuck:
                 if stuck.is_singular:
-                    raise plan_failure.nearly_singular(self.wiring, loop, stuck.left, self.time) from None
-                raise plan_failure.not_solved(self.wiring, loop, stuck.residual, self.time) from None
+                    reason, value = StopReason.NEARLY_SINGULAR, stuck.left
+                else:
+                    reason, value = StopReason.NOT_SOLVED, stuck.residual
+                raise of_loop(reason, self.wiring, loop, self.time, value) from None
             if same_bits(x[n:], found[n:]):
                 return
             x = x[:n] + found[n:]
-        raise plan_failure.not_settled(self.wiring, loop, self.time)
+        raise of_loop(StopReason.NOT_SETTLED, self.wiring, loop, self.time)
 
-    def _nominal(self, port: Port) -> float:
+    def _nominal(self, port: ElementPort) -> float:
         return nominal_of(self.wiring.system.elements[port.element], self.border.variable(port))
 
     # ---- steps ----
@@ -212,8 +217,7 @@ class Master:
 
     def _drive(self, e: int, time: float, length: float) -> None:
         own = length / self.own[e].parts
-        ports = [Port(e, False, place) for place in range(len(self.border.inputs[e]))]
-        labels = [(label, moves) for port in ports for label, moves in self._moving(port)]
+        labels = [(label, moves) for port in self.border.inputs[e] for label, moves in self._moving(port)]
         for label, moves in labels:
             self.used[label] = self._along(label, moves, time, 0.5 * length)[0]
         for part in range(self.own[e].parts):
@@ -229,7 +233,7 @@ class Master:
                 slopes = {label.removeprefix(f"{self.names[e]}."): slope for label, slope in slopes.items()}
             self.parts[e].step(begin, own, slopes, may_roll_back=bool(self.method.adaptive))
 
-    def _moving(self, port: Port) -> list[tuple[str, bool]]:
+    def _moving(self, port: ElementPort) -> list[tuple[str, bool]]:
         """Labels of an input, and whether each moves during a step."""
         element = self.wiring.system.elements[port.element]
         moves = self.border.moves(port)
@@ -295,11 +299,10 @@ class Master:
 
     def _watched(self) -> list[tuple[str, float]]:
         wired = {self.wiring.values[position] for position in self.wiring.wired}
-        ports = [port for port in sorted(self.border.values) if port.is_output and self.border.is_floating(port)]
         elements = self.wiring.system.elements
         return [
             (label, declared_nominal(elements[port.element], self.border.variable(port)))
-            for port in ports
+            for port in self.border.floating_outputs
             for label in self._labels(port)
             if label in wired
         ]
@@ -314,14 +317,14 @@ class Master:
             value = self.values[label]
             if isinstance(value, (int, float)) and not isfinite(value):
                 e = self.names.index(self._owners(label)[0])
-                what = diagnosis.not_finite(label, value, self.time)
-                raise RunFailed(self.names[e], "", self.time, self.parts[e].instance.log, what)
+                what = of_value(StopReason.NOT_FINITE, label, self.time, value)
+                raise RunFailed(self.names[e], what, time=self.time, log=self.parts[e].instance.log)
 
     def _check_limits(self, time: float) -> None:
         for label, limit in self.limits.items():
             if abs(self.values[label]) > limit:
                 position = self.wiring.values.index(label)
-                raise plan_failure.diverged(self.wiring, position, self.values[label], time)
+                raise of_output(StopReason.DIVERGED, self.wiring, position, time, self.values[label])
 
     # ---- error control ----
 
@@ -343,11 +346,11 @@ class Master:
             tried += 1
             if tried > _MOST_STEPS:
                 position = self.wiring.values.index(worst)
-                raise plan_failure.too_many(self.wiring, position, _MOST_STEPS, self.time or 0.0)
+                raise of_output(StopReason.ENDLESS_STEPS, self.wiring, position, self.time or 0.0, _MOST_STEPS)
             if not error <= 1.0:
                 if half < adaptive.smallest or self.level >= _FINEST:
                     position = self.wiring.values.index(worst)
-                    raise plan_failure.too_short(self.wiring, position, half, self.time or 0.0)
+                    raise of_output(StopReason.STEP_TOO_SHORT, self.wiring, position, self.time or 0.0, half)
                 self._restore(kept)
                 self.level, i = self.level + 1, 2 * i
                 continue
@@ -387,8 +390,7 @@ class Master:
         self.shown, self.spans = list(shown), list(spans)
 
     def _compared(self) -> list[str]:
-        ports = [port for port in sorted(self.border.values) if port.is_output and self.border.is_real(port)]
-        return [label for port in ports for label in self._labels(port)]
+        return [label for port in self.border.real_outputs for label in self._labels(port)]
 
     def _note_magnitudes(self) -> None:
         for label in self._compared():

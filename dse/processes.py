@@ -7,7 +7,7 @@ from multiprocessing.process import BaseProcess
 from types import ModuleType
 
 
-def start(process: BaseProcess) -> None:
+def start_process(process: BaseProcess) -> None:
     """Start *process* without the parent's main module, which spawn would otherwise import again in the child.
 
     A console script would cost each child the whole command line, and a script without a main guard would do again

@@ -18,9 +18,11 @@ from dse.cosim.binding.calls import (
 )
 from dse.cosim.binding.layout import kernel
 from dse.cosim.binding.library import address, resources
-from dse.cosim.failing import diagnosis
-from dse.cosim.failing.failure import RunFailed, place
-from dse.cosim.oracle.callbacks import (
+from dse.cosim.failing.failure import RunFailed
+from dse.cosim.failing.reason import StopReason
+from dse.cosim.failing.words import of_call, place
+from dse.domain.fmu import FmiInterface, FmuModel
+from oracle.callbacks import (
     BETWEEN,
     FINISHED,
     Fmi1Callbacks,
@@ -29,7 +31,6 @@ from dse.cosim.oracle.callbacks import (
     logger,
     memory,
 )
-from dse.domain.fmu import FmiInterface, FmuModel
 
 _FMI2_TYPES = {FmiInterface.MODEL_EXCHANGE: 0, FmiInterface.CO_SIMULATION: 1}
 _MIME_TYPE = b"application/x-fmu-sharedlibrary"
@@ -91,11 +92,11 @@ class Handle:
         """Raise RunFailed if *status*, which the function *name* returned, is worse than a warning."""
         if not 0 <= status <= WARNING:
             self.fatal = status == FATAL
-            raise self.failure(name, time, diagnosis.bad_status(place(self.name, name, time), status))
+            raise self.failure(name, time, of_call(StopReason.BAD_STATUS, place(self.name, name, time), status))
 
     def failure(self, call: str, time: float | None, what: str) -> RunFailed:
         """The failure to raise."""
-        return RunFailed(self.name, call, time, self.log, what, self.fatal)
+        return RunFailed(self.name, what, call, time, self.log, self.fatal)
 
     def _instantiate(self, intermediate: Sequence[int]) -> int:
         version = self.model.version
@@ -111,7 +112,7 @@ class Handle:
             handle = self._make_fmi3(function, intermediate)
         if not handle:
             needs_tool = self.model.capabilities.needs_tool
-            what = diagnosis.no_instance(place(self.name, function, None), needs_tool=needs_tool)
+            what = of_call(StopReason.NO_INSTANCE, place(self.name, function, None), needs_tool=needs_tool)
             raise self.failure(function, None, what)
         return int(handle)
 

@@ -9,15 +9,16 @@ from types import TracebackType
 
 from dse.cosim.binding.abilities import Ability, takes_slopes
 from dse.cosim.binding.calls import text_type_of
-from dse.cosim.failing import diagnosis
-from dse.cosim.oracle.exchange import ReferenceExchange
-from dse.cosim.oracle.instance import Instance
-from dse.cosim.oracle.steps import make_step
+from dse.cosim.failing.reason import StopReason
+from dse.cosim.failing.words import of_value
 from dse.cosim.tables.starts import starts_of
-from dse.cosim.wiring.conversion import inside, outside
 from dse.cosim.wiring.wiring import groups_by_type, is_discrete_input, moves_within_steps
 from dse.domain.fmu import FmiInterface, Variable
 from dse.domain.system import Element, SystemStructure
+from oracle.conversion import inside, outside
+from oracle.exchange import ReferenceExchange
+from oracle.instance import Instance
+from oracle.steps import make_step
 
 Value = float | bytes
 """A number, or a string (encoded in UTF-8) or binary."""
@@ -190,7 +191,7 @@ class ReferenceElement:
         for label, value in zip(variable.labels, values, strict=True):
             inner = inside(conversion, value)
             if inner is None:
-                what = diagnosis.not_an_item(f"{self.element.name}.{label}", value, time)
+                what = of_value(StopReason.NO_ITEM_INPUT, f"{self.element.name}.{label}", time, value)
                 raise self.instance.failure(self.instance.accessor("Set", variable), time, what)
             if isfinite(value) and not isfinite(inner):
                 raise self.instance.unfit(variable, label, inner, time)
@@ -203,7 +204,7 @@ class ReferenceElement:
         for label, value in zip(variable.labels, values, strict=True):
             outer = outside(conversion, value)
             if outer is None:
-                what = diagnosis.no_item(f"{self.element.name}.{label}", value, time)
+                what = of_value(StopReason.NO_ITEM, f"{self.element.name}.{label}", time, value)
                 raise self.instance.failure(self.instance.accessor("Get", variable), time, what)
             found.append(outer)
         return found

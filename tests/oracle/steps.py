@@ -8,9 +8,9 @@ from ctypes import c_double, c_int
 
 from dse.cosim.binding.abilities import Ability
 from dse.cosim.binding.calls import DISCARD, MOST_EVENT_ITERATIONS, PENDING, WARNING, Call, function_name
-from dse.cosim.failing.diagnosis import endless_events
-from dse.cosim.failing.failure import place
-from dse.cosim.oracle.instance import Instance
+from dse.cosim.failing.reason import StopReason
+from dse.cosim.failing.words import of_call, place
+from oracle.instance import Instance
 
 _STEP_STATUS, _LAST_SUCCESSFUL_TIME, _TERMINATED = 0, 2, 3
 _NAP = 2e-5
@@ -86,7 +86,8 @@ def _step_fmi3(instance: Instance, time: float, step: float, *, may_roll_back: b
                 raise instance.cut_short(start, ended=False)
             if standstill > MOST_EVENT_ITERATIONS:
                 name = function_name(Call.DO_STEP, instance.model.version)
-                raise instance.failure(name, start, endless_events(place(instance.name, name, start)))
+                what = of_call(StopReason.ENDLESS_EVENTS, place(instance.name, name, start))
+                raise instance.failure(name, start, what)
         time = reached
         if is_event:
             instance.enter_event_mode(start)
