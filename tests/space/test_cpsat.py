@@ -6,10 +6,9 @@ import random
 from dataclasses import replace
 
 import numpy as np
-import pytest
+from cpsat import optimum, satisfiable
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from cpsat import optimum, satisfiable
 from random_spaces import design_spaces
 
 from dse.space.flat import Clause, FlatSpace, Ints, Linear, Rule, Table, Variable, Wide

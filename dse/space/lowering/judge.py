@@ -10,7 +10,7 @@ import numpy as np
 from dse.domain.expression import Expression
 from dse.space.flat import Bools, Fold, Gather, Ints, Wide
 from dse.space.language import intervals
-from dse.space.language.evaluate import Evaluate, evaluator
+from dse.space.language.evaluate import Evaluate, leaf_evaluator
 from dse.space.language.intervals import Numbers, Truths
 from dse.space.language.terms import Choose, Constant, Every, Leaf, Operation, Quota, Some, Term, leaves
 from dse.space.lowering.counts import tally
@@ -33,7 +33,7 @@ class Calculator:
     def __init__(self, expression: Expression, term: Term, folds: Folds) -> None:
         self.term = term
         self._readings: dict[int, Reading] = {id(leaf): reading(leaf, folds) for leaf in leaves(term)}
-        self.value: Evaluate[Sequence[int]] = evaluator(expression, term, self._value_of, lambda _: "")
+        self.value: Evaluate[Sequence[int]] = leaf_evaluator(expression, term, self._value_of, lambda _: "")
 
     def bounds(self, low: Sequence[Ints], high: Sequence[Ints]) -> Numbers | Truths:
         """What the term may be for folds between *low* and *high*."""
