@@ -52,6 +52,8 @@ def encode(flat: FlatSpace) -> Cnf:
             case Table():
                 for box in boxes(flat, rule):
                     writer.say(tuple((number, ~mask) for number, mask in box), rule.owner)
+            case Linear(_, None, None):
+                pass
             case Linear():
                 cases = {number: writer.cases(number, weights.tolist()) for number, weights in rule.weights.items()}
                 encode_linear(rule, cases, writer.new, writer.add)
