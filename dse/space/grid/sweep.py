@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 
 from dse.space.flat import Ints
 from dse.space.grid.axes import Axis, Layers, Span
+from dse.space.grid.words import Words, reduce
 
 Shape = tuple[int, ...]
 
@@ -47,6 +48,10 @@ class Step:
     times: Ints
     box: Shape
     crops: tuple[Crop, ...]
+
+    def most_gathered(self) -> int:
+        """Cells that may go into one when they are cropped."""
+        return prod(crop.first + 1 for crop in self.crops if crop.gathered)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -77,6 +82,17 @@ def forward(layers: Layers, sums: Sequence[Axis], spans: Sequence[Sequence[Span]
 def backward(layers: Layers, sums: Sequence[Axis], spans: Sequence[Sequence[Span]], cut: int) -> Sweep:
     """From the terminal to level *cut*; spans[axis][level] of the sums after."""
     return _sweep(layers, sums, spans, list(range(len(layers), cut - 1, -1)))
+
+
+def cropped(box: Words, crops: Sequence[Crop], modulus: int | None) -> Words:
+    """What stays of a box along its axes from the second on; *box* is overwritten."""
+    for axis, crop in enumerate(crops, 1):
+        before: tuple[Any, ...] = (slice(None),) * axis
+        if crop.gathered and crop.first:
+            box[(*before, crop.first)] += box[(*before, slice(0, crop.first))].sum(axis=axis, dtype=box.dtype)
+            reduce(box[(*before, crop.first)], modulus)
+        box = box[(*before, slice(crop.first, crop.first + crop.length))]
+    return box
 
 
 def schedule(sweep: Sweep, sizes: Sequence[float]) -> Schedule:
