@@ -21,8 +21,6 @@ from dse.space.flat import Ints
 from dse.space.grid.axes import Axis, Layers, Span
 from dse.space.grid.words import Words, reduce
 
-Shape = tuple[int, ...]
-
 _SAFE = 1 << 62
 
 
@@ -46,7 +44,7 @@ class Step:
     source: Ints
     offset: Ints
     times: Ints
-    box: Shape
+    box: tuple[int, ...]
     crops: tuple[Crop, ...]
 
     def most_gathered(self) -> int:
@@ -62,7 +60,7 @@ class Sweep:
     """
 
     steps: tuple[Step, ...]
-    shapes: tuple[Shape, ...]
+    shapes: tuple[tuple[int, ...], ...]
     paths: tuple[NDArray[Any], ...]
 
 
@@ -124,12 +122,12 @@ def _sweep(layers: Layers, sums: Sequence[Axis], spans: Sequence[Sequence[Span]]
     return Sweep(tuple(steps), (*shapes, lengths[-1]), tuple(paths))
 
 
-def strides(shape: Shape) -> list[int]:
+def strides(shape: tuple[int, ...]) -> list[int]:
     """Cells from one place to the next along each axis."""
     return [prod(shape[axis + 1 :]) for axis in range(len(shape))]
 
 
-def _step(target: Ints, source: Ints, offset: Ints, box: Shape, crops: tuple[Crop, ...]) -> Step:
+def _step(target: Ints, source: Ints, offset: Ints, box: tuple[int, ...], crops: tuple[Crop, ...]) -> Step:
     order = np.lexsort((offset, source, target))
     target, source, offset = target[order], source[order], offset[order]
     new = np.ones(len(order), np.bool_)

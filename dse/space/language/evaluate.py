@@ -50,7 +50,7 @@ There = Callable[[Sequence[tuple[Site, Any]]], Callable[[Source], list[Any]]]
 """Makes, of values by site, a function that finds those whose site is there in what is chosen, in their order."""
 
 
-class Rule:
+class CompiledCondition:
     """A compiled condition."""
 
     def __init__(self, evaluate: Evaluate[Choices]) -> None:
@@ -61,13 +61,13 @@ class Rule:
         return _truth(self._evaluate(choices))
 
 
-def compile_in(expression: Expression, places: Places) -> Rule:
+def compile_in(expression: Expression, places: Places) -> CompiledCondition:
     """*expression* as a condition on complete choices among *places*.
 
     Raises DseError, located, for unknown places, components, properties and functions, and for units that do
     not fit.
     """
-    return Rule(evaluator(expression, interpret_condition(expression, places), _there, _shown))
+    return CompiledCondition(evaluator(expression, interpret_condition(expression, places), _there, _shown))
 
 
 def compile_value(expression: Expression, space: DesignSpace) -> Evaluate[Choices]:

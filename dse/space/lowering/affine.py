@@ -6,7 +6,7 @@ Exact rewriting only: ``mean(p) <= c`` is ``sum(p - c) <= 0`` over what is there
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field
 from fractions import Fraction
 from math import ceil, floor, gcd, lcm
@@ -16,7 +16,7 @@ import numpy as np
 from dse.space.decisions import Site
 from dse.space.flat import Ints
 from dse.space.language.terms import Choose, Constant, Entries, Operation, RollUp, Standing, Stated, Term
-from dse.space.lowering.formulas import FALSE, TRUE, Formula, Total, conjoin, disjoin, literal, negation
+from dse.space.lowering.formulas import FALSE, TRUE, BoundedSum, Formula, conjoin, disjoin, literal, negation
 from dse.space.lowering.shape import Branch, Shape
 
 LARGEST = 2**62
@@ -179,10 +179,10 @@ def between(shape: Shape, weights: dict[int, Ints], low: int | None, high: int |
         if high is not None:
             mask &= values <= high
         return literal(shape, variable, mask)
-    return Total(weights, low, high, unit)
+    return BoundedSum(weights, low, high, unit)
 
 
-def reach(shape: Shape, weights: dict[int, Ints]) -> tuple[int, int]:
+def reach(shape: Shape, weights: Mapping[int, Ints]) -> tuple[int, int]:
     """The least and the greatest sum, each variable for itself."""
     least = most = 0
     for variable, values in weights.items():

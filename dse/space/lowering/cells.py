@@ -12,7 +12,7 @@ from dse.domain.expression import Expression, Truth
 from dse.space.decisions import Site
 from dse.space.flat import Bools
 from dse.space.language.evaluate import evaluator
-from dse.space.lowering.formulas import Atom, Formula, Junction, Literal, Total
+from dse.space.lowering.formulas import Atom, BoundedSum, Formula, Junction, Literal
 from dse.space.lowering.shape import Shape
 
 Cell = Mapping[int, int]
@@ -46,7 +46,7 @@ def _holds(shape: Shape, formula: Formula, scope: Sequence[int]) -> Bools:
     match formula:
         case Literal():
             return _along(shape, formula.mask, [formula.variable], scope)
-        case Total(weights, low, high):
+        case BoundedSum(weights, low, high):
             total = sum(_along(shape, values, [variable], scope) for variable, values in weights.items())
             holds = np.ones((1,) * len(scope), bool)
             if low is not None:

@@ -15,7 +15,7 @@ from dse.space.language.intervals import Numbers, Truths
 from dse.space.language.terms import Choose, Constant, Every, Leaf, Operation, Quota, Some, Term, leaves
 from dse.space.lowering.counts import tally
 from dse.space.lowering.folds import Folds
-from dse.space.lowering.formulas import Atom, Formula, Junction, Literal, Total
+from dse.space.lowering.formulas import Atom, BoundedSum, Formula, Junction, Literal
 from dse.space.lowering.readings import Reading, reading
 from dse.space.lowering.shape import Shape
 
@@ -132,7 +132,7 @@ def _test(shape: Shape, expression: Expression, formula: Formula, folds: Folds) 
     match formula:
         case Literal():
             return _literals(shape, [formula], folds, every=True)
-        case Total(weights, low, high, scale):
+        case BoundedSum(weights, low, high, scale):
             return _Between(folds.number(Fold(Gather.SUM, weights, 0, scale)), low, high)
         case Atom(term, _, outcome, denied):
             return _Has(Calculator(expression, term, folds), outcome, denied)

@@ -1,7 +1,7 @@
 """The leaves of a term as folds over what is chosen, and how their values are read from the folds.
 
 A value of a place is the sum of what its alternatives contribute, of which one is there; extremes are folds of the
-ranks of the values, so that no number is too long for 64 bits. Numbers that are, are summed in limbs.
+ranks of the values, so that no number is too long for 64 bits. Numbers that are, are summed digit by digit.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ from dse.space.lowering.folds import Folds
 
 T = TypeVar("T")
 _LARGEST = 2**62
-_LIMB = 30
+_BITS = 30
 
 
 class Reading(Protocol):
@@ -252,16 +252,16 @@ def _sum(entries: Sequence[tuple[Site, Fraction]], folds: Folds) -> _Sum:
     units = [(site, int(value / unit)) for site, value in entries]
     if sum(abs(value) for _, value in units) < _LARGEST:
         return _Sum(((folds.total(units, unit), unit),))
-    limbs = -(-max(abs(value) for _, value in units).bit_length() // _LIMB)
+    digits = -(-max(abs(value) for _, value in units).bit_length() // _BITS)
     parts = []
-    for number in range(limbs):
-        scale = unit * (1 << (_LIMB * number))
-        parts.append((folds.total([(site, _limb(value, number)) for site, value in units], scale), scale))
+    for number in range(digits):
+        scale = unit * (1 << (_BITS * number))
+        parts.append((folds.total([(site, _digit(value, number)) for site, value in units], scale), scale))
     return _Sum(tuple(parts))
 
 
-def _limb(value: int, number: int) -> int:
-    part = (abs(value) >> (_LIMB * number)) & ((1 << _LIMB) - 1)
+def _digit(value: int, number: int) -> int:
+    part = (abs(value) >> (_BITS * number)) & ((1 << _BITS) - 1)
     return part if value >= 0 else -part
 
 

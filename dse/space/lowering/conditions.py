@@ -34,7 +34,7 @@ from dse.space.lowering.formulas import (
 from dse.space.lowering.shape import Branch, Shape
 
 
-class Truths:
+class Conditions:
     """Formulas of the conditions of one expression; each condition is looked at once for each outcome.
 
     The conditions must not fail, as a division by zero would: short cuts are not kept.

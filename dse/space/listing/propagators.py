@@ -37,7 +37,7 @@ def propagators(flat: FlatSpace) -> list[Propagator]:
             allowed[:, -1] = True
             allowed[value] = True
             allowed[value, -1] = False
-            found.append(Pair(parent, number, allowed))
+            found.append(PairTable(parent, number, allowed))
     return found + [_propagator(rule) for rule in flat.rules]
 
 
@@ -57,7 +57,7 @@ def values_of(domain: int) -> tuple[int, ...]:
     return tuple(found)
 
 
-class Pair:
+class PairTable:
     """A table over two variables: a value without a partner goes (arc consistency; Mackworth, 1977)."""
 
     def __init__(self, first: int, second: int, allowed: Bools) -> None:
@@ -74,7 +74,7 @@ class Pair:
         return True
 
 
-class Few:
+class WideTable:
     """A table over any number of variables, made generalised arc consistent."""
 
     def __init__(self, table: Table) -> None:
@@ -94,7 +94,7 @@ class Few:
         return True
 
 
-class Some:
+class AnyLiteral:
     """A clause: its last literal that can hold must."""
 
     def __init__(self, clause: Clause) -> None:
@@ -113,7 +113,7 @@ class Some:
         return last is not None and restrict(*last)
 
 
-class Sum:
+class SumWithin:
     """A sum within bounds, made bounds consistent."""
 
     def __init__(self, linear: Linear) -> None:
@@ -144,7 +144,7 @@ class Sum:
         return True
 
 
-class Judged:
+class JudgedRule:
     """A wide rule: it fails when its judge excludes all folds in reach, or the one fold there is."""
 
     def __init__(self, wide: Wide) -> None:
@@ -168,13 +168,13 @@ class Judged:
 def _propagator(rule: Rule) -> Propagator:
     match rule:
         case Table():
-            return Pair(*rule.scope, rule.allowed) if len(rule.scope) == 2 else Few(rule)
+            return PairTable(*rule.scope, rule.allowed) if len(rule.scope) == 2 else WideTable(rule)
         case Clause():
-            return Some(rule)
+            return AnyLiteral(rule)
         case Linear():
-            return Sum(rule)
+            return SumWithin(rule)
         case Wide():
-            return Judged(rule)
+            return JudgedRule(rule)
 
 
 def _reach(fold: Fold, domains: Sequence[int]) -> tuple[int, int]:
