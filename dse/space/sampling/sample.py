@@ -3,8 +3,8 @@
 A walk takes every branch with a probability that is a whole number out of 2^63, so the probability of a row is known
 exactly, whatever rounding went into the tables. A valid row is kept with a probability inversely proportional to it.
 Two valid rows thus differ in probability only by what rounding the product of the factors, one for each variable,
-leaves: less than (variables + 4) * 2^-51 relative, 2^-40 for two thousand variables. What decides has 63 bits, which adds
-2^-63 over the probability of being kept. The generator, PCG64, is taken to be random.
+leaves: less than (variables + 4) * 2^-51 relative, 2^-40 for two thousand variables. What decides has 63 bits, which
+adds 2^-63 over the probability of being kept. The generator, PCG64, is taken to be random.
 """
 
 from __future__ import annotations
@@ -54,7 +54,7 @@ class Walks:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Walked:
-    """Rows, and the probability of each: mantissa * 2^exponent. *acceptance* are further bits, to decide by what is kept."""
+    """Rows, and the probability of each: mantissa * 2^exponent. *acceptance*: bits that decide what is kept."""
 
     rows: Rows
     mantissa: Floats

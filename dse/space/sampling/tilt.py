@@ -84,10 +84,10 @@ def tilt(diagram: Diagram) -> Tilt:
     weights = tuple(part.T.astype(np.float64) for part in stacked(diagram, [cut.weights for cut in cuts]))
     problem = _Problem(diagram, weights, np.array([float(cut.high) for cut in cuts]))
     multipliers = _solved(problem)
-    masses = node_masses(diagram, _energies(problem, multipliers))
+    energies = tuple(_energies(problem, multipliers))
+    masses = tuple(node_masses(diagram, energies))
     log_bound = log_mass(masses[0]) + float(multipliers @ problem.bounds)
-    return Tilt(linears, cuts, multipliers, tuple(_energies(problem, multipliers)), tuple(masses), log_bound,
-                _rounding(problem, multipliers))  # fmt: skip
+    return Tilt(linears, cuts, multipliers, energies, masses, log_bound, _rounding(problem, multipliers))
 
 
 def slopes(tilted: Tilt) -> Floats:
