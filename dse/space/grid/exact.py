@@ -56,6 +56,7 @@ def _counted(
     total = 0
     for node in before.keys() & after.keys():
         ways = after[node].ways
+        # Of a great number of paths few may be within the bounds; the sum in doubles is a little off.
         bound = min(int(paths[node]), int(1.01 * float(ways.sum(dtype=np.float64))) + 1)
         ways = running_sums(ways.reshape(other.shape), bound, modulus)
         total += pairs(problem.sums, before[node].ways, own, ways, other)

@@ -155,6 +155,6 @@ def _added(
 def _narrowed(ways: Words, modulus: int | None) -> Grid:
     """In the least word."""
     largest = int(ways.max(initial=0))
-    if modulus is None and largest * _HEADROOM < 1 << 32:
-        ways = ways.astype(word(largest * _HEADROOM), copy=False)
-    return Grid(ways, largest)
+    kind = word(min(largest * _HEADROOM, (1 << 64) - 1))
+    is_less = modulus is None and np.dtype(kind).itemsize < ways.itemsize
+    return Grid(ways.astype(kind) if is_less else ways, largest)
