@@ -1,8 +1,9 @@
-"""How an exact count will go, and what it will cost: which sums matter, where the halves meet, in which order."""
+"""Which sums matter to an exact count, at which level its halves meet, and what that costs."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from math import inf, log2, prod
 
@@ -10,10 +11,10 @@ from dse.space.budget import Cost, TooMuchError
 from dse.space.grid.axes import Axis, Layers, Span, axes, pruned, reached, spans
 from dse.space.grid.density import heights
 from dse.space.grid.levels import memory_of_levels, run_levels
-from dse.space.grid.limbs import BITS
 from dse.space.grid.meeting import Side
-from dse.space.grid.shifts import Node, Swept, run
+from dse.space.grid.nodes import Node, Swept, run
 from dse.space.grid.sweep import Schedule, Sweep, backward, forward, schedule
+from dse.space.grid.words import BITS
 from dse.space.mdd.diagram import Diagram
 
 _CALL = 15_000
@@ -42,8 +43,8 @@ _MOST_BITS = 60.0
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Task:
-    """A diagram without hopeless edges, and the sums that matter, the one of most places first."""
+class Counting:
+    """What is to be counted: a diagram without hopeless edges; the sums that matter, that of most places first."""
 
     diagram: Diagram
     sums: tuple[Axis, ...]
@@ -65,7 +66,7 @@ class Task:
 
 
 @dataclass(frozen=True, slots=True)
-class Way:
+class Execution:
     """How to run a sweep: grid by grid in an order or, *schedule* None, level by level; *memory* in bytes."""
 
     schedule: Schedule | None
@@ -73,16 +74,16 @@ class Way:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Plan:
+class Split:
     """Sweeps from both ends to the level *cut*, and how to run them."""
 
     cut: int
     sweeps: tuple[Sweep, Sweep]
-    ways: tuple[Way, Way]
+    executions: tuple[Execution, Execution]
     cost: Cost
 
 
-def task(diagram: Diagram) -> Task | Diagram:
+def counting(diagram: Diagram) -> Counting | Diagram:
     """What is to be counted; a diagram alone if it holds no rule any more. TooMuchError for a rule that is no sum."""
     if diagram.empty or diagram.expanded:
         return diagram
@@ -109,40 +110,43 @@ def task(diagram: Diagram) -> Task | Diagram:
         return trimmed
     left.sort(key=lambda entry: -max(span.length for span in entry[1]))
     sums_left, before, after = zip(*left, strict=True)
-    return Task(trimmed, sums_left, before, after)
+    return Counting(trimmed, sums_left, before, after)
 
 
-def plan(task_: Task, most_memory: float, most_work: float) -> Plan:
+def split(problem: Counting, most_memory: float, most_work: float) -> Split:
     """At the cut of least work whose memory is allowed; TooMuchError if there is none."""
-    layers = task_.layers
-    _insist_on_a_cut(task_)
-    rising, falling = heights(layers, task_.sums)
-    works = _works(task_, rising, falling)
+    layers = problem.layers
+    _insist_on_a_cut(problem)
+    rising, falling = heights(layers, problem.sums)
+    works = _works(problem, rising, falling)
     if min(works) > most_work or min(works) == inf:
         raise TooMuchError(f"some {min(works):.0e} additions")
     least = float("inf")
     for cut in sorted(range(len(works)), key=works.__getitem__)[:_CUTS]:
         if works[cut] > most_work:
             break
-        if prod(task_.ahead(cut).shape) > _FINEST:
+        if prod(problem.ahead(cut).shape) > _FINEST:
             raise TooMuchError("grids of more than 1e15 cells")
-        before, after = forward(layers, task_.sums, task_.before, cut), backward(layers, task_.sums, task_.after, cut)
+        before, after = (
+            forward(layers, problem.sums, problem.before, cut),
+            backward(layers, problem.sums, problem.after, cut),
+        )
         own, other = words(rising[: cut + 1]), words(falling[: cut - len(layers) - 2 : -1])
         waiting = prod(before.shapes[-1]) * own[-1] * len(before.paths[-1])
         arriving = prod(after.shapes[-1]) * other[-1] * len(after.paths[-1])
         if waiting + arriving > most_memory:
             least = min(least, waiting + arriving)
             continue
-        ways = way(before, own, most_memory), way(after, other, most_memory)
+        both = execution(before, own, most_memory), execution(after, other, most_memory)
         meeting = waiting + arriving + 4 * 8 * prod(after.shapes[-1])
-        memory = max(ways[0].memory, waiting + ways[1].memory, meeting)
+        memory = max(both[0].memory, waiting + both[1].memory, meeting)
         if memory <= most_memory:
-            return Plan(cut, (before, after), ways, Cost(works[cut], memory))
+            return Split(cut, (before, after), both, Cost(works[cut], memory))
         least = min(least, memory)
     raise TooMuchError(f"some {least:.0e} bytes")
 
 
-def way(sweep: Sweep, sizes: Sequence[int], most_memory: float) -> Way:
+def execution(sweep: Sweep, sizes: Sequence[int], most_memory: float) -> Execution:
     """The faster way that memory allows; a number of a level takes sizes[level] bytes."""
     one_by_one = at_once = 0.0
     for step, size in zip(sweep.steps, sizes[1:], strict=True):
@@ -151,28 +155,33 @@ def way(sweep: Sweep, sizes: Sequence[int], most_memory: float) -> Way:
         at_once += len(step.target) * cells * _AT_ONCE
     memory = memory_of_levels(sweep, sizes)
     if at_once <= one_by_one and memory <= most_memory / 2:
-        return Way(None, memory)
+        return Execution(None, memory)
     found = schedule(sweep, [prod(shape) * size for shape, size in zip(sweep.shapes, sizes, strict=True)])
-    return Way(found, found.memory)
+    return Execution(found, found.memory)
 
 
-def execute(sweep: Sweep, chosen: Way, caps: Sequence[Mapping[Node, int]] = ()) -> Swept:
-    """All grids of a sweep."""
-    return run_levels(sweep) if chosen.schedule is None else run(sweep, chosen.schedule, caps)
+def execute(
+    sweep: Sweep, chosen: Execution, caps: Sequence[Mapping[Node, int]] = (), modulus: int | None = None
+) -> Swept:
+    """All grids of a sweep. OverflowError if a number may have more than 64 bits, and there is no modulus."""
+    if chosen.schedule is None:
+        return run_levels(sweep, modulus)
+    return run(sweep, chosen.schedule, caps, modulus)
 
 
-def caps(task_: Task, found: Plan) -> tuple[Sequence[Mapping[Node, int]], Sequence[Mapping[Node, int]]]:
+def caps(problem: Counting, found: Split) -> tuple[Sequence[Mapping[Node, int]], Sequence[Mapping[Node, int]]]:
     """The largest numbers in the grids of all sums but one, if that pays: no finer grid has larger ones."""
     largest: tuple[list[Mapping[Node, int]], list[Mapping[Node, int]]] = ([], [])
-    if found.cost.work < _WORTH_CAPS or len(task_.sums) == 1:
+    if found.cost.work < _WORTH_CAPS or len(problem.sums) == 1:
         return largest
-    for left_out in range(len(task_.sums)):
-        kept = [axis for axis in range(len(task_.sums)) if axis != left_out]
-        sums = [task_.sums[axis] for axis in kept]
-        before = forward(task_.layers, sums, [task_.before[axis] for axis in kept], found.cut)
-        after = backward(task_.layers, sums, [task_.after[axis] for axis in kept], found.cut)
+    for left_out in range(len(problem.sums)):
+        kept = [axis for axis in range(len(problem.sums)) if axis != left_out]
+        sums = [problem.sums[axis] for axis in kept]
+        before = forward(problem.layers, sums, [problem.before[axis] for axis in kept], found.cut)
+        after = backward(problem.layers, sums, [problem.after[axis] for axis in kept], found.cut)
         for sweep, known in zip((before, after), largest, strict=True):
-            known.append(execute(sweep, way(sweep, [8] * len(sweep.shapes), found.cost.memory)).largest)
+            with suppress(OverflowError):
+                known.append(execute(sweep, execution(sweep, [8] * len(sweep.shapes), found.cost.memory)).largest)
     return largest
 
 
@@ -185,11 +194,11 @@ def _nothing(diagram: Diagram) -> Diagram:
     return replace(diagram, layers=tuple(layer[:0] for layer in diagram.layers), empty=True)
 
 
-def _insist_on_a_cut(task_: Task) -> None:
+def _insist_on_a_cut(problem: Counting) -> None:
     """TooMuchError if wherever the halves meet, some grid on the way is beyond all measure."""
-    levels = range(len(task_.layers) + 1)
-    ahead = next((level for level in levels if _bits(task_.ahead(level).shape) > _MOST_BITS), len(levels))
-    behind = next((level for level in reversed(levels) if _bits(task_.behind(level).shape) > _MOST_BITS), -1)
+    levels = range(len(problem.layers) + 1)
+    ahead = next((level for level in levels if _bits(problem.ahead(level).shape) > _MOST_BITS), len(levels))
+    behind = next((level for level in reversed(levels) if _bits(problem.behind(level).shape) > _MOST_BITS), -1)
     # The halves may meet after the last grid that is too fine for the one and before the first for the other.
     if behind + 1 > ahead - 1:
         raise TooMuchError(f"grids of more than 2^{_MOST_BITS:.0f} cells")
@@ -199,18 +208,18 @@ def _bits(shape: Sequence[int]) -> float:
     return sum(map(log2, shape))
 
 
-def _works(task_: Task, rising: Sequence[float], falling: Sequence[float]) -> list[float]:
+def _works(problem: Counting, rising: Sequence[float], falling: Sequence[float]) -> list[float]:
     """Additions by the level at which the halves meet."""
     ours, theirs, meetings = [0.0], [0.0], []
     sizes = list(zip(words(rising), words(falling), strict=True))
-    for level, layer in enumerate(task_.layers):
+    for level, layer in enumerate(problem.layers):
         terms, used = int((layer >= 0).sum()), (layer >= 0).any(axis=0)
-        steps = [int(axis.weights[level][used].max() - axis.weights[level][used].min()) for axis in task_.sums]
-        ours.append(terms * _term(task_.ahead(level), steps, sizes[level + 1][0]))
-        theirs.append(terms * _term(task_.behind(level + 1), steps, sizes[level][1]))
+        steps = [int(axis.weights[level][used].max() - axis.weights[level][used].min()) for axis in problem.sums]
+        ours.append(terms * _term(problem.ahead(level), steps, sizes[level + 1][0]))
+        theirs.append(terms * _term(problem.behind(level + 1), steps, sizes[level][1]))
     for level, (own, other) in enumerate(sizes):
-        nodes = 1 if level == len(task_.layers) else len(task_.layers[level])
-        shape = task_.ahead(level).shape
+        nodes = 1 if level == len(problem.layers) else len(problem.layers[level])
+        shape = problem.ahead(level).shape
         cells = prod(shape) * max(1.0, own * other / 64) if _bits(shape) <= _MOST_BITS else inf
         meetings.append(nodes * (_MEETING * cells + _PAIR))
     return [sum(ours[: cut + 1]) + sum(theirs[cut + 1 :]) + meetings[cut] for cut in range(len(sizes))]
@@ -219,6 +228,6 @@ def _works(task_: Task, rising: Sequence[float], falling: Sequence[float]) -> li
 def _term(side: Side, steps: Sequence[int], size: int) -> float:
     box = [length + step for length, step in zip(side.shape, steps, strict=True)]
     cells = prod(box) if _bits(box) <= _MOST_BITS else inf
-    # Limbs are split and carried.
+    # Greater numbers are counted several times over, by their remainders.
     work = cells * size / (4 if size <= 8 else 2)
     return min(work + _CALL, work * _AT_ONCE)

@@ -37,7 +37,7 @@ def propagators(flat: FlatSpace) -> list[Propagator]:
             allowed[:, -1] = True
             allowed[value] = True
             allowed[value, -1] = False
-            found.append(Pair(parent, number, allowed))
+            found.append(_PairTable(parent, number, allowed))
     return found + [_propagator(rule) for rule in flat.rules]
 
 
@@ -57,7 +57,7 @@ def values_of(domain: int) -> tuple[int, ...]:
     return tuple(found)
 
 
-class Pair:
+class _PairTable:
     """A table over two variables: a value without a partner goes (arc consistency; Mackworth, 1977)."""
 
     def __init__(self, first: int, second: int, allowed: Bools) -> None:
@@ -65,7 +65,6 @@ class Pair:
         self._partners = ([bits(row) for row in allowed], [bits(row) for row in allowed.T])
 
     def revise(self, domains: Sequence[int], restrict: Restrict) -> bool:
-        """Both directions."""
         for here, there, partners in ((0, 1, self._partners[0]), (1, 0, self._partners[1])):
             other = domains[self.scope[there]]
             keep = sum(1 << v for v in values_of(domains[self.scope[here]]) if partners[v] & other)
@@ -74,7 +73,7 @@ class Pair:
         return True
 
 
-class Few:
+class _WideTable:
     """A table over any number of variables, made generalised arc consistent."""
 
     def __init__(self, table: Table) -> None:
@@ -82,7 +81,6 @@ class Few:
         self._allowed = table.allowed
 
     def revise(self, domains: Sequence[int], restrict: Restrict) -> bool:
-        """All axes at once."""
         if not self.scope:
             return bool(self._allowed)
         possible = [np.array(values_of(domains[variable])) for variable in self.scope]
@@ -94,7 +92,7 @@ class Few:
         return True
 
 
-class Some:
+class _AnyLiteral:
     """A clause: its last literal that can hold must."""
 
     def __init__(self, clause: Clause) -> None:
@@ -102,7 +100,6 @@ class Some:
         self._masks = [bits(mask) for _, mask in clause.literals]
 
     def revise(self, domains: Sequence[int], restrict: Restrict) -> bool:
-        """Unit propagation."""
         last = None
         for variable, mask in zip(self.scope, self._masks, strict=True):
             if not domains[variable] & mask:
@@ -113,7 +110,7 @@ class Some:
         return last is not None and restrict(*last)
 
 
-class Sum:
+class _SumWithin:
     """A sum within bounds, made bounds consistent."""
 
     def __init__(self, linear: Linear) -> None:
@@ -122,7 +119,6 @@ class Sum:
         self._low, self._high = linear.low, linear.high
 
     def revise(self, domains: Sequence[int], restrict: Restrict) -> bool:
-        """Values go with which all others together cannot reach the bounds."""
         options = [
             [weights[v] for v in values_of(domains[n])] for n, weights in zip(self.scope, self._weights, strict=True)
         ]
@@ -144,7 +140,7 @@ class Sum:
         return True
 
 
-class Judged:
+class _JudgedRule:
     """A wide rule: it fails when its judge excludes all folds in reach, or the one fold there is."""
 
     def __init__(self, wide: Wide) -> None:
@@ -153,7 +149,6 @@ class Judged:
         self._bounded = is_bounded(wide)
 
     def revise(self, domains: Sequence[int], restrict: Restrict) -> bool:  # noqa: ARG002 - it only tests
-        """Only tests; takes nothing away."""
         complete = all(not domains[variable] & (domains[variable] - 1) for variable in self.scope)
         if complete:
             return self._wide.judge.holds([_reach(fold, domains)[0] for fold in self._wide.folds])
@@ -168,13 +163,13 @@ class Judged:
 def _propagator(rule: Rule) -> Propagator:
     match rule:
         case Table():
-            return Pair(*rule.scope, rule.allowed) if len(rule.scope) == 2 else Few(rule)
+            return _PairTable(*rule.scope, rule.allowed) if len(rule.scope) == 2 else _WideTable(rule)
         case Clause():
-            return Some(rule)
+            return _AnyLiteral(rule)
         case Linear():
-            return Sum(rule)
+            return _SumWithin(rule)
         case Wide():
-            return Judged(rule)
+            return _JudgedRule(rule)
 
 
 def _reach(fold: Fold, domains: Sequence[int]) -> tuple[int, int]:

@@ -17,7 +17,7 @@ from dse.space.language.terms import (
     leaves,
     sites_of,
 )
-from dse.space.lowering.affine import OPPOSITE, compare, somewhere
+from dse.space.lowering.affine import OPPOSITE, compare, one_taken
 from dse.space.lowering.cells import holds_in_cells
 from dse.space.lowering.counts import counting
 from dse.space.lowering.formulas import (
@@ -34,7 +34,7 @@ from dse.space.lowering.formulas import (
 from dse.space.lowering.shape import Branch, Shape
 
 
-class Truths:
+class Conditions:
     """Formulas of the conditions of one expression; each condition is looked at once for each outcome.
 
     The conditions must not fail, as a division by zero would: short cuts are not kept.
@@ -108,10 +108,10 @@ class Truths:
         return disjoin(shape, [one for one in beyond if one]) if all(beyond) else atom(shape, term, outcome)
 
 
-def atom(shape: Shape, term: Term, outcome: bool, *, denied: bool = False) -> Formula:
+def atom(shape: Shape, term: Term, outcome: bool) -> Formula:
     """The atom itself, or a literal or what it always is where it has one variable or none."""
     scope = scope_of_term(term)
-    found = Atom(term, scope, outcome, denied)
+    found = Atom(term, scope, outcome)
     if len(scope) > 1:
         return found
     try:
@@ -142,7 +142,7 @@ def _there(shape: Shape, sites: list[Site]) -> Formula:
         if site.branch is None:
             return TRUE
         branches.append(site.branch)
-    return somewhere(shape, branches)
+    return one_taken(shape, branches)
 
 
 def _same_choice(shape: Shape, term: SameChoice, outcome: bool) -> Formula:
