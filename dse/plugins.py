@@ -14,9 +14,9 @@ if TYPE_CHECKING:
     from dse.domain.sampler import Brief, Candidate, Outcomes
     from dse.domain.study import DesignVariable
     from dse.errors import DseError, Location, Problem, fail
-    from dse.exploration.job import Batch, Sink, Work
-    from dse.exploration.parcel import Carried, carry_out, hand_over, parcel
-    from dse.exploration.sampling import OnceSampler, scaled
+    from dse.exploration.once_sampler import OnceSampler, scaled
+    from dse.exploration.remote import Carried, carry_out, hand_over, parcel
+    from dse.exploration.work import Batch, Sink, Work
     from dse.kinds import ComponentKind, SourcePlace, SourceSection, build_generated
     from dse.loading.extensions import ExecutorSection, SamplerSection, Surroundings
     from dse.metrics.catalogue import Argument, Wants, metric_function, same
@@ -28,9 +28,9 @@ _PLACES = {
     "dse.domain.sampler": ("Brief", "Candidate", "Outcomes"),
     "dse.domain.study": ("DesignVariable",),
     "dse.errors": ("DseError", "Location", "Problem", "fail"),
-    "dse.exploration.job": ("Batch", "Sink", "Work"),
-    "dse.exploration.parcel": ("Carried", "carry_out", "hand_over", "parcel"),
-    "dse.exploration.sampling": ("OnceSampler", "scaled"),
+    "dse.exploration.work": ("Batch", "Sink", "Work"),
+    "dse.exploration.remote": ("Carried", "carry_out", "hand_over", "parcel"),
+    "dse.exploration.once_sampler": ("OnceSampler", "scaled"),
     "dse.kinds": ("ComponentKind", "SourcePlace", "SourceSection", "build_generated"),
     "dse.loading.extensions": ("ExecutorSection", "SamplerSection", "Surroundings"),
     "dse.metrics.catalogue": ("Argument", "Wants", "metric_function", "same"),

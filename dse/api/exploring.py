@@ -1,52 +1,33 @@
-"""Making runs: of a study into a folder, of a study with one run, of a package. The one module that knows how."""
+"""Making runs: of a study into a folder, of a study with one run."""
 
 from __future__ import annotations
 
-import tempfile
 from collections.abc import Callable
-from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from dse.domain.study import ExecutorChoice
 from dse.errors import fail
-from dse.exploration.alone import simulate_alone
 from dse.exploration.executor import Executor, chosen
-from dse.exploration.explore import ExplorationInterruptedError, explore
+from dse.exploration.loop import ExplorationInterruptedError, Explored, explore
 from dse.exploration.progress import Progress
+from dse.exploration.supervision.single_run import simulate_alone
 from dse.storage.folder import StudyFolder
+from dse.storage.header import StudyHeader
 from dse.testbench.execute import make_runner
 from dse.testbench.fuse import fused_plan
 from dse.testbench.plan import Plan, plan
 
 if TYPE_CHECKING:
-    from dse.domain.run import Run, Waveforms
+    from dse.domain.run import Run
     from dse.domain.study import Study
-    from dse.interchange.prepared import PreparedPackage
 
-__all__ = ["ExplorationInterruptedError", "Explored", "Progress", "alone", "explore_into", "package_alone", "ready"]
-
-
-@dataclass(frozen=True, slots=True)
-class Explored:
-    """What an exploration did. *before* is how many runs the folder had, *new* how many were added; with *extended*
-    the study asks for other runs than before.
-
-    *again* were simulated again for their waveforms; *retried* were tried twice because their worker was killed from
-    outside or grew too large, *irreproducible* gave another result the second time.
-    """
-
-    before: int
-    new: int
-    again: int
-    retried: int
-    irreproducible: int
-    extended: bool
+__all__ = ["ExplorationInterruptedError", "Explored", "Progress", "alone", "explore_into", "ready"]
 
 
 def ready(study: Study, *, version: int = 2, fuse: bool = False, tell: Callable[[str], None] | None = None) -> Plan:
     """*study* with all that has to be built for it; *tell* is told what is going on. Raises DseError."""
-    say = tell or _silent
+    say = tell or (lambda _: None)
     say("building FMUs, assembling configurations")
     planned = plan(study, version=version)
     if not fuse:
@@ -74,12 +55,7 @@ def explore_into(
     if fresh:
         StudyFolder.discard(folder)
     with StudyFolder.resume(folder, planned.definition) as store:
-        before = len(store.finished())
-        tell = on_progress or _silent
-        summary = explore(planned.study, planned.prepared, store, executor=executor, on_progress=tell)
-        new = len(store.finished()) - before
-        again = max(0, summary.simulated - new)
-        return Explored(before, new, again, summary.retried, summary.irreproducible, store.is_extended)
+        return explore(planned.study, planned.prepared, store, executor=executor, on_progress=on_progress)
 
 
 def executor_of(study: Study, workers: int = 0, threads: int = 1) -> Executor:
@@ -95,19 +71,5 @@ def executor_of(study: Study, workers: int = 0, threads: int = 1) -> Executor:
 
 def alone(planned: Plan) -> Run:
     """The single run of the study, made in a process of its own, with waveforms."""
-    with (
-        tempfile.TemporaryDirectory(prefix="dse-") as scratch,
-        StudyFolder.create(Path(scratch) / "run", planned.definition) as store,
-    ):
-        executor = chosen(ExecutorChoice("local", {"workers": 1}))
-        explore(planned.study, planned.prepared, store, executor=executor)
-        return store.run(0)
-
-
-def package_alone(package: PreparedPackage) -> tuple[Waveforms | None, str]:
-    """The waveforms of a package at its own point, or None and what was wrong."""
-    return simulate_alone(package.bench, make_runner)
-
-
-def _silent(_: object) -> None:
-    pass
+    ((name, prepared),) = planned.prepared.items()
+    return simulate_alone(prepared, make_runner, name, StudyHeader(planned.definition).measures)

@@ -19,8 +19,8 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
     from rich.table import Table
 
-    from dse.api.packages import PreparedPackage
     from dse.domain.method import Method
+    from dse.interchange.prepared import PreparedPackage
 
     Columns = Mapping[str, NDArray[np.float64]]
 
@@ -61,8 +61,8 @@ def waveform_file(path: Path | None) -> Path | None:
 
 def simulate_package(path: Path, wishes: Wishes, target: Path | None, output: Output) -> None:
     """Simulate the package once, show or write its waveforms, and exit as it deserves."""
-    from dse.api.packages import prepare_ssp
     from dse.api.packages import simulate_package as simulated
+    from dse.interchange.prepared import prepare_ssp
 
     with console(stderr=True).status("opening FMUs"):
         prepared = prepare_ssp(
@@ -76,11 +76,11 @@ def simulate_package(path: Path, wishes: Wishes, target: Path | None, output: Ou
             timeout=seconds("--timeout", wishes.timeout) or _TIMEOUT,
         )
     _say_notes(prepared)
-    waveforms, problem = simulated(prepared)
-    if waveforms is None:
-        console(stderr=True).print(plain(f"{path.name} failed to run: {problem}"), style="bold red", soft_wrap=True)
+    run = simulated(prepared)
+    if run.waveforms is None:
+        console(stderr=True).print(plain(f"{path.name} failed to run: {run.problem}"), style="bold red", soft_wrap=True)
         raise typer.Exit(RUNS_FAILED)
-    time, columns = waveforms.time, waveforms.values
+    time, columns = run.waveforms.time, run.waveforms.values
     if target is not None:
         _write(target, time, columns, prepared)
         console().print(f"{target}: {len(columns)} waveforms of {len(time)} points", soft_wrap=True)

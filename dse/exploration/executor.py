@@ -7,7 +7,7 @@ from contextlib import AbstractContextManager
 from typing import ClassVar, Protocol, cast
 
 from dse.domain.study import ExecutorChoice
-from dse.exploration.job import Batch, Sink, Work
+from dse.exploration.work import Batch, Sink, Work
 from dse.loading.extensions import EXECUTORS
 
 

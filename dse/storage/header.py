@@ -7,6 +7,7 @@ from functools import cached_property
 
 from dse.domain.definition import StudyDefinition
 from dse.storage.definition import fingerprint
+from dse.storage.rows import Measures
 
 
 @dataclass(frozen=True)
@@ -44,6 +45,11 @@ class StudyHeader:
     def requirements(self) -> tuple[str, ...]:
         """Names of the requirements, in order."""
         return tuple(requirement.name for requirement in self.definition.requirements)
+
+    @property
+    def measures(self) -> Measures:
+        """What every run gives."""
+        return Measures(self.metrics, self.requirements)
 
     @property
     def configurations(self) -> tuple[str, ...]:

@@ -12,9 +12,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from dse.domain.bench import Judgement
 from dse.domain.component import Value
 from dse.domain.run import Outcome, Run, RunRequest
+from dse.domain.sampler import Outcomes
 from dse.storage.header import StudyHeader
 from dse.storage.rows import VERDICTS, RowBlock
 from dse.storage.schema import columns, quoted, value_of
@@ -65,24 +65,30 @@ class RunTable:
         """Margins of *requirement*, (n,), NaN where undefined; ValueError if there is none."""
         return self.block.margins[:, self.header.requirements.index(requirement)]
 
+    def requests(self) -> Iterator[RunRequest]:
+        """What was asked for, run by run."""
+        names = self.header.variables
+        points = zip(*(self.points[name].tolist() for name in names), strict=True) if names else [()] * len(self)
+        for number, configuration, point in zip(self.numbers.tolist(), self.configurations, points, strict=True):
+            yield RunRequest(number, configuration, dict(zip(names, point, strict=True)))
+
     def runs(self) -> Iterator[Run]:
         """The runs one by one, without waveforms."""
-        names, block = self.header.variables, self.block
-        points = zip(*(self.points[name].tolist() for name in names), strict=True) if names else [()] * len(self)
-        metrics, verdicts, margins = block.metrics.tolist(), block.verdicts.tolist(), block.margins.tolist()
-        for row, (number, done, point) in enumerate(
-            zip(block.numbers.tolist(), block.done.tolist(), points, strict=True)
-        ):
-            yield Run(
-                RunRequest(number, self.configurations[row], dict(zip(names, point, strict=True))),
-                Outcome.DONE if done else Outcome.FAILED,
-                dict(zip(self.header.metrics, metrics[row], strict=True)) if done else {},
-                tuple(
-                    Judgement(name, VERDICTS[code], margin)
-                    for name, code, margin in zip(self.header.requirements, verdicts[row], margins[row], strict=True)
-                ),
-                block.problems.get(number, ""),
-            )
+        return self.block.runs(self.requests(), self.header.measures)
+
+    def outcomes(self, numbers: Sequence[int]) -> Outcomes:
+        """What came of the runs of *numbers*, in this order, as a sampler is told it."""
+        rows = np.searchsorted(self.numbers, numbers) if len(self) else np.zeros(0, dtype=np.intp)
+        header = self.header
+        verdicts = {name: self.verdicts(name)[rows].tolist() for name in header.requirements}
+        return Outcomes(
+            tuple(self.configurations[row] for row in rows.tolist()),
+            {name: np.asarray(self.points[name], dtype=np.float64)[rows] for name in header.variables},
+            self.done[rows],
+            {name: self.metric(name)[rows] for name in header.metrics},
+            {name: self.margins(name)[rows] for name in header.requirements},
+            {name: tuple(VERDICTS[code] for code in codes) for name, codes in verdicts.items()},
+        )
 
 
 def read_table(connection: sqlite3.Connection, header: StudyHeader, numbers: Sequence[int] = ()) -> RunTable:

@@ -21,10 +21,10 @@ from dse.domain.bench import Judgement, Verdict
 from dse.domain.run import Outcome, Run, RunRequest, Waveforms
 from dse.errors import fail
 from dse.exploration.executor import Executor
-from dse.exploration.job import Batch, Work
-from dse.exploration.parcel import carry_out, hand_over, parcel
+from dse.exploration.remote import carry_out, hand_over, parcel
+from dse.exploration.work import Batch, Work
 from dse.loading.extensions import EXECUTORS, ExecutorSection
-from dse.storage.rows import RowBlock
+from dse.storage.rows import Measures, RowBlock
 
 _RUNS, _SIZE = 60, 7
 
@@ -187,7 +187,7 @@ def work_in(folder: Path) -> Work:
         "breaking": SmallBench("breaking", breaks=(125,)),
         "missing": SmallBench("missing", loads=False),
     }
-    return Work(benches, make_small, folder, ("m",), ("R",))
+    return Work(benches, make_small, folder, Measures(("m",), ("R",)))
 
 
 def batches(*, keep: bool, first: int = 0) -> list[Batch]:
@@ -196,9 +196,9 @@ def batches(*, keep: bool, first: int = 0) -> list[Batch]:
     for index, name in enumerate(("plain", "failing", "breaking", "missing")):
         for start in range(0, _RUNS, _SIZE):
             numbers = tuple(first + index * _RUNS + n for n in range(start, min(start + _SIZE, _RUNS)))
-            points = tuple((number * 0.1,) for number in numbers)
             file = f"runs-{numbers[0]:08d}-{numbers[-1]:08d}.parquet" if keep else ""
-            found.append(Batch(numbers[0], name, ("x",), numbers, points, file))
+            requests = tuple(RunRequest(number, name, {"x": number * 0.1}) for number in numbers)
+            found.append(Batch(numbers[0], name, requests, file))
     return found
 
 

@@ -19,7 +19,6 @@ from typing import Any
 import numpy as np
 
 from dse.domain.bench import Judgement, Simulation, TestBench, Verdict
-from dse.domain.component import Value
 from dse.domain.definition import (
     DefinedConfiguration,
     DefinedDesign,
@@ -36,7 +35,6 @@ from dse.domain.run import Outcome, Run, RunRequest, Waveforms
 from dse.domain.sampler import Sampler
 from dse.domain.study import DesignVariable, Keep, Study
 from dse.errors import fail
-from dse.exploration.asking import first_ask
 from dse.exploration.samplers.full_factorial import FullFactorial
 from dse.units import DIMENSIONLESS
 
@@ -223,11 +221,6 @@ def definition_of(study: Study, configurations: tuple[str, ...] = ("a",), **fact
         configurations,
     )
     return replace(definition, **facts)
-
-
-def points(study: Study) -> list[Mapping[str, Value]]:
-    """The points that a new *study* asks for."""
-    return [request.point for request in first_ask(study, ("a",))]
 
 
 def benches(*names: str, **settings: object) -> Mapping[str, FakeBench]:

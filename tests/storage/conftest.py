@@ -24,7 +24,7 @@ from dse.domain.definition import (
 )
 from dse.domain.run import Outcome, Run, RunRequest
 from dse.storage.folder import StudyFolder
-from dse.storage.rows import block_of
+from dse.storage.rows import Measures, block_of
 
 METRICS = ("overshoot", "rise_time")
 REQUIREMENTS = ("R1", "R2")
@@ -86,7 +86,7 @@ def runs() -> list[Run]:
 def add() -> Callable[[StudyFolder, Run], None]:
     def add(folder: StudyFolder, run: Run) -> None:
         point = tuple(run.request.point.values())
-        folder.add(run.request.configuration, [point], block_of((run,), (0.5,), METRICS, REQUIREMENTS))
+        folder.add(run.request.configuration, [point], block_of((run,), Measures(METRICS, REQUIREMENTS), (0.5,)))
 
     return add
 

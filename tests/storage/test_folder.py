@@ -18,7 +18,7 @@ from dse.domain.definition import DefinedConfiguration, DefinedMetric, StudyDefi
 from dse.domain.run import Outcome, Run, RunRequest, Waveforms
 from dse.errors import DseError
 from dse.storage.folder import StudyFolder
-from dse.storage.rows import VERDICTS, block_of
+from dse.storage.rows import VERDICTS, Measures, block_of
 from dse.storage.schema import cell_of, value_of
 from dse.storage.waveforms import file_name, write_waveforms
 
@@ -273,7 +273,7 @@ def test_names_may_hold_any_character(tmp_path: Path, definition: StudyDefinitio
     run = Run(RunRequest(0, "c1", {odd: 0.5}), Outcome.DONE)
     with StudyFolder.create(tmp_path, named) as folder:
         folder.ask(0, [run.request], 1)
-        folder.add("c1", [(0.5,)], block_of((run,), (0.0,), (), ()))
+        folder.add("c1", [(0.5,)], block_of((run,), Measures(), (0.0,)))
         assert folder.run(0).request.point == {odd: 0.5}
 
 

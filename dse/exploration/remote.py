@@ -16,11 +16,10 @@ from typing import Any
 from dse.domain.fmu import FmuModel
 from dse.domain.run import Run, RunRequest, Waveforms
 from dse.errors import FreshProcessNeeded, Problem, fail
-from dse.exploration.heartbeat import PROGRESS_BYTES
-from dse.exploration.job import Batch, Bench, MakeRunner, Runner, Sink, Work
-from dse.exploration.seat import checked_run, failed_run, in_words
+from dse.exploration.failures import checked_run, failed_run, in_words
+from dse.exploration.work import PROGRESS_BYTES, Batch, MakeRunner, Runnable, Runner, Sink, Work
 from dse.fmu.cache import cache_folder
-from dse.storage.rows import RowBlock, block_of
+from dse.storage.rows import Measures, RowBlock, block_of
 from dse.storage.waveforms import write_waveforms
 
 
@@ -29,10 +28,9 @@ class Parcel:
     """What is needed to make the runs of *batch*; picklable, without any path of this machine."""
 
     batch: Batch
-    bench: bytes
+    configuration: bytes
     make_runner: MakeRunner
-    metrics: tuple[str, ...]
-    requirements: tuple[str, ...]
+    measures: Measures
 
 
 @dataclass(frozen=True, slots=True)
@@ -45,11 +43,11 @@ class Carried:
 
 
 def parcel(work: Work, batch: Batch) -> Parcel:
-    """*batch* of *work*, ready to be sent. DseError if its bench has files that are not in the cache of FMUs."""
-    content, elsewhere = packed(work.benches[batch.configuration])
+    """*batch* of *work*, ready to be sent. DseError if it needs files that are not in the cache of FMUs."""
+    content, elsewhere = packed(work.configurations[batch.configuration])
     if elsewhere:
         raise fail(f"the configuration {batch.configuration} needs {elsewhere[0]}, which only this machine has")
-    return Parcel(batch, content, work.make_runner, work.metrics, work.requirements)
+    return Parcel(batch, content, work.make_runner, work.measures)
 
 
 def carry_out(parcel: Parcel) -> Carried:
@@ -58,26 +56,22 @@ def carry_out(parcel: Parcel) -> Carried:
     Raises FreshProcessNeeded if only a process that made no runs before can make them.
     """
     batch = parcel.batch
-    bench: Bench = pickle.loads(parcel.bench)  # noqa: S301  # from our own coordinator
-    runs, kept = [], []
+    configuration = pickle.loads(parcel.configuration)  # noqa: S301  # from our own coordinator
     try:
-        runner = parcel.make_runner(bench, memoryview(bytearray(PROGRESS_BYTES)))
+        runner = parcel.make_runner(configuration, memoryview(bytearray(PROGRESS_BYTES)))
     except FreshProcessNeeded:
         raise
     except Exception as error:  # noqa: BLE001  # each of its runs fails, other configurations go on
-        runs = [failed_run(request, in_words(error)) for request in batch.requests()]
-        return Carried(_block(runs, parcel))
+        problem = in_words(error)
+        return Carried(block_of([failed_run(request, problem) for request in batch.requests], parcel.measures))
     try:
-        if runner.runs_left is not None and runner.runs_left < len(batch.numbers):
+        if runner.runs_left is not None and runner.runs_left < len(batch.requests):
             raise FreshProcessNeeded(Problem(f"this process can make {runner.runs_left} runs of {batch.configuration}"))
-        for request in batch.requests():
-            run = _made(runner, request, parcel)
-            runs.append(run)
-            if run.waveforms is not None:
-                kept.append((request.number, run.waveforms))
+        runs = [_made(runner, request, parcel) for request in batch.requests]
     finally:
         runner.close()
-    return Carried(_block(runs, parcel), tuple(number for number, _ in kept), _file(kept, batch.file))
+    kept = [(run.request.number, run.waveforms) for run in runs if run.waveforms is not None]
+    return Carried(block_of(runs, parcel.measures), tuple(number for number, _ in kept), _file(kept, batch.file))
 
 
 def hand_over(carried: Carried, batch: Batch, work: Work, sink: Sink) -> None:
@@ -90,11 +84,11 @@ def hand_over(carried: Carried, batch: Batch, work: Work, sink: Sink) -> None:
     sink.ended(batch, carried.kept)
 
 
-def packed(bench: Bench) -> tuple[bytes, tuple[Path, ...]]:
-    """*bench* for ``pickle.loads``, and the absolute paths in it that lie outside of the cache of FMUs."""
+def packed(configuration: Runnable) -> tuple[bytes, tuple[Path, ...]]:
+    """*configuration* for ``pickle.loads``, and the absolute paths in it that lie outside of the cache of FMUs."""
     stream = io.BytesIO()
     pickler = _Pickler(stream, protocol=pickle.HIGHEST_PROTOCOL)
-    pickler.dump(bench)
+    pickler.dump(configuration)
     return stream.getvalue(), tuple(pickler.elsewhere)
 
 
@@ -127,13 +121,9 @@ def _in_cache(place: str) -> Path:
 
 def _made(runner: Runner, request: RunRequest, parcel: Parcel) -> Run:
     try:
-        return checked_run(runner.run(request, keep=parcel.batch.keep), parcel.metrics, parcel.requirements)
+        return checked_run(runner.run(request, keep=parcel.batch.keep), parcel.measures)
     except Exception as error:  # noqa: BLE001  # a failed run is a row, not the end of the study
         return failed_run(request, in_words(error))
-
-
-def _block(runs: list[Run], parcel: Parcel) -> RowBlock:
-    return block_of(runs, [float("nan")] * len(runs), parcel.metrics, parcel.requirements)
 
 
 def _file(kept: list[tuple[int, Waveforms]], name: str) -> bytes:

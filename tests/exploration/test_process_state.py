@@ -11,10 +11,10 @@ from pathlib import Path
 import pytest
 from fake_runners import FakeBench, definition_of, make_fake, study_of
 
-from dse.exploration import process
 from dse.exploration.executors.local import Local
-from dse.exploration.explore import explore
-from dse.exploration.surroundings import Surroundings
+from dse.exploration.loop import explore
+from dse.exploration.supervision import worker_process as process
+from dse.exploration.supervision.process_state import ProcessState
 from dse.storage.folder import StudyFolder
 
 
@@ -27,7 +27,7 @@ def home(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 
 def test_the_working_folder_is_put_back(home: Path, tmp_path: Path) -> None:
-    surroundings = Surroundings()
+    surroundings = ProcessState()
     elsewhere = tmp_path / "elsewhere"
     elsewhere.mkdir()
     os.chdir(elsewhere)
@@ -39,7 +39,7 @@ def test_the_working_folder_is_put_back(home: Path, tmp_path: Path) -> None:
 @pytest.mark.skipif(sys.platform == "win32", reason="C.UTF-8")
 def test_the_locale_is_put_back(home: Path) -> None:
     before = locale.setlocale(locale.LC_ALL)
-    surroundings = Surroundings()
+    surroundings = ProcessState()
     try:
         locale.setlocale(locale.LC_NUMERIC, "C.UTF-8")
         assert locale.setlocale(locale.LC_ALL) != before

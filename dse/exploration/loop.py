@@ -1,4 +1,4 @@
-"""Exploring: make the runs of a study that its folder does not have yet."""
+"""The loop of an exploration: a sampler is asked, what its folder does not have yet is made, the sampler is told."""
 
 from __future__ import annotations
 
@@ -11,11 +11,11 @@ import numpy as np
 
 from dse.domain.study import Keep, Study
 from dse.exploration.asking import Asking
+from dse.exploration.batches import Chunks
 from dse.exploration.boundary import near_boundary
 from dse.exploration.executor import Executor
-from dse.exploration.job import Batch, Bench, MakeRunner, Work
-from dse.exploration.plan import missing_runs, missing_waveforms
 from dse.exploration.progress import Meter, Progress, Stage
+from dse.exploration.work import Batch, MakeRunner, Runnable, Work
 from dse.storage.folder import StudyFolder
 from dse.storage.rows import RowBlock
 from dse.testbench.execute import make_runner
@@ -24,20 +24,33 @@ _TELL_EVERY = 0.1
 
 
 @dataclass(frozen=True, slots=True)
-class Summary:
-    """What came of an exploration.
+class Explored:
+    """What an exploration did.
 
-    *runs* the study has, of which *failed*; *simulated* were made by this call, for the first time or again for
-    their waveforms. *kept* have waveforms. *retried* were tried twice because their worker was killed from outside
-    or grew too large over several runs, *irreproducible* gave another result the second time.
+    *before* is how many runs the folder had, *runs* how many it has now, of which *failed*; with *extended* the study
+    asks for other runs than before. *simulated* were made by this call, for the first time or again for their
+    waveforms. *kept* have waveforms. *retried* were tried twice because their worker was killed from outside or grew
+    too large over several runs, *irreproducible* gave another result the second time.
     """
 
+    before: int
     runs: int
     failed: int
     simulated: int
     kept: int
     retried: int
     irreproducible: int
+    extended: bool
+
+    @property
+    def new(self) -> int:
+        """How many runs were added."""
+        return self.runs - self.before
+
+    @property
+    def again(self) -> int:
+        """How many were simulated again for their waveforms."""
+        return max(0, self.simulated - self.new)
 
 
 class ExplorationInterruptedError(KeyboardInterrupt):
@@ -53,14 +66,14 @@ class ExplorationInterruptedError(KeyboardInterrupt):
 
 def explore(
     study: Study,
-    prepared: Mapping[str, Bench],
+    prepared: Mapping[str, Runnable],
     folder: StudyFolder,
     *,
     executor: Executor,
-    on_progress: Callable[[Progress], None] = lambda _: None,
+    on_progress: Callable[[Progress], None] | None = None,
     make_runner: MakeRunner = make_runner,
-) -> Summary:
-    """Have *executor* simulate what is missing in *folder*; *prepared* holds each configuration's bench.
+) -> Explored:
+    """Have *executor* simulate what is missing in *folder*; *prepared* are the configurations by id.
 
     The study's sampler is asked, and asked again when the runs it wanted are there, until it wants no more. Waveforms
     are kept with the runs (`Keep.ALL`) or, for the runs near a boundary, by simulating these again, which must give the
@@ -69,54 +82,56 @@ def explore(
 
     Raises DseError if workers cannot work at all, ExplorationInterruptedError on Ctrl-C.
     """
-    header = folder.header
-    work = Work(prepared, make_runner, folder.waveform_folder, header.metrics, header.requirements)
-    most = {name: bench.most_runs for name, bench in prepared.items() if bench.most_runs is not None}
+    work = Work(prepared, make_runner, folder.waveform_folder, folder.header.measures)
     sink = _Sink(folder, on_progress)
+    before = len(sink.finished)
     try:
         asking = Asking(study, folder)
+        limits = {name: each.most_runs for name, each in prepared.items() if each.most_runs is not None}
+        chunks = Chunks(asking.requests, folder.asks, limits)
         with executor.open(work, sink) as pool:
             while asking.ask():
                 asked = set(asking.asked)
                 if study.keep is Keep.ALL:
                     there = asked & sink.finished & (sink.failed | sink.kept.keys())
                     sink.begin(Stage.RUNS, asked, there)
-                    missing = asked - there
-                    pool.work_off(missing_waveforms(missing, asking.requests, folder.asks, sink.kept, most))
+                    pool.work_off(chunks.waveforms(asked - there, sink.kept))
                 else:
                     sink.begin(Stage.RUNS, asked, asked & sink.finished)
-                    pool.work_off(missing_runs(asked - sink.finished, asking.requests, folder.asks, most))
+                    pool.work_off(chunks.runs(asked - sink.finished))
                 asking.tell()
             if study.keep is Keep.NEAR_BOUNDARY:
                 near = _near(study, folder, prepared)
                 sink.begin(Stage.WAVEFORMS, near, near & sink.kept.keys())
-                lacking = near - sink.kept.keys()
-                pool.work_off(missing_waveforms(lacking, asking.requests, folder.asks, sink.kept, most))
+                pool.work_off(chunks.waveforms(near - sink.kept.keys(), sink.kept))
     except KeyboardInterrupt:
         raise ExplorationInterruptedError(len(folder.finished()), folder.header.runs) from None
     finally:
         folder.commit()
     sink.tell()
-    kept_files = sum(bool(file) for file in sink.kept.values())
-    return Summary(
-        len(sink.finished), len(sink.failed), sink.simulated, kept_files, pool.retried, len(sink.irreproducible)
+    return Explored(
+        before,
+        len(sink.finished),
+        len(sink.failed),
+        sink.simulated,
+        sum(bool(file) for file in sink.kept.values()),
+        pool.retried,
+        len(sink.irreproducible),
+        folder.is_extended,
     )
 
 
-def _near(study: Study, folder: StudyFolder, prepared: Mapping[str, Bench]) -> frozenset[int]:
+def _near(study: Study, folder: StudyFolder, prepared: Mapping[str, Runnable]) -> frozenset[int]:
     """Runs near a boundary that can be simulated: an extended study may have some of configurations it left."""
     table = folder.table()
-    near = near_boundary(study, table, folder.header.slices)
-    if all(name in prepared for name in folder.header.configurations):
-        return near
     here = np.array([name in prepared for name in table.configurations], dtype=np.bool_)
-    return near & frozenset(table.numbers[here].tolist())
+    return near_boundary(study, table, folder.header.slices) & frozenset(table.numbers[here].tolist())
 
 
 class _Sink:
     """Stores results, compares those that were there before, and counts."""
 
-    def __init__(self, folder: StudyFolder, on_progress: Callable[[Progress], None]) -> None:
+    def __init__(self, folder: StudyFolder, on_progress: Callable[[Progress], None] | None) -> None:
         self.finished = folder.finished()
         self.failed = folder.failed()
         self.kept = dict(folder.kept())
@@ -161,7 +176,7 @@ class _Sink:
 
     def tell(self) -> None:
         """Tell how far it has come."""
-        if self._stage is None:
+        if self._stage is None or self._on_progress is None:
             return
         self._told = time.monotonic()
         done, rate = len(self._there), self._meter.rate(self.simulated)
@@ -173,9 +188,9 @@ class _Sink:
 
     def _store(self, batch: Batch, block: RowBlock) -> None:
         numbers = block.numbers.tolist()
-        order = [batch.names.index(name) for name in self._folder.header.variables]
-        by_number = dict(zip(batch.numbers, batch.points, strict=True))
-        self._folder.add(batch.configuration, [[by_number[n][i] for i in order] for n in numbers], block)
+        points = {request.number: request.point for request in batch.requests}
+        names = self._folder.header.variables
+        self._folder.add(batch.configuration, [[points[n][name] for name in names] for n in numbers], block)
         self.finished.update(numbers)
         self.failed.update(block.numbers[~block.done].tolist())
 

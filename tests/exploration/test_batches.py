@@ -1,58 +1,51 @@
 from __future__ import annotations
 
 from fake_runners import study_of
+from first_asks import first_ask
 from hypothesis import given
 from hypothesis import strategies as st
 
-from dse.domain.run import RunRequest
-from dse.exploration.asking import first_ask
-from dse.exploration.plan import missing_runs, missing_waveforms
+from dse.exploration.batches import Chunks
 from dse.storage.asks import Asks, Block, blocks_of
 
 
-def asked(levels: int, variables: int, names: tuple[str, ...] = ("a",)) -> tuple[dict[int, RunRequest], Asks]:
+def asked(levels: int, variables: int, names: tuple[str, ...] = ("a",)) -> Chunks:
     made = first_ask(study_of(levels=levels, variables=variables), names)
-    return dict(enumerate(made)), Asks(blocks_of(made, 0, 0))
+    return Chunks(dict(enumerate(made)), Asks(blocks_of(made, 0, 0)), {})
 
 
 @given(st.integers(1, 80), st.integers(1, 40))
 def test_chunks_hold_every_run_once_and_one_configuration_each(points: int, configurations: int) -> None:
-    made, asks = asked(points, 1, tuple(f"c{i}" for i in range(configurations)))
-    cut = list(missing_runs(made, made, asks))
-    assert [number for batch in cut for number in batch.numbers] == list(made)
+    chunks = asked(points, 1, tuple(f"c{i}" for i in range(configurations)))
+    made = chunks.requests
+    cut = list(chunks.runs(made))
+    assert [request for batch in cut for request in batch.requests] == list(made.values())
     assert all(made[number].configuration == batch.configuration for batch in cut for number in batch.numbers)
     assert all(len(batch.numbers) <= 32 for batch in cut)
 
 
 def test_a_small_study_is_cut_fine_enough_for_many_workers() -> None:
-    made, asks = asked(25, 2)
-    assert len(list(missing_runs(made, made, asks))) >= 64
+    chunks = asked(25, 2)
+    assert len(list(chunks.runs(chunks.requests))) >= 64
 
 
 def test_what_is_finished_is_not_planned_again_and_chunks_stay_where_they_were() -> None:
-    made, asks = asked(64, 2)
-    every = {batch.identity: set(batch.numbers) for batch in missing_runs(made, made, asks)}
+    chunks = asked(64, 2)
+    every = {batch.identity: set(batch.numbers) for batch in chunks.runs(chunks.requests)}
     finished = set(range(0, 4096, 2)) | set(range(32, 64))
-    for batch in missing_runs(set(made) - finished, made, asks):
+    for batch in chunks.runs(set(chunks.requests) - finished):
         assert set(batch.numbers) == every[batch.identity] - finished
         assert not batch.keep
-    assert 32 not in {batch.identity for batch in missing_runs(set(made) - finished, made, asks)}
-    assert list(missing_runs(set(), made, asks)) == []
+    assert 32 not in {batch.identity for batch in chunks.runs(set(chunks.requests) - finished)}
+    assert list(chunks.runs(set())) == []
 
 
 def test_a_waveform_file_is_named_after_its_chunk_and_written_whole() -> None:
-    made, asks = asked(64, 2)
-    (batch,) = missing_waveforms({40}, made, asks, {33: "runs-00000032-00000063.parquet", 41: ""})
+    chunks = asked(64, 2)
+    (batch,) = chunks.waveforms({40}, {33: "runs-00000032-00000063.parquet", 41: ""})
     assert batch.file == "runs-00000032-00000063.parquet"
     assert batch.numbers == (33, 40)
-    assert list(missing_waveforms(set(), made, asks, {33: "runs-00000032-00000063.parquet"})) == []
-
-
-def test_a_batch_holds_each_runs_point() -> None:
-    made, asks = asked(3, 2)
-    for batch in missing_runs(made, made, asks):
-        for number in batch.numbers:
-            assert dict(zip(batch.names, batch.point(number), strict=True)) == made[number].point
+    assert list(chunks.waveforms(set(), {33: "runs-00000032-00000063.parquet"})) == []
 
 
 def test_a_later_ask_has_chunks_of_its_own_whatever_came_before() -> None:

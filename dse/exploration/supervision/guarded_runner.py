@@ -1,33 +1,23 @@
-"""Where a worker simulates: the runner of the configuration at hand. A thread has a seat of its own."""
+"""The runner of the configuration at hand in a worker, with what guards the process around it. A thread has its own."""
 
 from __future__ import annotations
 
 import os
 import pickle
 import traceback
-from collections.abc import Sequence
-from pathlib import Path
 
 from dse.domain.run import Outcome, Run, RunRequest
-from dse.errors import DseError, FreshProcessNeeded
-from dse.exploration.heartbeat import Heartbeat, Phase
-from dse.exploration.job import Batch, Runner, Setup
-from dse.exploration.open_files import are_many_open
-from dse.exploration.surroundings import Surroundings
+from dse.errors import FreshProcessNeeded
+from dse.exploration.failures import checked_run, failed_run, in_words
+from dse.exploration.supervision.heartbeat import Heartbeat, Phase
+from dse.exploration.supervision.messages import Setup
+from dse.exploration.supervision.open_files import are_many_open
+from dse.exploration.supervision.process_state import ProcessState
+from dse.exploration.work import Batch, Runner
 
 
-def failed_run(request: RunRequest, problem: str) -> Run:
-    """A run that came to nothing because of *problem*."""
-    return Run(request, Outcome.FAILED, problem=problem)
-
-
-def bench_file(setup: Setup, configuration: str) -> Path:
-    """Where the pickled bench of *configuration* lies; an id may hold what a file name may not."""
-    return setup.benches / f"{configuration.encode().hex()[:200]}.bench"
-
-
-class Seat:
-    """The runner of the configuration at hand; the one before is closed.
+class GuardedRunner:
+    """Simulates one configuration after the other; the one before is closed.
 
     *hurt* says why a run failed that may be good in another process: what was done here before may be to blame.
     """
@@ -43,7 +33,7 @@ class Seat:
         self._runner: Runner | None = None
         self._problem = ""
         self._spent = False
-        self._surroundings = Surroundings()
+        self._state = ProcessState()
         self._process = os.getpid()
 
     @property
@@ -62,13 +52,13 @@ class Seat:
         self._progress[:] = bytes(len(self._progress))
         self._heart.beat(Phase.LOADING, batch.identity)
         try:
-            bench = pickle.loads(bench_file(self._setup, batch.configuration).read_bytes())  # noqa: S301  # our supervisor's
-            self._runner = self._setup.make_runner(bench, self._progress)
+            prepared = pickle.loads(self._setup.file(batch.configuration).read_bytes())  # noqa: S301  # our supervisor's
+            self._runner = self._setup.make_runner(prepared, self._progress)
         except Exception as error:  # noqa: BLE001  # each of its runs fails, other configurations go on
             self._spent |= self.runs > 0 and (isinstance(error, FreshProcessNeeded) or are_many_open())
             self._problem = in_words(error)
         self._leave_if_copied()
-        self._surroundings.restore()
+        self._state.restore()
         self._configuration = batch.configuration
 
     def run(self, batch: Batch, request: RunRequest) -> Run | None:
@@ -82,14 +72,14 @@ class Seat:
         self._progress[:] = bytes(len(self._progress))
         self._heart.beat(Phase.RUNNING, batch.identity, request.number)
         try:
-            run = checked_run(self._runner.run(request, keep=batch.keep), self._setup.metrics, self._setup.requirements)
+            run = checked_run(self._runner.run(request, keep=batch.keep), self._setup.measures)
         except Exception as error:  # noqa: BLE001  # a failed run is a row, not the end of the study
             # What state the simulation is in now is anyone's guess: the next run starts with a new one.
             self._leave_if_copied()
             self.clear()
             run = failed_run(request, in_words(error))
         self._leave_if_copied()
-        self._surroundings.restore()
+        self._state.restore()
         if are_many_open():
             self._spent = self.has_many_open = True
             if run.outcome is Outcome.FAILED:
@@ -113,24 +103,6 @@ class Seat:
             self._leave_if_copied()
 
     def _leave_if_copied(self) -> None:
-        # An FMU has made a copy of the process (fork) that went on: there must not be a second worker on the line.
+        # An FMU has made a copy of the process (fork) that went on: there must not be a second worker on the channel.
         if os.getpid() != self._process:
             os._exit(0)
-
-
-def checked_run(run: Run, metrics: Sequence[str], requirements: Sequence[str]) -> Run:
-    """*run* itself; LookupError if it came to its end without one of *metrics* or *requirements*."""
-    if run.outcome is Outcome.DONE:
-        missing = {*metrics} - {*run.metrics} or {*requirements} - {j.requirement for j in run.judgements}
-        if missing:
-            raise LookupError(f"the simulation gave no {', '.join(sorted(missing))}")
-    return run
-
-
-def in_words(error: Exception) -> str:
-    """What a run or a configuration failed of; what was not foreseen is printed, too."""
-    if isinstance(error, DseError):
-        return str(error)
-    traceback.print_exception(error)
-    frame = traceback.extract_tb(error.__traceback__)[-1]
-    return f"unexpected {type(error).__name__} at {Path(frame.filename).name}:{frame.lineno}: {error}".rstrip(": ")

@@ -14,10 +14,11 @@ from pathlib import Path
 import psutil
 
 from dse.cosim.spawn import start
-from dse.exploration.heartbeat import Heartbeat, Phase, State
-from dse.exploration.job import Batch, Report, Setup
-from dse.exploration.line import Line
-from dse.exploration.worker import work
+from dse.exploration.supervision.channel import Channel
+from dse.exploration.supervision.heartbeat import Heartbeat, Phase, State
+from dse.exploration.supervision.messages import Report, Setup
+from dse.exploration.supervision.worker import serve
+from dse.exploration.work import Batch
 
 _TAIL = 2000
 _LARGEST_LOG = 4_000_000
@@ -39,7 +40,7 @@ class Assignment:
 
 
 class WorkerProcess:
-    """One worker: its process, its line, its heartbeats, and the batches it has, the one at hand first.
+    """One worker: its process, its channel, its heartbeats, and the batches it has, the one at hand first.
 
     *useful* tells that it has finished a run, *retired* that it has taken its leave. *offence* says why it has to
     die for what one of its runs did, nobody knows which; *worn* that it may be what several did together.
@@ -49,12 +50,12 @@ class WorkerProcess:
         heartbeat, self._log = folder / f"worker{index}.beat", folder / f"worker{index}.log"
         Heartbeat.lay_out(heartbeat, setup.threads)
         self._log.touch()
-        self._hearts = [Heartbeat(heartbeat, seat) for seat in range(setup.threads)]
+        self._hearts = [Heartbeat(heartbeat, thread) for thread in range(setup.threads)]
         self._beats, self._since = [0] * setup.threads, [time.monotonic()] * setup.threads
         context = multiprocessing.get_context("spawn")
         near, far = socket.socketpair()
-        self._line = Line(near)
-        self._process = context.Process(target=work, args=(far, setup, heartbeat, self._log), daemon=True)
+        self._channel = Channel(near)
+        self._process = context.Process(target=serve, args=(far, setup, heartbeat, self._log), daemon=True)
         start(self._process)
         far.close()
         self._memory = psutil.Process(self._process.pid)
@@ -68,9 +69,9 @@ class WorkerProcess:
         return self._process.sentinel
 
     @property
-    def line(self) -> socket.socket:
+    def channel(self) -> socket.socket:
         """Ready when the worker has sent something."""
-        return self._line.end
+        return self._channel.end
 
     @property
     def has_ended(self) -> bool:
@@ -90,23 +91,23 @@ class WorkerProcess:
         if not self.assignments:
             self._since = [time.monotonic()] * len(self._hearts)
         self.assignments.append(Assignment(batch))
-        self._line.send(batch)
+        self._channel.send(batch)
 
     def reports(self) -> Iterator[Report]:
         """What it has sent, one by one; also sends what it has not been sent yet. Never waits.
 
         Raises EOFError or OSError if the worker is dead, GarbledError where something else was sent.
         """
-        self._line.flush()
-        return self._line.arrived()
+        self._channel.flush()
+        return self._channel.arrived()
 
     def states(self) -> list[State]:
         """What each thread of the worker does now, or did when it died."""
         return [heart.state() for heart in self._hearts]
 
-    def progress(self, seat: int) -> bytes:
+    def progress(self, thread: int) -> bytes:
         """The progress block of the simulation in a thread."""
-        return self._hearts[seat].progress()
+        return self._hearts[thread].progress()
 
     def silence(self) -> dict[Phase, float]:
         """Longest time in seconds that a thread has been in a phase without telling of anything new.
@@ -116,11 +117,11 @@ class WorkerProcess:
         now = time.monotonic()
         longest: dict[Phase, float] = {}
         states = self.states()
-        for seat, state in enumerate(states):
-            if state.beats != self._beats[seat]:
-                self._beats[seat], self._since[seat] = state.beats, now
+        for thread, state in enumerate(states):
+            if state.beats != self._beats[thread]:
+                self._beats[thread], self._since[thread] = state.beats, now
             if state.phase is not Phase.WAITING:
-                longest[state.phase] = max(longest.get(state.phase, 0.0), now - self._since[seat])
+                longest[state.phase] = max(longest.get(state.phase, 0.0), now - self._since[thread])
         return longest or {Phase.WAITING: now - max(self._since)}
 
     def resident(self) -> int:
@@ -145,20 +146,20 @@ class WorkerProcess:
 
     def dismiss(self) -> None:
         """Tell the worker to end."""
-        self._line.send(None)
+        self._channel.send(None)
 
     def kill(self) -> None:
         """End the process whatever it does."""
         self._process.kill()
 
-    def bury(self) -> int:
+    def reap(self) -> int:
         """Wait for the process to end, not for long, and free what belongs to it; its exit code, < 0 for a signal."""
         if not self.ends_within(_PATIENCE):
             self.kill()
             self._process.join()
         code = self._process.exitcode or 0
         self._process.close()
-        self._line.close()
+        self._channel.close()
         for heart in self._hearts:
             heart.close()
         return code

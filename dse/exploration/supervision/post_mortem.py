@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from dse.exploration.heartbeat import Phase, State
-from dse.exploration.process import Assignment, WorkerProcess
+from dse.exploration.supervision.heartbeat import Phase, State
+from dse.exploration.supervision.worker_process import Assignment, WorkerProcess
 
 _LONGEST_LINE = 200
 
@@ -27,29 +27,29 @@ class Traces:
 
 
 def traces_of(worker: WorkerProcess) -> Traces:
-    """What is to be known of *worker*; to be asked before it is buried."""
+    """What is to be known of *worker*; to be asked before it is reaped."""
     states = tuple(worker.states())
-    running = {seat: s for seat, s in enumerate(states) if s.phase is Phase.RUNNING}
+    running = {thread: s for thread, s in enumerate(states) if s.phase is Phase.RUNNING}
     at_hand = next((a for a in worker.assignments if any(a.batch.identity == s.batch for s in running.values())), None)
     unfinished = {
-        seat: s.number
-        for seat, s in running.items()
+        thread: s.number
+        for thread, s in running.items()
         if at_hand and s.batch == at_hand.batch.identity and s.number not in at_hand.received
     }
     batches = {a.batch.identity: a.batch.configuration for a in worker.assignments}
     loading = {
-        seat: batches[s.batch]
-        for seat, s in enumerate(states)
+        thread: batches[s.batch]
+        for thread, s in enumerate(states)
         if not unfinished and s.phase is Phase.LOADING and s.batch in batches
     }
-    seat = next(iter([*unfinished, *loading]), None)
+    thread = next(iter([*unfinished, *loading]), None)
     return Traces(
         states,
         at_hand,
         tuple(unfinished.values()),
         next(iter(loading.values()), ""),
-        b"" if seat is None else worker.progress(seat),
-        worker.last_words(0 if seat is None else states[seat].printed),
+        b"" if thread is None else worker.progress(thread),
+        worker.last_words(0 if thread is None else states[thread].printed),
     )
 
 

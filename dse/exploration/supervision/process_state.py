@@ -8,7 +8,7 @@ import signal
 import sys
 
 
-class Surroundings:
+class ProcessState:
     """The working folder, the locale and the permissions of new files as they are now; and no timer runs."""
 
     def __init__(self) -> None:

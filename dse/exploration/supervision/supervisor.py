@@ -1,7 +1,7 @@
 """Worker processes and the one that watches them: no finished run is lost, no dead or hanging worker holds up a study.
 
-Each worker has a line of its own, so a worker that dies can only take with it what it had not sent yet. What killed it
-is recorded as the result of the run at hand, the rest of its batch goes to a fresh worker. Exceptions: a worker that
+Each worker has a channel of its own, so a worker that dies can only take with it what it had not sent yet. What killed
+it is recorded as the result of the run at hand, the rest of its batch goes to a fresh worker. Exceptions: a worker that
 was killed from outside (SIGKILL, as the kernel does when memory runs out), or that grew too large over several runs,
 says nothing about the run at hand, which is tried once more; the second time it is recorded. And where several runs
 were at hand, in threads, nobody knows which of them it was: they are made again, one at a time. So are all runs of a
@@ -15,7 +15,7 @@ import sys
 import tempfile
 import time
 from collections import deque
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable
 from contextlib import ExitStack, suppress
 from dataclasses import replace
 from itertools import count
@@ -23,23 +23,23 @@ from multiprocessing.connection import wait
 from pathlib import Path
 from types import TracebackType
 
-from dse.domain.run import RunRequest
 from dse.errors import DseError, fail
-from dse.exploration.heartbeat import Phase
-from dse.exploration.inquest import Traces, cause_of, outside_of_runs, told, traces_of
-from dse.exploration.job import Batch, Bench, Report, Setup, Sink
-from dse.exploration.line import GarbledError
-from dse.exploration.parcel import packed
-from dse.exploration.process import Assignment, WorkerProcess
-from dse.exploration.seat import bench_file, failed_run
-from dse.exploration.worker import LINE_CLOSED
+from dse.exploration.failures import failed_run
+from dse.exploration.remote import packed
+from dse.exploration.supervision.channel import GarbledError
+from dse.exploration.supervision.heartbeat import Phase
+from dse.exploration.supervision.messages import Report, Setup
+from dse.exploration.supervision.post_mortem import Traces, cause_of, outside_of_runs, told, traces_of
+from dse.exploration.supervision.worker import CHANNEL_CLOSED
+from dse.exploration.supervision.worker_process import Assignment, WorkerProcess
+from dse.exploration.work import Batch, Sink, Work
 from dse.storage.rows import block_of
 from dse.storage.waveforms import file_name
 
 START_TIMEOUT = 60.0
 """Seconds a worker may take to start, to load a configuration or to write a file."""
 
-MOST_DEADLY_LOADS = 2
+MOST_DEATHS_LOADING = 2
 """Workers that may die of loading one configuration before its runs are given up; the first may have been unlucky."""
 
 MOST_FRUITLESS_DEATHS = 3
@@ -49,7 +49,7 @@ _LOOK_EVERY = 0.05
 
 _CLOSED = "closed files that are not its own: the line to the study"
 
-_LAST_BREATH = 2.0
+_UNTIL_GONE = 2.0
 """Seconds a process needs at most to be gone when its files are closed already."""
 
 _SCRIBBLED = "wrote into a file that is not its own: the line to the study"
@@ -58,22 +58,21 @@ _SCRIBBLED = "wrote into a file that is not its own: the line to the study"
 class Supervisor:
     """Works off batches with up to *workers* processes. Leaving its with block ends them, on an exception at once.
 
-    With several threads in a worker (`Setup.threads`), configurations that do not bear them have as many more workers
-    instead.
+    With several *threads* in a worker, configurations that do not bear them have as many more workers instead.
     """
 
-    def __init__(self, setup: Setup, benches: Mapping[str, Bench], sink: Sink, workers: int) -> None:
-        self._benches = benches
+    def __init__(self, work: Work, sink: Sink, workers: int, threads: int = 1) -> None:
+        self._configurations = work.configurations
         self._sink = sink
         self._workers_wanted = self._most = workers
         self._folder = tempfile.TemporaryDirectory(prefix="dse-", ignore_cleanup_errors=True)
-        self._setup = replace(setup, benches=Path(self._folder.name))
+        self._setup = Setup(work.make_runner, Path(self._folder.name), work.waveforms, work.measures, threads)
         self._workers: list[WorkerProcess] = []
         self._pending: deque[Batch] = deque()
-        self._hired = 0
+        self._started = 0
         self._fruitless = 0
         self._retried: set[int] = set()
-        self._deadly: dict[str, list[str]] = {}
+        self._deaths_loading: dict[str, list[str]] = {}
         self._looked = 0.0
         self._spare = count(1 << 40)
 
@@ -92,15 +91,15 @@ class Supervisor:
             self._work_off(batches, self._workers_wanted)
             return
         every = list(batches)
-        self._work_off([b for b in every if self._benches[b.configuration].thread_safe], self._workers_wanted)
-        others = [replace(b, alone=True) for b in every if not self._benches[b.configuration].thread_safe]
+        self._work_off([b for b in every if self._configurations[b.configuration].thread_safe], self._workers_wanted)
+        others = [replace(b, alone=True) for b in every if not self._configurations[b.configuration].thread_safe]
         self._work_off(others, self._workers_wanted * threads)
 
     def _work_off(self, batches: Iterable[Batch], workers: int) -> None:
         self._most = workers
         self._pending.extend(batches)
         while self._pending or any(worker.assignments for worker in self._workers):
-            self._hire()
+            self._start_workers()
             self._assign()
             self._listen()
             self._look_for_hanging()
@@ -116,7 +115,7 @@ class Supervisor:
         with ExitStack() as last:
             last.callback(self._folder.cleanup)
             for worker in self._workers:
-                last.callback(worker.bury)
+                last.callback(worker.reap)
                 if error is None:
                     worker.dismiss()
                 else:
@@ -126,11 +125,11 @@ class Supervisor:
                     with suppress(DseError):  # one reason to stop is told already
                         self._receive(worker)
 
-    def _hire(self) -> None:
+    def _start_workers(self) -> None:
         busy = sum(bool(worker.assignments) for worker in self._workers)
         while len(self._workers) < min(self._most, busy + len(self._pending)):
-            self._workers.append(WorkerProcess(self._setup, Path(self._folder.name), self._hired))
-            self._hired += 1
+            self._workers.append(WorkerProcess(self._setup, Path(self._folder.name), self._started))
+            self._started += 1
 
     def _assign(self) -> None:
         # A second batch on the line spares a worker the wait for the next one; at the end it would leave others idle.
@@ -141,35 +140,35 @@ class Supervisor:
                     batch = self._pending.popleft()
                     if self._cannot_be_loaded(batch):
                         continue
-                    self._store_bench(batch.configuration)
+                    self._store(batch.configuration)
                     worker.give(batch)
 
     def _cannot_be_loaded(self, batch: Batch) -> bool:
         """Whether workers died of the configuration before they got to a run of it; then its runs are failures."""
-        causes = self._deadly.get(batch.configuration, [])
-        if len(causes) < MOST_DEADLY_LOADS:
+        causes = self._deaths_loading.get(batch.configuration, [])
+        if len(causes) < MOST_DEATHS_LOADING:
             return False
-        self._fail(batch, batch.numbers, causes[-1])
+        self._fail(batch, causes[-1])
         self._sink.ended(batch, ())
         return True
 
-    def _store_bench(self, configuration: str) -> None:
-        file = bench_file(self._setup, configuration)
+    def _store(self, configuration: str) -> None:
+        file = self._setup.file(configuration)
         if not file.exists():
-            file.write_bytes(packed(self._benches[configuration])[0])
+            file.write_bytes(packed(self._configurations[configuration])[0])
 
     def _listen(self) -> None:
-        lines = [worker.line for worker in self._workers]
-        ready = wait([*lines, *(worker.sentinel for worker in self._workers)], _LOOK_EVERY)
+        channels = [worker.channel for worker in self._workers]
+        ready = wait([*channels, *(worker.sentinel for worker in self._workers)], _LOOK_EVERY)
         for worker in list(self._workers):
             # Dead is dead, even if something the worker started still holds the far end of its pipe.
             if not self._receive(worker):
-                self._bury(worker)
+                self._part_with(worker)
             elif worker.sentinel in ready:
-                if not worker.ends_within(_LAST_BREATH):
+                if not worker.ends_within(_UNTIL_GONE):
                     worker.offence = _SCRIBBLED
                 self._receive(worker)
-                self._bury(worker)
+                self._part_with(worker)
 
     def _receive(self, worker: WorkerProcess) -> bool:
         """Take all that *worker* has sent; False if it is dead, or has to die for its offence."""
@@ -209,11 +208,11 @@ class Supervisor:
 
     def _look_for_hanging(self) -> None:
         for worker in [worker for worker in self._workers if worker.assignments]:
-            timeout = self._benches[worker.assignments[0].batch.configuration].timeout
+            timeout = self._configurations[worker.assignments[0].batch.configuration].timeout
             for phase, silence in worker.silence().items():
                 limit = timeout if phase is Phase.RUNNING else START_TIMEOUT
                 if silence > limit and self._receive(worker) and worker.silence().get(phase, 0.0) > limit:
-                    self._bury(worker, f"no answer for {limit:g} s")
+                    self._part_with(worker, f"no answer for {limit:g} s")
                     break
 
     def _look_for_growth(self) -> None:
@@ -223,16 +222,16 @@ class Supervisor:
         self._looked = now
         for worker in [worker for worker in self._workers if worker.assignments]:
             worker.shorten_log()
-            limit = self._benches[worker.assignments[0].batch.configuration].memory
+            limit = self._configurations[worker.assignments[0].batch.configuration].memory
             if worker.resident() > limit:
                 self._receive(worker)
-                self._bury(worker, f"grew beyond {limit / 1e9:.3g} GB of memory", again=worker.useful)
+                self._part_with(worker, f"grew beyond {limit / 1e9:.3g} GB of memory", again=worker.useful)
             elif worker.has_ended:
                 # What it has started may hold on to what tells of its end.
                 self._receive(worker)
-                self._bury(worker)
+                self._part_with(worker)
 
-    def _bury(self, worker: WorkerProcess, offence: str = "", *, again: bool = False) -> None:
+    def _part_with(self, worker: WorkerProcess, offence: str = "", *, again: bool = False) -> None:
         """Part with a worker that is dead or, for an *offence*, is to die: record what is its run's fault.
 
         The rest goes back to the front of the queue; with *again* also the run at hand if it was tried only once.
@@ -241,15 +240,15 @@ class Supervisor:
         traces = traces_of(worker)
         if offence or worker.offence:
             worker.kill()
-        code = worker.bury()
-        if code == LINE_CLOSED:
+        code = worker.reap()
+        if code == CHANNEL_CLOSED:
             worker.offence = worker.offence or _CLOSED
         suspect = worker.assignments[0] if worker.offence and worker.assignments else None
         offence = worker.offence or offence
         cause = offence or cause_of(code)
         if traces.loading and not suspect:
-            place = self._benches[traces.loading].describe_progress(traces.progress)
-            deaths = self._deadly.setdefault(traces.loading, [])
+            place = self._configurations[traces.loading].describe_progress(traces.progress)
+            deaths = self._deaths_loading.setdefault(traces.loading, [])
             deaths.append(told(cause, place or "while its FMUs were loaded", traces.words))
         fruitful = suspect or traces.unfinished or traces.loading or (worker.useful and (worker.retired or again))
         self._fruitless = 0 if fruitful else self._fruitless + 1
@@ -276,9 +275,9 @@ class Supervisor:
         if again and number not in self._retried:
             self._retried.add(number)
             return rest
-        place = self._benches[rest.configuration].describe_progress(traces.progress)
+        place = self._configurations[rest.configuration].describe_progress(traces.progress)
         # The same words whether it was tried again: that depends on how runs fall to workers, results must not.
-        self._fail(rest, [number], told(cause, place, traces.words))
+        self._fail(rest, told(cause, place, traces.words), number)
         return rest.without({number})
 
     def _examine(self, suspect: Assignment, offence: str, *, again: bool) -> None:
@@ -293,7 +292,7 @@ class Supervisor:
             self._pending.appendleft(rest)
             return
         if number is not None and number not in suspect.received:
-            self._fail(rest, [number], offence)
+            self._fail(rest, offence)
         self._sink.ended(suspect.batch, ())
 
     def _single(self, batch: Batch, number: int) -> Batch:
@@ -302,16 +301,12 @@ class Supervisor:
         return replace(single, identity=next(self._spare), file=file)
 
     def _in_threads(self, batch: Batch) -> bool:
-        return self._setup.threads > 1 and not batch.alone and len(batch.numbers) > 1
+        return self._setup.threads > 1 and not batch.alone and len(batch.requests) > 1
 
-    def _fail(self, batch: Batch, numbers: Iterable[int], problem: str) -> None:
-        """Give the sink runs of *batch* that came to nothing."""
-        runs = [
-            failed_run(RunRequest(n, batch.configuration, dict(zip(batch.names, batch.point(n), strict=True))), problem)
-            for n in numbers
-        ]
-        block = block_of(runs, [float("nan")] * len(runs), self._setup.metrics, self._setup.requirements)
-        self._sink.rows(batch, block)
+    def _fail(self, batch: Batch, problem: str, number: int | None = None) -> None:
+        """Tell the sink that the runs of *batch*, or the one with *number*, came to nothing."""
+        runs = [failed_run(request, problem) for request in batch.requests if number in (None, request.number)]
+        self._sink.rows(batch, block_of(runs, self._setup.measures))
 
 
 def _given_up(cause: str, traces: Traces) -> DseError:

@@ -9,11 +9,10 @@ from dataclasses import dataclass
 from enum import IntEnum
 from pathlib import Path
 
-PROGRESS_BYTES = 64
-"""Size of the block the simulation itself writes to."""
+from dse.exploration.work import PROGRESS_BYTES
 
 _STATE = struct.Struct("=5q")
-_SEAT = PROGRESS_BYTES + _STATE.size
+_SIZE = PROGRESS_BYTES + _STATE.size
 
 
 class Phase(IntEnum):
@@ -46,18 +45,18 @@ class State:
 
 
 class Heartbeat:
-    """One seat in a worker's file: its simulation's progress block, then its state. A thread has a seat of its own."""
+    """One thread's place in a worker's file: its simulation's progress block, then its state."""
 
-    def __init__(self, file: Path, seat: int = 0) -> None:
+    def __init__(self, file: Path, thread: int = 0) -> None:
         with file.open("r+b") as stream:
             self._map = mmap.mmap(stream.fileno(), 0)
-        self._begin = seat * _SEAT
+        self._begin = thread * _SIZE
         self._beats = 0
 
     @staticmethod
-    def lay_out(file: Path, seats: int = 1) -> None:
+    def lay_out(file: Path, threads: int = 1) -> None:
         """Make the file, all zero."""
-        file.write_bytes(bytes(seats * _SEAT))
+        file.write_bytes(bytes(threads * _SIZE))
 
     @property
     def block(self) -> memoryview:
@@ -65,7 +64,7 @@ class Heartbeat:
         return memoryview(self._map)[self._begin : self._begin + PROGRESS_BYTES]
 
     def beat(self, phase: Phase, batch: int = -1, number: int = -1) -> None:
-        """Tell that the seat is in *phase* now."""
+        """Tell that the thread is in *phase* now."""
         self._beats += 1
         printed = os.fstat(2).st_size
         _STATE.pack_into(self._map, self._begin + PROGRESS_BYTES, self._beats, phase, batch, number, printed)

@@ -1,4 +1,4 @@
-"""The line between a supervisor and a worker: messages arrive whole and unharmed, or not at all.
+"""The channel between a supervisor and a worker: messages arrive whole and unharmed, or not at all.
 
 An FMU can write into any file its process has open, and a process can be stopped in the middle of a message. So the
 supervisor never waits for the rest of one, and what is not a message is told from one before it is taken for it.
@@ -24,7 +24,7 @@ class GarbledError(Exception):
     """What came is not a message."""
 
 
-class Line:
+class Channel:
     """The supervisor's end; nothing here waits."""
 
     def __init__(self, end: socket.socket) -> None:
@@ -45,7 +45,7 @@ class Line:
                 del self._unsent[: self.end.send(self._unsent)]
 
     def arrived(self) -> Iterator[Any]:
-        """The messages that are there, each taken from the line only when it is asked for.
+        """The messages that are there, each taken from the channel only when it is asked for.
 
         Raises EOFError or OSError if the worker is dead, GarbledError where something else was sent.
         """
@@ -60,7 +60,7 @@ class Line:
             self._unread += piece
 
     def close(self) -> None:
-        """Close the line."""
+        """Close it."""
         self.end.close()
 
     def _whole(self) -> Iterator[Any]:
