@@ -12,8 +12,8 @@ from dse.exploration.executor import Executor, chosen
 from dse.exploration.loop import ExplorationInterruptedError, Explored, explore
 from dse.exploration.progress import Progress
 from dse.exploration.supervision.single_run import simulate_alone
+from dse.storage.database.header import StudyHeader
 from dse.storage.folder import StudyFolder
-from dse.storage.header import StudyHeader
 from dse.testbench.execute import make_runner
 from dse.testbench.fuse import fused_plan
 from dse.testbench.plan import Plan, plan

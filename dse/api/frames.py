@@ -17,8 +17,8 @@ if TYPE_CHECKING:
 
 
 def runs_frame(folder: StudyFolder) -> pd.DataFrame:
-    """One row per run by number, values SI, as `dse.storage.frame` has it, and ``attrs["units"]`` by column."""
-    from dse.storage.frame import to_frame
+    """One row per run by number, values SI, and ``attrs["units"]`` by column."""
+    from dse.storage.export.tables import to_frame
 
     frame = to_frame(folder)
     known = described.units(folder.require_definition())
@@ -30,7 +30,7 @@ def runs_table(folder: StudyFolder) -> pa.Table:
     """The same as an Arrow table; a field with a unit has it in its metadata, as ``unit``."""
     import pyarrow as pa
 
-    from dse.storage.export import columns_of
+    from dse.storage.export.tables import columns_of
 
     known = described.units(folder.require_definition())
     arrays = {name: pa.array(column) for name, column in columns_of(folder.table())}

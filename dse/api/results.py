@@ -19,8 +19,8 @@ if TYPE_CHECKING:
     from dse.api.replaying import Replay
     from dse.domain.definition import StudyDefinition
     from dse.errors import Problem
+    from dse.storage.database.table import RunTable
     from dse.storage.folder import StudyFolder
-    from dse.storage.table import RunTable
 
 T = TypeVar("T")
 
@@ -86,7 +86,7 @@ class Results:
     def export(self, kind: str) -> bytes:
         """The table of runs as ``csv``, ``json``, ``parquet`` or ``junit``."""
         from dse.errors import closest, fail
-        from dse.storage.export import EXPORTS
+        from dse.storage.export.tables import EXPORTS
 
         if kind not in EXPORTS:
             raise fail(f"results cannot be written as '{kind}'", None, closest(kind, EXPORTS))

@@ -12,7 +12,7 @@ from itertools import groupby
 
 from dse.domain.run import RunRequest
 from dse.exploration.work import Batch
-from dse.storage.asks import Asks
+from dse.storage.database.asks import Asks
 from dse.storage.waveforms import file_name
 
 

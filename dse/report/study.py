@@ -30,10 +30,10 @@ from dse.report.content import (
     SamplerKind,
     Variable,
 )
-from dse.storage.database import damaged
+from dse.storage.database.connection import damaged
+from dse.storage.database.table import RunTable
 from dse.storage.folder import StudyFolder
 from dse.storage.rows import VERDICTS
-from dse.storage.table import RunTable
 from dse.storage.waveforms import read_all_waveforms
 from dse.units import Unit, parse_unit
 

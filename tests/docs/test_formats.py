@@ -21,7 +21,7 @@ from dse.loading import documents
 from dse.loading.component.kind import KINDS
 from dse.loading.fields import Section
 from dse.metrics.catalogue import FUNCTIONS, ROWWISE
-from dse.storage.export import EXPORTS
+from dse.storage.export.tables import EXPORTS
 from dse.units import parse_unit
 
 TEXT = (Path(__file__).parents[2] / "docs" / "formats.md").read_text(encoding="utf-8")

@@ -6,7 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from dse.exploration.batches import Chunks
-from dse.storage.asks import Asks, Block, blocks_of
+from dse.storage.database.asks import Asks, Block, blocks_of
 
 
 def asked(levels: int, variables: int, names: tuple[str, ...] = ("a",)) -> Chunks:

@@ -12,9 +12,9 @@ from dse.domain.study import Study
 from dse.exploration.boundary import near_boundary as near_boundary_on
 from dse.exploration.samplers.full_factorial import FullFactorial
 from dse.exploration.samplers.latin_hypercube import LatinHypercube
-from dse.storage.header import StudyHeader
+from dse.storage.database.header import StudyHeader
+from dse.storage.database.table import RunTable
 from dse.storage.rows import RowBlock
-from dse.storage.table import RunTable
 
 Passes = Callable[..., bool]
 

@@ -20,7 +20,7 @@ from dse.exploration.loop import ExplorationInterruptedError, Explored, explore
 from dse.exploration.progress import Progress, Stage
 from dse.exploration.samplers.full_factorial import FullFactorial
 from dse.exploration.samplers.latin_hypercube import LatinHypercube
-from dse.storage.export import to_csv
+from dse.storage.export.tables import to_csv
 from dse.storage.folder import StudyFolder
 
 NAMES = ("a", "b")

@@ -28,7 +28,7 @@ from dse.exploration.samplers.full_factorial import FullFactorial
 from dse.exploration.samplers.latin_hypercube import LatinHypercube
 from dse.exploration.samplers.sobol import Sobol
 from dse.loading.extensions import SamplerSection
-from dse.storage.export import to_csv
+from dse.storage.export.tables import to_csv
 from dse.storage.folder import StudyFolder
 
 NAMES = ("a", "b")

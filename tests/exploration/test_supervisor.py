@@ -18,8 +18,8 @@ from dse.errors import DseError
 from dse.exploration.executors.local import Local
 from dse.exploration.loop import Explored, explore
 from dse.exploration.supervision import supervisor
+from dse.storage.database.table import RunTable
 from dse.storage.folder import StudyFolder
-from dse.storage.table import RunTable
 
 posix = pytest.mark.skipif(sys.platform == "win32", reason="signals")
 

@@ -18,8 +18,8 @@ import pytest
 from dse.domain.definition import StudyDefinition
 from dse.domain.run import Run, Waveforms
 from dse.errors import DseError
-from dse.storage.definition import definition_from_json, definition_to_json, unit_flaws
-from dse.storage.export import EXPORTS
+from dse.storage.database.definition import definition_from_json, definition_to_json, unit_flaws
+from dse.storage.export.tables import EXPORTS
 from dse.storage.folder import StudyFolder
 from dse.storage.waveforms import file_name, read_all_waveforms, write_waveforms
 

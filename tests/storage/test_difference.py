@@ -11,7 +11,7 @@ import pytest
 
 from dse.domain.bench import Judgement, Verdict
 from dse.domain.run import Outcome, Run, RunRequest, Waveforms
-from dse.storage.definition import definition_from_json
+from dse.storage.database.definition import definition_from_json
 from dse.storage.difference import changes, differences
 
 RUN = Run(

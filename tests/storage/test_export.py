@@ -16,9 +16,8 @@ import pytest
 
 from dse.domain.definition import StudyDefinition
 from dse.domain.run import Run, RunRequest
-from dse.storage.export import EXPORTS, to_csv, to_json, to_junit, to_parquet
+from dse.storage.export.tables import EXPORTS, to_csv, to_frame, to_json, to_junit, to_parquet
 from dse.storage.folder import StudyFolder
-from dse.storage.frame import to_frame
 
 
 @pytest.fixture

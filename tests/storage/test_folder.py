@@ -17,9 +17,9 @@ from dse.domain.component import Value
 from dse.domain.definition import DefinedConfiguration, DefinedMetric, StudyDefinition
 from dse.domain.run import Outcome, Run, RunRequest, Waveforms
 from dse.errors import DseError
+from dse.storage.database.schema import cell_of, value_of
 from dse.storage.folder import StudyFolder
 from dse.storage.rows import VERDICTS, Measures, block_of
-from dse.storage.schema import cell_of, value_of
 from dse.storage.waveforms import file_name, write_waveforms
 
 Add = Callable[[StudyFolder, Run], None]
@@ -101,7 +101,8 @@ def test_a_reader_cannot_write(stored: Path, runs: list[Run], add: Add) -> None:
 
 def test_wall_times_are_kept_apart(stored: Path) -> None:
     with StudyFolder.open(stored) as folder:
-        assert folder.timing() == {0: 0.5, 1: 0.5, 2: 0.5, 4: 0.5}
+        timing = folder._connection.execute("SELECT number, wall FROM timing ORDER BY number").fetchall()
+        assert timing == [(0, 0.5), (1, 0.5), (2, 0.5), (4, 0.5)]
 
 
 @given(

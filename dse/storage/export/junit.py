@@ -8,7 +8,7 @@ from html import escape
 
 from dse.domain.bench import Judgement, Verdict
 from dse.domain.run import Outcome, Run
-from dse.storage.table import RunTable
+from dse.storage.database.table import RunTable
 
 _FORBIDDEN = re.compile("[^\t\n\r\x20-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
 

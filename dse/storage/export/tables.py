@@ -10,15 +10,19 @@ import io
 import json
 import math
 from collections.abc import Callable, Iterator, Mapping
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from dse.domain.run import Run
-from dse.storage.definition import definition_to_json
+from dse.storage.database.definition import definition_to_json
+from dse.storage.export.junit import junit
 from dse.storage.folder import StudyFolder
-from dse.storage.junit import junit
 from dse.storage.rows import VERDICTS
-from dse.storage.table import RunTable
+
+if TYPE_CHECKING:
+    import pandas as pd
+from dse.storage.database.table import RunTable
 
 
 def to_csv(folder: StudyFolder) -> bytes:
@@ -58,6 +62,13 @@ def to_parquet(folder: StudyFolder) -> bytes:
     pq.write_table(pa.table(arrays), sink, compression="zstd")
     data: bytes = sink.getvalue().to_pybytes()
     return data
+
+
+def to_frame(folder: StudyFolder) -> pd.DataFrame:
+    """One row per run, sorted by number, with the columns of the CSV; undefined numbers are NaN."""
+    import pandas as pd
+
+    return pd.DataFrame(dict(columns_of(folder.table()))).set_index("run")
 
 
 def to_junit(folder: StudyFolder) -> bytes:

@@ -12,10 +12,10 @@ from typing import Any
 
 from dse.domain.definition import StudyDefinition, to_json
 from dse.errors import DseError, Location, fail
-from dse.storage.asks import Asks, Block, read_asks, write_asks
-from dse.storage.definition import definition_from_json, definition_to_json
-from dse.storage.header import StudyHeader
-from dse.storage.schema import APPLICATION_ID, ASKS, VERSION, statements
+from dse.storage.database.asks import Asks, Block, read_asks, write_asks
+from dse.storage.database.definition import definition_from_json, definition_to_json
+from dse.storage.database.header import StudyHeader
+from dse.storage.database.schema import APPLICATION_ID, ASKS, VERSION, statements
 
 NAME = "study.sqlite"
 

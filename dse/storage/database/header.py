@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from functools import cached_property
 
 from dse.domain.definition import StudyDefinition
-from dse.storage.definition import fingerprint
+from dse.storage.database.definition import fingerprint
 from dse.storage.rows import Measures
 
 

@@ -8,7 +8,7 @@ from collections.abc import Sequence
 
 from dse.domain.component import Value
 from dse.errors import fail
-from dse.storage.header import StudyHeader
+from dse.storage.database.header import StudyHeader
 
 APPLICATION_ID = 0x44534553
 """Marks an SQLite file as a study ("DSES")."""
