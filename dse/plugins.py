@@ -20,8 +20,8 @@ if TYPE_CHECKING:
     from dse.kinds import ComponentKind, SourcePlace, SourceSection, build_generated
     from dse.loading.extensions import ExecutorSection, SamplerSection, Surroundings
     from dse.metrics.catalogue import Argument, Wants, metric_function, same
-    from dse.report.chart import Axis, Band, Bars, Chart, Line, Points, Rule, Steps
-    from dse.report.content import ReportContent
+    from dse.report.charts.chart import Axis, Band, Bars, Chart, Line, Points, Rule, Steps
+    from dse.report.content.nouns import ReportContent
 
 _PLACES = {
     "dse.domain.component": ("CSource", "Component", "Source"),
@@ -34,8 +34,8 @@ _PLACES = {
     "dse.kinds": ("ComponentKind", "SourcePlace", "SourceSection", "build_generated"),
     "dse.loading.extensions": ("ExecutorSection", "SamplerSection", "Surroundings"),
     "dse.metrics.catalogue": ("Argument", "Wants", "metric_function", "same"),
-    "dse.report.chart": ("Axis", "Band", "Bars", "Chart", "Line", "Points", "Rule", "Steps"),
-    "dse.report.content": ("ReportContent",),
+    "dse.report.charts.chart": ("Axis", "Band", "Bars", "Chart", "Line", "Points", "Rule", "Steps"),
+    "dse.report.content.nouns": ("ReportContent",),
 }
 _HOMES = {name: module for module, names in _PLACES.items() for name in names}
 

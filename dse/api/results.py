@@ -104,11 +104,11 @@ class Results:
         It holds the waveforms of at most so many runs. Nothing is simulated. *on_problems* is told of figures that
         could not be drawn; by default they are warnings.
         """
-        from dse.report.page import write_report
-        from dse.report.study import read_content
+        from dse.report.content.reading import read_content
+        from dse.report.page.html import write_report
 
         page = Path(target) if target is not None else self.folder / "report.html"
-        content = self._read(lambda store: read_content(store, shown_as=self.folder.as_posix(), most=waveforms))
+        content = read_content(self.folder, waveforms)
         if problems := write_report(content, page):
             (on_problems or _warn)(problems)
         return page

@@ -38,13 +38,10 @@ def show_run(run: Run) -> None:
 
 def draw_run(run: Run, target: Path) -> None:
     """Draw the bench's figures for *run* into *target*; nothing is drawn for a run that failed."""
-    from dse.report.draw import draw_waveforms, save
-    from dse.report.figures import waveform_data
-    from dse.report.study import content_of_run
+    from dse.report.figures import waveforms
 
     if not run.has_waveforms:
         console(stderr=True).print(f"{target}: not drawn, the run has no waveforms")
         return
-    content = content_of_run(run.noun, run.definition)
-    save(draw_waveforms(waveform_data(content, run.number)), target)
+    waveforms.draw_run(run.noun, run.definition, target)
     console().print(f"figures: {target}", soft_wrap=True)

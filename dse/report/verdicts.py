@@ -7,7 +7,7 @@ from enum import IntEnum
 import numpy as np
 from numpy.typing import NDArray
 
-from dse.report.content import Floats, ReportContent, RequirementRow
+from dse.report.content.nouns import Floats, ReportContent, RequirementRow
 
 
 class Mark(IntEnum):

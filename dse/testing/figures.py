@@ -8,9 +8,9 @@ from dataclasses import fields, is_dataclass
 import numpy as np
 import pytest
 
-from dse.report.chart import Points
-from dse.report.chart_problems import chart_problems
-from dse.report.content import (
+from dse.report.charts.chart import Points
+from dse.report.charts.problems import chart_problems
+from dse.report.content.nouns import (
     ConfigurationEntry,
     MetricColumn,
     ReportContent,
@@ -120,7 +120,7 @@ class FigureSuite:
 
     def test_it_can_be_printed(self) -> None:
         """By the drawing of its charts, or by its own."""
-        from dse.report.draw_chart import draw_chart
+        from dse.report.drawing.chart import draw_chart
 
         content = study("ordinary")
         for chart in self.figure.charts(content):

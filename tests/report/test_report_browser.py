@@ -14,10 +14,10 @@ from playwright.sync_api import Browser, Locator, Page, Position, sync_playwrigh
 
 from dse.errors import Problem
 from dse.report import page as page_module
-from dse.report.chart import Axis, Band, Bars, Chart, Line, Rule, Steps, limits
-from dse.report.content import ReportContent, RequirementRow
+from dse.report.charts.chart import Axis, Band, Bars, Chart, Line, Rule, Steps, limits
+from dse.report.content.nouns import ReportContent, RequirementRow
 from dse.report.figure import ShownFigure, charted
-from dse.report.page import write_report
+from dse.report.page.html import write_report
 from dse.report.verdicts import Mark, overall_marks
 
 pytestmark = pytest.mark.browser

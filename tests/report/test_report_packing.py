@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
-from dse.report.packing import MISSING, STEPS, Block, differences, quantise
+from dse.report.page.packing import MISSING, STEPS, Block, differences, quantise
 
 waveforms = arrays(
     np.float64, st.tuples(st.integers(1, 4), st.integers(1, 40)), elements=st.floats(-1e9, 1e9) | st.just(float("nan"))

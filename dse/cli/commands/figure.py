@@ -13,7 +13,7 @@ from dse.cli.arguments import Configuration, Folder
 from dse.errors import DseError, Location, Problem, fail, raise_if_any
 
 if TYPE_CHECKING:
-    from dse.report.content import ReportContent
+    from dse.report.content.nouns import ReportContent
 
 
 class Kind(StrEnum):
@@ -42,15 +42,13 @@ def figure(
     Without --x and --y one constraint plot is drawn for each slice of the study. Without --run the waveforms are those
     of the run nearest the bounds of all requirements among those that pass.
     """
-    from dse.report.draw import save
+    from dse.report.content.reading import read_content
+    from dse.report.drawing.style import save
     from dse.report.figure import FIGURES, View, drawings
-    from dse.report.study import read_content
-    from dse.storage.folder import StudyFolder
 
     if (x is None) != (y is None):
         raise typer.BadParameter("give both --x and --y, or neither", param_hint="--x/--y")
-    with StudyFolder.open(folder) as store:
-        content = read_content(store, shown_as=folder.as_posix())
+    content = read_content(folder)
     view = View(x, y, _configuration(content, configuration), number)
     place = target or folder / "figures"
     place.mkdir(parents=True, exist_ok=True)

@@ -9,11 +9,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from dse.report.chart import Axis, Chart, Drawn, Limits, Points, Rule, limits, values_of
-from dse.report.content import FigureSpec, ReportContent, SamplerKind
+from dse.report.charts.chart import Axis, Chart, Drawn, Limits, Points, Rule, limits, values_of
+from dse.report.content.nouns import FigureSpec, ReportContent, SamplerKind
 from dse.report.figure import ShownFigure
-from dse.report.packing import Block, differences, quantise
-from dse.report.radial import MOST_CENTRES, radial_fields
+from dse.report.interpolation.radial import MOST_CENTRES, radial_fields
+from dse.report.page.packing import Block, differences, quantise
 
 Json = dict[str, object]
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, fields
 from enum import StrEnum
 from typing import Any, TypeVar
@@ -108,8 +108,8 @@ class ReportContent:
     """Everything the page and the figures are made from.
 
     *slices* are names of variables that were varied together, for a sliced study. *study_folder* is what the
-    reader types in ``dse replay``. *facts* are shown as they stand, in order. Raises ValueError if the parts
-    do not fit each other. From here on the arrays cannot be written to, as many figures read them.
+    reader types in ``dse replay``. *facts* are shown as they stand, in order. Raises ValueError for what no study has.
+    From here on the arrays cannot be written to, as many figures read them.
     """
 
     title: str
@@ -125,9 +125,8 @@ class ReportContent:
     facts: tuple[tuple[str, str], ...] = ()
 
     def __post_init__(self) -> None:
-        problems = [*_run_problems(self), *_column_problems(self), *_reference_problems(self), *_figure_problems(self)]
-        if problems:
-            raise ValueError("; ".join(problems))
+        if flaws := [*_flaws(self)]:
+            raise ValueError("; ".join(flaws))
         nouns: list[Any] = [self.runs, *self.variables, *self.metrics, *self.requirements, *self.figures]
         for value in (getattr(noun, field.name) for noun in nouns for field in fields(noun)):
             if isinstance(value, np.ndarray):
@@ -161,64 +160,14 @@ def _named(nouns: Iterable[_Noun], name: str) -> _Noun:
     raise KeyError(name)
 
 
-def _run_problems(content: ReportContent) -> list[str]:
-    runs = content.runs
-    found = []
-    if not len(runs.configurations) == len(runs.done) == len(runs.problems) == len(runs):
-        found.append("numbers, configurations, done and problems of the runs differ in length")
-    if len(np.unique(runs.numbers)) != len(runs):
-        found.append("two runs have the same number")
-    unknown = set(runs.configurations) - {entry.id for entry in content.configurations}
-    if unknown:
-        found.append(f"runs name configurations that are not listed: {', '.join(sorted(unknown))}")
-    return found
-
-
-def _column_problems(content: ReportContent) -> list[str]:
-    found = []
-    for kind, columns in (("variable", content.variables), ("metric", content.metrics)):
-        names = [column.name for column in columns]
-        found += [f"two {kind}s are called '{name}'" for name in sorted({n for n in names if names.count(n) > 1})]
-        found += [
-            f"{kind} '{column.name}' has {len(column.values)} values for {len(content.runs)} runs"
-            for column in columns
-            if column.values.shape != (len(content.runs),)
-        ]
+def _flaws(content: ReportContent) -> Iterator[str]:
+    """What a stored definition may hold that nothing can be drawn of; all else its reading refuses."""
     for variable in content.variables:
         if not variable.low < variable.high:
-            found.append(f"variable '{variable.name}' has an empty range {variable.low} … {variable.high}")
-        if not np.all(np.isfinite(variable.values)):
-            found.append(f"variable '{variable.name}' is not finite in every run")
-    return found
-
-
-def _reference_problems(content: ReportContent) -> list[str]:
-    metrics = {metric.name for metric in content.metrics}
-    variables = {variable.name for variable in content.variables}
-    found = []
+            yield f"variable '{variable.name}' has an empty range {variable.low} … {variable.high}"
     for requirement in content.requirements:
-        if requirement.metric not in metrics:
-            found.append(f"requirement '{requirement.name}' names an unknown metric '{requirement.metric}'")
         if requirement.at_most is None and requirement.at_least is None:
-            found.append(f"requirement '{requirement.name}' has no bound")
-        if requirement.exercised.shape != (len(content.runs),):
-            found.append(f"requirement '{requirement.name}' has {len(requirement.exercised)} flags")
-    for names in content.slices:
-        unknown = set(names) - variables
-        if unknown or len(names) < 2:
-            found.append(f"slice {names} does not name two or more variables of the study")
-    return found
-
-
-def _figure_problems(content: ReportContent) -> list[str]:
-    numbers = set(content.runs.numbers.tolist())
-    found = []
-    for figure in content.figures:
-        shape = (len(figure.kept), len(figure.time))
-        if figure.current.shape != shape:
-            found.append(f"figure '{figure.name}': current is {figure.current.shape}, expected {shape}")
-        if figure.target is not None and figure.target.shape not in (shape, shape[:1]):
-            found.append(f"figure '{figure.name}': target is {figure.target.shape}, expected {shape} or {shape[:1]}")
-        if not set(figure.kept.tolist()) <= numbers:
-            found.append(f"figure '{figure.name}' keeps waveforms of runs that are not listed")
-    return found
+            yield f"requirement '{requirement.name}' has no bound"
+    known = {variable.name for variable in content.variables}
+    for name in sorted({name for names in content.slices for name in names} - known):
+        yield f"a slice names '{name}', which is no variable of the study"

@@ -10,9 +10,9 @@ from importlib.resources import files
 from pathlib import Path
 
 from dse.errors import Problem, fail
-from dse.report.content import ReportContent
+from dse.report.content.nouns import ReportContent
 from dse.report.figure import ShownFigure, shown_figures
-from dse.report.payload import payload_of
+from dse.report.page.payload import payload_of
 
 _PAGE = """<!doctype html>
 <html lang="en">

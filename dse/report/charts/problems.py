@@ -9,7 +9,7 @@ from typing import get_args
 
 import numpy as np
 
-from dse.report.chart import Axis, Bars, Chart, Drawn, Points, Rule, values_of
+from dse.report.charts.chart import Axis, Bars, Chart, Drawn, Points, Rule, values_of
 from dse.report.verdicts import Mark
 
 MOST_BARS = 2000

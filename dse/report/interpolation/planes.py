@@ -11,8 +11,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from dse.report.content import Flags, Floats, MetricColumn, ReportContent, RequirementRow, SamplerKind, Variable
-from dse.report.radial import MOST_CENTRES, evaluate, has_value, radial_fields, unit_points
+from dse.report.content.nouns import Flags, Floats, MetricColumn, ReportContent, RequirementRow, SamplerKind, Variable
+from dse.report.interpolation.radial import MOST_CENTRES, evaluate, has_value, radial_fields, unit_points
 
 _SIZE = 81
 _SIDE = 0.12

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -19,7 +20,7 @@ from dse.domain.definition import (
 )
 from dse.domain.run import Outcome, Run, Waveforms
 from dse.domain.sampler import Grid
-from dse.report.content import (
+from dse.report.content.nouns import (
     ConfigurationEntry,
     FigureSpec,
     Floats,
@@ -41,24 +42,14 @@ MAX_WAVEFORMS = 4000
 """Runs whose waveforms a page carries at most; more would make it too large to open at ease."""
 
 
-def read_content(folder: StudyFolder, *, shown_as: str, most: int = MAX_WAVEFORMS) -> ReportContent:
-    """Everything the page needs, from *folder* alone. *shown_as* is what the reader types for the folder.
+def read_content(path: Path, most: int = MAX_WAVEFORMS) -> ReportContent:
+    """Everything the page needs, from the study folder *path* alone.
 
     With more than *most* kept waveforms an evenly spread choice is taken; waveforms whose file is gone are left
     out. The facts say so. DseError if the folder is damaged.
     """
-    folder.require_definition()
-    table = folder.table()
-    lost = folder.lost()
-    kept = sorted(number for number, file in folder.kept().items() if file and number not in lost)
-    chosen = kept if len(kept) <= most else [kept[i] for i in np.linspace(0, len(kept) - 1, most).astype(int)]
-    strangers = set(kept) - set(table.numbers.tolist())
-    if strangers:
-        raise damaged(folder.path, f"waveforms were kept of run {min(strangers)}, which is not there")
-    try:
-        return _content(folder, table, shown_as, chosen, _waveform_facts(len(kept), len(chosen), len(lost)))
-    except ValueError as error:
-        raise damaged(folder.path, str(error)) from error
+    with StudyFolder.open(path) as folder:
+        return _read(folder, most)
 
 
 def content_of_run(run: Run, definition: StudyDefinition) -> ReportContent:
@@ -78,7 +69,22 @@ def content_of_run(run: Run, definition: StudyDefinition) -> ReportContent:
     )
 
 
-def _content(folder: StudyFolder, table: RunTable, shown_as: str, chosen: list[int], waveforms: str) -> ReportContent:
+def _read(folder: StudyFolder, most: int) -> ReportContent:
+    folder.require_definition()
+    table = folder.table()
+    lost = folder.lost()
+    kept = sorted(number for number, file in folder.kept().items() if file and number not in lost)
+    chosen = kept if len(kept) <= most else [kept[i] for i in np.linspace(0, len(kept) - 1, most).astype(int)]
+    strangers = set(kept) - set(table.numbers.tolist())
+    if strangers:
+        raise damaged(folder.path, f"waveforms were kept of run {min(strangers)}, which is not there")
+    try:
+        return _content(folder, table, chosen, _waveform_facts(len(kept), len(chosen), len(lost)))
+    except ValueError as error:
+        raise damaged(folder.path, str(error)) from error
+
+
+def _content(folder: StudyFolder, table: RunTable, chosen: list[int], waveforms: str) -> ReportContent:
     """ValueError if the parts of the study do not fit each other."""
     definition = folder.header.definition
     units = {metric.name: parse_unit(metric.unit) for metric in definition.metrics}
@@ -88,7 +94,7 @@ def _content(folder: StudyFolder, table: RunTable, shown_as: str, chosen: list[i
     return ReportContent(
         definition.title,
         _layout(folder.header.slices),
-        shown_as,
+        folder.path.as_posix(),
         Runs(table.numbers, table.configurations, table.done, table.problems),
         tuple(_configuration(entry, definition) for entry in definition.configurations),
         tuple(_variable(entry, table) for entry in definition.variables),
