@@ -10,7 +10,7 @@ from dse.cli.arguments import Output
 from dse.cli.tables import metric_table, run_data
 
 if TYPE_CHECKING:
-    from dse.api.run import Run
+    from dse.api.studies.run import Run
 
 
 def present_run(run: Run, output: Output, plot: Path | None) -> None:

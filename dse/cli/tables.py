@@ -30,7 +30,7 @@ def metric_table(run: Run, definition: StudyDefinition) -> Table:
     from rich.table import Table
     from rich.text import Text
 
-    from dse.api.described import metric_rows
+    from dse.api.showing.described import metric_rows
 
     table = Table(box=None, pad_edge=False, header_style="bold")
     headings = {"metric": "left", "value": "right"}

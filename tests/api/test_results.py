@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 import dse
-from dse.api.described import si_unit
+from dse.api.showing.described import si_unit
 from dse.domain.definition import (
     DefinedConfiguration,
     DefinedDesign,

@@ -7,7 +7,7 @@ import math
 import pytest
 from rich.console import Console
 
-from dse.api.quantities import checked_quantity
+from dse.api.showing.quantities import checked_quantity
 from dse.cli.tables import metric_table
 from dse.domain.definition import (
     DefinedDesign,

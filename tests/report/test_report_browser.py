@@ -13,10 +13,10 @@ import pytest
 from playwright.sync_api import Browser, Locator, Page, Position, sync_playwright
 
 from dse.errors import Problem
-from dse.report import page as page_module
 from dse.report.charts.chart import Axis, Band, Bars, Chart, Line, Rule, Steps, limits
 from dse.report.content.nouns import ReportContent, RequirementRow
 from dse.report.figure import ShownFigure, charted
+from dse.report.page import html as page_module
 from dse.report.page.html import write_report
 from dse.report.verdicts import Mark, overall_marks
 

@@ -69,12 +69,12 @@ def _fmus(names: list[str] | None, version: int, workspace: Path) -> dict[str, P
 
 
 def _fused(bench: str, configuration: str | None, version: int, workspace: Path) -> dict[str, Path]:
-    from dse.api.simulating import fused_libraries, selected
-    from dse.cli.exploring import ready
+    from dse.api.studies.single import fused_libraries
     from dse.loading.workspace import Workspace
 
     space = Workspace.around(workspace) if workspace != Path() else workspace_of(bench)
-    return fused_libraries(ready(selected(space.bench(bench), configuration), version, fuse=True))
+    with console(stderr=True).status("") as status:
+        return fused_libraries(space.bench(bench), configuration, version, tell=status.update)
 
 
 def _validate(archives: Mapping[str, Path]) -> None:

@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from dse.api.asking import ask
 from dse.api.naming import space_of
+from dse.api.spaces.question import ask
 from dse.cli.app import app, console, plain, print_json, print_table
 from dse.cli.arguments import Design
 from dse.cli.space import Off, On, Seed, Where
@@ -63,7 +63,7 @@ def enumerate_(
 
     A table shows the first 100 unless --limit says otherwise; CSV, JSON and files hold all.
     """
-    from dse.api.design import limited
+    from dse.api.spaces.design import limited
     from dse.space.output.sheet import Sheet
 
     if exact and not count:

@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from dse.api.asking import ask
 from dse.api.naming import space_of, workspace_of
+from dse.api.spaces.question import ask
 from dse.cli.app import app, console
 from dse.cli.arguments import Bench, Configuration, Design, FmiVersion, Settings
 from dse.cli.space import Choose, Off, On, Where
@@ -84,18 +84,17 @@ def export_ssp(
 
     Takes the first valid configuration unless --configuration names another.
     """
-    from dse.api.simulating import single, write_package
+    from dse.api.studies.single import write_package
     from dse.cli.commands.simulate import read_settings
 
     if target.suffix.lower() != ".ssp":
         raise typer.BadParameter(f"'{target.name}' must end in .ssp", param_hint="--output")
-    study = single(workspace_of(bench).bench(bench), configuration, read_settings(settings))
-    with console(stderr=True).status("building FMUs"):
-        chosen, elements = write_package(study, target, version=version)
-    screen = console(stderr=True)
-    for what in _left_behind(study.bench):
+    tested, screen = workspace_of(bench).bench(bench), console(stderr=True)
+    with screen.status("building FMUs"):
+        chosen, elements = write_package(tested, configuration, read_settings(settings), target, fmi=version)
+    for what in _left_behind(tested):
         screen.print(f"note: {what}: SSP has no words for that", soft_wrap=True)
-    console().print(f"{target}: configuration {chosen.id} of {study.bench.name}, {elements} components", soft_wrap=True)
+    console().print(f"{target}: configuration {chosen.id} of {tested.name}, {elements} components", soft_wrap=True)
 
 
 def _left_behind(bench: TestBench) -> Iterator[str]:

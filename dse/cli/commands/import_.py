@@ -75,7 +75,7 @@ def import_fmu(
 
     What is neither a port nor a parameter is listed as left out.
     """
-    from dse.api.importing import import_component
+    from dse.interchange.importing.component import import_component
     from dse.loading.root import find_root
 
     # Relative to this folder, so that the paths that are shown can be clicked and copied.
@@ -111,8 +111,8 @@ def import_ssp(
     Its FMUs become components, its system a design space, and each of its variants a test bench with its parameter
     values. Where variants have different FMUs at a place, these are alternatives of the design.
     """
-    from dse.api.importing import import_ssp as make
     from dse.cli.packages import seconds
+    from dse.interchange.importing.ssp import import_ssp as make
 
     made = make(package, folder, stop=seconds("--stop", stop), step=seconds("--step", step))
     screen = console()

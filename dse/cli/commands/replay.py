@@ -28,12 +28,13 @@ def replay(
 
     Shows its metrics; with --plot draws its waveforms even if the study did not keep them.
     """
-    from dse.api.replaying import replay as replayed
-    from dse.api.results import Results
-    from dse.cli.exploring import ready
+    from dse.api.studies.replaying import replay as replayed
+    from dse.api.studies.results import Results
     from dse.cli.showing import present_run
 
-    found = replayed(Results(folder), number, source=source, version=version, prepare=ready)
+    stored = Results(folder).run(number)
+    with console(stderr=True).status("") as status:
+        found = replayed(stored, source=source, fmi=version, tell=status.update)
     present_run(found.run, output, plot)
     problem = found.problem(str(folder))
     if problem:

@@ -6,9 +6,9 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from dse.api.asking import ask
 from dse.api.naming import space_of
-from dse.api.ranking import Ranking
+from dse.api.spaces.question import ask
+from dse.api.spaces.ranking import Ranking
 from dse.cli.app import console, plain, print_json, print_table
 from dse.cli.arguments import Design, Format, Output
 from dse.cli.space import Choose, Off, On, Where, space_app

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from dse.api.asking import ask
 from dse.api.naming import space_of
+from dse.api.spaces.question import ask
 from dse.cli.app import console, plain, print_json, print_table
 from dse.cli.arguments import Design, Format, Output
 from dse.cli.space import Choose, Off, On, Seed, Where, space_app

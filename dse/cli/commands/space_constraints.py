@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from dse.api.asking import ask
 from dse.api.naming import space_of
+from dse.api.spaces.question import ask
 from dse.cli.app import console, print_json, print_table
 from dse.cli.arguments import Design, Format, Output
 from dse.cli.commands.space_conflict import constraint_data

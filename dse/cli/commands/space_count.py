@@ -6,8 +6,8 @@ from typing import Annotated
 
 import typer
 
-from dse.api.asking import ask
 from dse.api.naming import space_of
+from dse.api.spaces.question import ask
 from dse.cli.app import console, plain, print_json
 from dse.cli.arguments import Design, Format, Output
 from dse.cli.space import Choose, Off, On, Seed, Where, space_app

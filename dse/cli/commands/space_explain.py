@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING
 
 import typer
 
-from dse.api.asking import ask
 from dse.api.naming import space_of
+from dse.api.spaces.question import ask
 from dse.cli.app import console, plain, print_json
 from dse.cli.arguments import Design, Format, Output
 from dse.cli.commands.space_conflict import constraint_data, show_constraints
@@ -16,7 +16,7 @@ from dse.cli.space import Choose, Off, On, Where, space_app
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from dse.api.explaining import Explanation
+    from dse.api.spaces.explaining import Explanation
     from dse.space.questions.explain import Broken
     from dse.space.questions.nearest import Change, Nearest
 
@@ -34,7 +34,7 @@ def space_explain(
 
     With some of the choices only: whether they can be completed, and if not, which constraints stand in the way.
     """
-    from dse.api.explaining import explain
+    from dse.api.spaces.explaining import explain
 
     if not choose:
         raise typer.BadParameter("name the choices, as --choose sensor=radar", param_hint="--choose")

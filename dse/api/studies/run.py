@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from typing import TYPE_CHECKING
 
-from dse.api import described
-from dse.api.html import table
+from dse.api.showing import described
+from dse.api.showing.html import table
 from dse.domain.run import Outcome
 from dse.errors import fail
 

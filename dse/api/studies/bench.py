@@ -2,28 +2,48 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
-from contextlib import contextmanager
+from collections.abc import Callable, Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Generic, Protocol, TypedDict, TypeVar
 
-from dse.api.html import table
+from dse.api.showing.html import table
+from dse.domain import study as nouns
+from dse.domain.bench import TestBench
 
 if TYPE_CHECKING:
-    from dse.api.design import Design
-    from dse.api.results import Results
-    from dse.api.run import Run
-    from dse.domain import study as nouns
-    from dse.domain.bench import TestBench
+    from typing import Unpack
+
+    from dse.api.spaces.design import Design
+    from dse.api.studies.results import Results
+    from dse.api.studies.run import Run
     from dse.domain.design import Configuration
     from dse.exploration.progress import Progress
     from dse.loading.values import Raw
 
 
-class Bench:
-    """A test bench; *noun* is what its file says."""
+class Exploring(TypedDict, total=False):
+    """How a study is explored: see `Study.explore`."""
 
-    def __init__(self, noun: TestBench) -> None:
+    workers: int
+    threads: int
+    fuse: bool
+    fresh: bool
+    fmi: int
+    progress: Callable[[Progress], None] | bool | None
+
+
+class _HasName(Protocol):
+    @property
+    def name(self) -> str: ...
+
+
+N = TypeVar("N", bound=_HasName)
+
+
+class _Named(Generic[N]):
+    """What has a file of its own; *noun* is what this says."""
+
+    def __init__(self, noun: N) -> None:
         self.noun = noun
 
     @property
@@ -31,10 +51,14 @@ class Bench:
         """Its name."""
         return self.noun.name
 
+
+class Bench(_Named[TestBench]):
+    """A test bench; *noun* is what its file says."""
+
     @property
     def design(self) -> Design:
         """The design space it tests."""
-        from dse.api.design import Design
+        from dse.api.spaces.design import Design
 
         return Design(self.noun.design)
 
@@ -54,31 +78,16 @@ class Bench:
         every metric has an error bar beside it (``NAME.error``); with *fuse* the configuration is one library.
         Raises DseError if something cannot be built; a run that fails is a result.
         """
-        from dse.api.exploring import alone, ready
-        from dse.api.run import Run
-        from dse.api.simulating import recorded_units, single
+        from dse.api.studies.single import simulate_once
 
         wanted = configuration if configuration is None or isinstance(configuration, str) else configuration.id
-        planned = ready(single(self.noun, wanted, set or {}, check_step=check_step), version=fmi, fuse=fuse)
-        return Run(alone(planned), planned.definition, recorded_units(planned))
+        return simulate_once(self.noun, wanted, set or {}, check_step=check_step, fuse=fuse, fmi=fmi)
 
-    def run(
-        self,
-        folder: str | Path,
-        *,
-        workers: int = 0,
-        threads: int = 1,
-        fuse: bool = False,
-        fresh: bool = False,
-        fmi: int = 2,
-        progress: Callable[[Progress], None] | bool | None = None,
-    ) -> Results:
+    def run(self, folder: str | Path, **options: Unpack[Exploring]) -> Results:
         """Run the bench on every valid configuration, into a study folder; see `Study.explore`."""
         from dse.testbench.plan import bench_study
 
-        return Study(bench_study(self.noun)).explore(
-            folder, workers=workers, threads=threads, fuse=fuse, fresh=fresh, fmi=fmi, progress=progress
-        )
+        return Study(bench_study(self.noun)).explore(folder, **options)
 
     def __repr__(self) -> str:
         noun = self.noun
@@ -93,16 +102,8 @@ class Bench:
         return table(f"{self.name}: {noun.title or noun.design.name}", headings, rows)
 
 
-class Study:
+class Study(_Named[nouns.Study]):
     """Design variables explored on a test bench (PET); *noun* is what its file says."""
-
-    def __init__(self, noun: nouns.Study) -> None:
-        self.noun = noun
-
-    @property
-    def name(self) -> str:
-        """Its name."""
-        return self.noun.name
 
     @property
     def bench(self) -> Bench:
@@ -129,14 +130,13 @@ class Study:
         Raises DseError with everything that is wrong, and ExplorationInterruptedError, a KeyboardInterrupt, on Ctrl-C:
         what was finished is stored, and the same call goes on from there.
         """
-        from dse.api.exploring import explore_into, ready
-        from dse.api.results import Results
+        from dse.api.showing.progress import telling
+        from dse.api.studies.exploring import Options, explore_into
+        from dse.api.studies.results import Results
 
-        planned = ready(self.noun, version=fmi, fuse=fuse)
-        with _telling(progress) as tell:
-            explored = explore_into(
-                planned, Path(folder), workers=workers, threads=threads, fresh=fresh, on_progress=tell
-            )
+        options = Options(workers, threads, fuse, fresh, fmi)
+        with telling(progress) as tell:
+            explored = explore_into(self.noun, Path(folder), options, on_progress=tell)
         return Results(Path(folder), explored)
 
     def __repr__(self) -> str:
@@ -150,14 +150,3 @@ class Study:
         ]
         headings = ("design variable", "title", "low", "high", "nominal", "unit")
         return table(f"{self.name}: {self.noun.title or self.noun.bench.name}", headings, rows)
-
-
-@contextmanager
-def _telling(progress: Callable[[Progress], None] | bool | None) -> Iterator[Callable[[Progress], None] | None]:
-    if progress is True:
-        from dse.api.progress import progress_bar
-
-        with progress_bar() as show:
-            yield show
-    else:
-        yield progress or None

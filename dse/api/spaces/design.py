@@ -5,16 +5,16 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING, Literal, TypedDict, overload
 
-from dse.api.asking import Question, ask
-from dse.api.html import table
-from dse.api.ranking import Ranking
+from dse.api.showing.html import table
+from dse.api.spaces.question import Question, ask
+from dse.api.spaces.ranking import Ranking
 
 if TYPE_CHECKING:
     from typing import Unpack
 
     import pandas as pd
 
-    from dse.api.explaining import Explanation
+    from dse.api.spaces.explaining import Explanation
     from dse.domain.design import Configuration, Constraint, DesignSpace
     from dse.space.engine import Engine
     from dse.space.flat import Rows
@@ -119,7 +119,7 @@ class Design:
 
         With some of the choices only: whether they can be completed, and if not, which constraints stand in the way.
         """
-        from dse.api.explaining import explain
+        from dse.api.spaces.explaining import explain
 
         among: Narrowing = {"on": on, "off": off}
         return explain(self._ask(**(among if where is None else among | {"where": where})), _texts(choose))
@@ -165,7 +165,7 @@ class Design:
 
         ``frame.attrs["units"]`` has the units of the sums. What is left out is missing (None).
         """
-        from dse.api.frames import configurations_frame
+        from dse.api.showing.frames import configurations_frame
 
         question = self._ask(**narrowing)
         return configurations_frame(question.space, limited(question.engine.blocks(), limit))

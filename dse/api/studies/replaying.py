@@ -2,20 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from dse.api.naming import workspace_of
-from dse.api.run import Run
+from dse.api.studies.run import Run
 from dse.errors import DseError, Location, fail
 
 if TYPE_CHECKING:
-    from dse.api.results import Results
+    from dse.api.studies.exploring import Tell
+    from dse.domain.bench import TestBench
     from dse.domain.definition import StudyDefinition
-    from dse.domain.study import Study
-    from dse.testbench.plan import Plan
 
 
 @dataclass(frozen=True, slots=True)
@@ -49,46 +47,28 @@ class Replay:
         return None
 
 
-def replay(
-    results: Results,
-    number: int,
-    *,
-    source: str | Path | None = None,
-    version: int = 2,
-    prepare: Callable[[Study, int], Plan] | None = None,
-) -> Replay:
-    """Simulate run *number* again and compare; its study is found in the workspace here, or in the file *source*.
-
-    *prepare* makes a study ready, for an FMI version, in place of `exploring.ready`.
-    """
-    from dse.api.exploring import alone, ready
+def replay(stored: Run, *, source: str | Path | None = None, fmi: int = 2, tell: Tell | None = None) -> Replay:
+    """Simulate *stored* again and compare; its study is found in the workspace here, or in the file *source*."""
+    from dse.api.studies.exploring import alone
+    from dse.domain.study import Selection
     from dse.storage.difference import changes, differences
+    from dse.testbench.plan import bench_study, with_values
 
-    stored = results.run(number)
-    study = _single(_study(results.definition, source), stored)
-    planned = prepare(study, version) if prepare else ready(study, version=version)
+    bench = with_values(_bench(stored.definition, source), stored.point)
+    made, planned = alone(bench_study(bench, Selection((stored.configuration,))), fmi, tell=tell)
     # Alone it has number 0 and its point is the bench's own.
-    again = replace(alone(planned), request=stored.noun.request)
+    again = replace(made, request=stored.noun.request)
     return Replay(
         Run(again, planned.definition),
         stored,
         tuple(differences(stored.noun, again)),
-        tuple(changes(results.definition, planned.definition, stored.noun)),
+        tuple(changes(stored.definition, planned.definition, stored.noun)),
     )
 
 
-def _study(definition: StudyDefinition, source: str | Path | None) -> Study:
-    """The study the folder came from, found by its name in the workspace around the current folder, or in *source*."""
-    from dse.testbench.plan import bench_study
-
+def _bench(definition: StudyDefinition, source: str | Path | None) -> TestBench:
+    """The bench of the study, found by its name in the workspace around the current folder, or in *source*."""
     is_bench = not definition.variables
     name = str(source) if source else definition.bench.name if is_bench else definition.study
     workspace = workspace_of(name)
-    return bench_study(workspace.bench(name)) if is_bench else workspace.study(name)
-
-
-def _single(study: Study, stored: Run) -> Study:
-    from dse.domain.study import Selection
-    from dse.testbench.plan import bench_study, with_values
-
-    return bench_study(with_values(study.bench, stored.point), Selection((stored.configuration,)))
+    return workspace.bench(name) if is_bench else workspace.study(name).bench

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from dse.api.asking import Question, ask
+from dse.api.spaces.question import Question, ask
 
 if TYPE_CHECKING:
     from collections.abc import Iterable

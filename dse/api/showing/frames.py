@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from typing import TYPE_CHECKING, Any
 
-from dse.api import described
+from dse.api.showing import described
 
 if TYPE_CHECKING:
     import pandas as pd

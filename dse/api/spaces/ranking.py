@@ -6,12 +6,12 @@ from collections.abc import Iterator, Sequence
 from functools import cached_property
 from typing import TYPE_CHECKING, overload
 
-from dse.api.html import table
+from dse.api.showing.html import table
 
 if TYPE_CHECKING:
     import pandas as pd
 
-    from dse.api.asking import Question
+    from dse.api.spaces.question import Question
     from dse.space.questions.optimum import Aim, Ranked
     from dse.units import Unit
 

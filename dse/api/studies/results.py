@@ -7,18 +7,18 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, TypeVar
 
-from dse.api import described
-from dse.api.html import table
-from dse.api.run import Run
+from dse.api.showing import described
+from dse.api.showing.html import table
+from dse.api.studies.run import Run
 
 if TYPE_CHECKING:
     import pandas as pd
     import pyarrow as pa
 
-    from dse.api.exploring import Explored
-    from dse.api.replaying import Replay
+    from dse.api.studies.replaying import Replay
     from dse.domain.definition import StudyDefinition
     from dse.errors import Problem
+    from dse.exploration.loop import Explored
     from dse.storage.database.table import RunTable
     from dse.storage.folder import StudyFolder
 
@@ -73,13 +73,13 @@ class Results:
 
         ``frame.attrs["units"]`` has the unit of each column that has one.
         """
-        from dse.api.frames import runs_frame
+        from dse.api.showing.frames import runs_frame
 
         return self._read(runs_frame)
 
     def to_arrow(self) -> pa.Table:
         """The same as an Arrow table; a field's unit is in its metadata, as ``b"unit"``."""
-        from dse.api.frames import runs_table
+        from dse.api.showing.frames import runs_table
 
         return self._read(runs_table)
 
@@ -115,9 +115,9 @@ class Results:
 
     def replay(self, number: int, *, source: str | Path | None = None, fmi: int = 2) -> Replay:
         """Simulate a run again and compare; its study is found in the workspace here, or in the file *source*."""
-        from dse.api.replaying import replay
+        from dse.api.studies.replaying import replay
 
-        return replay(self, number, source=source, version=fmi)
+        return replay(self.run(number), source=source, fmi=fmi)
 
     def __len__(self) -> int:
         return len(self._read(lambda store: store.finished()))

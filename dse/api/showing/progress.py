@@ -14,6 +14,16 @@ if TYPE_CHECKING:
 
 
 @contextmanager
+def telling(progress: Callable[[Progress], None] | bool | None) -> Iterator[Callable[[Progress], None] | None]:
+    """What is to be told of progress: *progress* itself, or a bar if it is True."""
+    if progress is True:
+        with progress_bar() as show:
+            yield show
+    else:
+        yield progress or None
+
+
+@contextmanager
 def progress_bar(console: Console | None = None) -> Iterator[Callable[[Progress], None]]:
     """Shows done of total, rate, time left and failures on *console*, or standard error, while the context lasts."""
     from rich import progress as columns

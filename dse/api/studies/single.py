@@ -7,7 +7,9 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from dse.api.described import si_unit
+from dse.api.showing.described import si_unit
+from dse.api.studies.exploring import Tell, alone, ready
+from dse.api.studies.run import Run
 from dse.domain.study import Selection
 from dse.testbench.plan import bench_study, with_settings
 from dse.testbench.select import one
@@ -20,41 +22,55 @@ if TYPE_CHECKING:
     from dse.testbench.plan import Plan
 
 
-def single(
-    bench: TestBench, configuration: str | None, settings: Mapping[str, Raw], *, check_step: bool = False
-) -> Study:
-    """The study of one run: of the configuration whose id starts so, or the first, with values as users write them.
+def simulate_once(
+    bench: TestBench,
+    configuration: str | None,
+    settings: Mapping[str, Raw],
+    *,
+    check_step: bool = False,
+    fuse: bool = False,
+    fmi: int = 2,
+    tell: Tell | None = None,
+) -> Run:
+    """The run of the configuration whose id starts so, or the first, with values as users write them.
 
     Raises DseError if there is no such configuration or parameter, or a value does not fit it.
     """
-    chosen = one(bench.design, configuration)
-    changed = with_settings(bench, settings, chosen)
+    study = _single(bench, configuration, settings)
     if check_step:
-        changed = replace(changed, simulation=replace(changed.simulation, check_step=True))
-    return bench_study(changed, Selection((chosen.id,)))
+        simulation = replace(study.bench.simulation, check_step=True)
+        study = replace(study, bench=replace(study.bench, simulation=simulation))
+    run, planned = alone(study, fmi, fuse=fuse, tell=tell)
+    return Run(run, planned.definition, recorded_units(planned))
 
 
-def selected(bench: TestBench, configuration: str | None) -> Study:
-    """The study of the bench on the configuration whose id starts so, or on every valid one."""
+def of_bench(bench: TestBench, configuration: str | None = None) -> Study:
+    """The study of *bench* on the configuration whose id starts so, or on every valid one."""
     return bench_study(bench, None if configuration is None else Selection((one(bench.design, configuration).id,)))
 
 
-def fused_libraries(planned: Plan) -> dict[str, Path]:
-    """The fused library of each configuration, by its id."""
+def fused_libraries(
+    bench: TestBench, configuration: str | None, fmi: int = 2, *, tell: Tell | None = None
+) -> dict[str, Path]:
+    """The fused library of each configuration of `of_bench`, by its id."""
+    planned = ready(of_bench(bench, configuration), fmi, fuse=True, tell=tell)
     return {name: bench.fused.path for name, bench in planned.prepared.items() if bench.fused is not None}
 
 
-def write_package(study: Study, target: Path, *, version: int = 2) -> tuple[Configuration, int]:
-    """Write the configuration of `single` as an SSP package; returns it and the number of its elements."""
+def write_package(
+    bench: TestBench, configuration: str | None, settings: Mapping[str, Raw], target: Path, *, fmi: int = 2
+) -> tuple[Configuration, int]:
+    """Write the configuration as `simulate_once` has it as an SSP package; returns it and how many elements it has."""
     from dse.interchange.structure import ExperimentSettings
     from dse.interchange.writing.write import write_ssp
     from dse.testbench.prepare import prepare
 
-    chosen = one(study.bench.design, *study.selection.ids)
-    prepared = prepare(study.bench, [chosen], version=version)[chosen.id]
+    study = _single(bench, configuration, settings)
+    chosen = one(bench.design, *study.selection.ids)
+    prepared = prepare(study.bench, [chosen], version=fmi)[chosen.id]
     simulation = prepared.simulation
     times = ExperimentSettings(0.0, simulation.stop, simulation.step, simulation.record_every)
-    write_ssp(target, study.bench.name, prepared.system, times)
+    write_ssp(target, bench.name, prepared.system, times)
     return chosen, len(prepared.system.elements)
 
 
@@ -78,3 +94,8 @@ def recorded_units(planned: Plan) -> dict[str, str]:
         found |= {face: found[source] for face, source in behind.items()}
         kept |= {name: found[name] for name in prepared.kept}
     return kept
+
+
+def _single(bench: TestBench, configuration: str | None, settings: Mapping[str, Raw]) -> Study:
+    chosen = one(bench.design, configuration)
+    return bench_study(with_settings(bench, settings, chosen), Selection((chosen.id,)))
