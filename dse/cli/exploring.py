@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING
 
 import typer
 
-from dse.cli.app import DONE, INTERRUPTED, RUNS_FAILED, console, plain
+from dse.cli.app import DONE, INTERRUPTED, RUNS_FAILED
+from dse.cli.terminal import console, plain, plain_table, print_table, say
 
 if TYPE_CHECKING:
     from dse.api.studies.exploring import Explored, Options, Progress
@@ -33,7 +34,7 @@ def explore_into(study: Study, folder: Path, options: Options, *, gate: bool) ->
 
             explored = exploring.explore_into(study, folder, options, on_progress=advance, tell=status.update)
     except exploring.ExplorationInterruptedError as stop:
-        screen.print(f"{folder}: {stop}", soft_wrap=True)
+        say(f"{folder}: {stop}", stderr=True)
         raise typer.Exit(INTERRUPTED) from None
     results = Results(folder, explored)
     summary = results.summary
@@ -43,7 +44,6 @@ def explore_into(study: Study, folder: Path, options: Options, *, gate: bool) ->
 
 
 def _say(results: Results, summary: Summary, explored: Explored) -> None:
-    from rich.table import Table
 
     from dse.api.showing.described import labels
 
@@ -58,13 +58,11 @@ def _say(results: Results, summary: Summary, explored: Explored) -> None:
     screen.print(f"{folder}: {what}", soft_wrap=True)
     if summary.verdicts:
         named = labels(results.definition)
-        shown = Table(box=None, pad_edge=False, header_style="bold")
-        shown.add_column("requirement")
-        for verdict in next(iter(summary.verdicts.values())):
-            shown.add_column(verdict, justify="right")
+        verdicts = tuple(next(iter(summary.verdicts.values())))
+        shown = plain_table("requirement", *verdicts, right=verdicts)
         for name, count in summary.verdicts.items():
             shown.add_row(named[name], *(str(number) for number in count.values()))
-        screen.print(shown)
+        print_table(shown)
     said: dict[str, str] = {}
     for number, problem in summary.problems.items():
         failed = "failed: " if number in summary.failures else ""

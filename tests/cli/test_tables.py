@@ -8,7 +8,7 @@ import pytest
 from rich.console import Console
 
 from dse.api.showing.quantities import checked_quantity
-from dse.cli.tables import metric_table
+from dse.cli.runs import metric_table
 from dse.domain.definition import (
     DefinedDesign,
     DefinedMetric,

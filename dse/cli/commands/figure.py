@@ -8,8 +8,9 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from dse.cli.app import app, console
+from dse.cli.app import app
 from dse.cli.arguments import Configuration, Folder
+from dse.cli.terminal import say
 from dse.errors import DseError, Location, Problem, fail, raise_if_any
 
 if TYPE_CHECKING:
@@ -59,12 +60,12 @@ def figure(
             for stem, sheet in drawings(name, content, view):
                 written.append(place / f"{stem}.{kind}")
                 save(sheet, written[-1])
-                console().print(str(written[-1]), soft_wrap=True)
+                say(str(written[-1]))
         except DseError as error:  # the other figures can be drawn all the same
             problems += error.problems
         else:
             if not written:
-                console(stderr=True).print(f"{name}: nothing to draw of this study", soft_wrap=True)
+                say(f"{name}: nothing to draw of this study", stderr=True)
     raise_if_any(problems)
 
 

@@ -7,8 +7,9 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from dse.cli.app import DONE, RUNS_FAILED, app, console, plain, print_json, print_table
+from dse.cli.app import DONE, RUNS_FAILED, app
 from dse.cli.arguments import FmiVersion, Format, Output
+from dse.cli.terminal import console, plain, plain_table, print_json, print_table, say
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -77,7 +78,6 @@ def probe(
 
 
 def _show(name: str, model: FmuModel, facts: FmuFacts) -> None:
-    from rich.table import Table
     from rich.text import Text
 
     from dse.api.probing import consequences
@@ -87,9 +87,7 @@ def _show(name: str, model: FmuModel, facts: FmuFacts) -> None:
     if not math.isnan(facts.step):
         kind += f", {facts.steps} steps of {facts.step:.6g} s"
     console().print(Text.assemble((plain(name), "bold"), f"  {kind}"), soft_wrap=True)
-    table = Table(box=None, pad_edge=False, show_header=False)
-    for column in ("what", "answer", "detail"):
-        table.add_column(column, no_wrap=column != "detail", overflow="fold")
+    table = plain_table("what", "answer", "detail", header=False)
     for question in Question:
         if question not in facts.answers:
             continue
@@ -100,7 +98,7 @@ def _show(name: str, model: FmuModel, facts: FmuFacts) -> None:
         table.add_row(f"  {what}", "", number)
     print_table(table)
     for line in consequences(facts):
-        console().print(f"  → {line}", soft_wrap=True)
+        say(f"  → {line}")
 
 
 def _detail(facts: FmuFacts, question: Question) -> str:

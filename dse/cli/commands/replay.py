@@ -7,8 +7,9 @@ from typing import Annotated
 
 import typer
 
-from dse.cli.app import DONE, RUNS_FAILED, app, console
+from dse.cli.app import DONE, RUNS_FAILED, app
 from dse.cli.arguments import FmiVersion, Folder, Format, Output, Plot
+from dse.cli.terminal import console, say
 
 
 @app.command()
@@ -30,7 +31,7 @@ def replay(
     """
     from dse.api.studies.replaying import replay as replayed
     from dse.api.studies.results import Results
-    from dse.cli.showing import present_run
+    from dse.cli.runs import present_run
 
     stored = Results(folder).run(number)
     with console(stderr=True).status("") as status:
@@ -41,5 +42,5 @@ def replay(
         raise problem
     kept = found.stored.has_waveforms
     what = "metrics, verdicts and waveforms" if kept else "metrics and verdicts; no waveforms were kept"
-    console(stderr=True).print(f"run {number}: the same as in {folder}, bit for bit ({what})", soft_wrap=True)
+    say(f"run {number}: the same as in {folder}, bit for bit ({what})", stderr=True)
     raise typer.Exit(RUNS_FAILED if found.run.problem else DONE)

@@ -9,7 +9,7 @@ from typing import Annotated
 import typer
 
 from dse.api.naming import workspace_of
-from dse.cli.app import DONE, RUNS_FAILED, app, console
+from dse.cli.app import DONE, RUNS_FAILED, app
 from dse.cli.arguments import (
     CheckStep,
     Configuration,
@@ -22,6 +22,7 @@ from dse.cli.arguments import (
     Settings,
 )
 from dse.cli.packages import Wishes, is_package, simulate_package, waveform_file
+from dse.cli.terminal import console
 
 Subject = Annotated[
     str, typer.Argument(metavar="BENCH", help="A test bench: its name, or its YAML file; or an SSP package (.ssp).")
@@ -84,7 +85,7 @@ def simulate(
     words = {"--algorithm": algorithm, "--coupling": coupling, "--extrapolation": extrapolation, "--timeout": timeout}
     _refuse({**asked, **words}, "package")
     from dse.api.studies.single import simulate_once
-    from dse.cli.showing import present_run
+    from dse.cli.runs import present_run
 
     tested = workspace_of(bench).bench(bench)
     with console(stderr=True).status("") as status:

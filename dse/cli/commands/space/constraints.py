@@ -8,11 +8,10 @@ import typer
 
 from dse.api.naming import space_of
 from dse.api.spaces.question import ask
-from dse.cli.app import console, print_json, print_table
-from dse.cli.arguments import Design, Format, Output
-from dse.cli.commands.space_conflict import constraint_data
-from dse.cli.space import Choose, Off, On, Seed, Where, space_app
-from dse.cli.tallies import tally_cell, tally_data, tally_text
+from dse.cli.arguments import Choose, Design, Format, Off, On, Output, Seed, Where
+from dse.cli.commands.space import space_app
+from dse.cli.spaces import constraint_data, tally_cell, tally_data, tally_text
+from dse.cli.terminal import plain_table, print_json, print_table, say
 
 if TYPE_CHECKING:
     from dse.space.questions.impact import Impact
@@ -36,7 +35,6 @@ def space_constraints(
     How many configurations are left after it and those before it; how many combinations it excludes alone; how
     many configurations would become valid if it were dropped. A redundant one excludes nothing that others do not.
     """
-    from rich.table import Table
 
     from dse.space.questions.impact import impact
 
@@ -47,21 +45,18 @@ def space_constraints(
         constraints = [_data(entry) for entry in found]
         print_json({**question.data(), "total": tally_data(total), "constraints": constraints})
         return
-    table = Table(box=None, pad_edge=False, header_style="bold")
-    table.add_column("constraint", no_wrap=True)
-    for heading in ("left after it", "removes alone", "frees if dropped"):
-        table.add_column(heading, justify="right", no_wrap=True)
-    table.add_column("")
+    counted = ("left after it", "removes alone", "frees if dropped")
+    table = plain_table("constraint", *counted, "", right=counted)
     for entry in found:
         numbers = [tally_cell(tally) for tally in (entry.after, entry.removes, entry.frees)]
         table.add_row(entry.constraint.name, *numbers, "redundant" if entry.is_redundant else "")
     if found:
         print_table(table)
     else:
-        console().print(f"{question.space.name} has no constraints that are on", soft_wrap=True)
+        say(f"{question.space.name} has no constraints that are on")
     estimated = any(not tally.exact for entry in found for tally in (entry.after, entry.removes, entry.frees))
     note = "; ≈ is an estimate, ± its 95 % interval" if estimated else ""
-    console().print(f"{tally_text(total)} combinations before the constraints{note}", soft_wrap=True)
+    say(f"{tally_text(total)} combinations before the constraints{note}")
 
 
 def _data(entry: Impact) -> dict[str, object]:

@@ -7,10 +7,10 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from dse.api.naming import space_of
-from dse.cli.app import console, plain, print_json
-from dse.cli.arguments import Design, Format, Output
-from dse.cli.space import Off, On, Seed, space_app
-from dse.cli.tallies import number_text, tally_data, tally_text
+from dse.cli.arguments import Design, Format, Off, On, Output, Seed
+from dse.cli.commands.space import space_app
+from dse.cli.spaces import number_text, tally_data, tally_text
+from dse.cli.terminal import print_json, say
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -49,9 +49,8 @@ def space_compare(
     for name, tally in ((before, found.before), (after, found.after)):
         lines.append(f"{name}: {tally_text(tally)} valid{_alone(tally, found.common)}")
     lines.append(f"in both: {tally_text(found.common)}")
-    screen = console()
     for line in lines:
-        screen.print(plain(line), soft_wrap=True)
+        say(line)
 
 
 def _alone(tally: Tally, common: Tally) -> str:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import typer
 
-from dse.cli.app import console
+from dse.cli.terminal import say
 from dse.errors import fail
 
 if TYPE_CHECKING:
@@ -31,15 +31,15 @@ def choose(space: DesignSpace, engine: Engine, target: Path | None) -> None:
         raise fail(
             f"'{space.name}' has no valid configuration", space.where, f"ask why: dse space conflict {space.name}"
         )
-    from dse.cli.picker import Picker
+    from dse.cli.picking.picker import Picker
 
     choices = Picker(space, engine).run()
     if choices is None:
         return
-    console().print(outcome(choices), soft_wrap=True)
+    say(outcome(choices))
     if target is not None:
         target.write_text(choices_yaml(space, choices), encoding="utf-8", newline="\n")
-        console().print(f"choices: {target}", soft_wrap=True)
+        say(f"choices: {target}")
 
 
 def outcome(choices: Choices) -> str:

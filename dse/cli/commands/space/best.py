@@ -9,9 +9,9 @@ import typer
 from dse.api.naming import space_of
 from dse.api.spaces.question import ask
 from dse.api.spaces.ranking import Ranking
-from dse.cli.app import console, plain, print_json, print_table
-from dse.cli.arguments import Design, Format, Output
-from dse.cli.space import Choose, Off, On, Where, space_app
+from dse.cli.arguments import Choose, Design, Format, Off, On, Output, Where
+from dse.cli.commands.space import space_app
+from dse.cli.terminal import plain_table, print_json, print_table, say
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -97,32 +97,27 @@ def _show(ranking: Ranking, output: Output) -> None:
         return
     if not ranking:
         what = "no configuration is valid, or the objective is undefined for all that are"
-        console().print(plain(f"{question.title()}: {what}"), soft_wrap=True)
+        say(f"{question.title()}: {what}")
         return
     _print_ranking(ranking.aims, ranking, ranking.texts())
 
 
 def _print_ranking(wanted: Sequence[Aim], found: Sequence[Ranked], cells: Sequence[Sequence[str]]) -> None:
     """The choices in which they differ as columns, as far as there is room; those they share below."""
-    from rich.table import Table
 
     paths = list(dict.fromkeys(path for entry in found for path in entry.choices))
     differing = [path for path in paths if len({entry.choices.get(path) for entry in found}) > 1]
-    table = Table(box=None, pad_edge=False, header_style="bold")
-    table.add_column("id", no_wrap=True)
-    for aim in wanted:
-        table.add_column(f"{'greatest' if aim.largest else 'least'} {aim}", justify="right", no_wrap=True)
     shown = differing[:_PLACES]
-    for path in shown:
-        table.add_column(path, no_wrap=True)
+    aims = [f"{'greatest' if aim.largest else 'least'} {aim}" for aim in wanted]
+    table = plain_table("id", *aims, *shown, right=aims)
     for entry, row in zip(found, cells, strict=True):
         table.add_row(entry.id, *row, *(entry.choices.get(path, "–") for path in shown))
     print_table(table)
     if len(differing) > len(shown):
         more = len(differing) - len(shown)
-        console().print(f"they differ in {more} more places; --format json tells all", soft_wrap=True)
+        say(f"they differ in {more} more places; --format json tells all")
     same = {path: found[0].choices[path] for path in paths if path not in differing}
     if same:
         has = "all have" if len(found) > 1 else "it has"
         listed = ", ".join(f"{path}={choice}" for path, choice in same.items())
-        console().print(plain(f"{has} {listed}"), soft_wrap=True)
+        say(f"{has} {listed}")

@@ -8,10 +8,10 @@ import typer
 
 from dse.api.naming import space_of
 from dse.api.spaces.question import ask
-from dse.cli.app import console, plain, print_json
-from dse.cli.arguments import Design, Format, Output
-from dse.cli.commands.space_conflict import constraint_data, show_constraints
-from dse.cli.space import Choose, Off, On, Where, space_app
+from dse.cli.arguments import Choose, Design, Format, Off, On, Output, Where
+from dse.cli.commands.space import space_app
+from dse.cli.spaces import constraint_data, show_constraints
+from dse.cli.terminal import print_json, say
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -81,7 +81,7 @@ def _show_part(found: Explanation, output: Output) -> None:
 
 
 def _say(text: str) -> None:
-    console().print(plain(text), soft_wrap=True)
+    say(text)
 
 
 def _columns(entries: Sequence[tuple[str, str]], between: str) -> None:

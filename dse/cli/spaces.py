@@ -1,12 +1,16 @@
-"""How many there are, for a person and for a program."""
+"""What commands about design spaces show: how many there are, and constraints; for a person and for a program."""
 
 from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
+from dse.cli.terminal import say
 from dse.space.tally import significant
 
 if TYPE_CHECKING:
+    from collections.abc import Iterable
+
+    from dse.domain.design import Constraint
     from dse.space.tally import Tally
 
 _READABLE = 10**12
@@ -46,3 +50,25 @@ def tally_data(tally: Tally) -> dict[str, Any]:
     """``valid`` and ``exact``; for an estimate the ends ``low`` and ``high`` of its 95 % interval, too."""
     data: dict[str, Any] = {"valid": tally.value, "exact": tally.exact}
     return data if tally.exact else data | {"low": tally.low, "high": tally.high}
+
+
+def constraint_data(constraint: Constraint) -> dict[str, object]:
+    """A constraint for `print_json`."""
+    where = str(constraint.where) if constraint.where else None
+    return {
+        "constraint": constraint.name,
+        "text": constraint.rule.text,
+        "because": constraint.because,
+        "where": where,
+    }
+
+
+def show_constraints(constraints: Iterable[Constraint]) -> None:
+    """Constraints in the user's words, the reason and the place in the file below each."""
+    for constraint in constraints:
+        text = " ".join(constraint.rule.text.split())
+        say(f"  {constraint.name}: {text}")
+        beside = [constraint.because] if constraint.because and constraint.because != text else []
+        beside += [str(constraint.where)] if constraint.where else []
+        if beside:
+            say(f"      {' · '.join(beside)}", style="dim")

@@ -2,18 +2,12 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 from dse.api.naming import space_of
 from dse.api.spaces.question import ask
-from dse.cli.app import console, plain, print_json
-from dse.cli.arguments import Design, Format, Output
-from dse.cli.space import Choose, Off, On, Where, space_app
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable
-
-    from dse.domain.design import Constraint
+from dse.cli.arguments import Choose, Design, Format, Off, On, Output, Where
+from dse.cli.commands.space import space_app
+from dse.cli.spaces import constraint_data, show_constraints
+from dse.cli.terminal import console, plain, print_json, say
 
 
 @space_app.command("conflict")
@@ -47,28 +41,5 @@ def space_conflict(
     what = f"these {len(found)} constraints cannot all be met; without any one of them the others can"
     if len(found) < 2:
         what = "this constraint excludes everything" if found else "the choices exclude each other without constraints"
-    console().print(plain(f"{question.title()}: {what}"), soft_wrap=True)
+    say(f"{question.title()}: {what}")
     show_constraints(found)
-
-
-def constraint_data(constraint: Constraint) -> dict[str, object]:
-    """A constraint for `print_json`."""
-    where = str(constraint.where) if constraint.where else None
-    return {
-        "constraint": constraint.name,
-        "text": constraint.rule.text,
-        "because": constraint.because,
-        "where": where,
-    }
-
-
-def show_constraints(constraints: Iterable[Constraint]) -> None:
-    """Constraints in the user's words, the reason and the place in the file below each."""
-    screen = console()
-    for constraint in constraints:
-        text = " ".join(constraint.rule.text.split())
-        screen.print(plain(f"  {constraint.name}: {text}"), soft_wrap=True)
-        beside = [constraint.because] if constraint.because and constraint.because != text else []
-        beside += [str(constraint.where)] if constraint.where else []
-        if beside:
-            screen.print(plain(f"      {' · '.join(beside)}"), soft_wrap=True, style="dim")

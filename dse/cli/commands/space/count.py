@@ -8,10 +8,10 @@ import typer
 
 from dse.api.naming import space_of
 from dse.api.spaces.question import ask
-from dse.cli.app import console, plain, print_json
-from dse.cli.arguments import Design, Format, Output
-from dse.cli.space import Choose, Off, On, Seed, Where, space_app
-from dse.cli.tallies import number_text, tally_data, tally_text
+from dse.cli.arguments import Choose, Design, Format, Off, On, Output, Seed, Where
+from dse.cli.commands.space import space_app
+from dse.cli.spaces import number_text, tally_data, tally_text
+from dse.cli.terminal import print_json, say
 
 
 @space_app.command("count")
@@ -38,4 +38,4 @@ def space_count(
         print_json({**question.data(), "total": total, **tally_data(tally)})
         return
     shown = f"{question.title()}: {tally_text(tally)} of {number_text(total)} configurations are valid"
-    console().print(plain(shown), soft_wrap=True)
+    say(shown)

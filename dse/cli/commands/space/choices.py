@@ -6,9 +6,9 @@ from typing import TYPE_CHECKING
 
 from dse.api.naming import space_of
 from dse.api.spaces.question import ask
-from dse.cli.app import console, plain, print_json, print_table
-from dse.cli.arguments import Design, Format, Output
-from dse.cli.space import Choose, Off, On, Seed, Where, space_app
+from dse.cli.arguments import Choose, Design, Format, Off, On, Output, Seed, Where
+from dse.cli.commands.space import space_app
+from dse.cli.terminal import plain_table, print_json, print_table, say
 from dse.errors import DseError
 
 if TYPE_CHECKING:
@@ -52,23 +52,18 @@ def space_choices(
         print_json({**question.data(), "choices": [_data(entry) for entry in found]})
         return
     if not found:
-        console().print(plain(f"{question.title()}: there is nothing to choose"), soft_wrap=True)
+        say(f"{question.title()}: there is nothing to choose")
         return
     print_table(_table(found))
     if any(entry.half_width for entry in found):
-        console().print("≈ is an estimate from uniform draws, ± its 95 % interval", soft_wrap=True)
+        say("≈ is an estimate from uniform draws, ± its 95 % interval")
 
 
 def _table(found: Sequence[Occurrence]) -> Table:
     """Places as the first column, or as lines of their own where some are long."""
-    from rich.table import Table
 
     aside = max(len(entry.path) for entry in found) <= _LONGEST
-    table = Table(box=None, pad_edge=False, header_style="bold")
-    for heading in ("place", "choice") if aside else ("choice",):
-        table.add_column(heading, no_wrap=True)
-    table.add_column("share", justify="right", no_wrap=True)
-    table.add_column("", no_wrap=True)
+    table = plain_table(*(("place",) if aside else ()), "choice", "share", "", right=("share",))
     last = ""
     for entry in found:
         cells = (entry.choice or "absent", _share(entry), _mark(entry))

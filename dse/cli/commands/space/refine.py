@@ -9,10 +9,10 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from dse.api.naming import space_of
-from dse.cli.app import console
-from dse.cli.arguments import Design
-from dse.cli.space import Choose, space_app
-from dse.cli.tallies import number_text
+from dse.cli.arguments import Choose, Design
+from dse.cli.commands.space import space_app
+from dse.cli.spaces import number_text
+from dse.cli.terminal import say
 
 if TYPE_CHECKING:
     from dse.domain.design import DesignSpace
@@ -57,7 +57,7 @@ def space_refine(
     target.parent.mkdir(parents=True, exist_ok=True)
     target.write_text(text, encoding="utf-8", newline="\n")
     left, total = product_of(decisions(refined)), product_of(decisions(space))
-    console().print(f"{target}: {number_text(left)} of {number_text(total)} combinations are left", soft_wrap=True)
+    say(f"{target}: {number_text(left)} of {number_text(total)} combinations are left")
 
 
 def _check(design: str, target: Path | None, *, asked: bool) -> None:

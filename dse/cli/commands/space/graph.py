@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from dse.api.naming import space_of
-from dse.cli.app import console
-from dse.cli.arguments import Configuration, Design
-from dse.cli.space import Choose, Off, On, space_app
+from dse.cli.arguments import Choose, Configuration, Design, Off, On
+from dse.cli.commands.space import space_app
+from dse.cli.terminal import say
 
 if TYPE_CHECKING:
     from dse.domain import design as nouns
@@ -50,7 +50,7 @@ def graph_(
     tree = graph(space, chosen.choices if chosen else None, dead_branches(Engine.of(space)))
     picture = draw(part_below(tree, below) if below else tree, space.title or space.name, _note(space, chosen))
     target.write_text(picture, encoding="utf-8", newline="\n")
-    console().print(f"{target}: {space.name}", soft_wrap=True)
+    say(f"{target}: {space.name}")
 
 
 def _chosen(space: nouns.DesignSpace, configuration: str | None, choose: list[str]) -> nouns.Configuration | None:
@@ -68,7 +68,7 @@ def _chosen(space: nouns.DesignSpace, configuration: str | None, choose: list[st
 
 
 def _note(space: nouns.DesignSpace, chosen: nouns.Configuration | None) -> str:
-    from dse.cli.tallies import number_text
+    from dse.cli.spaces import number_text
     from dse.space.enumerate import total, violated
 
     if chosen is None:

@@ -12,7 +12,7 @@ from textual.containers import Horizontal
 from textual.widgets import Footer, Input, OptionList, Static
 from textual.widgets.option_list import Option as Line
 
-from dse.cli.tallies import short, tally_text
+from dse.cli.spaces import short, tally_text
 from dse.domain.design import DesignSpace
 from dse.errors import DseError
 from dse.space.decisions import Choices
