@@ -11,7 +11,7 @@ from contextlib import closing
 import numpy as np
 import pytest
 
-from dse.cli.app import print_json
+from dse.cli.terminal import print_json
 from dse.domain.run import Waveforms
 from dse.report.content.reading import read_content
 from dse.storage.folder import StudyFolder
