@@ -11,14 +11,14 @@ from dse.cli.app import DONE, INTERRUPTED, RUNS_FAILED
 from dse.cli.terminal import console, plain, plain_table, print_table, say
 
 if TYPE_CHECKING:
-    from dse.api.studies.exploring import Explored, Options, Progress
+    from dse.api.studies.exploring import Explored, ExploreOptions, Progress
     from dse.api.studies.results import Results, Summary
     from dse.domain.study import Study
 
 _MOST_PROBLEMS = 5
 
 
-def explore_into(study: Study, folder: Path, options: Options, *, gate: bool) -> None:
+def explore_into(study: Study, folder: Path, options: ExploreOptions, *, gate: bool) -> None:
     """Explore *study* into *folder* with a progress bar, say what came of it, and exit as it deserves."""
     from dse.api.showing.progress import progress_bar
     from dse.api.studies import exploring
@@ -45,7 +45,7 @@ def explore_into(study: Study, folder: Path, options: Options, *, gate: bool) ->
 
 def _say(results: Results, summary: Summary, explored: Explored) -> None:
 
-    from dse.api.showing.described import labels
+    from dse.api.showing.described import requirement_labels
 
     screen, folder = console(), results.folder
     what = f"{summary.finished} runs, {explored.new} of them new"
@@ -57,7 +57,7 @@ def _say(results: Results, summary: Summary, explored: Explored) -> None:
         what += f"; the study was extended, its {explored.before} runs are kept"
     screen.print(f"{folder}: {what}", soft_wrap=True)
     if summary.verdicts:
-        named = labels(results.definition)
+        named = requirement_labels(results.definition)
         verdicts = tuple(next(iter(summary.verdicts.values())))
         shown = plain_table("requirement", *verdicts, right=verdicts)
         for name, count in summary.verdicts.items():

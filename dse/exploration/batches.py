@@ -13,7 +13,7 @@ from itertools import groupby
 from dse.domain.run import RunRequest
 from dse.exploration.work import Batch
 from dse.storage.database.asks import Asks
-from dse.storage.waveforms import file_name
+from dse.storage.waveforms import waveform_file
 
 
 @dataclass(frozen=True, slots=True)
@@ -41,7 +41,7 @@ class Chunks:
         for (first, last), numbers in self._cut(missing):
             wanted = set(numbers)
             todo = (n for n in range(first, last + 1) if n in self.requests and (n in wanted or kept.get(n)))
-            yield self._batch(first, todo, file_name(first, last))
+            yield self._batch(first, todo, waveform_file(first, last))
 
     def _cut(self, missing: Iterable[int]) -> Iterator[tuple[tuple[int, int], Iterator[int]]]:
         def chunk(number: int) -> tuple[int, int]:

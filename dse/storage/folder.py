@@ -14,7 +14,16 @@ from dse.domain.definition import StudyDefinition
 from dse.domain.run import Outcome, Run, RunRequest, Waveforms
 from dse.errors import Location, fail
 from dse.storage.database.asks import Asks, blocks_of, write_asks
-from dse.storage.database.connection import NAME, connect, damaged, lay_out, located, migrate, read_header, write_header
+from dse.storage.database.connection import (
+    NAME,
+    connect,
+    damaged_study,
+    lay_out,
+    located,
+    migrate,
+    read_header,
+    write_header,
+)
 from dse.storage.database.definition import unit_flaws
 from dse.storage.database.header import StudyHeader
 from dse.storage.database.schema import cell_of, columns
@@ -137,7 +146,7 @@ class StudyFolder:
         """The study's definition, fit to be shown; DseError if it has units that nobody can read."""
         flaw = next(unit_flaws(self.header.definition), "")
         if flaw:
-            raise damaged(self.path, flaw)
+            raise damaged_study(self.path, flaw)
         return self.header.definition
 
     def ask(self, number: int, requests: Sequence[RunRequest], asked: int) -> None:
@@ -168,7 +177,7 @@ class StudyFolder:
             with located(self.path):
                 return read_table(self._connection, self.header, numbers)
         except (KeyError, ValueError, TypeError) as error:
-            raise damaged(self.path, str(error)) from error
+            raise damaged_study(self.path, str(error)) from error
 
     def run(self, number: int) -> Run:
         """Run *number* with its waveforms if they were kept; DseError if it has not been made."""
@@ -294,7 +303,7 @@ class StudyFolder:
     def _checked(self, file: str | None) -> str:
         # The database may come from anywhere: what it names must lie in the folder of waveforms.
         if file and not is_file_name(file):
-            raise damaged(self.path, f"'{file}' is no file of waveforms")
+            raise damaged_study(self.path, f"'{file}' is no file of waveforms")
         return file or ""
 
     def _numbers(self, query: str) -> set[int]:

@@ -19,7 +19,7 @@ from dse.report.content.nouns import (
     Variable,
 )
 from dse.report.drawing.constraint_plot import draw_constraint_plot
-from dse.report.drawing.style import save
+from dse.report.drawing.style import save_drawing
 from dse.report.drawing.waveform_plot import draw_waveforms
 from dse.report.figures.constraints import axis_pairs, constraint_plot_data
 from dse.report.figures.waveforms import default_run, waveform_data
@@ -194,21 +194,23 @@ def test_the_run_shown_first_passes_and_was_kept(sliced: ReportContent) -> None:
 def test_a_figure_is_saved_with_the_same_bytes_each_time(sliced: ReportContent, tmp_path: Path, ending: str) -> None:
     data = constraint_plot_data(sliced, sliced.slices[1][0], sliced.slices[1][1], "c4f1a2")
     for name in ("a", "b"):
-        save(draw_constraint_plot(data), tmp_path / f"{name}.{ending}")
+        save_drawing(draw_constraint_plot(data), tmp_path / f"{name}.{ending}")
     assert (tmp_path / f"a.{ending}").read_bytes() == (tmp_path / f"b.{ending}").read_bytes()
     assert len(list(tmp_path.iterdir())) == 2
 
 
 def test_a_dollar_in_a_title_is_a_dollar(sliced: ReportContent, tmp_path: Path) -> None:
     content = dataclasses.replace(sliced, title="cost $x^{ and $")
-    save(draw_waveforms(waveform_data(content, default_run(content))), tmp_path / "waveforms.png")
-    save(draw_constraint_plot(constraint_plot_data(content, *axis_pairs(content)[0], "c4f1a2")), tmp_path / "plot.png")
+    save_drawing(draw_waveforms(waveform_data(content, default_run(content))), tmp_path / "waveforms.png")
+    save_drawing(
+        draw_constraint_plot(constraint_plot_data(content, *axis_pairs(content)[0], "c4f1a2")), tmp_path / "plot.png"
+    )
 
 
 def test_an_unknown_ending_is_refused(sliced: ReportContent, tmp_path: Path) -> None:
     figure = draw_waveforms(waveform_data(sliced, default_run(sliced)))
     with pytest.raises(DseError, match=r"\.png, \.svg or \.pdf"):
-        save(figure, tmp_path / "figure.gif")
+        save_drawing(figure, tmp_path / "figure.gif")
 
 
 def on_plane(content: ReportContent, x: str, y: str) -> Flags:

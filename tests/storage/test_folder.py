@@ -20,7 +20,7 @@ from dse.errors import DseError
 from dse.storage.database.schema import cell_of, value_of
 from dse.storage.folder import StudyFolder
 from dse.storage.rows import VERDICTS, Measures, block_of
-from dse.storage.waveforms import file_name, write_waveforms
+from dse.storage.waveforms import waveform_file, write_waveforms
 
 Add = Callable[[StudyFolder, Run], None]
 
@@ -122,7 +122,7 @@ def test_a_point_value_comes_back_with_its_type(value: Value) -> None:
 def test_waveforms_come_back_through_the_folder(tmp_path: Path, definition: StudyDefinition) -> None:
     wave = Waveforms(np.array([0.0, 0.1]), {"world.gap": np.array([150.0, math.nan])})
     with StudyFolder.create(tmp_path, definition) as folder:
-        name = file_name(0, 31)
+        name = waveform_file(0, 31)
         write_waveforms(folder.waveform_folder / name, [(3, wave)])
         folder.add_kept((3,), name)
         folder.add_kept((4,), "")

@@ -46,7 +46,7 @@ def metric_rows(run: Run, definition: StudyDefinition) -> Iterator[MetricRow]:
             yield MetricRow(title, shown, requirement.name, _bound(requirement), *_judged(run, requirement))
 
 
-def labels(definition: StudyDefinition) -> Mapping[str, str]:
+def requirement_labels(definition: StudyDefinition) -> Mapping[str, str]:
     """The requirements by name, each with its title if it has another."""
     named = {entry.name: entry.title for entry in definition.requirements}
     return {name: name if name == words else f"{name} {words}" for name, words in named.items()}

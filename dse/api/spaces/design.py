@@ -73,7 +73,7 @@ class Design:
     def list(self, limit: int | None = None, **narrowing: Unpack[Narrowing]) -> Sequence[Configuration]:
         """The valid configurations, in the order of the file; the first *limit* of them."""
         question = self._ask(**narrowing)
-        return [*_resolved(question, limited(question.engine.blocks(), limit))]
+        return [*_resolved(question, first_rows(question.engine.blocks(), limit))]
 
     def sample(self, number: int, seed: int = 0, **narrowing: Unpack[Narrowing]) -> Sequence[Configuration]:
         """*number* configurations drawn at random, independently, each valid one as likely as any other."""
@@ -168,7 +168,7 @@ class Design:
         from dse.api.showing.frames import configurations_frame
 
         question = self._ask(**narrowing)
-        return configurations_frame(question.space, limited(question.engine.blocks(), limit))
+        return configurations_frame(question.space, first_rows(question.engine.blocks(), limit))
 
     def __iter__(self) -> Iterator[Configuration]:
         question = self._ask()
@@ -209,7 +209,7 @@ def _resolved(question: Question, blocks: Iterable[Rows]) -> Iterator[Configurat
     return of_blocks(question.space, blocks)
 
 
-def limited(blocks: Iterator[Rows], limit: int | None) -> Iterator[Rows]:
+def first_rows(blocks: Iterator[Rows], limit: int | None) -> Iterator[Rows]:
     """The first *limit* rows of *blocks*."""
     missing = limit
     for rows in blocks:

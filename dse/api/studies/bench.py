@@ -131,10 +131,10 @@ class Study(_Named[nouns.Study]):
         what was finished is stored, and the same call goes on from there.
         """
         from dse.api.showing.progress import telling
-        from dse.api.studies.exploring import Options, explore_into
+        from dse.api.studies.exploring import ExploreOptions, explore_into
         from dse.api.studies.results import Results
 
-        options = Options(workers, threads, fuse, fresh, fmi)
+        options = ExploreOptions(workers, threads, fuse, fresh, fmi)
         with telling(progress) as tell:
             explored = explore_into(self.noun, Path(folder), options, on_progress=tell)
         return Results(Path(folder), explored)

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 from dse.domain.study import ExecutorChoice
 from dse.errors import fail
-from dse.exploration.executor import Executor, chosen
+from dse.exploration.executor import Executor, load_executor
 from dse.exploration.loop import ExplorationInterruptedError, Explored, explore
 from dse.exploration.progress import Progress
 from dse.exploration.supervision.single_run import simulate_alone
@@ -23,14 +23,14 @@ if TYPE_CHECKING:
     from dse.domain.run import Run
     from dse.domain.study import Study
 
-__all__ = ["ExplorationInterruptedError", "Explored", "Options", "Progress", "alone", "explore_into", "ready"]
+__all__ = ["ExplorationInterruptedError", "ExploreOptions", "Explored", "Progress", "alone", "explore_into", "ready"]
 
 Tell = Callable[[str], None]
 """Is told what is going on while things are built."""
 
 
 @dataclass(frozen=True, slots=True)
-class Options:
+class ExploreOptions:
     """How a study is explored; its results do not depend on it.
 
     The local executor has so many *workers* (0: what the study says, or one for each processor), each with *threads*
@@ -59,7 +59,7 @@ def ready(study: Study, fmi: int = 2, *, fuse: bool = False, tell: Tell | None =
 def explore_into(
     study: Study,
     folder: Path,
-    options: Options,
+    options: ExploreOptions,
     *,
     on_progress: Callable[[Progress], None] | None = None,
     tell: Tell | None = None,
@@ -76,7 +76,7 @@ def explore_into(
         return explore(study, planned.prepared, store, executor=executor, on_progress=on_progress)
 
 
-def executor_of(study: Study, options: Options) -> Executor:
+def executor_of(study: Study, options: ExploreOptions) -> Executor:
     """What makes the runs of *study*; DseError for workers or threads of another executor than the local one."""
     given = {"workers": options.workers} if options.workers else {}
     given |= {"threads": options.threads} if options.threads > 1 else {}
@@ -84,7 +84,7 @@ def executor_of(study: Study, options: Options) -> Executor:
     if given and choice.name != "local":
         what = f"the study's executor is '{choice.name}', and {' and '.join(given)} can be given to 'local' only"
         raise fail(what, study.where, "leave them out, or change 'executor' in the study")
-    return chosen(ExecutorChoice(choice.name, {**choice.options, **given}))
+    return load_executor(ExecutorChoice(choice.name, {**choice.options, **given}))
 
 
 def alone(study: Study, fmi: int, *, fuse: bool = False, tell: Tell | None = None) -> tuple[Run, Plan]:

@@ -51,7 +51,7 @@ def replay(stored: Run, *, source: str | Path | None = None, fmi: int = 2, tell:
     """Simulate *stored* again and compare; its study is found in the workspace here, or in the file *source*."""
     from dse.api.studies.exploring import alone
     from dse.domain.study import Selection
-    from dse.storage.difference import changes, differences
+    from dse.storage.difference import changed_inputs, changed_results
     from dse.testbench.plan import bench_study, with_values
 
     bench = with_values(_bench(stored.definition, source), stored.point)
@@ -61,8 +61,8 @@ def replay(stored: Run, *, source: str | Path | None = None, fmi: int = 2, tell:
     return Replay(
         Run(again, planned.definition),
         stored,
-        tuple(differences(stored.noun, again)),
-        tuple(changes(stored.definition, planned.definition, stored.noun)),
+        tuple(changed_results(stored.noun, again)),
+        tuple(changed_inputs(stored.definition, planned.definition, stored.noun)),
     )
 
 

@@ -128,7 +128,7 @@ class Results:
         return f"<Results in {self.folder}: {summary.finished} of {summary.runs} runs{failed}>"
 
     def _repr_html_(self) -> str:
-        summary, labels = self.summary, described.labels(self.definition)
+        summary, labels = self.summary, described.requirement_labels(self.definition)
         heads = dict.fromkeys(verdict for counts in summary.verdicts.values() for verdict in counts)
         rows = [(labels[name], *counts.values()) for name, counts in summary.verdicts.items()]
         what = f"{self.definition.title}: {summary.finished} of {summary.runs} runs, {summary.failed} failed"

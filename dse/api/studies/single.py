@@ -44,7 +44,7 @@ def simulate_once(
     return Run(run, planned.definition, recorded_units(planned))
 
 
-def of_bench(bench: TestBench, configuration: str | None = None) -> Study:
+def study_of_bench(bench: TestBench, configuration: str | None = None) -> Study:
     """The study of *bench* on the configuration whose id starts so, or on every valid one."""
     return bench_study(bench, None if configuration is None else Selection((one(bench.design, configuration).id,)))
 
@@ -52,8 +52,8 @@ def of_bench(bench: TestBench, configuration: str | None = None) -> Study:
 def fused_libraries(
     bench: TestBench, configuration: str | None, fmi: int = 2, *, tell: Tell | None = None
 ) -> dict[str, Path]:
-    """The fused library of each configuration of `of_bench`, by its id."""
-    planned = ready(of_bench(bench, configuration), fmi, fuse=True, tell=tell)
+    """The fused library of each configuration of `study_of_bench`, by its id."""
+    planned = ready(study_of_bench(bench, configuration), fmi, fuse=True, tell=tell)
     return {name: bench.fused.path for name, bench in planned.prepared.items() if bench.fused is not None}
 
 

@@ -63,7 +63,7 @@ def enumerate_(
 
     A table shows the first 100 unless --limit says otherwise; CSV, JSON and files hold all.
     """
-    from dse.api.spaces.design import limited
+    from dse.api.spaces.design import first_rows
     from dse.space.output.sheet import Sheet
 
     if exact and not count:
@@ -87,9 +87,9 @@ def enumerate_(
     elif count:
         _count(space, engine, seed, output, where, exact=exact)
     elif target is not None:
-        _save(Sheet(space), _drawn(engine, sample, seed) if sample else limited(engine.blocks(), limit), target)
+        _save(Sheet(space), _drawn(engine, sample, seed) if sample else first_rows(engine.blocks(), limit), target)
     elif output is not Listing.TABLE:
-        _stream(Sheet(space), _drawn(engine, sample, seed) if sample else limited(engine.blocks(), limit), output)
+        _stream(Sheet(space), _drawn(engine, sample, seed) if sample else first_rows(engine.blocks(), limit), output)
     elif sample is not None:
         (rows,) = _drawn(engine, sample, seed)
         _table(Sheet(space), rows)

@@ -22,8 +22,8 @@ def explore(
 
     Interrupted and started again it runs only what is missing; on a finished folder it does nothing.
     """
-    from dse.api.studies.exploring import Options
+    from dse.api.studies.exploring import ExploreOptions
     from dse.cli.exploring import explore_into
 
-    options = Options(workers, threads, fuse, fresh, version)
+    options = ExploreOptions(workers, threads, fuse, fresh, version)
     explore_into(workspace_of(study).study(study), folder, options, gate=gate)

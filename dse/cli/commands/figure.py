@@ -44,7 +44,7 @@ def figure(
     of the run nearest the bounds of all requirements among those that pass.
     """
     from dse.report.content.reading import read_content
-    from dse.report.drawing.style import save
+    from dse.report.drawing.style import save_drawing
     from dse.report.figure import FIGURES, View, drawings
 
     if (x is None) != (y is None):
@@ -59,7 +59,7 @@ def figure(
         try:
             for stem, sheet in drawings(name, content, view):
                 written.append(place / f"{stem}.{kind}")
-                save(sheet, written[-1])
+                save_drawing(sheet, written[-1])
                 say(str(written[-1]))
         except DseError as error:  # the other figures can be drawn all the same
             problems += error.problems

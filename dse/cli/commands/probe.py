@@ -54,7 +54,7 @@ def probe(
 
     What was found is kept in the cache, and all simulations act on it: an FMU that lies about its reset is never reset.
     """
-    from dse.api.probing import as_data, find_out, known_facts, model_of
+    from dse.api.probing import as_data, known_facts, model_of, probe_fmu
     from dse.domain.facts import Answer, Question
 
     found: list[FmuFacts] = []
@@ -67,7 +67,7 @@ def probe(
                 def tell(question: Question) -> None:
                     status.update(plain(f"probing {name}: {_TITLES[str(question)]}?"))  # noqa: B023  # called at once
 
-                facts = find_out(model, timeout=timeout, tell=tell)
+                facts = probe_fmu(model, timeout=timeout, tell=tell)
         found.append(facts)
         if output is Output.TABLE:
             _show(name, model, facts)

@@ -22,9 +22,9 @@ def run(
 
     Interrupted and started again it goes on where it was.
     """
-    from dse.api.studies.exploring import Options
-    from dse.api.studies.single import of_bench
+    from dse.api.studies.exploring import ExploreOptions
+    from dse.api.studies.single import study_of_bench
     from dse.cli.exploring import explore_into
 
-    options = Options(workers, threads, fuse, fresh, version)
-    explore_into(of_bench(workspace_of(bench).bench(bench)), folder, options, gate=gate)
+    options = ExploreOptions(workers, threads, fuse, fresh, version)
+    explore_into(study_of_bench(workspace_of(bench).bench(bench)), folder, options, gate=gate)

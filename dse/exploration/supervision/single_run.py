@@ -10,7 +10,7 @@ from dse.domain.run import Run, RunRequest
 from dse.exploration.supervision.supervisor import Supervisor
 from dse.exploration.work import Batch, MakeRunner, Runnable, Work
 from dse.storage.rows import Measures, RowBlock
-from dse.storage.waveforms import file_name, read_waveforms
+from dse.storage.waveforms import read_waveforms, waveform_file
 
 
 @dataclass(slots=True)
@@ -39,7 +39,7 @@ def simulate_alone(prepared: Runnable, make_runner: MakeRunner, configuration: s
     with tempfile.TemporaryDirectory(prefix="dse-") as scratch:
         folder = Path(scratch)
         work = Work({configuration: prepared}, make_runner, folder, measures)
-        batch = Batch(0, configuration, (request,), file_name(0, 0))
+        batch = Batch(0, configuration, (request,), waveform_file(0, 0))
         with Supervisor(work, kept, workers=1) as supervisor:
             supervisor.work_off([batch])
         assert kept.block is not None  # noqa: S101  # a supervisor gives a row for every run

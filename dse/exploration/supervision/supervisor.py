@@ -34,7 +34,7 @@ from dse.exploration.supervision.worker import CHANNEL_CLOSED
 from dse.exploration.supervision.worker_process import Assignment, WorkerProcess
 from dse.exploration.work import Batch, Sink, Work
 from dse.storage.rows import block_of
-from dse.storage.waveforms import file_name
+from dse.storage.waveforms import waveform_file
 
 START_TIMEOUT = 60.0
 """Seconds a worker may take to start, to load a configuration or to write a file."""
@@ -296,7 +296,7 @@ class Supervisor:
         self._sink.ended(suspect.batch, ())
 
     def _single(self, batch: Batch, number: int) -> Batch:
-        file = file_name(number, number) if batch.keep else ""
+        file = waveform_file(number, number) if batch.keep else ""
         single = batch.without({*batch.numbers} - {number})
         return replace(single, identity=next(self._spare), file=file)
 

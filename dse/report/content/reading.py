@@ -31,7 +31,7 @@ from dse.report.content.nouns import (
     SamplerKind,
     Variable,
 )
-from dse.storage.database.connection import damaged
+from dse.storage.database.connection import damaged_study
 from dse.storage.database.table import RunTable
 from dse.storage.folder import StudyFolder
 from dse.storage.rows import VERDICTS
@@ -77,11 +77,11 @@ def _read(folder: StudyFolder, most: int) -> ReportContent:
     chosen = kept if len(kept) <= most else [kept[i] for i in np.linspace(0, len(kept) - 1, most).astype(int)]
     strangers = set(kept) - set(table.numbers.tolist())
     if strangers:
-        raise damaged(folder.path, f"waveforms were kept of run {min(strangers)}, which is not there")
+        raise damaged_study(folder.path, f"waveforms were kept of run {min(strangers)}, which is not there")
     try:
         return _content(folder, table, chosen, _waveform_facts(len(kept), len(chosen), len(lost)))
     except ValueError as error:
-        raise damaged(folder.path, str(error)) from error
+        raise damaged_study(folder.path, str(error)) from error
 
 
 def _content(folder: StudyFolder, table: RunTable, chosen: list[int], waveforms: str) -> ReportContent:

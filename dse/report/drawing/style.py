@@ -45,7 +45,7 @@ _METADATA: dict[str, dict[str, Any]] = {
 }
 
 
-def save(figure: Figure, path: Path) -> None:
+def save_drawing(figure: Figure, path: Path) -> None:
     """Write *figure* as PNG, SVG or PDF by the path's ending; the same figure gives the same bytes."""
     import matplotlib as mpl
 

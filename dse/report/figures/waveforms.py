@@ -14,7 +14,7 @@ from dse.errors import fail
 from dse.report.charts.chart import Chart
 from dse.report.content.nouns import FigureSpec, Floats, ReportContent, label
 from dse.report.content.reading import content_of_run
-from dse.report.drawing.style import save
+from dse.report.drawing.style import save_drawing
 from dse.report.drawing.waveform_plot import WaveformData, WaveformPanel, draw_waveforms
 from dse.report.figure import View
 from dse.report.verdicts import Mark, overall_marks
@@ -38,7 +38,7 @@ def waveform_data(content: ReportContent, run: int) -> WaveformData:
 
 def draw_run(run: Run, definition: StudyDefinition, target: Path) -> None:
     """Draw the bench's figures for *run*, whose waveforms were kept, into the file *target*. Raises DseError."""
-    save(draw_waveforms(waveform_data(content_of_run(run, definition), run.request.number)), target)
+    save_drawing(draw_waveforms(waveform_data(content_of_run(run, definition), run.request.number)), target)
 
 
 def default_run(content: ReportContent) -> int:

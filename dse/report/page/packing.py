@@ -68,7 +68,7 @@ def quantise(waveforms: NDArray[np.floating]) -> Quantised:
     return Quantised(low, high, codes, float(error))
 
 
-def differences(codes: NDArray[np.uint16]) -> NDArray[np.uint16]:
+def second_differences(codes: NDArray[np.uint16]) -> NDArray[np.uint16]:
     """Second differences along each row, modulo 2^16: smooth waveforms become small numbers, which compress."""
     first = np.diff(codes, axis=1, prepend=np.uint16(0)).astype(np.uint16)
     return np.diff(first, axis=1, prepend=np.uint16(0)).astype(np.uint16)

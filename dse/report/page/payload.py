@@ -13,7 +13,7 @@ from dse.report.charts.chart import Axis, Chart, Drawn, Limits, Points, Rule, li
 from dse.report.content.nouns import FigureSpec, ReportContent, SamplerKind
 from dse.report.figure import ShownFigure
 from dse.report.interpolation.radial import MOST_CENTRES, radial_fields
-from dse.report.page.packing import Block, differences, quantise
+from dse.report.page.packing import Block, quantise, second_differences
 
 Json = dict[str, object]
 
@@ -127,7 +127,7 @@ def _add_waveforms(name: str, values: NDArray[np.floating], columns: Block, wave
     quantised = quantise(values)
     columns.add(f"{name}.low", "f8", quantised.low)
     columns.add(f"{name}.high", "f8", quantised.high)
-    waveforms.add(name, "u2", differences(quantised.codes))
+    waveforms.add(name, "u2", second_differences(quantised.codes))
     return quantised.error
 
 

@@ -35,15 +35,15 @@ def located(path: Path) -> Iterator[None]:
     except sqlite3.OperationalError as error:
         # Text that is no UTF-8 has no code: Python itself refuses it.
         if getattr(error, "sqlite_errorcode", sqlite3.SQLITE_ERROR) & 0xFF in _BROKEN:
-            raise damaged(path, str(error)) from error
+            raise damaged_study(path, str(error)) from error
         raise fail(
             f"{NAME} cannot be used: {error}", Location(str(path)), "look at the disk's space, the rights and the locks"
         ) from error
     except sqlite3.DatabaseError as error:
-        raise damaged(path, str(error)) from error
+        raise damaged_study(path, str(error)) from error
 
 
-def damaged(path: Path, why: str) -> DseError:
+def damaged_study(path: Path, why: str) -> DseError:
     """The problem of a study folder *path* whose database holds what this program never wrote."""
     return fail(f"{NAME} is damaged: {why}", Location(str(path)), "explore again into another folder, or with --fresh")
 
@@ -118,7 +118,7 @@ def read_header(connection: sqlite3.Connection, path: Path) -> tuple[StudyHeader
                 raise ValueError(f"the number '{key}' is {json.dumps(count)[:40]}")
         asks = _first_asks(definition, counts["runs"]) if _version(connection) == 1 else read_asks(connection)
     except (ValueError, KeyError, TypeError, RecursionError) as error:
-        raise damaged(path, f"its facts cannot be read ({error})") from error
+        raise damaged_study(path, f"its facts cannot be read ({error})") from error
     return StudyHeader(definition, numbers=asks.numbers, **counts), asks
 
 
