@@ -43,7 +43,6 @@ class SmallBench:
     most_runs: int | None = None
 
     def describe_progress(self, block: bytes) -> str:
-        """Which run it was at."""
         (number,) = struct.unpack_from("=q", block)
         return f"run {number}"
 
@@ -75,7 +74,7 @@ class SmallRunner:
         return Run(request, Outcome.DONE, {"m": metric}, (judgement,), waveforms=waveforms)
 
     def close(self) -> None:
-        """Holds nothing."""
+        pass
 
 
 def make_small(bench: SmallBench, progress: memoryview) -> SmallRunner:
@@ -93,18 +92,15 @@ class Gathered:
         self._stops_after = stops_after
 
     def rows(self, batch: Batch, block: RowBlock) -> None:
-        """Remember the rows."""
         assert set(block.numbers.tolist()) <= set(batch.numbers)
         self.blocks.append(block)
 
     def ended(self, batch: Batch, kept: tuple[int, ...]) -> None:
-        """Remember the end."""
         self.ends.append(batch.identity)
         if batch.keep:
             self.kept[batch.file] = kept
 
     def tick(self) -> None:
-        """Interrupt if it is time."""
         if self._stops_after is not None and len(self.results()) >= self._stops_after:
             raise KeyboardInterrupt
 
@@ -128,20 +124,16 @@ class ExecutorSuite:
 
     @pytest.fixture
     def made(self, example: Mapping[str, Any]) -> Executor:
-        """The executor with the options of *example*."""
         return cast(Executor, self.executor.model_validate(example))
 
     def pytest_generate_tests(self, metafunc: pytest.Metafunc) -> None:
-        """Every test on every example."""
         if "example" in metafunc.fixturenames:
             metafunc.parametrize("example", self.executor.examples, ids=str)
 
     def test_it_is_found_by_its_name(self) -> None:
-        """The registry knows it by the name it has."""
         assert EXECUTORS.get(self.executor.name) is self.executor
 
     def test_its_options_are_plain_data(self, example: Mapping[str, Any]) -> None:
-        """They come back from where they are stored as they were."""
         options = self.executor.model_validate(example).options()
         assert json.loads(json.dumps(options, allow_nan=False)) == options
 

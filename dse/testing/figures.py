@@ -70,7 +70,6 @@ class FigureSuite:
     figure: Figure
 
     def test_it_has_a_title(self) -> None:
-        """The page has a heading for it."""
         assert isinstance(self.figure.title, str)
         assert self.figure.title.strip(), "the title is empty"
 
@@ -110,7 +109,6 @@ class FigureSuite:
 
     @pytest.mark.parametrize("kind", STUDIES)
     def test_no_point_stands_for_a_run_that_failed(self, kind: str) -> None:
-        """A failed run has no value to draw."""
         content = study(kind)
         failed = set(content.runs.numbers[~content.runs.done].tolist())
         for chart in self.figure.charts(content):

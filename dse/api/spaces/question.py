@@ -6,8 +6,7 @@ import shlex
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from dse.api.naming import condition_of
-from dse.errors import DseError, fail
+from dse.errors import DseError, Location, fail
 
 if TYPE_CHECKING:
     from collections.abc import Collection, Iterable, Mapping
@@ -56,6 +55,7 @@ def ask(
 
     *engine* is that of the space so switched, if it is there already. Raises DseError with all problems.
     """
+    from dse.expression.parse import parse_expression
     from dse.space.choosing import choosing, read_choices
     from dse.space.engine import Engine
     from dse.space.lowering import selecting
@@ -63,7 +63,7 @@ def ask(
 
     space, texts = switched(space, on, off), tuple(choose)
     chosen = read_choices(space, texts)
-    condition = condition_of(where)
+    condition = None if where is None else parse_expression(where, Location("--where", 1, 1))
     engine = engine or Engine.of(space)
     rules = (*choosing(engine.flat, chosen), *(selecting(space, condition) if condition else ()))
     typed = [("--choose", text) for text in texts] + [("--where", where)] * bool(where)
