@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from dse.domain.facts import FmuFacts, Question
     from dse.domain.fmu import FmuModel
 
-__all__ = ["as_data", "consequences", "find_out", "known_facts", "model_of"]
+__all__ = ["as_data", "consequences", "known_facts", "model_of", "probe_fmu"]
 
 
 def model_of(name: str, *, version: int = 2) -> FmuModel:
@@ -29,7 +29,7 @@ def model_of(name: str, *, version: int = 2) -> FmuModel:
     return open_fmu(build(Workspace.around(Path()).component(name), version=version))
 
 
-def find_out(model: FmuModel, *, timeout: float, tell: Callable[[Question], None]) -> FmuFacts:
+def probe_fmu(model: FmuModel, *, timeout: float, tell: Callable[[Question], None]) -> FmuFacts:
     """Make the experiments, each of at most *timeout* seconds, and keep what they show in the cache."""
     facts = probe(model, this_platform().name, limits=ProbeLimits(time=timeout), tell=tell)
     keep_facts(facts)

@@ -29,7 +29,7 @@ def diagnose(tables: Tables, loops: Sequence[AlgebraicLoop], step: float) -> Run
         return of_loop(reason, wiring, loops[failure.position], time, failure.value)
     if reason in OF_OUTPUTS:
         return of_output(reason, wiring, failure.position, time or 0.0, failure.value)
-    index = failure.progress.element
+    index = failure.progress.place.element
     if reason is StopReason.NOT_FINITE:
         index = wiring.owners[failure.position]
         element = wiring.system.elements[index]
@@ -37,7 +37,7 @@ def diagnose(tables: Tables, loops: Sequence[AlgebraicLoop], step: float) -> Run
         what = words.of_value(reason, wiring.values[failure.position], time, failure.value)
     elif failure.group >= 0:
         element = wiring.system.elements[index]
-        call = function_name(failure.progress.call, element.model.version)
+        call = function_name(failure.progress.place.call, element.model.version)
         label = (tables.starts.labels if reason in _OF_STARTS else tables.labels)[failure.group][failure.position]
         fmi_type = call[call.find("et") + 2 :]  # ``Real`` of ``fmi2SetReal``
         what = words.of_value(reason, label, time, failure.value, fmi_type)
@@ -48,7 +48,7 @@ def diagnose(tables: Tables, loops: Sequence[AlgebraicLoop], step: float) -> Run
 
 def failed_call(failure: layout.Failure, element: Element, time: float | None, log: tuple[str, ...]) -> RunFailed:
     """The failure of a call of *element*, or of its integration, as the kernel recorded it."""
-    reason, call = StopReason(failure.kind), function_name(failure.progress.call, element.model.version)
+    reason, call = StopReason(failure.kind), function_name(failure.progress.place.call, element.model.version)
     if reason.is_of_integration:
         what = words.of_integration(reason, element, failure.position, failure.status, failure.value)
     else:

@@ -23,10 +23,10 @@ def describe_progress(block: bytes, system: SystemStructure, step: float) -> str
     "between two FMI calls" if the simulation was in none.
     """
     progress = Progress.from_buffer_copy(block)
-    if progress.call == Call.IDLE or not 0 <= progress.element < len(system.elements):
+    if progress.place.call == Call.IDLE or not 0 <= progress.place.element < len(system.elements):
         return "between two FMI calls"
-    element = system.elements[progress.element]
-    if progress.call == Call.LOAD:
+    element = system.elements[progress.place.element]
+    if progress.place.call == Call.LOAD:
         return f"{element.name}: loading its library"
-    name = function_name(progress.call, element.model.version) or f"FMI call {progress.call}"
+    name = function_name(progress.place.call, element.model.version) or f"FMI call {progress.place.call}"
     return place(element.name, name, progress.step * step if progress.step >= 0 else None)

@@ -68,15 +68,15 @@ class KernelElements:
             integration = Integration(model, library, has_inputs=bool(element.inputs))
             self._kept.append(integration)
             structure.exchange = integration.pointer
-        structure.stepping_element, structure.stepping_call = index, Call.DO_STEP
+        structure.stepping = layout.Place(index, Call.DO_STEP)
         structure.log = ctypes.addressof(self._logs[index])
 
 
 def _load(index: int, element: Element, progress: layout.Progress | None) -> ctypes.CDLL:
     if progress:
-        progress.element, progress.call, progress.step = index, Call.LOAD, -1
+        progress.place, progress.step = layout.Place(index, Call.LOAD), -1
     with about(element.name):
         library = load(element.model)
     if progress:
-        progress.call = Call.IDLE
+        progress.place.call = Call.IDLE
     return library

@@ -126,8 +126,7 @@ class GroupMaker:
             "count": len(group.variables),
             "version": model.version,
             "type": group.type,
-            "element": index,
-            "call": call,
+            "place": layout.Place(index, call),
             "id": len(self.labels) - 1,
         }
 
@@ -205,7 +204,7 @@ def parts_of(group: VariableGroup, names: Collection[str], *, neighbours: bool) 
 
 
 def _is_truth(structure: layout.Group) -> bool:
-    return bool(structure.call == Call.GET + AccessorType.FMI2_BOOLEAN and not structure.conversions)
+    return bool(structure.place.call == Call.GET + AccessorType.FMI2_BOOLEAN and not structure.conversions)
 
 
 def _truths(structure: layout.Group) -> list[layout.Truth]:

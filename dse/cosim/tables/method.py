@@ -37,7 +37,6 @@ class CompiledMethod:
     """
 
     def __init__(self, tables: Tables, method: Method, energies: Sequence[tuple[int, int]]) -> None:
-        layout.check_kernel()
         self.loops: list[AlgebraicLoop] = []
         self._tables, self._wiring, self._method = tables, tables.wiring, method
         self._kept: list[Any] = []
@@ -119,7 +118,7 @@ class CompiledMethod:
             nominals=self._numbers(self._nominals(loop.reals)),
             room=self._zeros(5 * n),
             rows=self._zeros(m * m),
-            order=self._zeros(m),
+            pivots=self._address(np.zeros(m, np.uint32)),
             way=self._zeros(m),
         )
         self.loops.append(loop)
