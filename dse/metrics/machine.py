@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from dse.domain.bench import VERDICTS, Judgement, Requirement, Verdict
 from dse.errors import fail
 from dse.metrics.verdicts import margin_to_bounds, verdict_codes
-from dse.units import Dimension, Unit
+from dse.units import Unit
 
 Register = int
 TIME: Register = 0
@@ -48,13 +48,12 @@ class Check:
 class MetricProgram:
     """Metrics and requirements, compiled.
 
-    *signals* are the waveforms and *constants* the single values that `evaluate` needs. *dimensions* and
-    *units* say what each metric is and in which unit to show it; values are SI.
+    *signals* are the waveforms and *constants* the single values that `evaluate` needs. *units* are those to show the
+    metrics in; values are SI.
     """
 
     signals: tuple[str, ...]
     constants: tuple[str, ...]
-    dimensions: Mapping[str, Dimension]
     units: Mapping[str, Unit]
     inputs: Mapping[str, Register]
     literals: tuple[tuple[Register, float], ...]
