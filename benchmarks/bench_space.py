@@ -21,12 +21,12 @@ sys.path.insert(0, str(Path(__file__).parent))
 import spaces
 from space_peers import peers
 
-from dse.space.engine import Engine
 from dse.space.flat import FlatSpace
 from dse.space.grid.exact import exact_count
 from dse.space.listing.blocks import blocks, first
 from dse.space.lowering import flatten
 from dse.space.mdd.diagram import compile_diagram, count
+from dse.space.methods.engine import Engine
 from dse.space.optimum.emptiness import is_empty
 from dse.space.questions.conflict import conflict
 from dse.space.questions.impact import impact

@@ -14,7 +14,6 @@ TYPE_CHECKING = False  # type checkers take it for true; importing typing would 
 if TYPE_CHECKING:
     from dse.api.bench import Bench, Study
     from dse.api.design import Design
-    from dse.api.explaining import Explanation
     from dse.api.exploring import ExplorationInterruptedError, Progress
     from dse.api.ranking import Ranking
     from dse.api.results import Results, results
@@ -22,6 +21,7 @@ if TYPE_CHECKING:
     from dse.api.workspace import Workspace
     from dse.api.workspace import open_workspace as open  # noqa: A004  # dse.open(".") reads as it should
     from dse.errors import DseError, Problem
+    from dse.space.questions.explain import Explanation
     from dse.space.tally import Tally
 
 __version__ = "0.1.0"
@@ -50,7 +50,7 @@ _PLACES = {
     "Bench": "api.bench:Bench",
     "Design": "api.design:Design",
     "DseError": "errors:DseError",
-    "Explanation": "api.explaining:Explanation",
+    "Explanation": "space.questions.explain:Explanation",
     "ExplorationInterruptedError": "api.exploring:ExplorationInterruptedError",
     "Problem": "errors:Problem",
     "Progress": "api.exploring:Progress",

@@ -77,9 +77,21 @@ def flat(tree: tuple[Decision, ...]) -> Iterator[Decision]:
             yield from flat(branch.decisions)
 
 
-def product_of(tree: tuple[Decision, ...]) -> int:
-    """In how many ways the decisions can be made, rules aside."""
-    return prod(sum(product_of(branch.decisions) for branch in decision.branches) for decision in tree)
+def combinations(space: DesignSpace) -> int:
+    """In how many ways the decisions can be made, constraints aside; exact, and nothing is enumerated."""
+    return _product(decisions(space))
+
+
+def alternatives(space: DesignSpace) -> dict[str, tuple[str | None, ...]]:
+    """What can be chosen at each path where anything can, None for leaving it out, in the order of the file."""
+    found: dict[str, dict[str | None, None]] = {}
+    for decision in flat(decisions(space)):
+        found.setdefault(decision.path, {}).update((branch.choice, None) for branch in decision.branches)
+    return {path: tuple(choices) for path, choices in found.items()}
+
+
+def _product(tree: tuple[Decision, ...]) -> int:
+    return prod(sum(_product(branch.decisions) for branch in decision.branches) for decision in tree)
 
 
 class _Positions:

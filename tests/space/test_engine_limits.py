@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from dse.errors import DseError
-from dse.space import engine as engines
-from dse.space.engine import Engine
 from dse.space.flat import FlatSpace, Linear, Table, Variable
+from dse.space.methods import engine as engines
+from dse.space.methods.engine import Engine
 from dse.space.sampling.tilt import TooRareError
 from dse.space.tally import Tally
 

@@ -10,10 +10,11 @@ from dse.domain.component import Component, Interface
 from dse.domain.design import Alternative, Compound, Constraint, DesignSpace, Optional, Part
 from dse.errors import DseError
 from dse.expression.parse import parse_expression
-from dse.space.engine import Engine
-from dse.space.output.drawing import draw
-from dse.space.output.graph import ONE_OF, Kind, below, dead_branches, graph
-from dse.space.output.layout import lay_out
+from dse.pictures.tree import draw
+from dse.pictures.tree_layout import NodeKind, lay_out
+from dse.space.methods.engine import Engine
+from dse.space.output.graph import ONE_OF, graph, part_below
+from dse.space.questions.occurrence import dead_branches
 
 
 def part(name):
@@ -41,10 +42,10 @@ def labels(tree, **wanted):
 def test_the_graph_is_a_tree_of_containers_in_the_order_of_the_file():
     tree = graph(space())
     assert nx.is_arborescence(tree)
-    assert labels(tree, kind=Kind.COMPOUND) == ["car", "hybrid"]
-    assert labels(tree, kind=Kind.ALTERNATIVE) == ["s", ONE_OF, "p", "engine"]
-    assert labels(tree, kind=Kind.OPTIONAL) == ["o", "v"]
-    assert labels(tree, kind=Kind.COMPONENT)[-4:] == ["bev", "d", "e", "box: f"]
+    assert labels(tree, kind=NodeKind.COMPOUND) == ["car", "hybrid"]
+    assert labels(tree, kind=NodeKind.ALTERNATIVE) == ["s", ONE_OF, "p", "engine"]
+    assert labels(tree, kind=NodeKind.OPTIONAL) == ["o", "v"]
+    assert labels(tree, kind=NodeKind.COMPONENT)[-4:] == ["bev", "d", "e", "box: f"]
     assert [tree.nodes[node]["label"] for node in tree.successors(0)] == ["s", "o", "v", "p"]
 
 
@@ -62,9 +63,9 @@ def test_what_no_configuration_has_is_dead_with_all_below_it():
 
 
 def test_a_part_of_the_graph_is_what_stands_below_a_place():
-    assert labels(below(graph(space()), "p")) == ["p", "bev", "hybrid", "engine", "d", "e", "box: f"]
+    assert labels(part_below(graph(space()), "p")) == ["p", "bev", "hybrid", "engine", "d", "e", "box: f"]
     with pytest.raises(DseError, match=r"no place 'p\.engin'") as caught:
-        below(graph(space()), "p.engin")
+        part_below(graph(space()), "p.engin")
     assert "p.engine" in str(caught.value)
 
 
@@ -114,4 +115,4 @@ def test_a_graph_too_large_to_read_is_refused_by_name():
     with pytest.raises(DseError, match="'large' has 3,001 nodes") as caught:
         draw(graph(large), "large")
     assert "--below" in str(caught.value)
-    assert draw(below(graph(large), "p7"), "p7")
+    assert draw(part_below(graph(large), "p7"), "p7")

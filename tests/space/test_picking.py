@@ -8,12 +8,12 @@ from hypothesis import strategies as st
 from dse.domain.component import Component, Interface
 from dse.domain.design import Alternative, Compound, Constraint, DesignSpace, Optional, Part
 from dse.expression.parse import parse_expression
-from dse.space import engine as engines
-from dse.space.engine import Engine
 from dse.space.lowering import flatten
 from dse.space.mdd.growth import TooWideError
+from dse.space.methods import engine as engines
+from dse.space.methods.engine import Engine
 from dse.space.output.totals import totals
-from dse.space.picking import Picking
+from dse.space.questions.picking import Picking
 from dse.space.tally import Tally
 from dse.units import parse_quantity
 
@@ -83,14 +83,13 @@ def test_another_pick_takes_the_place_of_the_first_and_drops_what_hung_below_it(
 def test_when_all_is_settled_a_single_configuration_is_left():
     chosen = picking("sum(cost) <= 8 EUR", "p is bev").pick(S, 0)
     assert chosen.is_complete
-    assert chosen.engine.flat.choices(chosen.row()) == {"s": "a", "p": "bev"}
+    assert chosen.first().choices == {"s": "a", "p": "bev"}
 
 
 def test_sums_range_over_what_is_left():
     a_space = space("sum(cost) <= 9 EUR")
-    (cost,) = totals(a_space)
-    chosen = Picking(Engine.of(a_space)).pick(P, 1)
-    (found,) = chosen.ranges([cost])
+    chosen = Picking(Engine.of(a_space), totals(a_space)).pick(P, 1)
+    (found,) = chosen.ranges()
     assert (found.low, found.high, found.exact) == (6.0, 9.0, True)
 
 
@@ -102,14 +101,14 @@ def test_where_the_sums_do_not_fit_into_the_layers_counts_and_ranges_say_that_th
     monkeypatch.setattr(engines.Engine, "count", lambda self, **_: Tally(15, False, 13, 16))
     a_space = space("sum(cost) <= 9 EUR", "sum(cost) >= 7 EUR")
     # Tables of one cell at most: the sum stays a sum.
-    chosen = Picking(Engine(flatten(a_space, 1))).pick(P, 1)
+    chosen = Picking(Engine(flatten(a_space, 1)), totals(a_space)).pick(P, 1)
     rows = left(chosen)
     assert len(rows) == 14
     for option in chosen.options(S):
         number = int((rows[:, S] == option.value).sum())
         assert option.is_possible is (number > 0)
         assert option.tally.exact or option.tally.low <= number <= option.tally.high
-    (found,) = chosen.ranges(totals(a_space))
+    (found,) = chosen.ranges()
     assert not found.exact
     assert (found.low, found.high) == (7.0, 9.0)
 

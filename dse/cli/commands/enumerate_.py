@@ -3,24 +3,22 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Iterable
 from enum import StrEnum
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from dse.api.asking import ask
-from dse.api.naming import space_of
+from dse.api.naming import opened
 from dse.cli.app import app, console, plain, print_json, print_table
 from dse.cli.arguments import Design
 from dse.cli.space import Off, On, Seed, Where
 
 if TYPE_CHECKING:
-    from dse.domain.design import DesignSpace
-    from dse.space.engine import Engine
     from dse.space.flat import Rows
+    from dse.space.opened import OpenedSpace
     from dse.space.output.sheet import Sheet
+    from dse.space.tally import Tally
 
 
 class Listing(StrEnum):
@@ -63,9 +61,6 @@ def enumerate_(
 
     A table shows the first 100 unless --limit says otherwise; CSV, JSON and files hold all.
     """
-    from dse.api.design import limited
-    from dse.space.output.sheet import Sheet
-
     if exact and not count:
         raise typer.BadParameter("goes with --count", param_hint="--exact")
     if sample is not None and limit is not None:
@@ -78,35 +73,35 @@ def enumerate_(
             raise typer.BadParameter("lists configurations; --count only says how many", param_hint=option)
     if target is not None and output is not Listing.TABLE and target.suffix.lower() != f".{output.value}":
         raise typer.BadParameter(f"'{target.name}' is not the name of a .{output.value} file", param_hint="--format")
-    question = ask(space_of(design), (), where, on, off)
-    space, engine = question.space, question.engine
+    part = opened(design, (), where, on, off)
     if interactive:
         from dse.cli.interactive import choose
 
-        choose(space, engine, target)
+        choose(part, target)
     elif count:
-        _count(space, engine, seed, output, where, exact=exact)
-    elif target is not None:
-        _save(Sheet(space), _drawn(engine, sample, seed) if sample else limited(engine.blocks(), limit), target)
-    elif output is not Listing.TABLE:
-        _stream(Sheet(space), _drawn(engine, sample, seed) if sample else limited(engine.blocks(), limit), output)
-    elif sample is not None:
-        (rows,) = _drawn(engine, sample, seed)
-        _table(Sheet(space), rows)
-        console().print(f"{len(rows)} drawn, each valid configuration as likely as any other")
+        _count(part, part.count(seed, exact=exact), output)
+    elif target is None and output is Listing.TABLE and sample is None:
+        _first(part, limit or SHOWN, limit is None)
     else:
-        _first(space, engine, limit or SHOWN, limit is None, where)
+        blocks = part.blocks(limit) if sample is None else iter([part.draw(sample, seed)])
+        if target is not None:
+            written = part.save(blocks, target)
+            console().print(f"{target}: {written:,} configuration{'' if written == 1 else 's'}", soft_wrap=True)
+        elif output is not Listing.TABLE:
+            if output is Listing.PARQUET and sys.stdout.isatty():
+                raise typer.BadParameter("parquet is no text: name a file with -o", param_hint="--format")
+            part.write(output.value, blocks, sys.stdout.buffer)
+        else:
+            _table(part.sheet(), next(blocks))
+            console().print(f"{sample} drawn, each valid configuration as likely as any other")
 
 
-def _count(space: DesignSpace, engine: Engine, seed: int, output: Listing, where: str | None, *, exact: bool) -> None:
+def _count(part: OpenedSpace, tally: Tally, output: Listing) -> None:
     from dse.cli.tallies import tally_data, tally_text
-    from dse.space.enumerate import total
-    from dse.space.tally import Tally
 
-    tally = Tally(engine.exactly()) if exact else engine.count(seed)
-    numbers = {"design": space.name, "total": total(space), **tally_data(tally)}
-    if where:
-        numbers["where"] = where
+    numbers = {"design": part.space.name, "total": part.total, **tally_data(tally)}
+    if part.where:
+        numbers["where"] = part.where.text
     if output in (Listing.JSON, Listing.JSON_LINES):
         print_json(numbers)
     elif output is Listing.CSV:
@@ -119,49 +114,29 @@ def _count(space: DesignSpace, engine: Engine, seed: int, output: Listing, where
     elif output is Listing.PARQUET:
         raise typer.BadParameter("a count is one number: table, csv or json", param_hint="--format")
     else:
-        said = _are_valid(tally_text(tally), numbers["total"], where)
-        console().print(plain(f"{space.name}: {said}"), soft_wrap=True)
+        console().print(plain(f"{part.space.name}: {_are_valid(part, tally_text(tally))}"), soft_wrap=True)
 
 
-def _are_valid(valid: str, total: int, where: str | None) -> str:
+def _are_valid(part: OpenedSpace, valid: str) -> str:
     """``2 of 135 configurations are valid``; under a condition that says too little."""
     from dse.cli.tallies import number_text
 
     verb, also = ("is", "meets") if valid == "1" else ("are", "meet")
-    if where:
-        return f"{valid} of {number_text(total)} combinations {verb} valid and {also} the condition"
-    return f"{valid} of {number_text(total)} configuration{'' if total == 1 else 's'} {verb} valid"
+    if part.where:
+        return f"{valid} of {number_text(part.total)} combinations {verb} valid and {also} the condition"
+    return f"{valid} of {number_text(part.total)} configuration{'' if part.total == 1 else 's'} {verb} valid"
 
 
-def _save(sheet: Sheet, blocks: Iterable[Rows], target: Path) -> None:
-    from dse.space.output.export import save
-
-    written = save(sheet, blocks, target)
-    console().print(f"{target}: {written:,} configuration{'' if written == 1 else 's'}", soft_wrap=True)
-
-
-def _stream(sheet: Sheet, blocks: Iterable[Rows], output: Listing) -> None:
-    from dse.space.output.export import WRITERS
-
-    if output is Listing.PARQUET and sys.stdout.isatty():
-        raise typer.BadParameter("parquet is no text: name a file with -o", param_hint="--format")
-    WRITERS[output.value](sheet, blocks, sys.stdout.buffer)
-
-
-def _first(space: DesignSpace, engine: Engine, most: int, cut: bool, where: str | None) -> None:
+def _first(part: OpenedSpace, most: int, cut: bool) -> None:
     from dse.cli.tallies import number_text
-    from dse.space.enumerate import total
-    from dse.space.output.sheet import Sheet
 
-    rows = engine.rows(most + 1)
-    more = len(rows) > most
-    _table(Sheet(space), rows[:most])
-    every = total(space)
-    if not more:
-        console().print(_are_valid(f"{len(rows):,}", every, where), soft_wrap=True)
+    rows = part.rows(most + 1)
+    _table(part.sheet(), rows[:most])
+    if len(rows) <= most:
+        console().print(_are_valid(part, f"{len(rows):,}"), soft_wrap=True)
         return
-    before = "the static constraints and the condition" if where else "the static constraints"
-    console().print(f"the first {most}; {number_text(every)} in total before {before}", soft_wrap=True)
+    before = "the static constraints and the condition" if part.where else "the static constraints"
+    console().print(f"the first {most}; {number_text(part.total)} in total before {before}", soft_wrap=True)
     if cut:
         console().print("more: --limit N shows N, -o FILE writes all, --count says how many", soft_wrap=True)
 
@@ -177,14 +152,10 @@ def _table(sheet: Sheet, rows: Rows) -> None:
     for total in sheet.totals:
         table.add_column(total.name, justify="right", no_wrap=True)
     columns = [sheet.ids(rows)]
-    columns += [[place.names[code] if code >= 0 else "–" for code in place.of(rows).tolist()] for place in sheet.places]
+    columns += [[name or "–" for name in place.chosen(rows)] for place in sheet.places]
     for total in sheet.totals:
         unit = total.unit.symbol
         columns.append(["–" if math.isnan(v) else f"{v:g} {unit}".rstrip() for v in total.values(rows).tolist()])
     for cells in zip(*columns, strict=True):
         table.add_row(*cells)
     print_table(table)
-
-
-def _drawn(engine: Engine, number: int, seed: int) -> tuple[Rows]:
-    return (engine.sample(number, seed),)

@@ -8,8 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from dse.api.asking import ask
-from dse.api.naming import space_of, workspace_of
+from dse.api.naming import opened, space_of, workspace_of
 from dse.cli.app import app, console
 from dse.cli.arguments import Bench, Configuration, Design, FmiVersion, Settings
 from dse.cli.space import Choose, Off, On, Where
@@ -60,13 +59,10 @@ def export_csv(
 
     A line for each configuration: its id, the choice at each place, the sums the constraints speak of.
     """
-    from dse.space.output.export import save
-    from dse.space.output.sheet import Sheet
-
     if target.suffix.lower() != ".csv":
         raise typer.BadParameter(f"'{target.name}' must end in .csv", param_hint="--output")
-    question = ask(space_of(design), choose, where, on, off)
-    written = save(Sheet(question.space), question.engine.blocks(), target)
+    part = opened(design, choose, where, on, off)
+    written = part.save(part.blocks(), target)
     console().print(f"{target}: {written:,} configuration{'' if written == 1 else 's'}", soft_wrap=True)
 
 

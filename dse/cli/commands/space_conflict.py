@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from dse.api.asking import ask
-from dse.api.naming import space_of
+from dse.api.naming import opened
 from dse.cli.app import console, plain, print_json
 from dse.cli.arguments import Design, Format, Output
 from dse.cli.space import Choose, Off, On, Where, space_app
@@ -29,25 +28,21 @@ def space_conflict(
 
     Names a smallest set of constraints that cannot be met together: dropping any one of them helps.
     """
-    from dse.space.questions.conflict import conflict
-
-    question = ask(space_of(design), choose, where, on, off)
-    if not question.engine.is_empty():
+    part = opened(design, choose, where, on, off)
+    if not part.is_empty():
         if output is Output.JSON:
-            print_json({**question.data(), "empty": False, "conflict": []})
+            print_json({**part.data(), "empty": False, "conflict": []})
         else:
-            console().print(plain(f"{question.title()}: there are valid configurations, nothing conflicts"))
+            console().print(plain(f"{part.title()}: there are valid configurations, nothing conflicts"))
         return
-    found = conflict(question.engine)
+    found = part.conflict()
     if output is Output.JSON:
-        print_json(
-            {**question.data(), "empty": True, "conflict": [constraint_data(constraint) for constraint in found]}
-        )
+        print_json({**part.data(), "empty": True, "conflict": [constraint_data(constraint) for constraint in found]})
         return
     what = f"these {len(found)} constraints cannot all be met; without any one of them the others can"
     if len(found) < 2:
         what = "this constraint excludes everything" if found else "the choices exclude each other without constraints"
-    console().print(plain(f"{question.title()}: {what}"), soft_wrap=True)
+    console().print(plain(f"{part.title()}: {what}"), soft_wrap=True)
     show_constraints(found)
 
 

@@ -6,8 +6,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from dse.api.asking import ask
-from dse.api.naming import space_of
+from dse.api.naming import opened
 from dse.cli.app import console, print_json, print_table
 from dse.cli.arguments import Design, Format, Output
 from dse.cli.commands.space_conflict import constraint_data
@@ -38,14 +37,12 @@ def space_constraints(
     """
     from rich.table import Table
 
-    from dse.space.questions.impact import impact
-
-    question = ask(space_of(design), choose, where, on, off)
-    found = impact(question.engine, seed, constraint)
-    total = question.engine.only(()).count(seed)
+    part = opened(design, choose, where, on, off)
+    found = part.impact(constraint, seed)
+    total = part.count_unconstrained(seed)
     if output is Output.JSON:
         constraints = [_data(entry) for entry in found]
-        print_json({**question.data(), "total": tally_data(total), "constraints": constraints})
+        print_json({**part.data(), "total": tally_data(total), "constraints": constraints})
         return
     table = Table(box=None, pad_edge=False, header_style="bold")
     table.add_column("constraint", no_wrap=True)
@@ -58,7 +55,7 @@ def space_constraints(
     if found:
         print_table(table)
     else:
-        console().print(f"{question.space.name} has no constraints that are on", soft_wrap=True)
+        console().print(f"{part.space.name} has no constraints that are on", soft_wrap=True)
     estimated = any(not tally.exact for entry in found for tally in (entry.after, entry.removes, entry.frees))
     note = "; ≈ is an estimate, ± its 95 % interval" if estimated else ""
     console().print(f"{tally_text(total)} combinations before the constraints{note}", soft_wrap=True)

@@ -15,11 +15,11 @@ from typing import Any, BinaryIO
 import numpy as np
 
 from dse.errors import fail
+from dse.space.configurations.lookup import Lookup
+from dse.space.configurations.resolve import Entry, part_columns
 from dse.space.decisions import sites
 from dse.space.flat import Floats, Rows
-from dse.space.lookup import Lookup
 from dse.space.output.sheet import Sheet
-from dse.space.resolve import Entry, part_columns
 
 ROW_GROUP = 65_536
 """Rows of a row group of a Parquet file."""

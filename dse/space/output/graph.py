@@ -4,32 +4,19 @@ from __future__ import annotations
 
 from collections.abc import Collection
 from dataclasses import dataclass
-from enum import StrEnum
 from typing import TYPE_CHECKING
 
 from dse.domain.design import Alternative, Compound, DesignSpace, Node, Optional, Part
 from dse.errors import closest, fail
+from dse.pictures.tree_layout import NodeKind
 from dse.space.decisions import Choices
-from dse.space.engine import Engine
-from dse.space.mdd.diagram import occurrences
+from dse.space.lowering.shape import Branch
 
 if TYPE_CHECKING:
     import networkx as nx
 
 ONE_OF = "one of"
 """The label of an alternative that is optional: its place is the optional node above."""
-
-Branch = tuple[int, int]
-"""A decision by its position and one of its values by its number."""
-
-
-class Kind(StrEnum):
-    """What a node of the graph is."""
-
-    COMPOUND = "compound"
-    ALTERNATIVE = "alternative"
-    OPTIONAL = "optional"
-    COMPONENT = "component"
 
 
 @dataclass(frozen=True, slots=True)
@@ -49,7 +36,7 @@ class _Pending:
 def graph(space: DesignSpace, choices: Choices | None = None, dead: Collection[Branch] = ()) -> nx.DiGraph[int]:
     """The tree of containers, parents before children in the order of the file; nodes are numbered from the root, 0.
 
-    Nodes have *kind* (a `Kind`), *label*, *path*, *name* (of the component or architecture, else ""), *chosen*
+    Nodes have *kind* (a `NodeKind`), *label*, *path*, *name* (of the component or architecture, else ""), *chosen*
     (whether it is there under complete *choices*; None without) and *dead* (it hangs below a branch in *dead*).
     Edges have *kind*: that of the node above, so that those below an alternative are its options.
     """
@@ -79,7 +66,7 @@ def graph(space: DesignSpace, choices: Choices | None = None, dead: Collection[B
     return found
 
 
-def below(whole: nx.DiGraph[int], path: str) -> nx.DiGraph[int]:
+def part_below(whole: nx.DiGraph[int], path: str) -> nx.DiGraph[int]:
     """The part of the graph at and below *path*. Raises DseError if nothing stands there."""
     import networkx as nx
 
@@ -92,28 +79,15 @@ def below(whole: nx.DiGraph[int], path: str) -> nx.DiGraph[int]:
     return part
 
 
-def dead_branches(engine: Engine) -> frozenset[Branch]:
-    """Branches that no valid configuration takes, as far as that can be told at once: a sum may rule out more."""
-    diagram = engine.expanded or engine.diagram
-    if diagram is None:
-        return frozenset()
-    return frozenset(
-        (variable, value)
-        for variable, times in enumerate(occurrences(diagram))
-        for value, number in enumerate(times[:-1])
-        if not number
-    )
-
-
-def _kind(node: Node) -> Kind:
+def _kind(node: Node) -> NodeKind:
     match node:
         case Compound():
-            return Kind.COMPOUND
+            return NodeKind.COMPOUND
         case Alternative():
-            return Kind.ALTERNATIVE
+            return NodeKind.ALTERNATIVE
         case Optional():
-            return Kind.OPTIONAL
-    return Kind.COMPONENT
+            return NodeKind.OPTIONAL
+    return NodeKind.COMPONENT
 
 
 def _is_chosen(at: _Pending, choices: Choices) -> bool:

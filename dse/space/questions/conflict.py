@@ -8,7 +8,7 @@ from dse.domain.design import Constraint
 from dse.errors import DseError, fail
 from dse.space.dnnf.satisfy import conflict as clausal_conflict
 from dse.space.dnnf.trim import UnsupportedError
-from dse.space.engine import Engine
+from dse.space.methods.engine import Engine
 from dse.space.questions.minimal import minimal_conflict
 
 

@@ -1,19 +1,24 @@
-"""Why a configuration is excluded: the constraints it breaks, and the values they look at."""
+"""Why a configuration is excluded: the constraints it breaks, the values they look at, and what is next to it."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 from dse.domain.design import Constraint, DesignSpace
 from dse.domain.expression import Between, Binary, Call, Chosen, Expression, Name, Node, Number
 from dse.expression.parse import children, descend
 from dse.expression.sorts import Form
+from dse.space.configurations.ids import identify
 from dse.space.decisions import Choices, sites
 from dse.space.language.evaluate import Evaluate, compile_in, compile_value
 from dse.space.language.interpret import interpret
 from dse.space.language.places import Places
 from dse.units import Dimension, Unit
+
+if TYPE_CHECKING:
+    from dse.space.questions.nearest import Nearest
 
 _COMPARISONS = ("<", "<=", ">", ">=", "==", "!=")
 
@@ -34,7 +39,41 @@ class Broken:
     seen: tuple[Seen, ...]
 
 
-def explain(space: DesignSpace, choices: Choices) -> tuple[Broken, ...]:
+@dataclass(frozen=True, slots=True)
+class Explanation:
+    """What is to be said of what is *chosen*.
+
+    If that is a whole configuration, *choices* are its, *broken* the constraints it breaks and *nearest* the valid
+    configuration next to it. Else *choices* are those of the first valid configuration that has it, None if there is
+    none; then *conflict* are the constraints that stand in the way, none if the choices exclude each other.
+    """
+
+    chosen: Choices
+    is_whole: bool
+    choices: Choices | None
+    broken: tuple[Broken, ...] = ()
+    nearest: Nearest | None = None
+    conflict: tuple[Constraint, ...] = ()
+
+    @property
+    def is_valid(self) -> bool:
+        """Whether a valid configuration has the choices."""
+        return self.choices is not None and not self.broken
+
+    @property
+    def id(self) -> str:
+        """The id of the configuration with *choices*; "" if there is none."""
+        return identify(self.choices) if self.choices is not None else ""
+
+    def __repr__(self) -> str:
+        if self.is_whole:
+            said = f"breaks {', '.join(entry.constraint.name for entry in self.broken)}" if self.broken else "valid"
+            return f"<Explanation of {self.id}: {said}>"
+        said = f"completed by {self.id}" if self.is_valid else f"excluded by {', '.join(c.name for c in self.conflict)}"
+        return f"<Explanation of {', '.join(f'{path}={name}' for path, name in self.chosen.items())}: {said}>"
+
+
+def broken_by(space: DesignSpace, choices: Choices) -> tuple[Broken, ...]:
     """The constraints that complete *choices* break, in the order of the file; empty for a valid configuration.
 
     Raises DseError if a constraint cannot be understood.

@@ -8,12 +8,12 @@ from dataclasses import dataclass
 import numpy as np
 
 from dse.errors import fail
+from dse.space.configurations.ids import IdentifiedChoices
 from dse.space.decisions import Choices
 from dse.space.dnnf.trim import UnsupportedError
-from dse.space.engine import Engine
 from dse.space.flat import ABSENT, Ints, Rows
-from dse.space.identify import identify
 from dse.space.mdd.growth import TooWideError
+from dse.space.methods.engine import Engine
 from dse.space.optimum.best import best
 
 
@@ -27,16 +27,10 @@ class Change:
 
 
 @dataclass(frozen=True, slots=True)
-class Nearest:
+class Nearest(IdentifiedChoices):
     """A valid configuration's choices and how they differ from those that were given."""
 
-    choices: Choices
     changes: tuple[Change, ...]
-
-    @property
-    def id(self) -> str:
-        """The configuration's id."""
-        return identify(self.choices)
 
 
 def nearest(engine: Engine, choices: Choices) -> Nearest:

@@ -8,8 +8,10 @@ from math import hypot
 
 import numpy as np
 
-from dse.space.engine import Engine
-from dse.space.flat import single
+from dse.space.flat import by_path, single
+from dse.space.lowering.shape import Branch
+from dse.space.mdd.diagram import occurrences as times_taken
+from dse.space.methods.engine import Engine
 
 
 @dataclass(frozen=True, slots=True)
@@ -45,7 +47,7 @@ def occurrences(engine: Engine, seed: int = 0) -> tuple[Occurrence, ...]:
     Architectures may have decisions of one path; their shares are added up.
     """
     shares = engine.shares(seed)
-    at = _at_each_path(engine)
+    at = by_path(engine.flat.variables)
     sums: dict[tuple[str, str | None], _Sum] = {}
     for number, variable in enumerate(engine.flat.variables):
         share, half_width = shares.shares[number], shares.half_widths[number]
@@ -76,12 +78,17 @@ def occurrences(engine: Engine, seed: int = 0) -> tuple[Occurrence, ...]:
     )
 
 
-def _at_each_path(engine: Engine) -> dict[str, list[int]]:
-    """The variables of each path; several if architectures have decisions of one name."""
-    found: dict[str, list[int]] = {}
-    for number, variable in enumerate(engine.flat.variables):
-        found.setdefault(variable.path, []).append(number)
-    return found
+def dead_branches(engine: Engine) -> frozenset[Branch]:
+    """Branches that no valid configuration takes, as far as that can be told at once: a sum may rule out more."""
+    diagram = engine.expanded or engine.diagram
+    if diagram is None:
+        return frozenset()
+    return frozenset(
+        (variable, value)
+        for variable, times in enumerate(times_taken(diagram))
+        for value, number in enumerate(times[:-1])
+        if not number
+    )
 
 
 def _is_forced(engine: Engine, variables: Sequence[int], choice: str | None) -> bool:
@@ -94,9 +101,7 @@ def _is_forced(engine: Engine, variables: Sequence[int], choice: str | None) -> 
 
 
 def _is_dead(engine: Engine, variable: int, value: int) -> bool:
-    values = len(engine.flat.variables[variable].values)
-    mask = np.zeros(values + 1, np.bool_)
-    mask[value] = True
-    if value == values and engine.flat.variables[variable].parent is None:
+    known = engine.flat.variables[variable]
+    if value == len(known.values) and known.parent is None:
         return True
-    return engine.having(single(variable, mask)).is_empty()
+    return engine.having(engine.flat.taking(variable, value)).is_empty()

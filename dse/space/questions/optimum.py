@@ -12,13 +12,13 @@ from dse.domain.expression import Expression, Number
 from dse.errors import DseError, Location, fail
 from dse.expression.parse import descend, parse_expression
 from dse.space.budget import TooMuchError
-from dse.space.decisions import Choices, sites
+from dse.space.configurations.ids import IdentifiedChoices
+from dse.space.decisions import sites
 from dse.space.dnnf.trim import UnsupportedError
-from dse.space.engine import Engine
-from dse.space.identify import identify
 from dse.space.lowering.objective import FoldedObjective, LinearObjective, LoweredObjective, objective
 from dse.space.mdd.diagram import Diagram
 from dse.space.mdd.growth import TooWideError
+from dse.space.methods.engine import Engine
 from dse.space.optimum.best import best, best_valued
 from dse.space.optimum.optimizer import Ranking, sums
 from dse.space.optimum.pareto import pareto
@@ -41,19 +41,13 @@ class Aim:
 
 
 @dataclass(frozen=True, slots=True)
-class Ranked:
+class Ranked(IdentifiedChoices):
     """A configuration's choices and the exact value of each aim, in SI."""
 
-    choices: Choices
     values: tuple[Fraction, ...]
 
-    @property
-    def id(self) -> str:
-        """The configuration's id."""
-        return identify(self.choices)
 
-
-def aims(minimize: Iterable[str], maximize: Iterable[str]) -> tuple[Aim, ...]:
+def read_aims(minimize: Iterable[str], maximize: Iterable[str]) -> tuple[Aim, ...]:
     """The objectives written in texts, those to be minimised first. Raises DseError if one cannot be read."""
     return (
         *(Aim(parse_expression(text, Location("--minimize", 1, 1))) for text in minimize),

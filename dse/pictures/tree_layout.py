@@ -8,10 +8,11 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass, field, replace
+from enum import StrEnum
 from itertools import groupby
 from typing import TYPE_CHECKING
 
-from dse.space.output.graph import Kind
+from dse.pictures.svg import Box
 
 if TYPE_CHECKING:
     import networkx as nx
@@ -32,24 +33,13 @@ _LONE_COLUMN = 5
 _ROWS = 4
 
 
-@dataclass(frozen=True, slots=True)
-class Box:
-    """A rectangle: left edge, middle, width and height, in pixels."""
+class NodeKind(StrEnum):
+    """What a node of the graph is."""
 
-    x: float
-    middle: float
-    width: float
-    height: float
-
-    @property
-    def top(self) -> float:
-        """Its upper edge."""
-        return self.middle - self.height / 2
-
-    @property
-    def right(self) -> float:
-        """Its right edge."""
-        return self.x + self.width
+    COMPOUND = "compound"
+    ALTERNATIVE = "alternative"
+    OPTIONAL = "optional"
+    COMPONENT = "component"
 
 
 @dataclass(frozen=True, slots=True)
@@ -62,7 +52,7 @@ class Block:
 
 
 @dataclass(frozen=True, slots=True)
-class Layout:
+class TreeLayout:
     """*boxes* of all nodes, *blocks* of options, and the size of it all; nothing lies left of or above 0.
 
     The parts of a tall root stand in several columns. Then *gutters* say, for each of them, the x at which the line
@@ -76,9 +66,9 @@ class Layout:
     gutters: dict[int, float] = field(default_factory=dict)
 
 
-def lay_out(tree: nx.DiGraph[int]) -> Layout:
+def lay_out(tree: nx.DiGraph[int]) -> TreeLayout:
     """The layout of a graph of `dse.space.output.graph.graph`."""
-    return _Layouts(tree).whole()
+    return _Work(tree).whole()
 
 
 @dataclass(slots=True)
@@ -89,7 +79,7 @@ class _Band:
     height: float = 0.0
 
 
-class _Layouts:
+class _Work:
     def __init__(self, tree: nx.DiGraph[int]) -> None:
         self.tree = tree
         self.order = sorted(tree.nodes)
@@ -97,7 +87,7 @@ class _Layouts:
         self.boxes: dict[int, Box] = {}
         self.blocks: list[Block] = []
 
-    def whole(self) -> Layout:
+    def whole(self) -> TreeLayout:
         for node in reversed(self.order):
             self._measure(node)
         levels = self._levels()
@@ -119,7 +109,7 @@ class _Layouts:
                     y += self._block_size(row)[1]
         gutters = self._fold(starts[1], levels)
         extents = [*self.boxes.values(), *(block.box for block in self.blocks)]
-        return Layout(
+        return TreeLayout(
             self.boxes,
             tuple(self.blocks),
             max(box.right for box in extents),
@@ -155,9 +145,11 @@ class _Layouts:
     def _measure(self, node: int) -> None:
         """The band of a node whose children are measured."""
         band = _Band()
-        of_options = self.tree.nodes[node]["kind"] is Kind.ALTERNATIVE
+        nodes = self.tree.nodes
+        of_options = nodes[node]["kind"] is NodeKind.ALTERNATIVE
         for is_block, members in groupby(
-            self.tree.successors(node), lambda child: of_options and self.tree.nodes[child]["kind"] is Kind.COMPONENT
+            self.tree.successors(node),
+            lambda child: of_options and nodes[child]["kind"] is NodeKind.COMPONENT,
         ):
             together = tuple(members)
             band.rows += [together] if is_block else together

@@ -14,8 +14,8 @@ from dataclasses import replace
 from dse.domain.design import Alternative, Compound, Connection, Constraint, DesignSpace, Node, Optional, Part
 from dse.errors import Problem, closest, fail, raise_if_any
 from dse.expression.parse import parse_expression
-from dse.space.decisions import Choices, Decision, decisions, flat
-from dse.space.refine_rules import rewritten_constraints
+from dse.space.decisions import Choices, Decision, alternatives, decisions
+from dse.space.narrowing.rewriting import rewritten_constraints
 
 Subset = Mapping[str, Collection[str | None]]
 """What may still be chosen, by the path of the decision; None is leaving the part out. Other decisions stay open."""
@@ -42,7 +42,7 @@ def refine(space: DesignSpace, subset: Subset) -> DesignSpace:
 
 def spanned(space: DesignSpace, chosen: Iterable[Choices]) -> dict[str, frozenset[str | None]]:
     """The smallest subset that has all configurations of these complete choices in it."""
-    found: dict[str, set[str | None]] = {decision.path: set() for decision in flat(decisions(space))}
+    found: dict[str, set[str | None]] = {path: set() for path in alternatives(space)}
     tree = decisions(space)
     for choices in chosen:
         stack: list[Decision] = list(tree)
@@ -55,9 +55,7 @@ def spanned(space: DesignSpace, chosen: Iterable[Choices]) -> dict[str, frozense
 
 
 def _unknown(space: DesignSpace, subset: Subset) -> Iterable[Problem]:
-    possible: dict[str, set[str | None]] = {}
-    for decision in flat(decisions(space)):
-        possible.setdefault(decision.path, set()).update(branch.choice for branch in decision.branches)
+    possible = alternatives(space)
     for path, choices in subset.items():
         if path not in possible:
             yield Problem(f"there is no decision '{path}' in '{space.name}'", space.where, closest(path, possible))

@@ -9,12 +9,13 @@ from __future__ import annotations
 
 import hashlib
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
+from dse.space.configurations.lookup import Lookup
 from dse.space.decisions import Choices
 from dse.space.flat import Rows, Variable
-from dse.space.lookup import Lookup
 
 LENGTH = 10
 """Characters of an id; 50 bits."""
@@ -30,6 +31,18 @@ def identify(choices: Choices) -> str:
     """The id of the configuration with these choices."""
     text = "\n".join(f"{path}={choice}" for path, choice in sorted(choices.items()))
     return _spelled([hashlib.sha256(text.encode("utf-8")).digest()])[0]
+
+
+@dataclass(frozen=True, slots=True)
+class IdentifiedChoices:
+    """What is chosen in one configuration."""
+
+    choices: Choices
+
+    @property
+    def id(self) -> str:
+        """The configuration's id."""
+        return identify(self.choices)
 
 
 class Identifier:

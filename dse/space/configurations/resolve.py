@@ -12,12 +12,12 @@ from numpy.typing import NDArray
 from dse.domain.component import Component
 from dse.domain.design import Compound, Configuration, Connection, DesignSpace, walk
 from dse.errors import Problem, raise_if_any
+from dse.space.configurations.ids import Identifier, identify
+from dse.space.configurations.lookup import Column, Lookup
+from dse.space.configurations.wiring import wire
 from dse.space.decisions import Choices, Decision, Site, decisions, sites
 from dse.space.flat import FlatSpace, Rows, Variable
-from dse.space.identify import Identifier, identify
-from dse.space.lookup import Column, Lookup
 from dse.space.lowering.shape import shape_of
-from dse.space.wiring import wire
 
 __all__ = ["Entry", "Resolver", "identify", "part_columns", "resolve"]
 

@@ -2,8 +2,8 @@
 
 The order of the attempts: the decision diagram of hierarchy and rules, with sums compiled in where they fit; grids
 of sums over its nodes; tilted sampling, which is an estimate and says so. Where the diagram is too wide in every
-order, as in large feature models, see `dse.space.entangled`. Each method is imported where it is used: together they
-take longer to import than most spaces to count.
+order, as in large feature models, see `dse.space.methods.entangled`. Each method is imported where it is used: together
+they take longer to import than most spaces to count.
 """
 
 from __future__ import annotations
@@ -18,14 +18,13 @@ import numpy as np
 from dse.domain.design import DesignSpace
 from dse.errors import DseError, fail
 from dse.space.budget import TooMuchError
-from dse.space.decisions import decisions, product_of
 from dse.space.flat import FlatSpace, Rows, Rule, Table
 from dse.space.lowering import flatten
 from dse.space.mdd.diagram import Diagram, count, restrict
 from dse.space.tally import Tally
 
 if TYPE_CHECKING:
-    from dse.space.entangled import Entangled
+    from dse.space.methods.entangled import Entangled
     from dse.space.sampling.estimate import Shares
 
 DIAGRAM = 200_000
@@ -51,11 +50,24 @@ _KEPT_CELLS = 200_000_000
 
 
 class Engine:
-    """Answers about *flat*. They do not depend on what was asked before."""
+    """Answers about *flat*. They do not depend on what was asked before.
 
-    def __init__(self, flat: FlatSpace, model: Engine | None = None) -> None:
+    *model* is the engine of another space over much the same variables: no diagram is tried where none fitted there.
+    *diagram* and *expanded* are known where they are those of another engine, restricted.
+    """
+
+    def __init__(
+        self,
+        flat: FlatSpace,
+        model: Engine | None = None,
+        diagram: Diagram | None = None,
+        expanded: Diagram | None = None,
+    ) -> None:
         self.flat = flat
         self._model = model
+        self._diagram = diagram
+        self._expanded = expanded
+        self._is_too_wide = False
 
     @classmethod
     def of(cls, space: DesignSpace) -> Engine:
@@ -64,25 +76,24 @@ class Engine:
 
     def only(self, owners: Collection[int]) -> Engine:
         """The engine of the same space under these constraints alone."""
-        return self.like(self.flat.only(owners))
+        return Engine(self.flat.only(owners), self)
 
     def having(self, *rules: Rule) -> Engine:
         """The engine of the same space under further rules."""
-        narrowed = self.like(self.flat.having(*rules))
+        flat = self.flat.having(*rules)
         masks = {rule.scope[0]: rule.allowed for rule in rules if isinstance(rule, Table) and len(rule.scope) == 1}
-        if len(masks) == len(rules) and self.diagram is not None:
-            narrowed.__dict__["diagram"] = replace(restrict(self.diagram, masks), flat=narrowed.flat)
-            if "expanded" in self.__dict__ and self.expanded is not None:
-                narrowed.__dict__["expanded"] = replace(restrict(self.expanded, masks), flat=narrowed.flat)
-        return narrowed
-
-    def like(self, flat: FlatSpace) -> Engine:
-        """The engine of another space over much the same variables: no diagram is tried where none fitted here."""
-        return Engine(flat, self)
+        if len(masks) < len(rules) or self.diagram is None:
+            return Engine(flat, self)
+        diagram, expanded = (
+            known and replace(restrict(known, masks), flat=flat) for known in (self.diagram, self._expanded)
+        )
+        return Engine(flat, self, diagram, expanded)
 
     @cached_property
     def diagram(self) -> Diagram | None:
         """The decision diagram of hierarchy and rules, sums aside; None where it is too wide in every order."""
+        if self._diagram is not None:
+            return self._diagram
         from dse.space.mdd.growth import TooWideError
         from dse.space.mdd.ordering import compile_best
 
@@ -93,33 +104,29 @@ class Engine:
         except TooWideError:
             return None
 
-    @cached_property
+    @property
     def expanded(self) -> Diagram | None:
         """The diagram of exactly the valid rows; None where it is too wide."""
-        if self.diagram is None:
-            return None
-        from dse.space.mdd.expand import expand
-        from dse.space.mdd.growth import TooWideError
+        if self._expanded is None and self.diagram is not None and not self._is_too_wide:
+            from dse.space.mdd.expand import expand
+            from dse.space.mdd.growth import TooWideError
 
-        try:
-            return expand(self.diagram, EXPANSION)
-        except TooWideError:
-            return None
+            try:
+                self._expanded = expand(self.diagram, EXPANSION)
+            except TooWideError:
+                self._is_too_wide = True
+        return self._expanded
 
     @cached_property
     def entangled(self) -> Entangled:
         """What answers where there is no diagram."""
-        from dse.space.entangled import Entangled
+        from dse.space.methods.entangled import Entangled
 
         return Entangled(self.flat)
 
     def is_structural(self) -> bool:
         """Whether all rules are logical, without sums and the like."""
         return not (self.flat.linears() or self.flat.wides())
-
-    def total(self, space: DesignSpace) -> int:
-        """The number of combinations, constraints aside."""
-        return product_of(decisions(space))
 
     def count(
         self, seed: int = 0, *, most_work: float = WORK, relative: float | None = None, size: int | None = None
@@ -151,7 +158,7 @@ class Engine:
             return self.entangled.exact_count()
         if self.is_structural():
             return count(self.diagram)
-        if "expanded" not in self.__dict__ and self._is_hopeless:
+        if self._expanded is None and not self._is_too_wide and self._is_hopeless:
             return 0
         if self.expanded is not None:
             return count(self.expanded)

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from typing import TYPE_CHECKING
-from xml.sax.saxutils import escape, quoteattr
+from xml.sax.saxutils import escape
 
 from dse.errors import fail
-from dse.space.output.graph import Kind
-from dse.space.output.layout import Box, Layout, lay_out
+from dse.pictures.svg import Box, curve, labelled, rectangle, sheet
+from dse.pictures.tree_layout import NodeKind, TreeLayout, lay_out
 
 if TYPE_CHECKING:
     import networkx as nx
@@ -22,7 +22,6 @@ _LEAST_WIDTH = 760.0
 _CURVE = 0.55
 
 _STYLE = """
-text { font: 12px system-ui, "Segoe UI", Roboto, "DejaVu Sans", sans-serif; fill: #1c2733; }
 .title { font-size: 17px; font-weight: 600; }
 .note { fill: #5b6875; }
 .edge { fill: none; stroke: #8b98a5; stroke-width: 1.3; }
@@ -45,34 +44,27 @@ text { font: 12px system-ui, "Segoe UI", Roboto, "DejaVu Sans", sans-serif; fill
 
 
 def draw(tree: nx.DiGraph[int], title: str, note: str = "") -> str:
-    """The graph of `dse.space.output.graph` as SVG 1.1 text. Raises DseError if it has more than `MOST_NODES` nodes."""
+    """The graph of `dse.space.output.graph` as SVG. Raises DseError if it has more than `MOST_NODES` nodes."""
     if len(tree) > MOST_NODES:
         what = f"'{tree.name}' has {len(tree):,} nodes; a drawing takes at most {MOST_NODES:,}"
         raise fail(what, None, "draw one part of it: --below PLACE")
     layout = lay_out(tree)
     width = max(layout.width + 2 * _MARGIN, _LEAST_WIDTH)
     height = layout.height + _HEAD + 2 * _MARGIN
-    lines = [
-        (
-            f'<svg xmlns="http://www.w3.org/2000/svg" width="{width:.0f}" height="{height:.0f}"'
-            f' viewBox="0 0 {width:.0f} {height:.0f}" role="img" aria-label={quoteattr(title)}>'
-        ),
-        f"<style>{_STYLE}</style>",
-        f'<rect width="{width:.0f}" height="{height:.0f}" fill="#ffffff"/>',
+    content = [
         f'<text class="title" x="{_MARGIN:.0f}" y="{_MARGIN + 12:.0f}">{escape(title)}</text>',
         f'<text class="note" x="{_MARGIN:.0f}" y="{_MARGIN + 32:.0f}">{escape(note)}</text>',
         *_legend(tree),
         f'<g transform="translate({_MARGIN:.0f} {_HEAD + _MARGIN:.0f})">',
         *_edges(tree, layout),
-        *(_frame(block.box) for block in layout.blocks),
+        *(rectangle(block.box, 8, ' class="frame"') for block in layout.blocks),
         *(_node(tree, node, box) for node, box in sorted(layout.boxes.items())),
         "</g>",
-        "</svg>",
     ]
-    return "\n".join(lines) + "\n"
+    return sheet(width, height, title, _STYLE, content)
 
 
-def _edges(tree: nx.DiGraph[int], layout: Layout) -> Iterator[str]:
+def _edges(tree: nx.DiGraph[int], layout: TreeLayout) -> Iterator[str]:
     inside = {member for block in layout.blocks for member in block.members}
     ends: list[tuple[int, Box, list[int]]] = [
         (above, layout.boxes[node], [node]) for above, node in tree.edges if node not in inside
@@ -100,9 +92,8 @@ def _state(tree: nx.DiGraph[int], nodes: list[int]) -> str:
 
 def _curve(start: Box, end: Box) -> str:
     bend = (end.x - start.right) * _CURVE
-    return (
-        f"M{start.right:.1f} {start.middle:.1f} C{start.right + bend:.1f} {start.middle:.1f}"
-        f" {end.x - bend:.1f} {end.middle:.1f} {end.x:.1f} {end.middle:.1f}"
+    return curve(
+        (start.right, start.middle), (start.right + bend, start.middle), (end.x - bend, end.middle), (end.x, end.middle)
     )
 
 
@@ -111,31 +102,16 @@ def _turned(start: Box, end: Box, gutter: float) -> str:
     return f"M{start.right:.1f} {start.middle:.1f} H{gutter:.1f} V{end.middle:.1f} H{end.x:.1f}"
 
 
-def _frame(box: Box) -> str:
-    return _rectangle(box, 8, ' class="frame"')
-
-
 def _node(tree: nx.DiGraph[int], node: int, box: Box) -> str:
     data = tree.nodes[node]
     said = f"{data['path'] or 'root'}: {data['kind']}" + (", in no valid configuration" if data["dead"] else "")
-    return _labelled(str(data["kind"]) + _state(tree, [node]), box, data["label"], f"<title>{escape(said)}</title>")
-
-
-def _labelled(classes: str, box: Box, label: str, title: str = "") -> str:
-    middle = f'x="{box.x + box.width / 2:.1f}" y="{box.middle + 4:.1f}" text-anchor="middle"'
-    rounding = 10 if classes.startswith(Kind.OPTIONAL) else 4
-    return f'<g class="{classes}">{title}{_rectangle(box, rounding)}<text {middle}>{escape(label)}</text></g>'
-
-
-def _rectangle(box: Box, rounding: int, attributes: str = "") -> str:
-    return (
-        f'<rect{attributes} x="{box.x:.1f}" y="{box.top:.1f}" width="{box.width:.1f}" height="{box.height:.1f}"'
-        f' rx="{rounding}"/>'
-    )
+    rounding = 10 if data["kind"] is NodeKind.OPTIONAL else 4
+    classes = f"{data['kind']}{_state(tree, [node])}"
+    return labelled(classes, box, data["label"], rounding, f"<title>{escape(said)}</title>")
 
 
 def _legend(tree: nx.DiGraph[int]) -> Iterator[str]:
-    entries = [(str(kind), str(kind)) for kind in Kind]
+    entries = [(str(kind), str(kind)) for kind in NodeKind]
     nodes = [data for _, data in tree.nodes(data=True)]
     if any(data["chosen"] for data in nodes):
         entries.append(("component chosen", "chosen"))
@@ -144,7 +120,7 @@ def _legend(tree: nx.DiGraph[int]) -> Iterator[str]:
     x, middle = _MARGIN, _MARGIN + 54
     for classes, label in entries:
         width = len(label) * 7.6 + 18
-        yield _labelled(classes, Box(x, middle, width, 20), label)
+        yield labelled(classes, Box(x, middle, width, 20), label, 10 if classes == NodeKind.OPTIONAL else 4)
         x += width + 10
     yield f'<path class="edge" d="M{x + 8:.1f} {middle:.1f} h30"/>'
     yield f'<text class="note" x="{x + 44:.1f}" y="{middle + 4:.1f}">all of</text>'

@@ -2,17 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from math import ceil, floor
 
 import numpy as np
 
+from dse.space.configurations.ids import IdentifiedChoices
 from dse.space.dnnf import queries
-from dse.space.engine import Engine
-from dse.space.flat import Linear, Rows, Table, single
+from dse.space.flat import Linear, Variable
 from dse.space.mdd.diagram import Diagram, count, extremes, occurrences
+from dse.space.methods.engine import Engine
 from dse.space.output.totals import Total
 from dse.space.tally import Tally
 
@@ -50,19 +50,32 @@ class Range:
 
 
 class Picking:
-    """A space narrowed by *picks*, in the order they were made; never changed, each step makes a new one."""
+    """A space narrowed by *picks*, in the order they were made; never changed, each step makes a new one.
 
-    def __init__(self, engine: Engine, picks: tuple[Pick, ...] = ()) -> None:
+    *totals* are the sums whose ranges are asked for.
+    """
+
+    def __init__(self, engine: Engine, totals: tuple[Total, ...] = (), picks: tuple[Pick, ...] = ()) -> None:
         self.engine = engine
+        self.totals = totals
         self.picks = picks
+
+    @property
+    def variables(self) -> tuple[Variable, ...]:
+        """Every decision; it exists only where its parent, if it has one, says so."""
+        return self.engine.flat.variables
+
+    def reset(self) -> Picking:
+        """Without any pick."""
+        return self._with(())
 
     def pick(self, variable: int, value: int) -> Picking:
         """With *value* picked, instead of another one, and without picks that this takes away."""
-        return Picking(self.engine, (*self._without(variable, value), (variable, value)))
+        return self._with((*self._without(variable, value), (variable, value)))
 
     def unpick(self, variable: int) -> Picking:
         """Without the pick of a decision, and without those that exist because of it."""
-        return Picking(self.engine, self._without(variable))
+        return self._with(self._without(variable))
 
     def picked(self, variable: int) -> int | None:
         """The value picked for a decision; None if it is open or follows from others."""
@@ -82,7 +95,7 @@ class Picking:
     @cached_property
     def decisions(self) -> tuple[int, ...]:
         """The decisions that exist in every configuration left, in the order of the file."""
-        return tuple(number for number in range(len(self.engine.flat.variables)) if self._exists(number))
+        return tuple(number for number in range(len(self.variables)) if self._exists(number))
 
     @cached_property
     def open(self) -> tuple[int, ...]:
@@ -98,7 +111,7 @@ class Picking:
         """What a decision that exists can be: with all other picks as they are."""
         picked = self.picked(variable)
         basis = self if picked is None else self.unpick(variable)
-        names = self.engine.flat.variables[variable].values
+        names = self.variables[variable].values
         tallies = basis.tallies[variable]
         return tuple(
             Option(value, name, self.left if value == picked else tally)
@@ -109,22 +122,26 @@ class Picking:
         """The value that a decision has, picked or forced; None while it is open."""
         return self._settled.get(variable)
 
-    def row(self) -> Rows | None:
-        """The first configuration left, shape (variables,); None if there is none."""
-        return self._narrowed.first()
+    def first(self) -> IdentifiedChoices | None:
+        """The first configuration left; None if there is none."""
+        row = self._narrowed.first()
+        return None if row is None else IdentifiedChoices(self.engine.flat.choices(row))
 
-    def ranges(self, totals: Sequence[Total]) -> tuple[Range, ...]:
-        """What each sum can still be; those of more than 64 bits, and all of spaces without a diagram, are left out."""
+    def ranges(self) -> tuple[Range, ...]:
+        """What each of *totals* can still be; not those of more than 64 bits, and none without a diagram."""
         layers = self._layers if self._layers is not None else self._narrowed.diagram
         if layers is None or layers.empty:
             return ()
-        return tuple(self._range(layers, total) for total in totals if total.is_small)
+        return tuple(self._range(layers, total) for total in self.totals if total.is_small)
+
+    def _with(self, picks: tuple[Pick, ...]) -> Picking:
+        return Picking(self.engine, self.totals, picks)
 
     @cached_property
     def _narrowed(self) -> Engine:
         if not self.picks:
             return self.engine
-        rules = [self._only(variable, value) for variable, value in self.picks]
+        rules = [self.engine.flat.taking(variable, value) for variable, value in self.picks]
         return self.engine.having(*rules)
 
     @cached_property
@@ -141,16 +158,14 @@ class Picking:
         if exact is not None:
             return exact
         if not self.left.value:
-            return tuple((Tally(0),) * len(variable.values) for variable in self.engine.flat.variables)
+            return tuple((Tally(0),) * len(variable.values) for variable in self.variables)
         shares = self._narrowed.shares()
         return tuple(
             tuple(
                 self._estimated(number, value, float(shares.shares[number][value]), float(half_widths[value]))
                 for value in range(len(variable.values))
             )
-            for number, (variable, half_widths) in enumerate(
-                zip(self.engine.flat.variables, shares.half_widths, strict=True)
-            )
+            for number, (variable, half_widths) in enumerate(zip(self.variables, shares.half_widths, strict=True))
         )
 
     def _exact_tallies(self) -> tuple[tuple[Tally, ...], ...] | None:
@@ -163,7 +178,7 @@ class Picking:
         return tuple(tuple(Tally(number) for number in found[:-1]) for found in times)
 
     def _estimated(self, variable: int, value: int, share: float, half_width: float) -> Tally:
-        if not share and self._narrowed.having(self._only(variable, value)).is_empty():
+        if not share and self._narrowed.having(self.engine.flat.taking(variable, value)).is_empty():
             return Tally(0)
         left = self.left
         low, high = (left.value, left.value) if left.exact else (left.low, left.high)
@@ -174,7 +189,7 @@ class Picking:
     def _settled(self) -> dict[int, int]:
         settled: dict[int, int] = {}
         picks = dict(self.picks)
-        for number, variable in enumerate(self.engine.flat.variables):
+        for number, variable in enumerate(self.variables):
             if variable.parent is not None and settled.get(variable.parent[0]) != variable.parent[1]:
                 continue
             possible = [option for option, tally in enumerate(self.tallies[number]) if tally.value or not tally.exact]
@@ -185,21 +200,16 @@ class Picking:
         return settled
 
     def _exists(self, variable: int) -> bool:
-        parent = self.engine.flat.variables[variable].parent
+        parent = self.variables[variable].parent
         return parent is None or self._settled.get(parent[0]) == parent[1]
 
     def _without(self, variable: int, kept: int | None = None) -> tuple[Pick, ...]:
         """The picks of other decisions, without those below a branch of *variable* other than *kept*."""
         gone = {variable}
-        for number, below in enumerate(self.engine.flat.variables):
+        for number, below in enumerate(self.variables):
             if below.parent is not None and below.parent[0] in gone and below.parent != (variable, kept):
                 gone.add(number)
         return tuple(pick for pick in self.picks if pick[0] not in gone)
-
-    def _only(self, variable: int, value: int) -> Table:
-        mask = np.zeros(len(self.engine.flat.variables[variable].values) + 1, np.bool_)
-        mask[value] = True
-        return single(variable, mask)
 
     def _range(self, layers: Diagram, total: Total) -> Range:
         least, greatest = extremes(layers, total.weights)

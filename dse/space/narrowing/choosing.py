@@ -8,8 +8,8 @@ import numpy as np
 
 from dse.domain.design import DesignSpace
 from dse.errors import DseError, Problem, closest, raise_if_any
-from dse.space.decisions import Choices, Decision, decisions, flat
-from dse.space.flat import NOBODY, Clause, FlatSpace, Rule, single
+from dse.space.decisions import Choices, Decision, alternatives, decisions
+from dse.space.flat import NOBODY, Clause, FlatSpace, Rule, by_path, single
 
 ABSENT_NAME = "absent"
 """What a user calls a part that is left out."""
@@ -73,15 +73,12 @@ def kept_choices(
 def choosing(space: FlatSpace, chosen: Choices) -> tuple[Rule, ...]:
     """The rules that each place of *chosen* has what it says; ``absent`` says that nothing stands there."""
     rules: list[Rule] = []
+    at = by_path(space.variables)
     for path, choice in chosen.items():
-        masks = {
-            number: np.array([*(value == choice for value in variable.values), False])
-            for number, variable in enumerate(space.variables)
-            if variable.path == path
-        }
+        values = {number: space.variables[number].values for number in at[path]}
+        masks = {number: np.array([*(value == choice for value in known), False]) for number, known in values.items()}
         if choice == ABSENT_NAME:
-            left_out = {number: [value is None for value in space.variables[number].values] for number in masks}
-            rules += [single(number, np.array([*mask, True])) for number, mask in left_out.items()]
+            rules += [single(number, np.array([*(v is None for v in known), True])) for number, known in values.items()]
         elif len(masks) == 1:
             ((number, mask),) = masks.items()
             rules.append(single(number, mask))
@@ -133,9 +130,5 @@ def _problem(space: DesignSpace, options: Mapping[str, list[str]], text: str) ->
     return None
 
 
-def _options(space: DesignSpace) -> Mapping[str, list[str]]:
-    options: dict[str, list[str]] = {}
-    for decision in flat(decisions(space)):
-        known = options.setdefault(decision.path, [])
-        known += [b.choice or ABSENT_NAME for b in decision.branches if (b.choice or ABSENT_NAME) not in known]
-    return options
+def _options(space: DesignSpace) -> dict[str, list[str]]:
+    return {path: [choice or ABSENT_NAME for choice in choices] for path, choices in alternatives(space).items()}

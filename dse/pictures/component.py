@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from xml.sax.saxutils import escape, quoteattr
+from xml.sax.saxutils import escape
 
 from dse.domain.component import Causality, Component, Port
 from dse.domain.diagram import Diagram
 from dse.loading.component.kind import kind_of
-from dse.report.component_layout import Layout, lay_out
-from dse.space.output.layout import Box
+from dse.pictures.component_layout import ComponentLayout, lay_out
+from dse.pictures.svg import Box, curve, labelled, rectangle, sheet
 
 _MARGIN = 20.0
 _BEND = 0.5
@@ -17,7 +17,6 @@ _FAR = 70.0
 _DIVE = 40.0
 
 _STYLE = """
-text { font: 12px system-ui, "Segoe UI", Roboto, "DejaVu Sans", sans-serif; fill: #1c2733; }
 .title { font-size: 15px; font-weight: 600; }
 .note, .port { fill: #5b6875; }
 .frame { fill: #f7f9fb; stroke: #2f4358; stroke-width: 1.4; }
@@ -36,7 +35,7 @@ def pictured(component: Component) -> Diagram:
 
 
 def draw(component: Component, diagram: Diagram) -> str:
-    """The picture as SVG 1.1 text; *diagram* has no parts where nothing is known of them."""
+    """The picture as SVG; *diagram* has no parts where nothing is known of them."""
     ports = {port.name: component.variable(port.name) for port in component.interface.ports}
     sides = {
         causality: [port for port in component.interface.ports if port.causality is causality]
@@ -46,25 +45,17 @@ def draw(component: Component, diagram: Diagram) -> str:
     layout = lay_out(diagram, inputs, outputs, component.title or component.name)
     places = {ports[port.name]: layout.ports[_label(port)] for port in component.interface.ports}
     width, height = layout.width + 2 * _MARGIN, layout.height + 2 * _MARGIN
-    return "\n".join(
-        [
-            (
-                f'<svg xmlns="http://www.w3.org/2000/svg" width="{width:.0f}" height="{height:.0f}"'
-                f' viewBox="0 0 {width:.0f} {height:.0f}" role="img" aria-label={quoteattr(component.name)}>'
-            ),
-            f"<style>{_STYLE}</style>",
-            f'<rect width="{width:.0f}" height="{height:.0f}" fill="#ffffff"/>',
-            f'<g transform="translate({_MARGIN:.0f} {_MARGIN:.0f})">',
-            _rectangle(layout.frame, 8, ' class="frame"'),
-            *_heading(component, layout.frame),
-            *_links(diagram, layout, places),
-            *(_part(name, box) for name, box in layout.parts.items()),
-            *_ports(inputs, layout, layout.frame.x),
-            *_ports(outputs, layout, layout.frame.right),
-            "</g>",
-            "</svg>\n",
-        ]
-    )
+    content = [
+        f'<g transform="translate({_MARGIN:.0f} {_MARGIN:.0f})">',
+        rectangle(layout.frame, 8, ' class="frame"'),
+        *_heading(component, layout.frame),
+        *_links(diagram, layout, places),
+        *(labelled("part", box, name) for name, box in layout.parts.items()),
+        *_ports(inputs, layout, layout.frame.x),
+        *_ports(outputs, layout, layout.frame.right),
+        "</g>",
+    ]
+    return sheet(width, height, component.name, _STYLE, content)
 
 
 def _label(port: Port) -> str:
@@ -80,7 +71,7 @@ def _heading(component: Component, frame: Box) -> Iterator[str]:
     yield f'<text class="note" text-anchor="middle" x="{middle:.1f}" y="40">{escape(said)}</text>'
 
 
-def _links(diagram: Diagram, layout: Layout, places: dict[str, tuple[float, float]]) -> Iterator[str]:
+def _links(diagram: Diagram, layout: ComponentLayout, places: dict[str, tuple[float, float]]) -> Iterator[str]:
     # Physical ones last, so that they lie on top.
     for link in sorted(diagram.links, key=lambda link: link.is_physical):
         a, b = sorted(link.ends, key=lambda end: _position(end, layout, places))
@@ -89,14 +80,14 @@ def _links(diagram: Diagram, layout: Layout, places: dict[str, tuple[float, floa
             yield f'<path class="{"physical" if link.is_physical else "signal"}" d="{path}"/>'
 
 
-def _position(end: str, layout: Layout, places: dict[str, tuple[float, float]]) -> float:
+def _position(end: str, layout: ComponentLayout, places: dict[str, tuple[float, float]]) -> float:
     """The left edge of an end; negative if it is not in the picture."""
     if end in layout.parts:
         return layout.parts[end].x
     return places[end][0] if end in places else -1.0
 
 
-def _anchor(end: str, layout: Layout, places: dict[str, tuple[float, float]]) -> Box:
+def _anchor(end: str, layout: ComponentLayout, places: dict[str, tuple[float, float]]) -> Box:
     if end in layout.parts:
         return layout.parts[end]
     x, middle = places[end]
@@ -107,15 +98,15 @@ def _path(a: Box, b: Box) -> str:
     """From the right edge of *a* to the left edge of *b*; far ones dive below the parts between."""
     if b.x <= a.right:  # in one column: around the right side
         out = max(a.right, b.right) + 18
-        return _curve((a.right, a.middle), (out, a.middle), (out, b.middle), (b.right, b.middle))
+        return curve((a.right, a.middle), (out, a.middle), (out, b.middle), (b.right, b.middle))
     if b.x - a.right < _FAR:
         bend = (b.x - a.right) * _BEND
-        return _curve((a.right, a.middle), (a.right + bend, a.middle), (b.x - bend, b.middle), (b.x, b.middle))
+        return curve((a.right, a.middle), (a.right + bend, a.middle), (b.x - bend, b.middle), (b.x, b.middle))
     start, end = _below(a), _below(b)
     below = max(start[1], end[1]) + _DIVE
     first = (start[0] + _DIVE, a.middle) if a.width == 0 else (start[0], below)
     last = (end[0] - _DIVE, b.middle) if b.width == 0 else (end[0], below)
-    return _curve(start, first, last, end)
+    return curve(start, first, last, end)
 
 
 def _below(box: Box) -> tuple[float, float]:
@@ -123,17 +114,7 @@ def _below(box: Box) -> tuple[float, float]:
     return box.x + box.width / 2, box.middle + box.height / 2
 
 
-def _curve(*points: tuple[float, float]) -> str:
-    start, *others = (f"{x:.1f} {y:.1f}" for x, y in points)
-    return f"M{start} C{' '.join(others)}"
-
-
-def _part(name: str, box: Box) -> str:
-    middle = f'x="{box.x + box.width / 2:.1f}" y="{box.middle + 4:.1f}" text-anchor="middle"'
-    return f'<g class="part">{_rectangle(box, 4)}<text {middle}>{escape(name)}</text></g>'
-
-
-def _ports(labels: list[str], layout: Layout, edge: float) -> Iterator[str]:
+def _ports(labels: list[str], layout: ComponentLayout, edge: float) -> Iterator[str]:
     is_left = edge == layout.frame.x
     for label in labels:
         x, middle = layout.ports[label]
@@ -141,10 +122,3 @@ def _ports(labels: list[str], layout: Layout, edge: float) -> Iterator[str]:
         yield f'<path class="arrow" d="M{tip:.1f} {middle:.1f} l-9 -4.5 v9 z"/>'
         anchor, at = ("end", x - 14) if is_left else ("start", x + 14)
         yield f'<text class="port" text-anchor="{anchor}" x="{at:.1f}" y="{middle + 4:.1f}">{escape(label)}</text>'
-
-
-def _rectangle(box: Box, rounding: int, attributes: str = "") -> str:
-    return (
-        f'<rect{attributes} x="{box.x:.1f}" y="{box.top:.1f}" width="{box.width:.1f}" height="{box.height:.1f}"'
-        f' rx="{rounding}"/>'
-    )

@@ -21,12 +21,12 @@ PortOf = tuple[str, str]
 
 
 @dataclass(frozen=True, slots=True)
-class Place:
+class PlacedPart:
     """What stands at *path*, with the parts inside it; a part that is left out is None. *name* is for messages."""
 
     path: str
     interface: Interface | None
-    parts: Mapping[str, Place | None]
+    parts: Mapping[str, PlacedPart | None]
     connections: tuple[Connection, ...] = ()
     is_component: bool = False
     name: str = ""
@@ -43,7 +43,7 @@ def wire(
     With the interfaces of a bench's *test_components* and the bench's *connections* those are resolved too.
     Stable in the order of the files. Raises DseError with every end that cannot be found or has two sources.
     """
-    onward, components = _joined(with_bench(_chosen(space.root, "", choices), test_components or {}, connections))
+    onward, components = _joined(_with_bench(_chosen(space.root, "", choices), test_components or {}, connections))
     return tuple(
         Connection(".".join(source), ".".join(target), connection.where)
         for source in onward
@@ -52,7 +52,7 @@ def wire(
     )
 
 
-def faces(space: DesignSpace, choices: Choices) -> dict[str, str]:
+def architecture_outputs(space: DesignSpace, choices: Choices) -> dict[str, str]:
     """The output of a component behind each output of an architecture with an interface, by their dotted paths.
 
     ``powertrain.co2`` is ``powertrain.engine.co2`` where the chosen powertrain is a compound. Raises DseError like
@@ -81,7 +81,7 @@ def faces(space: DesignSpace, choices: Choices) -> dict[str, str]:
 _Onward = dict[PortOf, list[tuple[PortOf, int, Connection]]]
 
 
-def _joined(root: Place) -> tuple[_Onward, set[str]]:
+def _joined(root: PlacedPart) -> tuple[_Onward, set[str]]:
     """Where each port's signal goes next, with the depth of the connection; and the paths of all components."""
     problems: list[Problem] = []
     drivers: dict[PortOf, Connection] = {}
@@ -105,16 +105,18 @@ def _joined(root: Place) -> tuple[_Onward, set[str]]:
     return onward, components
 
 
-def with_bench(root: Place, test_components: Mapping[str, Interface], connections: Iterable[Connection]) -> Place:
+def _with_bench(
+    root: PlacedPart, test_components: Mapping[str, Interface], connections: Iterable[Connection]
+) -> PlacedPart:
     """The design's root with the test components beside its parts."""
     bench = {
-        name: Place(name, interface if interface != NO_INTERFACE else None, {}, (), True, name)
+        name: PlacedPart(name, interface if interface != NO_INTERFACE else None, {}, (), True, name)
         for name, interface in test_components.items()
     }
-    return Place("", None, {**root.parts, **bench}, (*root.connections, *connections))
+    return PlacedPart("", None, {**root.parts, **bench}, (*root.connections, *connections))
 
 
-def port_pairs(connection: Connection, scope: Place) -> list[tuple[PortOf, PortOf]]:
+def port_pairs(connection: Connection, scope: PlacedPart) -> list[tuple[PortOf, PortOf]]:
     """The connection port by port as (giving, receiving), empty if an end is left out. Raises DseError."""
     source, target = _end(connection, connection.source, scope), _end(connection, connection.target, scope)
     if source is None or target is None:
@@ -156,7 +158,7 @@ def two_sources(target: PortOf, first: Connection, second: Connection) -> Proble
 
 @dataclass(frozen=True, slots=True)
 class _End:
-    place: Place
+    place: PlacedPart
     ports: Mapping[str, Port]
     inside: bool
 
@@ -168,21 +170,21 @@ class _End:
         return self.place.path, port.name
 
 
-def _chosen(node: Node, path: str, choices: Choices) -> Place:
+def _chosen(node: Node, path: str, choices: Choices) -> PlacedPart:
     place = _place(node, path, choices)
     assert place is not None  # noqa: S101  # the root is a compound, never optional
     return place
 
 
-def _place(node: Node, path: str, choices: Choices) -> Place | None:
+def _place(node: Node, path: str, choices: Choices) -> PlacedPart | None:
     match node:
         case Part():
-            return Place(path, node.interface, {}, (), True, node.name)
+            return PlacedPart(path, node.interface, {}, (), True, node.name)
         case Compound():
             parts = {
                 name: _place(child, f"{path}.{name}" if path else name, choices) for name, child in node.parts.items()
             }
-            return Place(path, node.interface, parts, node.connections)
+            return PlacedPart(path, node.interface, parts, node.connections)
         case Alternative():
             option = next(option for option in node.options if option.name == choices[path])
             return _place(option, path, choices)
@@ -190,7 +192,7 @@ def _place(node: Node, path: str, choices: Choices) -> Place | None:
             return _place(node.content, path, choices) if path in choices else None
 
 
-def _levels(place: Place, depth: int) -> Iterable[tuple[int, Place]]:
+def _levels(place: PlacedPart, depth: int) -> Iterable[tuple[int, PlacedPart]]:
     yield depth, place
     for part in place.parts.values():
         if part:
@@ -212,9 +214,9 @@ def _ends(
             reached.append((target, *outer))
 
 
-def _end(connection: Connection, text: str, scope: Place) -> _End | None:
+def _end(connection: Connection, text: str, scope: PlacedPart) -> _End | None:
     steps = text.split(".")
-    place: Place | None = scope
+    place: PlacedPart | None = scope
     taken = 0
     if steps[0] in scope.parts:
         place, taken = scope.parts[steps[0]], 1

@@ -10,7 +10,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from dse.domain.diagram import Diagram
-from dse.space.output.layout import Box
+from dse.pictures.svg import Box
 
 ROW = 40.0
 """Height of a part with the space to the next, in pixels."""
@@ -27,7 +27,7 @@ _SWEEPS = 4
 
 
 @dataclass(frozen=True, slots=True)
-class Layout:
+class ComponentLayout:
     """*parts* are boxes; *ports* are the points where their arrows end or begin, on the edges of *frame*."""
 
     parts: Mapping[str, Box]
@@ -37,7 +37,7 @@ class Layout:
     height: float
 
 
-def lay_out(diagram: Diagram, inputs: Sequence[str], outputs: Sequence[str], title: str) -> Layout:
+def lay_out(diagram: Diagram, inputs: Sequence[str], outputs: Sequence[str], title: str) -> ComponentLayout:
     """The layout of *diagram* in a frame with the ports *inputs* and *outputs*, which may be called otherwise there."""
     columns = _columns(diagram)
     widths = [max(_width(name) for name in column) for column in columns]
@@ -60,7 +60,7 @@ def lay_out(diagram: Diagram, inputs: Sequence[str], outputs: Sequence[str], tit
     for side, edge in ((inputs, frame.x), (outputs, frame.right)):
         top = middle - len(side) * PORT_ROW / 2
         ports.update({name: (edge, top + (number + 0.5) * PORT_ROW) for number, name in enumerate(side)})
-    return Layout(parts, ports, frame, left + inside + right, height)
+    return ComponentLayout(parts, ports, frame, left + inside + right, height)
 
 
 def _columns(diagram: Diagram) -> list[list[str]]:
