@@ -1,20 +1,16 @@
-"""The graph of a design space as an SVG picture, and what is chosen in it."""
+"""The tree of a design space as an SVG picture, and what is chosen in it."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from typing import TYPE_CHECKING
+from collections.abc import Iterator, Sequence
 from xml.sax.saxutils import escape
 
 from dse.errors import fail
 from dse.pictures.svg import Box, curve, labelled, rectangle, sheet
-from dse.pictures.tree_layout import NodeKind, TreeLayout, lay_out
-
-if TYPE_CHECKING:
-    import networkx as nx
+from dse.pictures.tree_layout import NodeKind, TreeLayout, TreeNode, lay_out
 
 MOST_NODES = 3000
-"""Nodes of the largest graph that is drawn: more could not be read."""
+"""Nodes of the largest tree that is drawn: more could not be read."""
 
 _MARGIN = 24.0
 _HEAD = 74.0
@@ -43,10 +39,11 @@ _STYLE = """
 """
 
 
-def draw(tree: nx.DiGraph[int], title: str, note: str = "") -> str:
-    """The graph of `dse.space.output.graph` as SVG. Raises DseError if it has more than `MOST_NODES` nodes."""
-    if len(tree) > MOST_NODES:
-        what = f"'{tree.name}' has {len(tree):,} nodes; a drawing takes at most {MOST_NODES:,}"
+def draw(tree: TreeNode, title: str, note: str = "") -> str:
+    """The tree as SVG. Raises DseError if it has more than `MOST_NODES` nodes."""
+    nodes = list(tree.all())
+    if len(nodes) > MOST_NODES:
+        what = f"'{tree.label}' has {len(nodes):,} nodes; a drawing takes at most {MOST_NODES:,}"
         raise fail(what, None, "draw one part of it: --below PLACE")
     layout = lay_out(tree)
     width = max(layout.width + 2 * _MARGIN, _LEAST_WIDTH)
@@ -54,40 +51,37 @@ def draw(tree: nx.DiGraph[int], title: str, note: str = "") -> str:
     content = [
         f'<text class="title" x="{_MARGIN:.0f}" y="{_MARGIN + 12:.0f}">{escape(title)}</text>',
         f'<text class="note" x="{_MARGIN:.0f}" y="{_MARGIN + 32:.0f}">{escape(note)}</text>',
-        *_legend(tree),
+        *_legend(nodes),
         f'<g transform="translate({_MARGIN:.0f} {_HEAD + _MARGIN:.0f})">',
         *_edges(tree, layout),
         *(rectangle(block.box, 8, ' class="frame"') for block in layout.blocks),
-        *(_node(tree, node, box) for node, box in sorted(layout.boxes.items())),
+        *(_node(node, layout.boxes[node]) for node in nodes),
         "</g>",
     ]
     return sheet(width, height, title, _STYLE, content)
 
 
-def _edges(tree: nx.DiGraph[int], layout: TreeLayout) -> Iterator[str]:
+def _edges(tree: TreeNode, layout: TreeLayout) -> Iterator[str]:
     inside = {member for block in layout.blocks for member in block.members}
-    ends: list[tuple[int, Box, list[int]]] = [
-        (above, layout.boxes[node], [node]) for above, node in tree.edges if node not in inside
-    ]
-    ends += [(block.owner, block.box, list(block.members)) for block in layout.blocks]
+    ends = [(above, layout.boxes[node], (node,)) for above in tree.all() for node in above.below if node not in inside]
+    ends += [(block.owner, block.box, block.members) for block in layout.blocks]
     # Chosen edges last, so that they lie on top.
-    for above, box, nodes in sorted(ends, key=lambda end: _is_chosen(tree, end[2])):
-        kind = str(tree.nodes[above]["kind"])
+    for above, box, nodes in sorted(ends, key=lambda end: _is_chosen(end[2])):
         gutter = layout.gutters.get(nodes[0])
         line = _curve(layout.boxes[above], box) if gutter is None else _turned(layout.boxes[above], box, gutter)
-        yield f'<path class="{kind} edge{_state(tree, nodes)}" d="{line}"/>'
+        yield f'<path class="{above.kind} edge{_state(nodes)}" d="{line}"/>'
 
 
-def _is_chosen(tree: nx.DiGraph[int], nodes: list[int]) -> bool:
-    return any(tree.nodes[node]["chosen"] for node in nodes)
+def _is_chosen(nodes: Sequence[TreeNode]) -> bool:
+    return any(node.chosen for node in nodes)
 
 
-def _state(tree: nx.DiGraph[int], nodes: list[int]) -> str:
+def _state(nodes: Sequence[TreeNode]) -> str:
     """The classes that say whether something is chosen, passed over, or dead."""
-    if _is_chosen(tree, nodes):
+    if _is_chosen(nodes):
         return " chosen"
-    passed = " passed" if all(tree.nodes[node]["chosen"] is False for node in nodes) else ""
-    return passed + (" dead" if all(tree.nodes[node]["dead"] for node in nodes) else "")
+    passed = " passed" if all(node.chosen is False for node in nodes) else ""
+    return passed + (" dead" if all(node.dead for node in nodes) else "")
 
 
 def _curve(start: Box, end: Box) -> str:
@@ -102,20 +96,17 @@ def _turned(start: Box, end: Box, gutter: float) -> str:
     return f"M{start.right:.1f} {start.middle:.1f} H{gutter:.1f} V{end.middle:.1f} H{end.x:.1f}"
 
 
-def _node(tree: nx.DiGraph[int], node: int, box: Box) -> str:
-    data = tree.nodes[node]
-    said = f"{data['path'] or 'root'}: {data['kind']}" + (", in no valid configuration" if data["dead"] else "")
-    rounding = 10 if data["kind"] is NodeKind.OPTIONAL else 4
-    classes = f"{data['kind']}{_state(tree, [node])}"
-    return labelled(classes, box, data["label"], rounding, f"<title>{escape(said)}</title>")
+def _node(node: TreeNode, box: Box) -> str:
+    said = f"{node.path or 'root'}: {node.kind}" + (", in no valid configuration" if node.dead else "")
+    rounding = 10 if node.kind is NodeKind.OPTIONAL else 4
+    return labelled(f"{node.kind}{_state([node])}", box, node.label, rounding, f"<title>{escape(said)}</title>")
 
 
-def _legend(tree: nx.DiGraph[int]) -> Iterator[str]:
+def _legend(nodes: Sequence[TreeNode]) -> Iterator[str]:
     entries = [(str(kind), str(kind)) for kind in NodeKind]
-    nodes = [data for _, data in tree.nodes(data=True)]
-    if any(data["chosen"] for data in nodes):
+    if any(node.chosen for node in nodes):
         entries.append(("component chosen", "chosen"))
-    if any(data["dead"] for data in nodes):
+    if any(node.dead for node in nodes):
         entries.append(("component dead", "in no valid configuration"))
     x, middle = _MARGIN, _MARGIN + 54
     for classes, label in entries:

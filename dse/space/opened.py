@@ -279,8 +279,8 @@ class OpenedSpace:
     def picture(self, configuration: Configuration | None, note: str, below: str | None = None) -> str:
         """All of *space*, or what stands at and *below* a place, as SVG, with a configuration marked in it."""
         from dse.pictures.tree import draw
-        from dse.space.output.graph import graph, part_below
+        from dse.space.output.tree import part_below, tree_of
         from dse.space.questions.occurrence import dead_branches
 
-        tree = graph(self.space, configuration.choices if configuration else None, dead_branches(self.whole))
+        tree = tree_of(self.space, configuration.choices if configuration else None, dead_branches(self.whole))
         return draw(part_below(tree, below) if below else tree, self.space.title or self.space.name, note)
