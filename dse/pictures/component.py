@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator, Mapping
 from xml.sax.saxutils import escape
 
 from dse.domain.component import Causality, Component, Port
@@ -36,20 +36,19 @@ def pictured(component: Component) -> Diagram:
 
 def draw(component: Component, diagram: Diagram) -> str:
     """The picture as SVG; *diagram* has no parts where nothing is known of them."""
-    ports = {port.name: component.variable(port.name) for port in component.interface.ports}
-    sides = {
-        causality: [port for port in component.interface.ports if port.causality is causality]
+    ports = component.interface.ports
+    inputs, outputs = (
+        [_label(port) for port in ports if port.causality is causality]
         for causality in (Causality.INPUT, Causality.OUTPUT)
-    }
-    inputs, outputs = ([_label(port) for port in sides[side]] for side in (Causality.INPUT, Causality.OUTPUT))
+    )
     layout = lay_out(diagram, inputs, outputs, component.title or component.name)
-    places = {ports[port.name]: layout.ports[_label(port)] for port in component.interface.ports}
+    ends = {component.variable(port.name): Box(*layout.ports[_label(port)], 0.0, 0.0) for port in ports}
     width, height = layout.width + 2 * _MARGIN, layout.height + 2 * _MARGIN
     content = [
         f'<g transform="translate({_MARGIN:.0f} {_MARGIN:.0f})">',
         rectangle(layout.frame, 8, ' class="frame"'),
         *_heading(component, layout.frame),
-        *_links(diagram, layout, places),
+        *_links(diagram, {**ends, **layout.parts}, layout.parts),
         *(labelled("part", box, name) for name, box in layout.parts.items()),
         *_ports(inputs, layout, layout.frame.x),
         *_ports(outputs, layout, layout.frame.right),
@@ -71,27 +70,12 @@ def _heading(component: Component, frame: Box) -> Iterator[str]:
     yield f'<text class="note" text-anchor="middle" x="{middle:.1f}" y="40">{escape(said)}</text>'
 
 
-def _links(diagram: Diagram, layout: ComponentLayout, places: dict[str, tuple[float, float]]) -> Iterator[str]:
+def _links(diagram: Diagram, ends: Mapping[str, Box], parts: Collection[str]) -> Iterator[str]:
     # Physical ones last, so that they lie on top.
     for link in sorted(diagram.links, key=lambda link: link.is_physical):
-        a, b = sorted(link.ends, key=lambda end: _position(end, layout, places))
-        if _position(a, layout, places) >= 0 and {a, b} & set(layout.parts):
-            path = _path(_anchor(a, layout, places), _anchor(b, layout, places))
-            yield f'<path class="{"physical" if link.is_physical else "signal"}" d="{path}"/>'
-
-
-def _position(end: str, layout: ComponentLayout, places: dict[str, tuple[float, float]]) -> float:
-    """The left edge of an end; negative if it is not in the picture."""
-    if end in layout.parts:
-        return layout.parts[end].x
-    return places[end][0] if end in places else -1.0
-
-
-def _anchor(end: str, layout: ComponentLayout, places: dict[str, tuple[float, float]]) -> Box:
-    if end in layout.parts:
-        return layout.parts[end]
-    x, middle = places[end]
-    return Box(x, middle, 0.0, 0.0)
+        if all(end in ends for end in link.ends) and any(end in parts for end in link.ends):
+            a, b = sorted((ends[end] for end in link.ends), key=lambda box: box.x)
+            yield f'<path class="{"physical" if link.is_physical else "signal"}" d="{_path(a, b)}"/>'
 
 
 def _path(a: Box, b: Box) -> str:

@@ -63,7 +63,9 @@ def draw(tree: TreeNode, title: str, note: str = "") -> str:
 
 def _edges(tree: TreeNode, layout: TreeLayout) -> Iterator[str]:
     inside = {member for block in layout.blocks for member in block.members}
-    ends = [(above, layout.boxes[node], (node,)) for above in tree.all() for node in above.below if node not in inside]
+    ends: list[tuple[TreeNode, Box, tuple[TreeNode, ...]]] = [
+        (above, layout.boxes[node], (node,)) for above in tree.all() for node in above.below if node not in inside
+    ]
     ends += [(block.owner, block.box, block.members) for block in layout.blocks]
     # Chosen edges last, so that they lie on top.
     for above, box, nodes in sorted(ends, key=lambda end: _is_chosen(end[2])):

@@ -7,8 +7,6 @@ from collections.abc import Collection, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, BinaryIO
 
-import numpy as np
-
 from dse.domain.design import Configuration, Constraint, DesignSpace
 from dse.domain.expression import Expression
 from dse.errors import DseError, fail
@@ -117,17 +115,11 @@ class OpenedSpace:
 
     def rows(self, limit: int | None = None) -> Rows:
         """The first *limit* valid ones as rows, in the order of `configurations`."""
-        return np.concatenate([np.zeros((0, len(self.engine.flat.variables)), np.int16), *self.blocks(limit)])
+        return self.engine.rows(limit)
 
     def blocks(self, limit: int | None = None) -> Iterator[Rows]:
-        """The first *limit* valid ones as blocks of rows; all of them in the order of `configurations`."""
-        missing = limit
-        for rows in self.engine.blocks():
-            yield rows if missing is None else rows[:missing]
-            if missing is not None:
-                missing -= len(rows)
-                if missing <= 0:
-                    return
+        """The same in blocks."""
+        return self.engine.blocks(limit)
 
     def draw(self, number: int, seed: int = 0) -> Rows:
         """*number* valid ones as rows, drawn at random, each as likely as any other. Raises DseError."""

@@ -8,6 +8,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable
 from dataclasses import dataclass
+from decimal import Decimal
 
 _WRITTEN_OUT = 10**36
 """Numbers from here on have more digits than anyone reads."""
@@ -41,14 +42,8 @@ def significant(number: int, figures: int) -> str:
     """*number* >= 0, rounded half to even to that many figures: ``1003``, ``1.003e24``."""
     if number < 10**figures:
         return str(number)
-    exponent = _magnitude(number)
-    unit = 10 ** (exponent - figures + 1)
-    leading, rest = divmod(number, unit)
-    leading += 2 * rest > unit or (2 * rest == unit and leading % 2 == 1)
-    if leading == 10**figures:
-        leading, exponent = leading // 10, exponent + 1
-    digits = str(leading)
-    return f"{digits[0]}.{digits[1:]}".rstrip("0").rstrip(".") + f"e{exponent}"
+    digits, _, exponent = f"{Decimal(number):.{figures - 1}e}".partition("e+")
+    return f"{digits.rstrip('0').rstrip('.')}e{exponent}"
 
 
 def total_of(tallies: Iterable[Tally]) -> Tally:
@@ -60,12 +55,3 @@ def total_of(tallies: Iterable[Tally]) -> Tally:
         return Tally(value)
     half = math.isqrt(sum(((tally.high - tally.low) // 2 + 1) ** 2 for tally in unsure))
     return Tally(value, False, max(value - half, 0), value + half)
-
-
-def _magnitude(number: int) -> int:
-    """The greatest power of ten that is not above *number* > 0."""
-    near = int(math.log10(number))
-    # The logarithm is rounded, next to a power of ten to the wrong side of it.
-    if 10**near * 10 <= number:
-        return near + 1
-    return near if 10**near <= number else near - 1

@@ -8,7 +8,7 @@ a shaft's torque forth and its speed back. A connection with an end on a part th
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 from dse.domain.component import NO_INTERFACE, Causality, Interface, Port
@@ -43,12 +43,11 @@ def wire(
     With the interfaces of a bench's *test_components* and the bench's *connections* those are resolved too.
     Stable in the order of the files. Raises DseError with every end that cannot be found or has two sources.
     """
-    onward, components = _joined(_with_bench(_chosen(space.root, "", choices), test_components or {}, connections))
+    ways, components = _ways(_with_bench(_chosen(space.root, "", choices), test_components or {}, connections))
     return tuple(
         Connection(".".join(source), ".".join(target), connection.where)
-        for source in onward
-        if source[0] in components
-        for target, connection in _ends(source, onward, components)
+        for source, target, connection in ways
+        if target[0] in components
     )
 
 
@@ -59,7 +58,6 @@ def architecture_outputs(space: DesignSpace, choices: Choices) -> dict[str, str]
     `wire`.
     """
     root = _chosen(space.root, "", choices)
-    onward, components = _joined(root)
     outputs = {
         (place.path, port.name)
         for _, place in _levels(root, 0)
@@ -67,25 +65,21 @@ def architecture_outputs(space: DesignSpace, choices: Choices) -> dict[str, str]
         for port in place.interface.ports
         if port.causality is Causality.OUTPUT
     }
-    found: dict[str, str] = {}
-    for source in onward:
-        pending = [target for target, _, _ in onward[source]] if source[0] in components else []
-        while pending:
-            here = pending.pop()
-            if here in outputs:
-                found[".".join(here)] = ".".join(source)
-            pending += [target for target, _, _ in onward.get(here, [])] if here[0] not in components else []
-    return found
+    return {".".join(here): ".".join(source) for source, here, _ in _ways(root)[0] if here in outputs}
 
 
-_Onward = dict[PortOf, list[tuple[PortOf, int, Connection]]]
+_Onward = Mapping[PortOf, Sequence[tuple[PortOf, int, Connection]]]
+"""Where each port's signal goes next, with the depth of the connection."""
 
 
-def _joined(root: PlacedPart) -> tuple[_Onward, set[str]]:
-    """Where each port's signal goes next, with the depth of the connection; and the paths of all components."""
+def _ways(root: PlacedPart) -> tuple[list[tuple[PortOf, PortOf, Connection]], set[str]]:
+    """Each output of a component with every port it reaches and the outermost connection on the way there.
+
+    And the paths of all components.
+    """
     problems: list[Problem] = []
     drivers: dict[PortOf, Connection] = {}
-    onward: _Onward = {}
+    onward: dict[PortOf, list[tuple[PortOf, int, Connection]]] = {}
     components: set[str] = set()
     for depth, place in _levels(root, 0):
         if place.is_component:
@@ -102,7 +96,19 @@ def _joined(root: PlacedPart) -> tuple[_Onward, set[str]]:
                     problems.append(two_sources(target, first, connection))
                 onward.setdefault(source, []).append((target, depth, connection))
     raise_if_any(problems)
-    return onward, components
+    sources = [source for source in onward if source[0] in components]
+    return [(source, *end) for source in sources for end in _reached(source, onward, components)], components
+
+
+def _reached(source: PortOf, onward: _Onward, components: set[str]) -> Iterator[tuple[PortOf, Connection]]:
+    reached = list(reversed(onward[source]))
+    while reached:
+        here, depth, connection = reached.pop()
+        yield here, connection
+        if here[0] not in components:
+            for target, next_depth, following in reversed(onward.get(here, ())):
+                outer = (next_depth, following) if next_depth < depth else (depth, connection)
+                reached.append((target, *outer))
 
 
 def _with_bench(
@@ -197,21 +203,6 @@ def _levels(place: PlacedPart, depth: int) -> Iterable[tuple[int, PlacedPart]]:
     for part in place.parts.values():
         if part:
             yield from _levels(part, depth + 1)
-
-
-def _ends(
-    source: PortOf, onward: Mapping[PortOf, list[tuple[PortOf, int, Connection]]], components: set[str]
-) -> Iterable[tuple[PortOf, Connection]]:
-    """The component inputs that *source* reaches, each with the outermost connection on the way."""
-    reached = [(target, depth, connection) for target, depth, connection in reversed(onward[source])]
-    while reached:
-        here, depth, connection = reached.pop()
-        if here[0] in components:
-            yield here, connection
-            continue
-        for target, next_depth, following in reversed(onward.get(here, [])):
-            outer = (next_depth, following) if next_depth < depth else (depth, connection)
-            reached.append((target, *outer))
 
 
 def _end(connection: Connection, text: str, scope: PlacedPart) -> _End | None:

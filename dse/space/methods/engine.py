@@ -201,30 +201,28 @@ class Engine:
         except TooMuchError as error:
             raise self._undecided() from error
 
-    def blocks(self) -> Iterator[Rows]:
-        """Every valid row, in blocks of shape (rows, variables), in a stable order.
+    def blocks(self, limit: int | None = None) -> Iterator[Rows]:
+        """The first *limit* valid rows, in blocks of shape (rows, variables), in a stable order.
 
         It is that of the file, the last decision the fastest, unless the diagram of the space only fits in another.
         """
-        if self.diagram is None:
-            return self.entangled.blocks()
         from dse.space.listing.blocks import blocks
 
-        return blocks(self.diagram)
+        missing = limit
+        for rows in self.entangled.blocks() if self.diagram is None else blocks(self.diagram):
+            yield rows if missing is None else rows[:missing]
+            if missing is not None:
+                missing -= len(rows)
+                if missing <= 0:
+                    return
 
-    def rows(self, most: int) -> Rows:
-        """The first rows of `blocks`, at most so many."""
-        found: list[Rows] = [np.zeros((0, len(self.flat.variables)), np.int16)]
-        missing = most
-        for block in self.blocks():
-            found.append(block[:missing])
-            missing -= len(found[-1])
-            if not missing:
-                break
-        return np.concatenate(found)
+    def rows(self, limit: int | None = None) -> Rows:
+        """The rows of `blocks` together."""
+        return np.concatenate([np.zeros((0, len(self.flat.variables)), np.int16), *self.blocks(limit)])
 
     def sample(self, number: int, seed: int = 0) -> Rows:
         """*number* rows drawn uniformly among the valid ones, independently. Raises DseError if there is none."""
+        from dse.space.methods.listed import drawn
         from dse.space.sampling.sample import sample
         from dse.space.sampling.tilt import EmptyError, TooRareError
 
@@ -235,13 +233,14 @@ class Engine:
         except EmptyError as error:
             raise self._nothing() from error
         except TooRareError:
-            return self._drawn_from_list(number, seed)
+            return drawn(self._every(), number, seed)
 
     def shares(self, seed: int = 0) -> Shares:
         """The share of valid rows that take each value; half-widths are 0 where that is exact.
 
         Raises DseError if there is no valid row.
         """
+        from dse.space.methods.listed import shares
         from dse.space.sampling.estimate import estimate_occurrences
         from dse.space.sampling.tilt import EmptyError, TooRareError
 
@@ -252,7 +251,7 @@ class Engine:
         except EmptyError as error:
             raise self._nothing() from error
         except TooRareError:
-            return self._shares_of_list()
+            return shares(self.flat, self._every())
 
     @cached_property
     def _is_hopeless(self) -> bool:
@@ -287,20 +286,6 @@ class Engine:
             hint = "fix some of the choices"
             raise fail(f"the valid configurations of '{self.flat.name}' are too rare to be drawn", None, hint)
         return every
-
-    def _drawn_from_list(self, number: int, seed: int) -> Rows:
-        from dse.space.sampling.uniform import generator
-
-        every = self._every()
-        drawn: Rows = every[generator(seed).integers(len(every), size=number)]
-        return drawn
-
-    def _shares_of_list(self) -> Shares:
-        from dse.space.sampling.estimate import exact_shares, taken
-
-        every = self._every()
-        times = [found.tolist() for found in taken(self.flat, every)]
-        return exact_shares(times, len(every))
 
     def _undecided(self) -> DseError:
         hint = "fix some of the choices"

@@ -6,7 +6,7 @@ are drawn and kept if they meet the others; else complete search, which may have
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from fractions import Fraction
 from functools import cached_property
@@ -29,9 +29,9 @@ from dse.space.listing.search import Effort
 from dse.space.listing.search import first as search_first
 from dse.space.listing.search import rows as search_rows
 from dse.space.mdd.growth import TooWideError
-from dse.space.sampling.estimate import Shares, exact_shares, taken
+from dse.space.methods import listed
+from dse.space.sampling.estimate import Shares, exact_shares
 from dse.space.sampling.tilt import EmptyError
-from dse.space.sampling.uniform import generator
 from dse.space.tally import Tally
 
 SEARCHED = 2_000_000
@@ -128,11 +128,7 @@ class Entangled:
         kept = self._kept(number, seed)
         if kept is not None:
             return kept
-        every = self._searched("draw configurations")
-        if not len(every):
-            raise EmptyError
-        chosen: Rows = every[generator(seed).integers(len(every), size=number)]
-        return chosen
+        return listed.drawn(self._searched("draw configurations"), number, seed)
 
     def least(self, weights: Mapping[int, Ints], number: int) -> Rows:
         """The *number* rows of least sum of weights, ascending.
@@ -143,17 +139,12 @@ class Entangled:
 
     def shares(self) -> Shares:
         """The share of valid rows that take each value, exactly. Raises EmptyError, DseError if it cannot be known."""
-        times: Sequence[Sequence[int]]
-        if self.graph is not None:
-            total = queries.count(self.graph)
-            times = queries.occurrences(self.graph)
-        else:
-            every = self._searched("tell how often each alternative occurs")
-            total = len(every)
-            times = [found.tolist() for found in taken(self.flat, every)]
+        if self.graph is None:
+            return listed.shares(self.flat, self._searched("tell how often each alternative occurs"))
+        total = queries.count(self.graph)
         if not total:
             raise EmptyError
-        return exact_shares(times, total)
+        return exact_shares(queries.occurrences(self.graph), total)
 
     @cached_property
     def _logical(self) -> Dnnf | None:
@@ -180,12 +171,14 @@ class Entangled:
         return np.concatenate(kept)[:number] if seen >= number else None
 
     def _searched(self, what: str) -> Rows:
-        """All rows by complete search. Raises DseError that it cannot do *what* if there are too many."""
+        """All rows by complete search. Raises EmptyError, DseError that it cannot do *what* if there are too many."""
         try:
             rows = list(search_rows(self.flat, SEARCHED, Effort(WORK)))
         except TooMuchError as error:
             raise self._gives_up(what) from error
-        return np.array(rows, np.int16).reshape(len(rows), len(self.flat.variables))
+        if not rows:
+            raise EmptyError
+        return np.array(rows, np.int16)
 
     def _gives_up(self, what: str) -> DseError:
         hint = "its rules are too entangled for every method; fix some choices, or leave some constraints out"
