@@ -12,14 +12,12 @@ from numpy.typing import NDArray
 from dse.domain.component import Component
 from dse.domain.design import Compound, Configuration, Connection, DesignSpace, walk
 from dse.errors import Problem, raise_if_any
-from dse.space.configurations.ids import Identifier, identify
+from dse.space.configurations.ids import Identifier
 from dse.space.configurations.lookup import Column, Lookup
 from dse.space.configurations.wiring import wire
-from dse.space.decisions import Choices, Decision, Site, decisions, sites
+from dse.space.decisions import Choices, Site, decisions, made, sites
 from dse.space.flat import FlatSpace, Rows, Variable
 from dse.space.lowering.shape import shape_of
-
-__all__ = ["Entry", "Resolver", "identify", "part_columns", "resolve"]
 
 T = TypeVar("T")
 Entry = tuple[str | None, T | None]
@@ -37,7 +35,12 @@ def resolve(space: DesignSpace, choices: Choices) -> Configuration:
     """
     problems: list[Problem] = []
     left = dict(choices)
-    _settle(decisions(space), left, problems)
+    for decision, branch in made(decisions(space), choices.get):
+        choice = left.pop(decision.path, None)
+        if branch is None:
+            options = ", ".join(b.choice or "(left out)" for b in decision.branches)
+            what = f"'{decision.path}' cannot be '{choice}'" if choice else f"nothing is chosen for '{decision.path}'"
+            problems.append(Problem(what, None, f"possible: {options}"))
     problems += [Problem(f"there is no decision '{path}' in this design", space.where, "remove it") for path in left]
     raise_if_any(problems)
     return Resolver(space).configuration(choices)
@@ -136,15 +139,3 @@ def _classes(variables: Sequence[Variable], there: Sequence[Site]) -> list[tuple
 def _shape(site: Site) -> tuple[str, str]:
     """What of a site decides the wiring: a component's interface, an architecture's name."""
     return site.path, f":{site.component.interface.name}" if site.component else site.name
-
-
-def _settle(tree: tuple[Decision, ...], left: dict[str, str], problems: list[Problem]) -> None:
-    for decision in tree:
-        choice = left.pop(decision.path, None)
-        branch = next((branch for branch in decision.branches if branch.choice == choice), None)
-        if branch:
-            _settle(branch.decisions, left, problems)
-            continue
-        options = ", ".join(b.choice or "(left out)" for b in decision.branches)
-        what = f"'{decision.path}' cannot be '{choice}'" if choice else f"nothing is chosen for '{decision.path}'"
-        problems.append(Problem(what, None, f"possible: {options}"))

@@ -8,7 +8,7 @@ import numpy as np
 
 from dse.domain.design import DesignSpace
 from dse.errors import DseError, Problem, closest, raise_if_any
-from dse.space.decisions import Choices, Decision, alternatives, decisions
+from dse.space.decisions import Choices, alternatives, decisions, made
 from dse.space.flat import NOBODY, Clause, FlatSpace, Rule, by_path, single
 
 ABSENT_NAME = "absent"
@@ -92,30 +92,19 @@ def completed(space: DesignSpace, chosen: Choices) -> dict[str, str] | None:
 
     Raises DseError if it decides something inside an architecture that it does not choose.
     """
+    named = {path: None if choice == ABSENT_NAME else choice for path, choice in chosen.items()}
     done: dict[str, str] = {}
-    if not _complete(decisions(space), chosen, done):
-        return None
+    # No branch is an ellipsis: that is what is open.
+    for decision, branch in made(decisions(space), lambda path: named.get(path, ...)):
+        if branch is None:
+            return None
+        if branch.choice is not None:
+            done[decision.path] = branch.choice
     idle = [path for path, choice in chosen.items() if path not in done and choice != ABSENT_NAME]
     if idle:
         what = f"there is no '{idle[0]}' in a configuration with the other choices"
         raise DseError(Problem(what, None, "leave it out, or choose the architecture that has it"))
     return done
-
-
-def _complete(tree: tuple[Decision, ...], chosen: Choices, done: dict[str, str]) -> bool:
-    for decision in tree:
-        choice = chosen.get(decision.path)
-        if choice is None:
-            return False
-        wanted = None if choice == ABSENT_NAME else choice
-        branch = next((branch for branch in decision.branches if branch.choice == wanted), None)
-        if branch is None:
-            return False
-        if branch.choice is not None:
-            done[decision.path] = branch.choice
-        if not _complete(branch.decisions, chosen, done):
-            return False
-    return True
 
 
 def _problem(space: DesignSpace, options: Mapping[str, list[str]], text: str) -> Problem | None:

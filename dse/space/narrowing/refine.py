@@ -14,7 +14,7 @@ from dataclasses import replace
 from dse.domain.design import Alternative, Compound, Connection, Constraint, DesignSpace, Node, Optional, Part
 from dse.errors import Problem, closest, fail, raise_if_any
 from dse.expression.parse import parse_expression
-from dse.space.decisions import Choices, Decision, alternatives, decisions
+from dse.space.decisions import Choices, alternatives, decisions, made
 from dse.space.narrowing.rewriting import rewritten_constraints
 
 Subset = Mapping[str, Collection[str | None]]
@@ -45,13 +45,9 @@ def spanned(space: DesignSpace, chosen: Iterable[Choices]) -> dict[str, frozense
     found: dict[str, set[str | None]] = {path: set() for path in alternatives(space)}
     tree = decisions(space)
     for choices in chosen:
-        stack: list[Decision] = list(tree)
-        while stack:
-            decision = stack.pop()
-            choice = choices.get(decision.path)
-            found[decision.path].add(choice)
-            stack += [d for branch in decision.branches if branch.choice == choice for d in branch.decisions]
-    return {path: frozenset(made) for path, made in found.items() if made}
+        for decision, branch in made(tree, choices.get):
+            found[decision.path].add(branch.choice if branch else None)
+    return {path: frozenset(kept) for path, kept in found.items() if kept}
 
 
 def _unknown(space: DesignSpace, subset: Subset) -> Iterable[Problem]:
