@@ -8,7 +8,7 @@ they take longer to import than most spaces to count.
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator
+from collections.abc import Collection, Iterator, Mapping
 from dataclasses import replace
 from functools import cached_property
 from typing import TYPE_CHECKING
@@ -18,7 +18,7 @@ import numpy as np
 from dse.domain.design import DesignSpace
 from dse.errors import DseError, fail
 from dse.space.budget import TooMuchError
-from dse.space.flat import FlatSpace, Rows, Rule, Table
+from dse.space.flat import FlatSpace, Ints, Rows, Rule, Table
 from dse.space.lowering import flatten
 from dse.space.mdd.diagram import Diagram, count, restrict
 from dse.space.tally import Tally
@@ -231,9 +231,20 @@ class Engine:
                 return self.entangled.sample(number, seed)
             return sample(self.expanded or self.diagram, number, seed)
         except EmptyError as error:
-            raise self._nothing() from error
+            raise self.nothing() from error
         except TooRareError:
             return drawn(self._every(), number, seed)
+
+    def least(self, weights: Mapping[int, Ints], number: int) -> Rows:
+        """The *number* valid rows of least sum of weights[variable][value]; of equal ones those that are listed first.
+
+        Raises TooMuchError where there is no diagram and rules do not fit into what is there instead.
+        """
+        if self.diagram is None:
+            return self.entangled.least(weights, number)
+        from dse.space.optimum.best import best
+
+        return best(self.diagram, weights, number).rows
 
     def shares(self, seed: int = 0) -> Shares:
         """The share of valid rows that take each value; half-widths are 0 where that is exact.
@@ -249,9 +260,14 @@ class Engine:
                 return self.entangled.shares()
             return estimate_occurrences(self.expanded or self.diagram, seed)
         except EmptyError as error:
-            raise self._nothing() from error
+            raise self.nothing() from error
         except TooRareError:
             return shares(self.flat, self._every())
+
+    def nothing(self) -> DseError:
+        """The problem that no row is valid."""
+        hint = f"ask which constraints conflict: dse space conflict {self.flat.name}"
+        return fail(f"'{self.flat.name}' has no valid configuration", None, hint)
 
     @cached_property
     def _is_hopeless(self) -> bool:
@@ -281,7 +297,7 @@ class Engine:
         most = min(LISTED, _KEPT_CELLS // max(1, len(self.flat.variables)))
         every = self.rows(most + 1)
         if not len(every):
-            raise self._nothing()
+            raise self.nothing()
         if len(every) > most:
             hint = "fix some of the choices"
             raise fail(f"the valid configurations of '{self.flat.name}' are too rare to be drawn", None, hint)
@@ -290,7 +306,3 @@ class Engine:
     def _undecided(self) -> DseError:
         hint = "fix some of the choices"
         return fail(f"whether '{self.flat.name}' has a valid configuration takes too long to find out", None, hint)
-
-    def _nothing(self) -> DseError:
-        hint = f"ask which constraints conflict: dse space conflict {self.flat.name}"
-        return fail(f"'{self.flat.name}' has no valid configuration", None, hint)

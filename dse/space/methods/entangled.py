@@ -131,11 +131,11 @@ class Entangled:
         return listed.drawn(self._searched("draw configurations"), number, seed)
 
     def least(self, weights: Mapping[int, Ints], number: int) -> Rows:
-        """The *number* rows of least sum of weights, ascending.
-
-        Raises UnsupportedError and TooWideError where rules do not fit into a graph.
-        """
-        return recheck(self.flat).insist(least(self.flat, weights, number))
+        """The *number* rows of least sum of weights, ascending. Raises TooMuchError where rules fit into no graph."""
+        try:
+            return recheck(self.flat).insist(least(self.flat, weights, number))
+        except (UnsupportedError, TooWideError) as error:
+            raise TooMuchError from error
 
     def shares(self) -> Shares:
         """The share of valid rows that take each value, exactly. Raises EmptyError, DseError if it cannot be known."""

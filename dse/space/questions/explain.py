@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from fractions import Fraction
 from typing import TYPE_CHECKING
 
 from dse.domain.design import Constraint, DesignSpace
@@ -12,7 +13,7 @@ from dse.expression.parse import children, descend
 from dse.expression.sorts import Form
 from dse.space.configurations.ids import identify
 from dse.space.decisions import Choices, sites
-from dse.space.language.evaluate import Evaluate, compile_in, compile_value
+from dse.space.language.evaluate import compile_in, compile_value
 from dse.space.language.interpret import interpret
 from dse.space.language.places import Places
 from dse.units import Dimension, Unit
@@ -80,44 +81,41 @@ def broken_by(space: DesignSpace, choices: Choices) -> tuple[Broken, ...]:
     """
     places = Places(space)
     return tuple(
-        Broken(constraint, tuple(_seen(space, places, constraint.rule, choices)))
+        Broken(constraint, _Look(space, places, constraint.rule, choices).seen())
         for constraint in space.constraints
         if compile_in(constraint.rule, places).outcome(choices) is False
     )
 
 
-def _seen(space: DesignSpace, places: Places, rule: Expression, choices: Choices) -> Iterator[Seen]:
-    standing = {site.path: site.name for site in sites(space) if site.is_there(choices)}
-    units = _units(space, rule)
-    told = set()
-    for node in _looked_at(rule.root):
-        for what, value in _read(space, places, node, rule, choices, standing, units):
-            if what not in told:
-                told.add(what)
-                yield Seen(what, value)
+class _Look:
+    """What *rule* looks at in the configuration of *choices*."""
 
+    def __init__(self, space: DesignSpace, places: Places, rule: Expression, choices: Choices) -> None:
+        self.space, self.places, self.rule, self.choices = space, places, rule, choices
+        self.standing = {site.path: site.name for site in sites(space) if site.is_there(choices)}
+        self.units = _units(space, rule)
 
-def _read(
-    space: DesignSpace,
-    places: Places,
-    node: Node,
-    rule: Expression,
-    choices: Choices,
-    standing: dict[str, str],
-    units: dict[Dimension, Unit],
-) -> Iterator[tuple[str, str]]:
-    if isinstance(node, Chosen):
-        yield node.place, standing.get(node.place, "absent")
-        return
-    if isinstance(node, Call) and node.function == "same_choice":
-        for place in node.arguments:
-            if isinstance(place, Name):
-                yield place.path, standing.get(place.path, "absent")
-        return
-    part = Expression(rule.text, node, rule.where, rule.pieces)
-    sort, _ = interpret(part, places)
-    if sort.form is Form.NUMBER:
-        yield _text(node, rule), _shown(compile_value(part, space), choices, units.get(sort.dimension))
+    def seen(self) -> tuple[Seen, ...]:
+        """Everything once, as far as it is a choice or a number."""
+        found: dict[str, str] = {}
+        for node in _looked_at(self.rule.root):
+            for what, value in self._read(node):
+                found.setdefault(what, value)
+        return tuple(Seen(what, value) for what, value in found.items())
+
+    def _read(self, node: Node) -> Iterator[tuple[str, str]]:
+        match node:
+            case Chosen():
+                yield node.place, self.standing.get(node.place, "absent")
+            case Call("same_choice"):
+                paths = [place.path for place in node.arguments if isinstance(place, Name)]
+                yield from ((path, self.standing.get(path, "absent")) for path in paths)
+            case _:
+                part = Expression(self.rule.text, node, self.rule.where, self.rule.pieces)
+                sort, _ = interpret(part, self.places)
+                if sort.form is Form.NUMBER:
+                    value = compile_value(part, self.space)(self.choices)
+                    yield _text(node, self.rule), _shown(value, self.units.get(sort.dimension))
 
 
 def _looked_at(root: Node) -> Iterator[Node]:
@@ -150,8 +148,7 @@ def _units(space: DesignSpace, rule: Expression) -> dict[Dimension, Unit]:
     return units
 
 
-def _shown(evaluate: Evaluate[Choices], choices: Choices, unit: Unit | None) -> str:
-    value = evaluate(choices)
+def _shown(value: Fraction | float | str | None, unit: Unit | None) -> str:
     if value is None or isinstance(value, str):
         return "undefined"
     number = float(value) if unit is None else unit.from_si(float(value))

@@ -14,12 +14,10 @@ from dse.expression.parse import descend, parse_expression
 from dse.space.budget import TooMuchError
 from dse.space.configurations.ids import IdentifiedChoices
 from dse.space.decisions import sites
-from dse.space.dnnf.trim import UnsupportedError
 from dse.space.lowering.objective import FoldedObjective, LinearObjective, LoweredObjective, objective
 from dse.space.mdd.diagram import Diagram
-from dse.space.mdd.growth import TooWideError
 from dse.space.methods.engine import Engine
-from dse.space.optimum.best import best, best_valued
+from dse.space.optimum.best import best_valued
 from dse.space.optimum.optimizer import Ranking, sums
 from dse.space.optimum.pareto import pareto
 from dse.space.questions.ratio import as_ratio, best_ratio
@@ -67,17 +65,12 @@ def best_configurations(space: DesignSpace, engine: Engine, aim: Aim, number: in
         if constant is None:
             return ()
         lowered = LinearObjective({}, constant, Fraction(1), lowered.dimension)
-    if engine.diagram is None and isinstance(lowered, LinearObjective):
-        return _of_graph(engine, lowered, number, largest=aim.largest)
-    diagram = _diagram(engine)
     if isinstance(lowered, LinearObjective):
-        ranking = best(diagram, lowered.weights, number, largest=aim.largest)
-        values = [lowered.value(int(total)) for total in ranking.values]
+        ranking = _linear(engine, lowered, number, largest=aim.largest)
     else:
-        ranking = _nonlinear(space, engine, diagram, aim, lowered, number)
-        values = [Fraction(value) for value in ranking.values]
-    rows = zip(ranking.rows, values, strict=True)
-    return tuple(Ranked(engine.flat.choices(row), (value,)) for row, value in rows)
+        ranking = _nonlinear(space, engine, aim, lowered, number)
+    values = [Fraction(value) for value in ranking.values]
+    return tuple(Ranked(engine.flat.choices(row), (value,)) for row, value in zip(ranking.rows, values, strict=True))
 
 
 def pareto_set(space: DesignSpace, engine: Engine, wanted: Sequence[Aim]) -> tuple[Ranked, ...]:
@@ -123,20 +116,16 @@ def _si(dimension: Dimension) -> Unit:
     return Unit(f"SI base units ({describe(dimension)})", Fraction(1), Fraction(0), dimension)
 
 
-def _of_graph(engine: Engine, lowered: LinearObjective, number: int, *, largest: bool) -> tuple[Ranked, ...]:
+def _linear(engine: Engine, lowered: LinearObjective, number: int, *, largest: bool) -> Ranking:
     try:
-        rows = engine.entangled.least({v: -w if largest else w for v, w in lowered.weights.items()}, number)
-    except (UnsupportedError, TooWideError) as error:
+        rows = engine.least({v: -w if largest else w for v, w in lowered.weights.items()}, number)
+    except TooMuchError as error:
         raise _too_large(engine) from error
-    totals = sums(lowered.weights, rows).tolist()
-    return tuple(
-        Ranked(engine.flat.choices(row), (lowered.value(total),)) for row, total in zip(rows, totals, strict=True)
-    )
+    return Ranking(rows, tuple(lowered.value(total) for total in sums(lowered.weights, rows).tolist()))
 
 
-def _nonlinear(
-    space: DesignSpace, engine: Engine, diagram: Diagram, aim: Aim, lowered: FoldedObjective, number: int
-) -> Ranking:
+def _nonlinear(space: DesignSpace, engine: Engine, aim: Aim, lowered: FoldedObjective, number: int) -> Ranking:
+    diagram = _diagram(engine)
     sides = as_ratio(space, aim.expression)
     ranking = best_ratio(diagram, *sides, number, largest=aim.largest) if sides else None
     if ranking is not None:
