@@ -43,6 +43,11 @@ def picking(*rules):
     return Picking(Engine.of(space(*rules)))
 
 
+def forced(picked):
+    """What follows by itself, by decision."""
+    return {number: picked.settled(number) for number in {*picked.decisions} - {*picked.open} - {*dict(picked.picks)}}
+
+
 def left(picked):
     rows = picked.engine.rows(1000)
     for variable, value in picked.picks:
@@ -64,7 +69,7 @@ def test_nested_decisions_appear_when_their_architecture_is_chosen():
 
 def test_what_follows_is_filled_in_and_marked_as_forced():
     chosen = picking("s is a implies p is hybrid", "p is hybrid implies o is absent").pick(S, 0)
-    assert chosen.forced == {P: 1, O: 1}
+    assert forced(chosen) == {P: 1, O: 1}
     assert chosen.open == (ENGINE, MOTOR)
     assert not chosen.options(P)[0].is_possible
     assert chosen.options(P)[0].tally == Tally(0)
@@ -130,7 +135,7 @@ def test_any_walk_agrees_with_the_list(data):
         option = data.draw(st.sampled_from(options))
         chosen = chosen.pick(variable, option.value)
         assert chosen.left == option.tally == Tally(len(left(chosen)))
-        for number, value in chosen.forced.items():
+        for number, value in forced(chosen).items():
             assert set(left(chosen)[:, number].tolist()) == {value}
         for number in chosen.open:
             assert len(set(left(chosen)[:, number].tolist())) > 1

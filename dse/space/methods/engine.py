@@ -39,15 +39,6 @@ WORK = 5e9
 MOST_WORK = 1e12
 """The same where an exact count is insisted on: many minutes."""
 
-LISTED = 20_000_000
-"""Rows that are listed for a count where nothing else helps."""
-
-_LISTED_CELLS = 1_200_000_000
-"""The same in decisions of all rows together."""
-
-_KEPT_CELLS = 200_000_000
-"""Decisions of all rows together that are kept in memory, to draw from them."""
-
 
 class Engine:
     """Answers about *flat*. They do not depend on what was asked before.
@@ -140,17 +131,18 @@ class Engine:
             return Tally(exact)
         if self.diagram is None:
             return self.entangled.estimate(seed)
+        from dse.space.methods import listed
         from dse.space.sampling.estimate import RELATIVE, estimate
         from dse.space.sampling.tilt import TooRareError
 
         try:
             return estimate(self.diagram, seed, RELATIVE if relative is None else relative, size=size)
         except TooRareError as error:
-            listed = self._listed(LISTED)
-            if listed is None:
+            found = listed.count(self.flat, self.blocks())
+            if found is None:
                 hint = "what is valid is too rare to be drawn and too much to be listed; try --exact"
                 raise fail(f"the configurations of '{self.flat.name}' cannot be estimated", None, hint) from error
-            return Tally(listed)
+            return Tally(found)
 
     def exact_count(self, most_work: float = WORK) -> int | None:
         """How many rows are valid; None if that would take more than *most_work* additions."""
@@ -173,7 +165,9 @@ class Engine:
         """How many rows are valid, however long that takes. Raises DseError where it cannot be known."""
         found = self.exact_count(MOST_WORK)
         if found is None and self.diagram is not None:
-            found = self._listed(LISTED)
+            from dse.space.methods import listed
+
+            found = listed.count(self.flat, self.blocks())
         if found is None:
             hint = "ask for an estimate: the same without --exact"
             raise fail(f"the configurations of '{self.flat.name}' are too many to be counted exactly", None, hint)
@@ -222,18 +216,19 @@ class Engine:
 
     def sample(self, number: int, seed: int = 0) -> Rows:
         """*number* rows drawn uniformly among the valid ones, independently. Raises DseError if there is none."""
-        from dse.space.methods.listed import drawn
+        from dse.space.methods import listed
         from dse.space.sampling.sample import sample
         from dse.space.sampling.tilt import EmptyError, TooRareError
 
         try:
             if self.diagram is None:
                 return self.entangled.sample(number, seed)
-            return sample(self.expanded or self.diagram, number, seed)
+            try:
+                return sample(self.expanded or self.diagram, number, seed)
+            except TooRareError:
+                return listed.drawn(listed.every(self.flat, self.rows), number, seed)
         except EmptyError as error:
             raise self.nothing() from error
-        except TooRareError:
-            return drawn(self._every(), number, seed)
 
     def least(self, weights: Mapping[int, Ints], number: int) -> Rows:
         """The *number* valid rows of least sum of weights[variable][value]; of equal ones those that are listed first.
@@ -251,18 +246,19 @@ class Engine:
 
         Raises DseError if there is no valid row.
         """
-        from dse.space.methods.listed import shares
+        from dse.space.methods import listed
         from dse.space.sampling.estimate import estimate_occurrences
         from dse.space.sampling.tilt import EmptyError, TooRareError
 
         try:
             if self.diagram is None:
                 return self.entangled.shares()
-            return estimate_occurrences(self.expanded or self.diagram, seed)
+            try:
+                return estimate_occurrences(self.expanded or self.diagram, seed)
+            except TooRareError:
+                return listed.shares(self.flat, listed.every(self.flat, self.rows))
         except EmptyError as error:
             raise self.nothing() from error
-        except TooRareError:
-            return shares(self.flat, self._every())
 
     def nothing(self) -> DseError:
         """The problem that no row is valid."""
@@ -281,27 +277,6 @@ class Engine:
         except EmptyError:
             return True
         return False
-
-    def _listed(self, most: int) -> int | None:
-        """The count by listing; None if there are more than *most*, or fewer in a space of many decisions."""
-        most = min(most, _LISTED_CELLS // max(1, len(self.flat.variables)))
-        number = 0
-        for block in self.blocks():
-            number += len(block)
-            if number > most:
-                return None
-        return number
-
-    def _every(self) -> Rows:
-        """All rows of a space whose valid rows are so rare that drawing does not find them."""
-        most = min(LISTED, _KEPT_CELLS // max(1, len(self.flat.variables)))
-        every = self.rows(most + 1)
-        if not len(every):
-            raise self.nothing()
-        if len(every) > most:
-            hint = "fix some of the choices"
-            raise fail(f"the valid configurations of '{self.flat.name}' are too rare to be drawn", None, hint)
-        return every
 
     def _undecided(self) -> DseError:
         hint = "fix some of the choices"

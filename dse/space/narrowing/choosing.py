@@ -43,7 +43,7 @@ def kept_choices(
     """
     options = _options(space)
     problems: list[Problem] = []
-    left = {path: set(options[path]) for path in options}
+    left = {path: {choice or ABSENT_NAME for choice in within.get(path, options[path])} for path in options}
     touched = set(within)
     for texts, is_kept in ((keep, True), (drop, False)):
         for text in texts:
@@ -60,14 +60,16 @@ def kept_choices(
                 touched.add(path)
                 left[path] = left[path] & named if is_kept else left[path] - named
     raise_if_any(problems)
-    kept = {path: frozenset(None if choice == ABSENT_NAME else choice for choice in left[path]) for path in touched}
-    kept = {path: choices & frozenset(within[path]) if path in within else choices for path, choices in kept.items()}
     raise_if_any(
         Problem(f"nothing is left to choose at '{path}'", None, "keep one more alternative")
         for path in options
-        if path in kept and not kept[path]
+        if path in touched and not left[path]
     )
-    return {path: kept[path] for path in options if path in kept}
+    return {
+        path: frozenset(None if choice == ABSENT_NAME else choice for choice in left[path])
+        for path in options
+        if path in touched
+    }
 
 
 def choosing(space: FlatSpace, chosen: Choices) -> tuple[Rule, ...]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import reduce
 from math import hypot
 
 import numpy as np
@@ -33,49 +34,37 @@ _NEAR = 1e-6
 """Shares this near to 1 may be 1."""
 
 
-@dataclass(slots=True)
-class _Sum:
-    share: float = 0.0
-    half_width: float = 0.0
-    dead: bool = True
-    forced: bool = False
-
-
 def occurrences(engine: Engine, seed: int = 0) -> tuple[Occurrence, ...]:
     """Every alternative of every decision, in the order of the file. Raises DseError if nothing is valid.
 
     Architectures may have decisions of one path; their shares are added up.
     """
-    shares = engine.shares(seed)
-    at = by_path(engine.flat.variables)
-    sums: dict[tuple[str, str | None], _Sum] = {}
-    for number, variable in enumerate(engine.flat.variables):
-        share, half_width = shares.shares[number], shares.half_widths[number]
-        dead = [
-            not times and (not half or _is_dead(engine, number, value))
-            for value, (times, half) in enumerate(zip(share, half_width, strict=True))
+    found = engine.shares(seed)
+    variables, at = engine.flat.variables, by_path(engine.flat.variables)
+    dead = [
+        [
+            not share and (not half_width or _is_dead(engine, number, value))
+            for value, (share, half_width) in enumerate(zip(shares, half_widths, strict=True))
         ]
+        for number, (shares, half_widths) in enumerate(zip(found.shares, found.half_widths, strict=True))
+    ]
+    taken: dict[tuple[str, str | None], list[Branch]] = {}
+    for number, variable in enumerate(variables):
         for value, choice in enumerate(variable.values):
-            entry = sums.setdefault((variable.path, choice), _Sum())
-            entry.share += float(share[value])
-            entry.half_width = 0.0 if dead[value] else hypot(entry.half_width, float(half_width[value]))
-            entry.dead &= dead[value]
-            if len(at[variable.path]) == 1:
-                entry.forced = not dead[value] and sum(dead) == len(dead) - 1
-    for (path, choice), entry in sums.items():
-        if len(at[path]) > 1 and entry.share + entry.half_width > 1 - _NEAR:
-            entry.forced = _is_forced(engine, at[path], choice)
-    return tuple(
-        Occurrence(
-            path,
-            choice,
-            1.0 if entry.forced else entry.share,
-            0.0 if entry.forced else entry.half_width,
-            entry.dead,
-            entry.forced,
-        )
-        for (path, choice), entry in sums.items()
-    )
+            taken.setdefault((variable.path, choice), []).append((number, value))
+
+    def occurrence(path: str, choice: str | None, branches: Sequence[Branch]) -> Occurrence:
+        alive = [(number, value) for number, value in branches if not dead[number][value]]
+        share = sum(float(found.shares[number][value]) for number, value in branches)
+        half_width = reduce(hypot, (float(found.half_widths[number][value]) for number, value in alive), 0.0)
+        if len(at[path]) > 1:
+            forced = share + half_width > 1 - _NEAR and _is_forced(engine, at[path], choice)
+        else:
+            (number,) = at[path]
+            forced = bool(alive) and sum(dead[number]) == len(dead[number]) - 1
+        return Occurrence(path, choice, 1.0 if forced else share, 0.0 if forced else half_width, not alive, forced)
+
+    return tuple(occurrence(path, choice, branches) for (path, choice), branches in taken.items())
 
 
 def dead_branches(engine: Engine) -> frozenset[Branch]:

@@ -88,11 +88,6 @@ class Picking:
         return Tally(count(exact)) if exact is not None else self._narrowed.count(relative=RELATIVE)
 
     @cached_property
-    def forced(self) -> dict[int, int]:
-        """The decisions that exist and can only be made in one way, picks aside, with that value."""
-        return {variable: value for variable, value in self._settled.items() if self.picked(variable) is None}
-
-    @cached_property
     def decisions(self) -> tuple[int, ...]:
         """The decisions that exist in every configuration left, in the order of the file."""
         return tuple(number for number in range(len(self.variables)) if self._exists(number))
