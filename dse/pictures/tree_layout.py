@@ -60,7 +60,7 @@ class TreeNode:
 
 
 @dataclass(frozen=True, slots=True)
-class Block:
+class OptionBlock:
     """Options of node *owner* that stand together."""
 
     owner: TreeNode
@@ -77,7 +77,7 @@ class TreeLayout:
     """
 
     boxes: dict[TreeNode, Box]
-    blocks: tuple[Block, ...]
+    blocks: tuple[OptionBlock, ...]
     width: float
     height: float
     gutters: dict[TreeNode, float] = field(default_factory=dict)
@@ -102,7 +102,7 @@ class _Work:
         self.order = tuple(root.all())
         self.bands: dict[TreeNode, _Band] = {}
         self.boxes: dict[TreeNode, Box] = {}
-        self.blocks: list[Block] = []
+        self.blocks: list[OptionBlock] = []
 
     def whole(self) -> TreeLayout:
         for node in reversed(self.order):
@@ -180,7 +180,7 @@ class _Work:
             column, row = divmod(number, rows)
             left = x + _BLOCK_PADDING + column * (cell + _BLOCK_PADDING)
             self.boxes[member] = Box(left, box.top + _BLOCK_PADDING / 2 + (row + 0.5) * ROW, cell, BOX)
-        self.blocks.append(Block(owner, members, box))
+        self.blocks.append(OptionBlock(owner, members, box))
 
     def _starts(self, levels: dict[TreeNode, int]) -> list[float]:
         """The left edge of each level; only nodes with something below them push the next one away."""

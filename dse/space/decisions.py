@@ -19,7 +19,7 @@ Condition = tuple[tuple[str, str], ...]
 
 
 @dataclass(frozen=True, slots=True)
-class Branch:
+class DecisionBranch:
     """One outcome of a decision, None for leaving the part out, and the decisions it brings along."""
 
     choice: str | None
@@ -35,7 +35,7 @@ class Decision:
 
     path: str
     position: int
-    branches: tuple[Branch, ...]
+    branches: tuple[DecisionBranch, ...]
 
 
 @dataclass(frozen=True, slots=True)
@@ -77,7 +77,9 @@ def flat(tree: tuple[Decision, ...]) -> Iterator[Decision]:
             yield from flat(branch.decisions)
 
 
-def made(tree: tuple[Decision, ...], choice_at: Callable[[str], object]) -> Iterator[tuple[Decision, Branch | None]]:
+def made(
+    tree: tuple[Decision, ...], choice_at: Callable[[str], object]
+) -> Iterator[tuple[Decision, DecisionBranch | None]]:
     """The decisions that the choices by path bring about, each with the branch that is chosen; None if none is."""
     for decision in tree:
         choice = choice_at(decision.path)
@@ -132,11 +134,11 @@ class _Survey:
                 options = (content,)
         position = next(self.positions)
         branches = [
-            Branch(option.name, self.below(option, path, (*condition, (path, option.name)), (position, number)))
+            DecisionBranch(option.name, self.below(option, path, (*condition, (path, option.name)), (position, number)))
             for number, option in enumerate(options)
         ]
         if isinstance(node, Optional):
-            branches.append(Branch(None, ()))
+            branches.append(DecisionBranch(None, ()))
         return (Decision(path, position, tuple(branches)),)
 
 

@@ -245,10 +245,10 @@ class OpenedSpace:
 
     def picking(self) -> Picking:
         """To choose one configuration step by step."""
-        from dse.space.output.totals import totals
+        from dse.space.output.sums import property_sums
         from dse.space.questions.picking import Picking
 
-        return Picking(self.engine, totals(self.space))
+        return Picking(self.engine, property_sums(self.space))
 
     def sheet(self) -> Sheet:
         """To show blocks of rows as a table."""

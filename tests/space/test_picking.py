@@ -12,7 +12,7 @@ from dse.space.lowering import flatten
 from dse.space.mdd.growth import TooWideError
 from dse.space.methods import engine as engines
 from dse.space.methods.engine import Engine
-from dse.space.output.totals import totals
+from dse.space.output.sums import property_sums
 from dse.space.questions.picking import Picking
 from dse.space.tally import Tally
 from dse.units import parse_quantity
@@ -93,7 +93,7 @@ def test_when_all_is_settled_a_single_configuration_is_left():
 
 def test_sums_range_over_what_is_left():
     a_space = space("sum(cost) <= 9 EUR")
-    chosen = Picking(Engine.of(a_space), totals(a_space)).pick(P, 1)
+    chosen = Picking(Engine.of(a_space), property_sums(a_space)).pick(P, 1)
     (found,) = chosen.ranges()
     assert (found.low, found.high, found.exact) == (6.0, 9.0, True)
 
@@ -106,7 +106,7 @@ def test_where_the_sums_do_not_fit_into_the_layers_counts_and_ranges_say_that_th
     monkeypatch.setattr(engines.Engine, "count", lambda self, **_: Tally(15, False, 13, 16))
     a_space = space("sum(cost) <= 9 EUR", "sum(cost) >= 7 EUR")
     # Tables of one cell at most: the sum stays a sum.
-    chosen = Picking(Engine(flatten(a_space, 1)), totals(a_space)).pick(P, 1)
+    chosen = Picking(Engine(flatten(a_space, 1)), property_sums(a_space)).pick(P, 1)
     rows = left(chosen)
     assert len(rows) == 14
     for option in chosen.options(S):

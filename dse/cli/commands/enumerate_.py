@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from dse.space.tally import Tally
 
 
-class Listing(StrEnum):
+class ListingFormat(StrEnum):
     """How configurations are listed."""
 
     TABLE = "table"
@@ -41,8 +41,8 @@ def enumerate_(
     count: Annotated[bool, typer.Option("--count", help="Only how many there are.")] = False,
     exact: Annotated[bool, typer.Option("--exact", help="With --count: no estimate, however long it takes.")] = False,
     output: Annotated[
-        Listing, typer.Option("--format", help="For a person, a spreadsheet or a program.")
-    ] = Listing.TABLE,
+        ListingFormat, typer.Option("--format", help="For a person, a spreadsheet or a program.")
+    ] = ListingFormat.TABLE,
     target: Annotated[
         Path | None,
         typer.Option("--output", "-o", metavar="FILE", help="Write a .csv, .json, .jsonl or .parquet file."),
@@ -71,7 +71,7 @@ def enumerate_(
     for option, given in listing.items():
         if count and given is not None:
             raise typer.BadParameter("lists configurations; --count only says how many", param_hint=option)
-    if target is not None and output is not Listing.TABLE and target.suffix.lower() != f".{output.value}":
+    if target is not None and output is not ListingFormat.TABLE and target.suffix.lower() != f".{output.value}":
         raise typer.BadParameter(f"'{target.name}' is not the name of a .{output.value} file", param_hint="--format")
     part = opened(design, (), where, on, off)
     if interactive:
@@ -80,15 +80,15 @@ def enumerate_(
         choose(part, target)
     elif count:
         _count(part, part.count(seed, exact=exact), output)
-    elif target is None and output is Listing.TABLE and sample is None:
+    elif target is None and output is ListingFormat.TABLE and sample is None:
         _first(part, limit or SHOWN, limit is None)
     else:
         blocks = part.blocks(limit) if sample is None else iter([part.draw(sample, seed)])
         if target is not None:
             written = part.save(blocks, target)
             console().print(f"{target}: {written:,} configuration{'' if written == 1 else 's'}", soft_wrap=True)
-        elif output is not Listing.TABLE:
-            if output is Listing.PARQUET and sys.stdout.isatty():
+        elif output is not ListingFormat.TABLE:
+            if output is ListingFormat.PARQUET and sys.stdout.isatty():
                 raise typer.BadParameter("parquet is no text: name a file with -o", param_hint="--format")
             part.write(output.value, blocks, sys.stdout.buffer)
         else:
@@ -96,22 +96,22 @@ def enumerate_(
             console().print(f"{sample} drawn, each valid configuration as likely as any other")
 
 
-def _count(part: OpenedSpace, tally: Tally, output: Listing) -> None:
+def _count(part: OpenedSpace, tally: Tally, output: ListingFormat) -> None:
     from dse.cli.tallies import tally_data, tally_text
 
     numbers = {"design": part.space.name, "total": part.total, **tally_data(tally)}
     if part.where:
         numbers["where"] = part.where.text
-    if output in (Listing.JSON, Listing.JSON_LINES):
+    if output in (ListingFormat.JSON, ListingFormat.JSON_LINES):
         print_json(numbers)
-    elif output is Listing.CSV:
+    elif output is ListingFormat.CSV:
         import csv
 
         csv.writer(sys.stdout, lineterminator="\n").writerows(
             # As in JSON: true, and nothing for null.
             [numbers.keys(), [str(value).lower() if isinstance(value, bool) else value for value in numbers.values()]]
         )
-    elif output is Listing.PARQUET:
+    elif output is ListingFormat.PARQUET:
         raise typer.BadParameter("a count is one number: table, csv or json", param_hint="--format")
     else:
         console().print(plain(f"{part.space.name}: {_are_valid(part, tally_text(tally))}"), soft_wrap=True)

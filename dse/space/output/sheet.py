@@ -11,7 +11,7 @@ from dse.domain.design import DesignSpace
 from dse.space.configurations.ids import Identifier
 from dse.space.flat import Ints, Rows, Variable, by_path
 from dse.space.lowering.shape import shape_of
-from dse.space.output.totals import Total, totals
+from dse.space.output.sums import PropertySum, property_sums
 
 Codes = NDArray[np.int32]
 """What is chosen, as a number in the names of a `ChoiceColumn`; -1 where nothing is."""
@@ -47,7 +47,7 @@ class Sheet:
         self.space = space
         self.variables = shape_of(space).variables
         self.places = _places(self.variables)
-        self.totals: tuple[Total, ...] = totals(space)
+        self.totals: tuple[PropertySum, ...] = property_sums(space)
         self._identifier = Identifier(self.variables)
 
     @property

@@ -13,7 +13,7 @@ from dse.space.dnnf import queries
 from dse.space.flat import Linear, Variable
 from dse.space.mdd.diagram import Diagram, count, extremes, occurrences
 from dse.space.methods.engine import Engine
-from dse.space.output.totals import Total
+from dse.space.output.sums import PropertySum
 from dse.space.tally import Tally
 
 Pick = tuple[int, int]
@@ -43,7 +43,7 @@ class Option:
 class Range:
     """What a sum can still be, in its unit; *exact* if both ends are reached, else they are bounds."""
 
-    total: Total
+    total: PropertySum
     low: float
     high: float
     exact: bool
@@ -55,7 +55,7 @@ class Picking:
     *totals* are the sums whose ranges are asked for.
     """
 
-    def __init__(self, engine: Engine, totals: tuple[Total, ...] = (), picks: tuple[Pick, ...] = ()) -> None:
+    def __init__(self, engine: Engine, totals: tuple[PropertySum, ...] = (), picks: tuple[Pick, ...] = ()) -> None:
         self.engine = engine
         self.totals = totals
         self.picks = picks
@@ -206,7 +206,7 @@ class Picking:
                 gone.add(number)
         return tuple(pick for pick in self.picks if pick[0] not in gone)
 
-    def _range(self, layers: Diagram, total: Total) -> Range:
+    def _range(self, layers: Diagram, total: PropertySum) -> Range:
         least, greatest = extremes(layers, total.weights)
         low, high = int(least[0][0]), int(greatest[0][0])
         if not layers.expanded:
@@ -220,7 +220,7 @@ def _part(whole: int, share: float) -> int:
     return whole * round(share * _MORE) // _MORE
 
 
-def _within(layers: Diagram, linear: Linear, total: Total, low: int, high: int) -> tuple[int, int]:
+def _within(layers: Diagram, linear: Linear, total: PropertySum, low: int, high: int) -> tuple[int, int]:
     """The range cut by a rule on the same sum: one that differs by the same number in every row."""
     times = linear.scale / total.scale
     if times.denominator != 1:

@@ -24,7 +24,7 @@ _LARGEST = 2**62
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Total:
+class PropertySum:
     """The sum of property *name* over all parts that state it.
 
     It is *start* and the weights of what is chosen, one of which stands for *scale* in SI: arrays of shape
@@ -87,7 +87,7 @@ class Total:
         return self.is_small and int(np.abs(sums).max(initial=0)) * abs(factor) < _EXACT
 
 
-def totals(space: DesignSpace) -> tuple[Total, ...]:
+def property_sums(space: DesignSpace) -> tuple[PropertySum, ...]:
     """The sums that the constraints of *space* speak of, each in the unit that the first component gives it in."""
     lengths = [len(variable.values) + 1 for variable in shape_of(space).variables]
     there = sites(space)
@@ -95,7 +95,7 @@ def totals(space: DesignSpace) -> tuple[Total, ...]:
     for name in summed_properties(space):
         entries = [(site, site.component.properties[name]) for site in there if site.component and _states(site, name)]
         if entries:
-            found.append(_total(name, lengths, entries))
+            found.append(_property_sum(name, lengths, entries))
     return tuple(found)
 
 
@@ -130,7 +130,7 @@ def _states(site: Site, name: str) -> bool:
     return site.component is not None and name in site.component.properties
 
 
-def _total(name: str, lengths: Sequence[int], entries: Sequence[tuple[Site, Quantity]]) -> Total:
+def _property_sum(name: str, lengths: Sequence[int], entries: Sequence[tuple[Site, Quantity]]) -> PropertySum:
     numbers = [quantity.si for _, quantity in entries if quantity.si]
     scale = Fraction(1)
     if numbers:
@@ -150,4 +150,4 @@ def _total(name: str, lengths: Sequence[int], entries: Sequence[tuple[Site, Quan
             stated[variable] = np.zeros(lengths[variable], np.int64)
         weights[variable][value] += whole
         stated[variable][value] += 1
-    return Total(name, entries[0][1].unit, scale, start, weights, always, stated)
+    return PropertySum(name, entries[0][1].unit, scale, start, weights, always, stated)
