@@ -8,7 +8,7 @@ they take longer to import than most spaces to count.
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator, Mapping
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import replace
 from functools import cached_property
 from typing import TYPE_CHECKING
@@ -20,7 +20,7 @@ from dse.errors import DseError, fail
 from dse.space.budget import TooMuchError
 from dse.space.flat import FlatSpace, Ints, Rows, Rule, Table
 from dse.space.lowering import flatten
-from dse.space.mdd.diagram import Diagram, count, restrict
+from dse.space.mdd.diagram import Diagram, count, occurrences, restrict
 from dse.space.tally import Tally
 
 if TYPE_CHECKING:
@@ -259,6 +259,12 @@ class Engine:
                 return listed.shares(self.flat, listed.every(self.flat, self.rows))
         except EmptyError as error:
             raise self.nothing() from error
+
+    def times_taken(self) -> Sequence[Sequence[int]] | None:
+        """How many valid rows take each value of each variable, `ABSENT` last; None where that cannot be known."""
+        if self.diagram is None:
+            return self.entangled.times_taken()
+        return None if self.expanded is None else occurrences(self.expanded)
 
     def nothing(self) -> DseError:
         """The problem that no row is valid."""

@@ -6,7 +6,7 @@ are drawn and kept if they meet the others; else complete search, which may have
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from fractions import Fraction
 from functools import cached_property
@@ -136,6 +136,10 @@ class Entangled:
             return recheck(self.flat).insist(least(self.flat, weights, number))
         except (UnsupportedError, TooWideError) as error:
             raise TooMuchError from error
+
+    def times_taken(self) -> Sequence[Sequence[int]] | None:
+        """How many rows take each value of each variable, `ABSENT` last; None where there is no graph."""
+        return None if self.graph is None else queries.occurrences(self.graph)
 
     def shares(self) -> Shares:
         """The share of valid rows that take each value, exactly. Raises EmptyError, DseError if it cannot be known."""

@@ -9,9 +9,8 @@ from math import ceil, floor
 import numpy as np
 
 from dse.space.configurations.ids import IdentifiedChoices
-from dse.space.dnnf import queries
 from dse.space.flat import Linear, Variable
-from dse.space.mdd.diagram import Diagram, count, extremes, occurrences
+from dse.space.mdd.diagram import Diagram, extremes
 from dse.space.methods.engine import Engine
 from dse.space.output.sums import PropertySum
 from dse.space.tally import Tally
@@ -84,8 +83,7 @@ class Picking:
     @cached_property
     def left(self) -> Tally:
         """How many valid configurations are left."""
-        exact = self._layers
-        return Tally(count(exact)) if exact is not None else self._narrowed.count(relative=RELATIVE)
+        return self._narrowed.count(relative=RELATIVE)
 
     @cached_property
     def decisions(self) -> tuple[int, ...]:
@@ -124,7 +122,7 @@ class Picking:
 
     def ranges(self) -> tuple[Range, ...]:
         """What each of *totals* can still be; not those of more than 64 bits, and none without a diagram."""
-        layers = self._layers if self._layers is not None else self._narrowed.diagram
+        layers = self._narrowed.expanded or self._narrowed.diagram
         if layers is None or layers.empty:
             return ()
         return tuple(self._range(layers, total) for total in self.totals if total.is_small)
@@ -140,18 +138,11 @@ class Picking:
         return self.engine.having(*rules)
 
     @cached_property
-    def _layers(self) -> Diagram | None:
-        """A diagram of exactly the configurations left, where there is one."""
-        if self._narrowed.diagram is None:
-            return None
-        return self._narrowed.expanded
-
-    @cached_property
     def tallies(self) -> tuple[tuple[Tally, ...], ...]:
         """For each variable and value, how many configurations are left with it."""
-        exact = self._exact_tallies()
-        if exact is not None:
-            return exact
+        times = self._narrowed.times_taken()
+        if times is not None:
+            return tuple(tuple(Tally(number) for number in found[:-1]) for found in times)
         if not self.left.value:
             return tuple((Tally(0),) * len(variable.values) for variable in self.variables)
         shares = self._narrowed.shares()
@@ -162,15 +153,6 @@ class Picking:
             )
             for number, (variable, half_widths) in enumerate(zip(self.variables, shares.half_widths, strict=True))
         )
-
-    def _exact_tallies(self) -> tuple[tuple[Tally, ...], ...] | None:
-        if self._layers is not None:
-            times = occurrences(self._layers)
-        elif self._narrowed.diagram is None and self._narrowed.entangled.graph is not None:
-            times = queries.occurrences(self._narrowed.entangled.graph)
-        else:
-            return None
-        return tuple(tuple(Tally(number) for number in found[:-1]) for found in times)
 
     def _estimated(self, variable: int, value: int, share: float, half_width: float) -> Tally:
         if not share and self._narrowed.having(self.engine.flat.taking(variable, value)).is_empty():
