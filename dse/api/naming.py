@@ -1,4 +1,4 @@
-"""What a person names by its name or its file: workspaces, design spaces, conditions."""
+"""What a person names by its name or its file: workspaces and design spaces."""
 
 from __future__ import annotations
 

@@ -15,7 +15,8 @@ from dse.expression.parse import parse_expression
 from dse.space.configurations.ids import Identifier, identify
 from dse.space.configurations.resolve import resolve
 from dse.space.decisions import combinations
-from dse.space.language.evaluate import compile_rule
+from dse.space.language.evaluate import compile_in
+from dse.space.language.places import Places
 from dse.space.methods.engine import Engine
 from dse.space.opened import open_space
 from dse.space.questions.explain import broken_by
@@ -108,7 +109,7 @@ def test_a_condition_that_is_undefined_selects_nothing():
     assert [c["s"] for c in found] == ["a", "a", "b", "b"]
     both = parse_expression("s.cost < 3 EUR and t is d or sum(cost) > 9 EUR")
     listed = {c.id for c in open_space(space(parts), where=both).configurations()}
-    rule = compile_rule(both, space(parts))
+    rule = compile_in(both, Places(space(parts)))
     assert listed == {c.id for c in open_space(space(parts)).configurations() if rule.outcome(c.choices)}
 
 

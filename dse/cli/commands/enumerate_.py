@@ -10,9 +10,9 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from dse.api.naming import opened
-from dse.cli.app import app, console, plain, print_json, print_table
-from dse.cli.arguments import Design
-from dse.cli.space import Off, On, Seed, Where
+from dse.cli.app import app
+from dse.cli.arguments import Design, Off, On, Seed, Where
+from dse.cli.terminal import console, plain_table, print_json, print_table, say
 
 if TYPE_CHECKING:
     from dse.space.flat import Rows
@@ -75,7 +75,7 @@ def enumerate_(
         raise typer.BadParameter(f"'{target.name}' is not the name of a .{output.value} file", param_hint="--format")
     part = opened(design, (), where, on, off)
     if interactive:
-        from dse.cli.interactive import choose
+        from dse.cli.picking.interactive import choose
 
         choose(part, target)
     elif count:
@@ -86,7 +86,7 @@ def enumerate_(
         blocks = part.blocks(limit) if sample is None else iter([part.draw(sample, seed)])
         if target is not None:
             written = part.save(blocks, target)
-            console().print(f"{target}: {written:,} configuration{'' if written == 1 else 's'}", soft_wrap=True)
+            say(f"{target}: {written:,} configuration{'' if written == 1 else 's'}")
         elif output is not ListingFormat.TABLE:
             if output is ListingFormat.PARQUET and sys.stdout.isatty():
                 raise typer.BadParameter("parquet is no text: name a file with -o", param_hint="--format")
@@ -97,7 +97,7 @@ def enumerate_(
 
 
 def _count(part: OpenedSpace, tally: Tally, output: ListingFormat) -> None:
-    from dse.cli.tallies import tally_data, tally_text
+    from dse.cli.spaces import tally_data, tally_text
 
     numbers = {"design": part.space.name, "total": part.total, **tally_data(tally)}
     if part.where:
@@ -114,12 +114,12 @@ def _count(part: OpenedSpace, tally: Tally, output: ListingFormat) -> None:
     elif output is ListingFormat.PARQUET:
         raise typer.BadParameter("a count is one number: table, csv or json", param_hint="--format")
     else:
-        console().print(plain(f"{part.space.name}: {_are_valid(part, tally_text(tally))}"), soft_wrap=True)
+        say(f"{part.space.name}: {_are_valid(part, tally_text(tally))}")
 
 
 def _are_valid(part: OpenedSpace, valid: str) -> str:
     """``2 of 135 configurations are valid``; under a condition that says too little."""
-    from dse.cli.tallies import number_text
+    from dse.cli.spaces import number_text
 
     verb, also = ("is", "meets") if valid == "1" else ("are", "meet")
     if part.where:
@@ -128,29 +128,25 @@ def _are_valid(part: OpenedSpace, valid: str) -> str:
 
 
 def _first(part: OpenedSpace, most: int, cut: bool) -> None:
-    from dse.cli.tallies import number_text
+    from dse.cli.spaces import number_text
 
     rows = part.rows(most + 1)
     _table(part.sheet(), rows[:most])
     if len(rows) <= most:
-        console().print(_are_valid(part, f"{len(rows):,}"), soft_wrap=True)
+        say(_are_valid(part, f"{len(rows):,}"))
         return
     before = "the static constraints and the condition" if part.where else "the static constraints"
-    console().print(f"the first {most}; {number_text(part.total)} in total before {before}", soft_wrap=True)
+    say(f"the first {most}; {number_text(part.total)} in total before {before}")
     if cut:
-        console().print("more: --limit N shows N, -o FILE writes all, --count says how many", soft_wrap=True)
+        say("more: --limit N shows N, -o FILE writes all, --count says how many")
 
 
 def _table(sheet: Sheet, rows: Rows) -> None:
     import math
 
-    from rich.table import Table
-
-    table = Table(box=None, pad_edge=False, header_style="bold")
-    for heading in ("id", *(place.path for place in sheet.places)):
-        table.add_column(heading, no_wrap=True)
+    table = plain_table("id", *(place.path for place in sheet.places))
     for total in sheet.totals:
-        table.add_column(total.name, justify="right", no_wrap=True)
+        table.add_column(total.name, justify="right")
     columns = [sheet.ids(rows)]
     columns += [[name or "–" for name in place.chosen(rows)] for place in sheet.places]
     for total in sheet.totals:

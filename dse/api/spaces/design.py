@@ -1,0 +1,183 @@
+"""A design space and the questions to it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from typing import TYPE_CHECKING, Literal, TypedDict, overload
+
+from dse.api.naming import condition_of
+from dse.api.showing.html import table
+from dse.api.spaces.ranking import Ranking
+
+if TYPE_CHECKING:
+    from typing import Unpack
+
+    import pandas as pd
+
+    from dse.domain.design import Configuration, Constraint, DesignSpace
+    from dse.space.opened import OpenedSpace
+    from dse.space.questions.difference import Difference
+    from dse.space.questions.explain import Explanation
+    from dse.space.questions.impact import Impact
+    from dse.space.questions.occurrence import Occurrence
+    from dse.space.tally import Tally
+
+
+class Narrowing(TypedDict, total=False):
+    """What every question takes: *choose* says what is chosen where (``absent``: left out), *where* is a condition.
+
+    *on* and *off* name constraint sets to switch.
+    """
+
+    choose: Mapping[str, str]
+    where: str
+    on: Sequence[str]
+    off: Sequence[str]
+
+
+class Design:
+    """A design space; *space* is the noun behind it. What a question has to compile is kept for the next.
+
+    Iterating gives every valid configuration, one at a time, in the order of the file.
+    """
+
+    def __init__(self, space: DesignSpace) -> None:
+        self.space = space
+        self._opened: dict[tuple[tuple[str, ...], tuple[str, ...]], OpenedSpace] = {}
+
+    @property
+    def name(self) -> str:
+        """Its name."""
+        return self.space.name
+
+    @property
+    def total(self) -> int:
+        """The number of combinations, constraints aside."""
+        from dse.space.decisions import combinations
+
+        return combinations(self.space)
+
+    @overload
+    def count(self, *, exact: Literal[True], seed: int = 0, **narrowing: Unpack[Narrowing]) -> int: ...
+    @overload
+    def count(self, *, exact: bool = False, seed: int = 0, **narrowing: Unpack[Narrowing]) -> int | Tally: ...
+    def count(self, *, exact: bool = False, seed: int = 0, **narrowing: Unpack[Narrowing]) -> int | Tally:
+        """How many configurations are valid; where counting takes long an estimate (`Tally`), unless *exact*."""
+        tally = self._part(**narrowing).count(seed, exact=exact)
+        return tally.value if tally.exact else tally
+
+    def list(self, limit: int | None = None, **narrowing: Unpack[Narrowing]) -> Sequence[Configuration]:
+        """The valid configurations, in the order of the file; the first *limit* of them."""
+        return [*self._part(**narrowing).configurations(limit)]
+
+    def sample(self, number: int, seed: int = 0, **narrowing: Unpack[Narrowing]) -> Sequence[Configuration]:
+        """*number* configurations drawn at random, independently, each valid one as likely as any other."""
+        part = self._part(**narrowing)
+        return [*part.resolved([part.draw(number, seed)])]
+
+    def configuration(self, name: str) -> Configuration:
+        """The valid configuration whose id is *name* or starts with it."""
+        return self._part().configuration(name)
+
+    def best(
+        self, minimize: str | None = None, *, maximize: str | None = None, n: int = 10, **narrowing: Unpack[Narrowing]
+    ) -> Ranking:
+        """The *n* best valid configurations under one objective, as ``sum(cost)``. Exact: there is none better."""
+        from dse.errors import fail
+        from dse.space.questions.optimum import read_aims
+
+        wanted = read_aims([minimize] if minimize else [], [maximize] if maximize else [])
+        if len(wanted) != 1:
+            raise fail("one objective is needed", None, "give minimize or maximize; for several ask for 'pareto'")
+        part = self._part(**narrowing)
+        return Ranking(part, wanted, part.best(wanted[0], n))
+
+    def pareto(
+        self, minimize: str | Sequence[str] = (), maximize: str | Sequence[str] = (), **narrowing: Unpack[Narrowing]
+    ) -> Ranking:
+        """The configurations that no other one beats in every objective, one for each point of the complete set."""
+        from dse.errors import fail
+        from dse.space.questions.optimum import read_aims
+
+        wanted = read_aims(_several(minimize), _several(maximize))
+        if len(wanted) < 2:
+            raise fail("two objectives or more are needed", None, "for one ask for 'best'")
+        part = self._part(**narrowing)
+        return Ranking(part, wanted, part.pareto(wanted))
+
+    def explain(
+        self, choose: Mapping[str, str], *, where: str | None = None, on: Sequence[str] = (), off: Sequence[str] = ()
+    ) -> Explanation:
+        """Why the configuration with these choices is excluded, and which valid one is nearest.
+
+        With some of the choices only: whether they can be completed, and if not, which constraints stand in the way.
+        """
+        return self._opening(on, off).part((), condition_of(where)).explain(_texts(choose))
+
+    def conflict(self, **narrowing: Unpack[Narrowing]) -> tuple[Constraint, ...]:
+        """Why nothing is left: a smallest set of constraints that cannot be met together.
+
+        Empty if there are valid configurations, or if the choices exclude each other whatever the constraints.
+        """
+        part = self._part(**narrowing)
+        return part.conflict() if part.is_empty() else ()
+
+    def constraints(self, *names: str, seed: int = 0, **narrowing: Unpack[Narrowing]) -> tuple[Impact, ...]:
+        """What each constraint does, or those called *names*: how many configurations it costs, is it redundant."""
+        return self._part(**narrowing).impact(names, seed)
+
+    def choices(self, *, seed: int = 0, **narrowing: Unpack[Narrowing]) -> tuple[Occurrence, ...]:
+        """How often each alternative occurs among the valid configurations; which are dead, and which forced."""
+        return self._part(**narrowing).occurrences(seed)
+
+    def compare(self, other: Design, *, seed: int = 0) -> Difference:
+        """What came and went from here to *other*, and how many configurations both have."""
+        return self._opening().difference(other._opening(), seed)
+
+    def refine(self, keep: Mapping[str, Iterable[str]]) -> Design:
+        """The design with only these alternatives at these places (``absent``: left out); ids stay what they are."""
+        return Design(self._opening().refined(f"{path}={','.join(names)}" for path, names in keep.items()))
+
+    def to_pandas(self, limit: int | None = None, **narrowing: Unpack[Narrowing]) -> pd.DataFrame:
+        """A row for each valid configuration, the first *limit*: its choices and the sums the constraints speak of.
+
+        ``frame.attrs["units"]`` has the units of the sums. What is left out is missing (None).
+        """
+        from dse.api.showing.frames import configurations_frame
+
+        return configurations_frame(self._part(**narrowing), limit)
+
+    def __iter__(self) -> Iterator[Configuration]:
+        return self._opening().configurations()
+
+    def __repr__(self) -> str:
+        return f"<Design {self.name}: {self.total:,} combinations, {len(self.space.constraints)} constraints>"
+
+    def _repr_html_(self) -> str:
+        from dse.space.decisions import alternatives
+
+        rows = [
+            (path, ", ".join(choice or "absent" for choice in choices))
+            for path, choices in alternatives(self.space).items()
+        ]
+        return table(f"{self.name}: {self.total:,} combinations", ("place", "alternatives"), rows)
+
+    def _part(self, **narrowing: Unpack[Narrowing]) -> OpenedSpace:
+        whole = self._opening(narrowing.get("on", ()), narrowing.get("off", ()))
+        return whole.part(_texts(narrowing.get("choose", {})), condition_of(narrowing.get("where")))
+
+    def _opening(self, on: Sequence[str] = (), off: Sequence[str] = ()) -> OpenedSpace:
+        from dse.space.opened import open_space
+
+        switches = tuple(on), tuple(off)
+        if switches not in self._opened:
+            self._opened[switches] = open_space(self.space, on=on, off=off)
+        return self._opened[switches]
+
+
+def _texts(choose: Mapping[str, str]) -> tuple[str, ...]:
+    return tuple(f"{path}={name}" for path, name in choose.items())
+
+
+def _several(texts: str | Sequence[str]) -> Sequence[str]:
+    return (texts,) if isinstance(texts, str) else texts
