@@ -21,8 +21,8 @@ if TYPE_CHECKING:
     from dse.api.workspace import Workspace
     from dse.api.workspace import open_workspace as open  # noqa: A004  # dse.open(".") reads as it should
     from dse.errors import DseError, Problem
+    from dse.space.methods.tally import Tally
     from dse.space.questions.explain import Explanation
-    from dse.space.tally import Tally
 
 __version__ = "0.1.0"
 
@@ -58,7 +58,7 @@ _PLACES = {
     "Results": "api.studies.results:Results",
     "Run": "api.studies.run:Run",
     "Study": "api.studies.bench:Study",
-    "Tally": "space.tally:Tally",
+    "Tally": "space.methods.tally:Tally",
     "Waveforms": "api.studies.run:Waveforms",
     "Workspace": "api.workspace:Workspace",
     "open": "api.workspace:open_workspace",

@@ -14,9 +14,9 @@ from dse.space.decisions import Choices, combinations
 from dse.space.flat import Rows
 from dse.space.lowering import selecting
 from dse.space.methods.engine import Engine
+from dse.space.methods.tally import Tally
 from dse.space.narrowing.choosing import ABSENT_NAME, choosing, completed, read_choices
 from dse.space.narrowing.constraint_sets import switched
-from dse.space.tally import Tally
 
 if TYPE_CHECKING:
     from pathlib import Path

@@ -9,8 +9,8 @@ from dse.errors import DseError
 from dse.space.flat import FlatSpace, Linear, Table, Variable
 from dse.space.methods import listed
 from dse.space.methods.engine import Engine
-from dse.space.sampling.tilt import TooRareError
-from dse.space.tally import Tally
+from dse.space.methods.sampling.tilt import TooRareError
+from dse.space.methods.tally import Tally
 
 
 def coins(number, *rules):
@@ -30,13 +30,13 @@ def too_rare(*_args, **_kwargs):
 
 
 def test_what_a_bound_proves_empty_is_neither_expanded_nor_counted(monkeypatch):
-    monkeypatch.setattr("dse.space.mdd.expand.expand", never)
-    monkeypatch.setattr("dse.space.grid.exact.exact_count", never)
+    monkeypatch.setattr("dse.space.methods.mdd.expand.expand", never)
+    monkeypatch.setattr("dse.space.methods.grid.exact.exact_count", never)
     assert Engine(coins(40, heads(40, None, 15), heads(40, 18, None))).count() == Tally(0)
 
 
 def test_rows_to_draw_from_are_kept_up_to_so_many_decisions(monkeypatch):
-    monkeypatch.setattr("dse.space.sampling.sample.sample", too_rare)
+    monkeypatch.setattr("dse.space.methods.sampling.sample.sample", too_rare)
     space = coins(10, heads(10, 1, 1))
     monkeypatch.setattr(listed, "_KEPT_CELLS", 100)
     assert Engine(space).sample(5).sum(axis=1).tolist() == [1] * 5
@@ -46,6 +46,6 @@ def test_rows_to_draw_from_are_kept_up_to_so_many_decisions(monkeypatch):
 
 
 def test_a_narrowed_engine_compiles_nothing_before_it_is_asked(monkeypatch):
-    monkeypatch.setattr("dse.space.mdd.ordering.compile_best", never)
+    monkeypatch.setattr("dse.space.methods.mdd.ordering.compile_best", never)
     engine = Engine(coins(3, Table((0, 1), np.ones((3, 3), np.bool_), 0)))
     assert engine.only([]).flat.rules == ()

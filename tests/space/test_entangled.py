@@ -9,8 +9,8 @@ from dse.errors import DseError
 from dse.space.flat import FlatSpace, Linear, Table, Variable
 from dse.space.methods import entangled as module
 from dse.space.methods.entangled import Entangled
-from dse.space.sampling.tilt import EmptyError
-from dse.space.tally import Tally
+from dse.space.methods.sampling.tilt import EmptyError
+from dse.space.methods.tally import Tally
 
 NEVER = Table((), np.array(False))
 

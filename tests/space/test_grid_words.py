@@ -11,12 +11,12 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from dse.space.flat import FlatSpace, Linear, Variable
-from dse.space.grid.levels import run_levels
-from dse.space.grid.nodes import run
-from dse.space.grid.split import Counting, counting
-from dse.space.grid.sweep import Sweep, backward, forward, schedule
-from dse.space.grid.words import BITS, moduli, running_sums, scalar_product, word
-from dse.space.mdd.diagram import compile_diagram
+from dse.space.methods.grid.levels import run_levels
+from dse.space.methods.grid.nodes import run
+from dse.space.methods.grid.split import Counting, counting
+from dse.space.methods.grid.sweep import Sweep, backward, forward, schedule
+from dse.space.methods.grid.words import BITS, moduli, running_sums, scalar_product, word
+from dse.space.methods.mdd.diagram import compile_diagram
 
 
 @pytest.mark.parametrize("bits", [1, 15, 16, 31, 32, 63, 64])

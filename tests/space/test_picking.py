@@ -9,12 +9,12 @@ from dse.domain.component import Component, Interface
 from dse.domain.design import Alternative, Compound, Constraint, DesignSpace, Optional, Part
 from dse.expression.parse import parse_expression
 from dse.space.lowering import flatten
-from dse.space.mdd.growth import TooWideError
 from dse.space.methods import engine as engines
 from dse.space.methods.engine import Engine
+from dse.space.methods.mdd.growth import TooWideError
+from dse.space.methods.tally import Tally
 from dse.space.output.sums import property_sums
 from dse.space.questions.picking import Picking
-from dse.space.tally import Tally
 from dse.units import parse_quantity
 
 
@@ -102,7 +102,7 @@ def test_where_the_sums_do_not_fit_into_the_layers_counts_and_ranges_say_that_th
     def too_wide(*_):
         raise TooWideError
 
-    monkeypatch.setattr("dse.space.mdd.expand.expand", too_wide)
+    monkeypatch.setattr("dse.space.methods.mdd.expand.expand", too_wide)
     monkeypatch.setattr(engines.Engine, "count", lambda self, **_: Tally(15, False, 13, 16))
     a_space = space("sum(cost) <= 9 EUR", "sum(cost) >= 7 EUR")
     # Tables of one cell at most: the sum stays a sum.

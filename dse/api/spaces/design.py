@@ -15,12 +15,12 @@ if TYPE_CHECKING:
     import pandas as pd
 
     from dse.domain.design import Configuration, Constraint, DesignSpace
+    from dse.space.methods.tally import Tally
     from dse.space.opened import OpenedSpace
     from dse.space.questions.difference import Difference
     from dse.space.questions.explain import Explanation
     from dse.space.questions.impact import Impact
     from dse.space.questions.occurrence import Occurrence
-    from dse.space.tally import Tally
 
 
 class Narrowing(TypedDict, total=False):

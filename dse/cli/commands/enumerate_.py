@@ -16,9 +16,9 @@ from dse.cli.terminal import console, plain_table, print_json, print_table, say
 
 if TYPE_CHECKING:
     from dse.space.flat import Rows
+    from dse.space.methods.tally import Tally
     from dse.space.opened import OpenedSpace
     from dse.space.output.sheet import Sheet
-    from dse.space.tally import Tally
 
 
 class ListingFormat(StrEnum):

@@ -16,8 +16,8 @@ from dse.cli.spaces import short, tally_text
 from dse.domain.design import DesignSpace
 from dse.errors import DseError
 from dse.space.configurations.ids import IdentifiedChoices
+from dse.space.methods.tally import Tally
 from dse.space.questions.picking import Option, Picking, Range
-from dse.space.tally import Tally
 
 LEFT_OUT = "(left out)"
 """How a part that is left out is called."""

@@ -17,15 +17,15 @@ import numpy as np
 
 from dse.domain.design import DesignSpace
 from dse.errors import DseError, fail
-from dse.space.budget import TooMuchError
 from dse.space.flat import FlatSpace, Ints, Rows, Rule, Table
 from dse.space.lowering import flatten
-from dse.space.mdd.diagram import Diagram, count, occurrences, restrict
-from dse.space.tally import Tally
+from dse.space.methods.budget import TooMuchError
+from dse.space.methods.mdd.diagram import Diagram, count, occurrences, restrict
+from dse.space.methods.tally import Tally
 
 if TYPE_CHECKING:
     from dse.space.methods.entangled import Entangled
-    from dse.space.sampling.estimate import Shares
+    from dse.space.methods.sampling.estimate import Shares
 
 DIAGRAM = 200_000
 """Nodes a diagram may have before reduction; beyond, the decision-DNNF takes over."""
@@ -85,8 +85,8 @@ class Engine:
         """The decision diagram of hierarchy and rules, sums aside; None where it is too wide in every order."""
         if self._diagram is not None:
             return self._diagram
-        from dse.space.mdd.growth import TooWideError
-        from dse.space.mdd.ordering import compile_best
+        from dse.space.methods.mdd.growth import TooWideError
+        from dse.space.methods.mdd.ordering import compile_best
 
         if self._model is not None and self._model.diagram is None and self._model.entangled.graph is not None:
             return None
@@ -99,8 +99,8 @@ class Engine:
     def expanded(self) -> Diagram | None:
         """The diagram of exactly the valid rows; None where it is too wide."""
         if self._expanded is None and self.diagram is not None and not self._is_too_wide:
-            from dse.space.mdd.expand import expand
-            from dse.space.mdd.growth import TooWideError
+            from dse.space.methods.mdd.expand import expand
+            from dse.space.methods.mdd.growth import TooWideError
 
             try:
                 self._expanded = expand(self.diagram, EXPANSION)
@@ -132,8 +132,8 @@ class Engine:
         if self.diagram is None:
             return self.entangled.estimate(seed)
         from dse.space.methods import listed
-        from dse.space.sampling.estimate import RELATIVE, estimate
-        from dse.space.sampling.tilt import TooRareError
+        from dse.space.methods.sampling.estimate import RELATIVE, estimate
+        from dse.space.methods.sampling.tilt import TooRareError
 
         try:
             return estimate(self.diagram, seed, RELATIVE if relative is None else relative, size=size)
@@ -154,7 +154,7 @@ class Engine:
             return 0
         if self.expanded is not None:
             return count(self.expanded)
-        from dse.space.grid.exact import exact_count
+        from dse.space.methods.grid.exact import exact_count
 
         try:
             return exact_count(self.diagram, most_work=most_work)
@@ -177,7 +177,7 @@ class Engine:
         """Whether no row is valid. Raises DseError if a complete search has to give up."""
         if self.diagram is None:
             return self.entangled.first() is None
-        from dse.space.optimum.emptiness import is_empty
+        from dse.space.methods.optimum.emptiness import is_empty
 
         try:
             return is_empty(self.diagram)
@@ -188,7 +188,7 @@ class Engine:
         """The first valid row in the engine's order, shape (variables,), or None. Raises like `is_empty`."""
         if self.diagram is None:
             return self.entangled.first()
-        from dse.space.listing.blocks import first
+        from dse.space.methods.listing.blocks import first
 
         try:
             return first(self.diagram)
@@ -200,7 +200,7 @@ class Engine:
 
         It is that of the file, the last decision the fastest, unless the diagram of the space only fits in another.
         """
-        from dse.space.listing.blocks import blocks
+        from dse.space.methods.listing.blocks import blocks
 
         missing = limit
         for rows in self.entangled.blocks() if self.diagram is None else blocks(self.diagram):
@@ -217,8 +217,8 @@ class Engine:
     def sample(self, number: int, seed: int = 0) -> Rows:
         """*number* rows drawn uniformly among the valid ones, independently. Raises DseError if there is none."""
         from dse.space.methods import listed
-        from dse.space.sampling.sample import sample
-        from dse.space.sampling.tilt import EmptyError, TooRareError
+        from dse.space.methods.sampling.sample import sample
+        from dse.space.methods.sampling.tilt import EmptyError, TooRareError
 
         try:
             if self.diagram is None:
@@ -237,7 +237,7 @@ class Engine:
         """
         if self.diagram is None:
             return self.entangled.least(weights, number)
-        from dse.space.optimum.best import best
+        from dse.space.methods.optimum.best import best
 
         return best(self.diagram, weights, number).rows
 
@@ -247,8 +247,8 @@ class Engine:
         Raises DseError if there is no valid row.
         """
         from dse.space.methods import listed
-        from dse.space.sampling.estimate import estimate_occurrences
-        from dse.space.sampling.tilt import EmptyError, TooRareError
+        from dse.space.methods.sampling.estimate import estimate_occurrences
+        from dse.space.methods.sampling.tilt import EmptyError, TooRareError
 
         try:
             if self.diagram is None:
@@ -276,7 +276,7 @@ class Engine:
         """Whether a bound proves that no row is valid, before anything is spent on it."""
         if self.diagram is None:
             return False
-        from dse.space.sampling.tilt import EmptyError, tilt
+        from dse.space.methods.sampling.tilt import EmptyError, tilt
 
         try:
             tilt(self.diagram)

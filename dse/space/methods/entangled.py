@@ -16,23 +16,23 @@ from math import ceil, floor, sqrt
 import numpy as np
 
 from dse.errors import DseError, fail
-from dse.space.budget import TooMuchError
-from dse.space.dnnf import queries
-from dse.space.dnnf import rows as listing
-from dse.space.dnnf.compile import Dnnf, compile_dnnf
-from dse.space.dnnf.optimum import least
-from dse.space.dnnf.satisfy import satisfiable
-from dse.space.dnnf.trim import UnsupportedError
 from dse.space.flat import FlatSpace, Ints, Linear, Rows, Wide
-from dse.space.listing.recheck import recheck
-from dse.space.listing.search import Effort
-from dse.space.listing.search import first as search_first
-from dse.space.listing.search import rows as search_rows
-from dse.space.mdd.growth import TooWideError
 from dse.space.methods import listed
-from dse.space.sampling.estimate import Shares, exact_shares
-from dse.space.sampling.tilt import EmptyError
-from dse.space.tally import Tally
+from dse.space.methods.budget import TooMuchError
+from dse.space.methods.dnnf import queries
+from dse.space.methods.dnnf import rows as listing
+from dse.space.methods.dnnf.compile import Dnnf, compile_dnnf
+from dse.space.methods.dnnf.optimum import least
+from dse.space.methods.dnnf.satisfy import satisfiable
+from dse.space.methods.dnnf.trim import UnsupportedError
+from dse.space.methods.listing.recheck import recheck
+from dse.space.methods.listing.search import Effort
+from dse.space.methods.listing.search import first as search_first
+from dse.space.methods.listing.search import rows as search_rows
+from dse.space.methods.mdd.growth import TooWideError
+from dse.space.methods.sampling.estimate import Shares, exact_shares
+from dse.space.methods.sampling.tilt import EmptyError
+from dse.space.methods.tally import Tally
 
 SEARCHED = 2_000_000
 """Values that a complete search tries before it gives up."""

@@ -6,9 +6,9 @@ from collections.abc import Callable, Iterable
 
 from dse.errors import fail
 from dse.space.flat import FlatSpace, Rows
-from dse.space.sampling.estimate import Shares, exact_shares, taken
-from dse.space.sampling.tilt import EmptyError
-from dse.space.sampling.uniform import generator
+from dse.space.methods.sampling.estimate import Shares, exact_shares, taken
+from dse.space.methods.sampling.tilt import EmptyError
+from dse.space.methods.sampling.uniform import generator
 
 LISTED = 20_000_000
 """Rows that are listed for a count where nothing else helps."""

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 
 from dse.space.flat import FlatSpace
 from dse.space.methods.engine import Engine
+from dse.space.methods.tally import Tally
 from dse.space.questions.overlay import overlay
-from dse.space.tally import Tally
 
 
 @dataclass(frozen=True, slots=True)

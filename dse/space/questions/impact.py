@@ -9,8 +9,8 @@ from dse.domain.design import Constraint
 from dse.errors import Problem, closest, fail, raise_if_any
 from dse.space.flat import FlatSpace
 from dse.space.methods.engine import Engine
+from dse.space.methods.tally import Tally, total_of
 from dse.space.questions.negation import breaking
-from dse.space.tally import Tally, total_of
 
 MOST_ENTANGLED = 100
 """Constraints of a space without a diagram that are looked at together; each takes about a second."""

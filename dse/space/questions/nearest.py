@@ -8,10 +8,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from dse.errors import fail
-from dse.space.budget import TooMuchError
 from dse.space.configurations.ids import IdentifiedChoices
 from dse.space.decisions import Choices
 from dse.space.flat import ABSENT, Ints
+from dse.space.methods.budget import TooMuchError
 from dse.space.methods.engine import Engine
 
 

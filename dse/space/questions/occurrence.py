@@ -11,8 +11,8 @@ import numpy as np
 
 from dse.space.flat import by_path, single
 from dse.space.lowering.shape import Branch
-from dse.space.mdd.diagram import occurrences as times_taken
 from dse.space.methods.engine import Engine
+from dse.space.methods.mdd.diagram import occurrences as times_taken
 
 
 @dataclass(frozen=True, slots=True)

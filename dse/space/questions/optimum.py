@@ -12,15 +12,15 @@ from dse.domain.expression import Expression, Number
 from dse.errors import DseError, Location, fail
 from dse.expression.parse import parse_expression
 from dse.expression.tree import descend
-from dse.space.budget import TooMuchError
 from dse.space.configurations.ids import IdentifiedChoices
 from dse.space.decisions import sites
 from dse.space.lowering.objective import FoldedObjective, LinearObjective, LoweredObjective, objective
-from dse.space.mdd.diagram import Diagram
+from dse.space.methods.budget import TooMuchError
 from dse.space.methods.engine import Engine
-from dse.space.optimum.best import best_valued
-from dse.space.optimum.optimizer import Ranking, sums
-from dse.space.optimum.pareto import pareto
+from dse.space.methods.mdd.diagram import Diagram
+from dse.space.methods.optimum.best import best_valued
+from dse.space.methods.optimum.optimizer import Ranking, sums
+from dse.space.methods.optimum.pareto import pareto
 from dse.space.questions.ratio import as_ratio, best_ratio
 from dse.units import DIMENSIONLESS, Dimension, Unit, UnitError, describe, parse_unit
 

@@ -10,10 +10,10 @@ import numpy as np
 
 from dse.space.configurations.ids import IdentifiedChoices
 from dse.space.flat import Linear, Variable
-from dse.space.mdd.diagram import Diagram, extremes
 from dse.space.methods.engine import Engine
+from dse.space.methods.mdd.diagram import Diagram, extremes
+from dse.space.methods.tally import Tally
 from dse.space.output.sums import PropertySum
-from dse.space.tally import Tally
 
 Pick = tuple[int, int]
 """A decision by the number of its variable, and one of its values."""

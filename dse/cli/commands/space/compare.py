@@ -15,8 +15,8 @@ from dse.cli.terminal import print_json, say
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
+    from dse.space.methods.tally import Tally
     from dse.space.questions.difference import Difference
-    from dse.space.tally import Tally
 
 
 @space_app.command("compare")
