@@ -19,7 +19,7 @@ from dse.cosim.simulator import Simulator
 from dse.domain.component import Component, ModelicaSource
 from dse.fmu.build import build, build_all
 from dse.loading.workspace import Workspace
-from dse.space.enumerate import configurations
+from dse.space.opened import open_space
 from dse.testbench.prepare import prepare
 from dse.testbench.prepared import PreparedBench
 
@@ -38,7 +38,7 @@ def main() -> None:
 def show_steps(workspace: Workspace) -> None:
     bench = workspace.bench("acc_following")
     chosen = {}
-    for configuration in configurations(bench.design):
+    for configuration in open_space(bench.design).configurations():
         picked = dict(configuration.choices)
         if "video" not in picked and all(picked[place] == name for place, name in FIXED.items()):
             chosen.setdefault(picked["powertrain"], configuration)

@@ -16,7 +16,7 @@ from dse.errors import DseError, Problem
 from dse.fmu.together import together
 from dse.loading.component.kind import kind_of
 from dse.loading.workspace import Workspace
-from dse.space.check import check as check_space
+from dse.space.check import check_space
 from dse.testbench.plan import require_variables
 from dse.testbench.prepare import check_bench, prepare, settable
 from dse.testbench.select import one, selected

@@ -25,8 +25,8 @@ def method_of(
     """*method* with the names of elements and their variables.
 
     What is said of an architecture holds for all parts in it; what is said of a part of its own goes before. Parts
-    and bonds that the configuration does not have are left out. *behind* is that of ``faces``. A bond whose ends are
-    there but not wired to each other's part is added to *problems*, located at *where*.
+    and bonds that the configuration does not have are left out. *behind* is that of `architecture_outputs`. A bond
+    whose ends are there but not wired to each other's part is added to *problems*, located at *where*.
     """
     bonds = (_bond(bond, parts, connections, behind, where, problems) for bond in method.bonds)
     return replace(

@@ -16,7 +16,7 @@ from dse.errors import DseError, Problem, raise_if_any
 from dse.fmu.build import build_all
 from dse.fmu.unpack import open_fmu
 from dse.metrics.program import compile_metrics
-from dse.space.wiring import faces, wire
+from dse.space.configurations.wiring import architecture_outputs, wire
 from dse.system.assemble import assemble, check_wiring
 from dse.testbench.method import method_of, signal_name
 from dse.testbench.prepared import PreparedBench, Setting
@@ -58,7 +58,7 @@ def check_bench(bench: TestBench, configuration: Configuration) -> None:
     parts, connections = parts_and_wiring(bench, configuration)
     problems: list[Problem] = []
     joined = check_wiring(parts, connections, _values(bench, parts), problems, bench.where)
-    behind = faces(bench.design, configuration.choices)
+    behind = architecture_outputs(bench.design, configuration.choices)
     types, signals = _names(parts, {connection.target for connection in joined}, behind)
     method = method_of(bench.simulation.method, parts, joined, behind, bench.simulation.where, problems)
     energies = _energies(method)
@@ -98,7 +98,7 @@ def _prepare(
 ) -> PreparedBench:
     values = _values(bench, parts)
     connected = {connection.target for connection in connections}
-    behind = faces(bench.design, configuration.choices)
+    behind = architecture_outputs(bench.design, configuration.choices)
     types, signals = _names(parts, connected, behind)
     problems: list[Problem] = []
     method = method_of(bench.simulation.method, parts, connections, behind, bench.simulation.where, problems)
@@ -153,7 +153,10 @@ def _values(bench: TestBench, parts: Mapping[str, Component]) -> dict[str, Value
 def _names(
     parts: Mapping[str, Component], connected: Iterable[str], behind: Mapping[str, str]
 ) -> tuple[dict[str, Type], frozenset[str]]:
-    """Every name a metric may use with its type, and which of them are waveforms; *behind* is that of `faces`."""
+    """Every name a metric may use with its type, and which of them are waveforms.
+
+    *behind* is that of `architecture_outputs`.
+    """
     types: dict[str, Type] = {}
     signals = set()
     inputs = set(connected)

@@ -78,7 +78,7 @@ def recorded_units(planned: Plan) -> dict[str, str]:
     """The SI unit of each waveform that is kept of the study's runs."""
     from dse.domain.component import Kind
     from dse.domain.method import BONDS
-    from dse.space.wiring import faces
+    from dse.space.configurations.wiring import architecture_outputs
     from dse.testbench.prepare import parts_and_wiring
 
     bench = planned.study.bench
@@ -90,7 +90,7 @@ def recorded_units(planned: Plan) -> dict[str, str]:
             for port in component.interface.ports:
                 is_number = port.type.kind is Kind.REAL
                 found[f"{path}.{port.name}"] = si_unit(port.type.unit.symbol) if is_number else ""
-        behind = faces(bench.design, prepared.configuration.choices)
+        behind = architecture_outputs(bench.design, prepared.configuration.choices)
         found |= {face: found[source] for face, source in behind.items()}
         kept |= {name: found[name] for name in prepared.kept}
     return kept

@@ -21,7 +21,7 @@ from dse.interchange.structure import SspSystem
 from dse.loading.writing.bench import write_bench
 from dse.loading.writing.component import write_fmu_component, write_interfaces
 from dse.loading.writing.design import write_design
-from dse.space.enumerate import configurations
+from dse.space.opened import open_space
 
 
 @dataclass(frozen=True, slots=True)
@@ -180,7 +180,7 @@ def _designs(
     for group in shared:
         space = _space(group, catalogue)
         spaces.append(space)
-        found = list(configurations(space))
+        found = list(open_space(space).configurations())
         for variant in group:
             wanted = {place: component.name for place, component in variant.parts.items()}
             meant = next(c for c in found if {path: part.name for path, part in c.parts.items()} == wanted)
