@@ -23,8 +23,8 @@ from dse.exploration.plan import missing_runs
 from dse.exploration.seat import Seat, bench_file
 from dse.loading.workspace import Workspace
 from dse.storage.asks import Asks, blocks_of
-from dse.testbench.execute import make_runner
-from dse.testbench.plan import plan
+from dse.testbench.runner import make_runner
+from dse.testbench.study import prepare_study
 
 RUNS = 600
 TURNS = 5
@@ -32,8 +32,8 @@ TURNS = 5
 
 def main() -> None:
     study = Workspace.around(Path(__file__).parent).study("acc_gains")
-    planned = plan(study)
-    asked = first_ask(study, tuple(planned.prepared))
+    planned = prepare_study(study)
+    asked = first_ask(study, tuple(planned.benches))
     (batch,) = missing_runs([0], {0: asked[0]}, Asks(blocks_of(asked[:1], 0, 0)))
     chosen = [r for r in asked if r.configuration == batch.configuration][:RUNS]
     batch = replace(
@@ -41,7 +41,7 @@ def main() -> None:
         numbers=tuple(r.number for r in chosen),
         points=tuple(tuple(r.point[name] for name in batch.names) for r in chosen),
     )
-    prepared = planned.prepared[batch.configuration]
+    prepared = planned.benches[batch.configuration]
     assert prepared.thread_safe
     sys.setswitchinterval(1e-4)  # as a worker with threads does
     with tempfile.TemporaryDirectory(prefix="dse-bench-") as scratch:

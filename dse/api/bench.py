@@ -74,7 +74,7 @@ class Bench:
         progress: Callable[[Progress], None] | bool | None = None,
     ) -> Results:
         """Run the bench on every valid configuration, into a study folder; see `Study.explore`."""
-        from dse.testbench.plan import bench_study
+        from dse.testbench.study import bench_study
 
         return Study(bench_study(self.noun)).explore(
             folder, workers=workers, threads=threads, fuse=fuse, fresh=fresh, fmi=fmi, progress=progress

@@ -15,9 +15,9 @@ from dse.exploration.executor import Executor, chosen
 from dse.exploration.explore import ExplorationInterruptedError, explore
 from dse.exploration.progress import Progress
 from dse.storage.folder import StudyFolder
-from dse.testbench.execute import make_runner
-from dse.testbench.fuse import fused_plan
-from dse.testbench.plan import Plan, plan
+from dse.testbench.fuse import fuse_study
+from dse.testbench.runner import make_runner
+from dse.testbench.study import PreparedStudy, prepare_study
 
 if TYPE_CHECKING:
     from dse.domain.run import Run, Waveforms
@@ -44,19 +44,21 @@ class Explored:
     extended: bool
 
 
-def ready(study: Study, *, version: int = 2, fuse: bool = False, tell: Callable[[str], None] | None = None) -> Plan:
+def ready(
+    study: Study, *, version: int = 2, fuse: bool = False, tell: Callable[[str], None] | None = None
+) -> PreparedStudy:
     """*study* with all that has to be built for it; *tell* is told what is going on. Raises DseError."""
     say = tell or _silent
     say("building FMUs, assembling configurations")
-    planned = plan(study, version=version)
+    planned = prepare_study(study, version=version)
     if not fuse:
         return planned
     say("fusing configurations")
-    return fused_plan(planned, tell=lambda made, all_: say(f"fusing configurations: {made} of {all_}"))
+    return fuse_study(planned, tell=lambda made, all_: say(f"fusing configurations: {made} of {all_}"))
 
 
 def explore_into(
-    planned: Plan,
+    planned: PreparedStudy,
     folder: Path,
     *,
     workers: int = 0,
@@ -76,7 +78,7 @@ def explore_into(
     with StudyFolder.resume(folder, planned.definition) as store:
         before = len(store.finished())
         tell = on_progress or _silent
-        summary = explore(planned.study, planned.prepared, store, executor=executor, on_progress=tell)
+        summary = explore(planned.study, planned.benches, store, executor=executor, on_progress=tell)
         new = len(store.finished()) - before
         again = max(0, summary.simulated - new)
         return Explored(before, new, again, summary.retried, summary.irreproducible, store.is_extended)
@@ -93,14 +95,14 @@ def executor_of(study: Study, workers: int = 0, threads: int = 1) -> Executor:
     return chosen(ExecutorChoice(name, {**options, **given}))
 
 
-def alone(planned: Plan) -> Run:
+def alone(planned: PreparedStudy) -> Run:
     """The single run of the study, made in a process of its own, with waveforms."""
     with (
         tempfile.TemporaryDirectory(prefix="dse-") as scratch,
         StudyFolder.create(Path(scratch) / "run", planned.definition) as store,
     ):
         executor = chosen(ExecutorChoice("local", {"workers": 1}))
-        explore(planned.study, planned.prepared, store, executor=executor)
+        explore(planned.study, planned.benches, store, executor=executor)
         return store.run(0)
 
 

@@ -12,7 +12,7 @@ from dse.fmu.build import build
 from dse.fmu.toolchain.platforms import this_platform
 from dse.fmu.unpack import open_fmu
 from dse.loading.workspace import Workspace
-from dse.testbench.trust import as_data, consequences, keep_facts, known_facts
+from dse.testbench.facts import as_data, consequences, keep_facts, known_facts
 
 if TYPE_CHECKING:
     from dse.domain.facts import FmuFacts, Question

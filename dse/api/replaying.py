@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from dse.api.results import Results
     from dse.domain.definition import StudyDefinition
     from dse.domain.study import Study
-    from dse.testbench.plan import Plan
+    from dse.testbench.study import PreparedStudy
 
 
 @dataclass(frozen=True, slots=True)
@@ -55,7 +55,7 @@ def replay(
     *,
     source: str | Path | None = None,
     version: int = 2,
-    prepare: Callable[[Study, int], Plan] | None = None,
+    prepare: Callable[[Study, int], PreparedStudy] | None = None,
 ) -> Replay:
     """Simulate run *number* again and compare; its study is found in the workspace here, or in the file *source*.
 
@@ -79,7 +79,7 @@ def replay(
 
 def _study(definition: StudyDefinition, source: str | Path | None) -> Study:
     """The study the folder came from, found by its name in the workspace around the current folder, or in *source*."""
-    from dse.testbench.plan import bench_study
+    from dse.testbench.study import bench_study
 
     is_bench = not definition.variables
     name = str(source) if source else definition.bench.name if is_bench else definition.study
@@ -89,6 +89,6 @@ def _study(definition: StudyDefinition, source: str | Path | None) -> Study:
 
 def _single(study: Study, stored: Run) -> Study:
     from dse.domain.study import Selection
-    from dse.testbench.plan import bench_study, with_values
+    from dse.testbench.study import bench_study, with_values
 
     return bench_study(with_values(study.bench, stored.point), Selection((stored.configuration,)))

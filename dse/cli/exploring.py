@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from dse.api.exploring import Explored
     from dse.api.results import Results, Summary
     from dse.domain.study import Study
-    from dse.testbench.plan import Plan
+    from dse.testbench.study import PreparedStudy
 
 _MOST_PROBLEMS = 5
 
@@ -42,7 +42,7 @@ def explore_into(
     raise typer.Exit(RUNS_FAILED if failed else DONE)
 
 
-def ready(study: Study, version: int, *, fuse: bool = False) -> Plan:
+def ready(study: Study, version: int, *, fuse: bool = False) -> PreparedStudy:
     """*study* with all that has to be built for it, the terminal told what is going on. Raises DseError."""
     from dse.api.exploring import ready as made_ready
 

@@ -12,11 +12,11 @@ from dse.errors import Location, Problem, fail, raise_if_any
 from dse.fmu.unpack import open_fmu
 from dse.formats.yaml import shown
 from dse.formats.yaml_text import write_value
+from dse.interchange.importing.offer import implementing, offer
 from dse.kinds.fmu import FmuSource
 from dse.loading.names import check_choice
 from dse.loading.workspace import Workspace
 from dse.loading.writing.component import write_fmu_component, write_interfaces
-from dse.system.fmu_component import implementing, offer
 from dse.units import DIMENSIONLESS
 
 

@@ -12,12 +12,12 @@ from dse.domain.fmu import FmuModel
 from dse.domain.system import Element, SystemStructure, Wire
 from dse.errors import DseError, Location, Problem, raise_if_any
 from dse.interchange.importing.names import free_name
+from dse.interchange.importing.offer import offer
 from dse.interchange.resolving.resolve import ResolvedSystem
 from dse.interchange.structure import Component as SspComponent
 from dse.interchange.writing.connections import carries_the_same
 from dse.kinds.fmu import FmuSource
 from dse.system.binding import bind
-from dse.system.fmu_component import offer
 
 
 @dataclass(slots=True)

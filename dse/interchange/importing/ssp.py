@@ -118,7 +118,7 @@ def _variant(
     parts = {names[name]: components[name] for name in order}
     parameters = given_values(resolved, names, catalogue, components)
     where = Location(shown(path))
-    timing = timing_of(resolved.experiment, list(models.values()), *times, where)
+    timing = timing_of(ssp.experiment, models.values(), *times, where)
     every = ssp.experiment.record_every if times == (None, None) else None
     record = _record(resolved, names, catalogue, components, told)
     simulation = Simulation(timing.stop, timing.step, record, every or timing.step)

@@ -6,12 +6,17 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from fractions import Fraction
+from typing import TYPE_CHECKING
 
 from dse.domain.component import Kind
 from dse.domain.fmu import UnitDefinition
 from dse.formats.xml_values import flag_of, whole_of
 from dse.interchange.structure import NamedUnit, SignalType, Transformation
 from dse.units import SI_SYMBOLS, UnitError, counts_otherwise, is_rounded, parse_unit
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
 
 
 class ConversionError(ValueError):
@@ -59,6 +64,14 @@ class Carry:
         if not math.isfinite(value):
             return value * float(self.factor)
         return as_float(Fraction(value) * self.factor + self.offset)
+
+    def apply_all(self, values: NDArray[np.float64]) -> NDArray[np.float64]:
+        """The values at the other end; *values* themselves if they stay as they are."""
+        if self.table is None and self.is_linear_identity:
+            return values
+        import numpy as np
+
+        return np.array([self.apply(float(value)) for value in values], np.float64)
 
     @property
     def numbers(self) -> tuple[float, float]:
