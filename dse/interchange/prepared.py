@@ -18,7 +18,8 @@ from dse.fmu.together import together
 from dse.fmu.unpack import open_fmu
 from dse.formats.yaml import shown
 from dse.interchange.reading.open import open_ssp
-from dse.interchange.resolving.resolve import Models, ResolvedSystem, system_of
+from dse.interchange.resolving.network import Models
+from dse.interchange.resolving.resolve import ResolvedSystem, system_of
 from dse.interchange.structure import Component, ExperimentSettings, SspSystem
 from dse.metrics.program import compile_metrics
 from dse.testbench.prepare import with_facts

@@ -45,6 +45,13 @@ class Connector:
     where: Location
     sizes: tuple[int | None, ...] = ()
 
+    @property
+    def gives(self) -> bool | None:
+        """Whether values come from it (True) or go to it (False), as seen from beside; None if both may be."""
+        if self.kind in ("output", "calculatedParameter", "constant", "local"):
+            return True
+        return False if self.kind in ("input", "parameter", "structuralParameter") else None
+
 
 @dataclass(frozen=True, slots=True)
 class Transformation:
@@ -62,31 +69,29 @@ class Transformation:
 
 
 @dataclass(frozen=True, slots=True)
-class Connection:
-    """A connection of two connectors of elements of a system, or of its own; the element is "" for those.
+class End:
+    """One end of a connection: a connector of an element, or of the system itself (then *element* is "").
 
-    Which of them is the source is decided by their kinds. *start_indices* and *end_indices* pick one value of an array.
+    *indices* pick one value of an array.
     """
 
-    start_element: str
-    start_connector: str
-    end_element: str
-    end_connector: str
+    element: str
+    connector: str
+    indices: tuple[int, ...] = ()
+
+    def __str__(self) -> str:
+        return f"{self.element}.{self.connector}" if self.element else self.connector
+
+
+@dataclass(frozen=True, slots=True)
+class Connection:
+    """A connection of two connectors; which of them is the source is decided by their kinds."""
+
+    start: End
+    end: End
     where: Location
     transformation: Transformation | None = None
     suppresses_unit_conversion: bool = False
-    start_indices: tuple[int, ...] = ()
-    end_indices: tuple[int, ...] = ()
-
-    @property
-    def start(self) -> str:
-        """The start as ``element.connector``."""
-        return f"{self.start_element}.{self.start_connector}" if self.start_element else self.start_connector
-
-    @property
-    def end(self) -> str:
-        """The end as ``element.connector``."""
-        return f"{self.end_element}.{self.end_connector}" if self.end_element else self.end_connector
 
     def __str__(self) -> str:
         return f"{self.start} - {self.end}"
@@ -171,6 +176,11 @@ class System:
     where: Location
     dictionaries: Mapping[str, Mapping[str, SignalType]] = field(default_factory=dict)
 
+    @property
+    def parts(self) -> list[Component | System]:
+        """The elements that are no references to signal dictionaries."""
+        return [element for element in self.elements if isinstance(element, Component | System)]
+
     def element(self, name: str) -> Component | DictionaryReference | System | None:
         """The element called *name*, or None."""
         return next((element for element in self.elements if element.name == name), None)
@@ -209,8 +219,8 @@ class SspSystem:
 
 
 def _places(system: System, prefix: str) -> Iterator[tuple[str, Component]]:
-    for element in system.elements:
-        if isinstance(element, Component):
-            yield f"{prefix}{element.name}", element
-        elif isinstance(element, System):
-            yield from _places(element, f"{prefix}{element.name}.")
+    for part in system.parts:
+        if isinstance(part, Component):
+            yield f"{prefix}{part.name}", part
+        else:
+            yield from _places(part, f"{prefix}{part.name}.")

@@ -12,7 +12,7 @@ from dse.fmu.reading.declared_types import DeclaredType
 from dse.fmu.reading.model_structure import Structure
 from dse.fmu.reading.starts import read_start
 from dse.fmu.reading.variables import (
-    KINDS,
+    VALUE_KINDS,
     Listed,
     accessor,
     reference_of,
@@ -92,7 +92,7 @@ def _listed(element: XmlElement, types: Mapping[str, DeclaredType], problems: li
         return None
     subject = f"variable '{shortened(name)}'"
     told = values_told(typed, 1, types, problems)
-    fmi_type, kind = accessor(typed.tag, 1), KINDS[typed.tag]
+    fmi_type, kind = accessor(typed.tag, 1), VALUE_KINDS[typed.tag]
     start = read_start(typed, fmi_type, 1, subject, problems)
     causality, variability = _words(element, kind, has_start=bool(start), problems=problems)
     alias = word(element, "alias", _ALIASES, problems, "noAlias")

@@ -16,7 +16,7 @@ from dse.formats.xml import XmlElement
 from dse.formats.xml_values import flag, required, shortened, whole, word
 
 MOST_REFERENCES = 2**32
-KINDS: Mapping[str, Kind | None] = {
+VALUE_KINDS: Mapping[str, Kind | None] = {
     "Real": Kind.REAL,
     "Float32": Kind.REAL,
     "Float64": Kind.REAL,
@@ -30,7 +30,7 @@ KINDS: Mapping[str, Kind | None] = {
 TYPES: Mapping[int, frozenset[str]] = {
     1: frozenset(("Real", "Integer", "Boolean", "Enumeration", "String")),
     2: frozenset(("Real", "Integer", "Boolean", "Enumeration", "String")),
-    3: frozenset(KINDS) - {"Real", "Integer"},
+    3: frozenset(VALUE_KINDS) - {"Real", "Integer"},
 }
 """The names of a version's types, as its descriptions spell them."""
 
@@ -127,7 +127,7 @@ def _listed(
     if causality == "parameter" and element.get("variability").strip() == "constant":
         causality = "local"
     told = values_told(typed, version, types, problems)
-    fmi_type, kind = accessor(typed.tag, version), KINDS[typed.tag]
+    fmi_type, kind = accessor(typed.tag, version), VALUE_KINDS[typed.tag]
     shape, sized_by = read_shape(element, subject, sizes, problems) if version == 3 else ((), ())
     variable = Variable(
         name=name,

@@ -16,7 +16,8 @@ from dse.interchange.importing.names import free_name, part_names
 from dse.interchange.importing.parts import Catalogue
 from dse.interchange.importing.values import given_values
 from dse.interchange.prepared import read_package, timing_of
-from dse.interchange.resolving.resolve import Models, ResolvedSystem, system_of
+from dse.interchange.resolving.network import Models
+from dse.interchange.resolving.resolve import ResolvedSystem, system_of
 from dse.interchange.structure import SspSystem
 from dse.loading.writing.bench import write_bench
 from dse.loading.writing.component import write_fmu_component, write_interfaces

@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from dse.errors import Problem, fail
 from dse.formats.xml import XmlElement
-from dse.formats.xml_values import flag, required, shortened
+from dse.formats.xml_values import shortened
 from dse.interchange.reading.common import (
     META,
     SSM,
@@ -12,7 +11,6 @@ from dse.interchange.reading.common import (
     TRANSFORMATIONS,
     TYPES,
     Findings,
-    expect,
     read_scope,
     read_transformation,
     require_root,
@@ -20,71 +18,54 @@ from dse.interchange.reading.common import (
 )
 from dse.interchange.structure import MappingEntry, ParameterValue
 
-_VALUES = frozenset(TYPES) - {"Clock"}
-_TEXTS = ("String", "Binary")
+_VALUES = TYPES - {"Clock"}
 
 
 def read_parameters(root: XmlElement, found: Findings) -> tuple[ParameterValue, ...]:
     """The values of an ``ssv:ParameterSet``. Raises DseError if *root* is none; all else goes to *found*."""
     require_root(root, "ParameterSet", SSV)
-    expect(root, META | {"version", "name"}, {"Parameters", "Enumerations", "Units"}, found)
+    found.expect(root, META | {"version", "name"}, {"Parameters", "Enumerations", "Units"})
     scope = read_scope(root, found)
     values: dict[str, ParameterValue] = {}
-    for group in root.all("Parameters"):
-        expect(group, set(), {"Parameter"}, found)
-        for element in group.all("Parameter"):
-            expect(element, {"name"}, _VALUES | {"Dimension"}, found)
-            name = required(element, "name", found.problems)
-            if name in values:
-                found.problems.append(Problem(f"the parameter '{shortened(name)}' is there twice", element.where))
-            typed = [child for child in element.children if child.tag in _VALUES]
-            if len(typed) != 1:
-                found.problems.append(Problem(f"<Parameter> '{shortened(name)}' needs one value", element.where))
-                continue
-            values[name] = ParameterValue(
-                name, typed[0].tag, _texts(typed[0], found), element.where, unit_of(typed[0], scope)
-            )
+    for element in found.listed(root, "Parameters", "Parameter"):
+        found.expect(element, {"name"}, _VALUES | {"Dimension"})
+        name = found.new(element, values, "the parameter")
+        typed = [child for child in element.children if child.tag in _VALUES]
+        if len(typed) != 1:
+            found.add(f"<Parameter> '{shortened(name)}' needs one value", element.where)
+            continue
+        (value,) = typed
+        values[name] = ParameterValue(name, value.tag, _texts(value, found), element.where, unit_of(value, scope))
     return tuple(values.values())
 
 
 def _texts(element: XmlElement, found: Findings) -> tuple[str, ...]:
-    expect(element, {"value", "unit", "name", "mime-type"}, {"Value"}, found)
+    found.expect(element, {"value", "unit", "name", "mime-type"}, {"Value"})
     listed = [child.get("value") for child in element.all("Value")]
     if listed:
         return tuple(listed)
     if "value" not in element.attributes:
-        found.problems.append(Problem(f"<{element.tag}> has no 'value'", element.where))
+        found.add(f"<{element.tag}> has no 'value'", element.where)
     text = element.get("value")
     # SSP 2.0 writes the values of an array with blanks in between; a text or an item's name may hold some itself.
-    return (text,) if element.tag in (*_TEXTS, "Enumeration") else tuple(text.split())
+    return (text,) if element.tag in ("String", "Binary", "Enumeration") else tuple(text.split())
 
 
 def read_mapping(root: XmlElement, found: Findings) -> tuple[MappingEntry, ...]:
     """The entries of an ``ssm:ParameterMapping``. Raises DseError if *root* is none; all else goes to *found*."""
     require_root(root, "ParameterMapping", SSM)
-    expect(root, META | {"version"}, {"MappingEntry"}, found)
-    entries = []
-    targets: set[str] = set()
+    found.expect(root, META | {"version"}, {"MappingEntry"})
+    entries: dict[str, MappingEntry] = {}
     for element in root.all("MappingEntry"):
-        expect(element, {"source", "target", "suppressUnitConversion"}, set(TRANSFORMATIONS), found)
-        target = required(element, "target", found.problems)
-        if target in targets:
-            found.problems.append(Problem(f"'{shortened(target)}' is the target of two entries", element.where))
-        targets.add(target)
-        entries.append(
-            MappingEntry(
-                required(element, "source", found.problems),
-                target,
-                element.where,
-                read_transformation(element, found),
-                flag(element, "suppressUnitConversion", found.problems),
-            )
+        found.expect(element, {"source", "target", "suppressUnitConversion"}, TRANSFORMATIONS)
+        target = found.required(element, "target")
+        if target in entries:
+            found.add(f"'{shortened(target)}' is the target of two entries", element.where)
+        entries[target] = MappingEntry(
+            found.required(element, "source"),
+            target,
+            element.where,
+            read_transformation(element, found),
+            found.flag(element, "suppressUnitConversion"),
         )
-    return tuple(entries)
-
-
-def inline(element: XmlElement, tag: str) -> XmlElement:
-    """The single child *tag* that *element* holds. Raises DseError if it holds something else."""
-    if len(element.children) == 1 and element.children[0].tag == tag:
-        return element.children[0]
-    raise fail(f"<{element.tag}> must hold one <{tag}>", element.where)
+    return tuple(entries.values())

@@ -9,7 +9,8 @@ from fractions import Fraction
 from typing import TYPE_CHECKING
 
 from dse.domain.component import Kind
-from dse.domain.fmu import UnitDefinition
+from dse.domain.fmu import FmuModel, UnitDefinition, Variable
+from dse.fmu.reading.variables import VALUE_KINDS
 from dse.formats.xml_values import flag_of, whole_of
 from dse.interchange.structure import NamedUnit, SignalType, Transformation
 from dse.units import SI_SYMBOLS, UnitError, counts_otherwise, is_rounded, parse_unit
@@ -107,23 +108,19 @@ def as_float(value: Fraction) -> float:
         return math.inf if value > 0 else -math.inf
 
 
-KINDS: Mapping[str, str] = {
-    **dict.fromkeys(("Real", "Float64", "Float32"), Kind.REAL),
-    **dict.fromkeys(
-        ("Integer", "Int8", "UInt8", "Int16", "UInt16", "Int32", "UInt32", "Int64", "UInt64"), Kind.INTEGER
-    ),
-    "Boolean": Kind.BOOLEAN,
-    "Enumeration": Kind.ENUMERATION,
-    "String": "String",
-    "Binary": "Binary",
-    "Clock": "Clock",
-}
-"""The kind of each of SSP's types."""
+KINDS: Mapping[str, str] = {name: kind or name for name, kind in VALUE_KINDS.items()}
+"""The kind of each of SSP's types, which are called as FMI's; its own name for what is no number."""
 
 
 def form_of(type_: SignalType) -> Form:
     """How a connector of this type gives its values."""
     return Form(KINDS[type_.name], type_.unit, type_.items)
+
+
+def form_of_variable(variable: Variable, model: FmuModel) -> Form:
+    """How the FMU gives the values of *variable*."""
+    unit = NamedUnit(variable.unit, model.units.get(variable.unit)) if variable.unit else None
+    return Form(variable.kind or variable.fmi_type, unit, variable.items or None, variable.is_relative)
 
 
 def carry(

@@ -11,8 +11,7 @@ from dse.domain.component import Kind
 from dse.domain.fmu import Variable
 from dse.domain.system import Conversion, Element, SystemStructure, Wire
 from dse.errors import fail
-from dse.interchange.resolving.conversion import SAME, Carry, ConversionError, Form, convert
-from dse.interchange.resolving.routes import form_of_variable
+from dse.interchange.resolving.conversion import SAME, Carry, ConversionError, Form, convert, form_of_variable
 
 _EQUAL = Fraction(1, 10**12)
 """Relative difference up to which two conversions of a unit are the same, rounded otherwise."""

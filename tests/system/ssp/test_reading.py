@@ -254,7 +254,7 @@ def test_connections_are_read_with_their_transformation(tmp_path):
     linear = '<ssc:LinearTransformation factor="2.5" offset="-1"/>'
     joined = connections(connection("gain.y", "gain.u", linear, suppressUnitConversion="true"))
     (found,) = opened(tmp_path, {"SystemStructure.ssd": description(PLAIN + joined)}, GAIN).system.connections
-    assert (found.start, found.end, found.suppresses_unit_conversion) == ("gain.y", "gain.u", True)
+    assert (str(found.start), str(found.end), found.suppresses_unit_conversion) == ("gain.y", "gain.u", True)
     assert (found.transformation.factor, found.transformation.offset) == (2.5, -1.0)
     assert found.where.line == 4
 
