@@ -13,6 +13,7 @@ from dse.fmu.unpack import open_fmu
 from dse.formats.yaml import shown
 from dse.formats.yaml_text import write_value
 from dse.interchange.importing.offer import implementing, offer
+from dse.interchange.names import numbered
 from dse.kinds.fmu import FmuSource
 from dse.loading.names import check_choice
 from dse.loading.workspace import Workspace
@@ -21,7 +22,7 @@ from dse.units import DIMENSIONLESS
 
 
 @dataclass(frozen=True, slots=True)
-class Imported:
+class ImportedComponent:
     """A component that was written to *path*.
 
     *starts* are the FMU's own values of its inputs, as a test bench gives them. *left_out* are variables it does
@@ -36,7 +37,9 @@ class Imported:
     told: tuple[str, ...]
 
 
-def import_component(file: Path, folder: Path, name: str | None = None, *, cache: Path | None = None) -> Imported:
+def import_component(
+    file: Path, folder: Path, name: str | None = None, *, cache: Path | None = None
+) -> ImportedComponent:
     """Copy the FMU in *file* into the workspace *folder* and write its component beside it.
 
     It implements that interface of the workspace whose ports it has by name, kind and dimension if all its inputs are
@@ -57,7 +60,7 @@ def import_component(file: Path, folder: Path, name: str | None = None, *, cache
     component = offered.component
     has_own = component.interface.name not in known or component.interface != known[component.interface.name]
     if has_own:
-        component = replace(component, interface=replace(component.interface, name=_free(own, set(known))))
+        component = replace(component, interface=replace(component.interface, name=numbered(own, known.__contains__)))
     target.mkdir(parents=True)
     try:
         shutil.copyfile(file, target / f"{own}.fmu")
@@ -68,7 +71,9 @@ def import_component(file: Path, folder: Path, name: str | None = None, *, cache
         shutil.rmtree(target, ignore_errors=True)
         raise fail(f"cannot be written: {error.strerror or error}", Location(shown(target))) from error
     starts = (_start(component, port, value) for port, value in offered.starts.items())
-    return Imported(component, target / "component.yaml", has_own, tuple(starts), offered.left_out, offered.told)
+    return ImportedComponent(
+        component, target / "component.yaml", has_own, tuple(starts), offered.left_out, offered.told
+    )
 
 
 def name_of(file: Path) -> str:
@@ -85,10 +90,6 @@ def _start(component: Component, name: str, value: Value) -> str:
 
 def _interfaces(folder: Path) -> dict[str, Interface]:
     return dict(Workspace(folder).interfaces) if (folder / "components").is_dir() else {}
-
-
-def _free(name: str, taken: set[str]) -> str:
-    return next(c for c in (name, *(f"{name}_{number}" for number in range(2, len(taken) + 3))) if c not in taken)
 
 
 def _write(path: Path, text: str) -> None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 from fractions import Fraction
 
@@ -12,6 +12,7 @@ from dse.domain.component import Causality, Component, Interface, Kind, Paramete
 from dse.domain.fmu import FmuModel, Variable
 from dse.errors import DseError
 from dse.expression.tokens import KEYWORDS
+from dse.interchange.names import numbered
 from dse.loading.names import is_identifier
 from dse.loading.values import LARGEST_WHOLE
 from dse.system.binding import unit_of
@@ -66,7 +67,7 @@ def offer(name: str, model: FmuModel, source: Source) -> Offer:
             items = ", ".join(f"{number} ({item})" for item, number in variable.items.items())
             told.append(f"{variable.name}: an int, as its items cannot be names: {items}")
         for label, value in zip(variable.labels, values, strict=True):
-            own = _free(_name(label), taken)
+            own = numbered(_name(label), lambda free: _collides(free, taken))
             taken.add(own)
             if own != label:
                 names[own] = label
@@ -225,8 +226,7 @@ def _title(text: str) -> str:
 
 def _name(label: str) -> str:
     """*label* as a dotted path of names: what no name can hold becomes an underscore."""
-    steps = [_step(step) for step in label.split(".")]
-    return ".".join(steps)
+    return ".".join(_step(step) for step in label.split("."))
 
 
 def _step(step: str) -> str:
@@ -236,13 +236,8 @@ def _step(step: str) -> str:
     return plain if is_identifier(plain) and plain not in KEYWORDS else f"{plain}_"
 
 
-def _free(name: str, taken: set[str]) -> str:
-    """*name*, with a number if it is taken, or if it is a group of others or lies in one."""
-    candidates: Iterator[str] = (name if number == 1 else f"{name}_{number}" for number in range(1, len(taken) + 3))
-    return next(candidate for candidate in candidates if not _collides(candidate, taken))
-
-
 def _collides(name: str, taken: set[str]) -> bool:
+    """Whether *name* is taken, or is a group of others or lies in one."""
     steps = name.split(".")
     above = {".".join(steps[:length]) for length in range(1, len(steps) + 1)}
     return bool(above & taken) or any(other.startswith(f"{name}.") for other in taken)

@@ -8,7 +8,8 @@ from pathlib import Path
 
 from dse.domain.fmu import FmuModel, Variable
 from dse.errors import DseError, Problem, closest, fail, raise_if_any
-from dse.interchange.resolving.conversion import ConversionError, Form, form_of, form_of_variable, merged
+from dse.interchange.resolving.carry import ConversionError
+from dse.interchange.resolving.conversion import Form, form_of, form_of_variable, merged
 from dse.interchange.structure import (
     Component,
     Connection,

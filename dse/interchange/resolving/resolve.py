@@ -9,7 +9,7 @@ from dse.domain.component import Kind
 from dse.domain.fmu import FmuModel, Variable
 from dse.domain.system import Conversion, Element, SystemStructure, Wire
 from dse.errors import DseError, Location, Problem, closest, fail, raise_if_any
-from dse.interchange.resolving.conversion import ConversionError
+from dse.interchange.resolving.carry import ConversionError
 from dse.interchange.resolving.matching import connector_problems, interface_problems
 from dse.interchange.resolving.network import Models, Network, Node, Way, network_of
 from dse.interchange.resolving.routes import Route, carried, forms_along, label_of, routes_to

@@ -8,7 +8,8 @@ from dataclasses import dataclass, replace
 from dse.domain.component import Kind
 from dse.domain.fmu import Variable
 from dse.errors import Location, Problem, fail
-from dse.interchange.resolving.conversion import SAME, Carry, ConversionError, Form, carry
+from dse.interchange.resolving.carry import SAME, Carry, ConversionError
+from dse.interchange.resolving.conversion import Form, carry
 from dse.interchange.resolving.network import Hop, Network, Node
 
 

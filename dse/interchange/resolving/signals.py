@@ -7,7 +7,8 @@ from dataclasses import dataclass
 
 from dse.domain.fmu import Variable
 from dse.errors import DseError, Location, Problem, closest, fail
-from dse.interchange.resolving.conversion import SAME, Carry, Form
+from dse.interchange.resolving.carry import SAME, Carry
+from dse.interchange.resolving.conversion import Form
 from dse.interchange.resolving.network import Network, Node, Way
 from dse.interchange.resolving.routes import carried, forms_along, label_of, routes_to
 from dse.interchange.resolving.values import named

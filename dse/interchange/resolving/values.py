@@ -9,7 +9,8 @@ from dataclasses import dataclass
 from dse.domain.component import Kind
 from dse.errors import Location, Problem
 from dse.formats.xml_values import flag_of, real_of, shortened, whole_of
-from dse.interchange.resolving.conversion import KINDS, Carry, ConversionError, Form, carry, convert
+from dse.interchange.resolving.carry import Carry, ConversionError
+from dse.interchange.resolving.conversion import KINDS, Form, carry, convert
 from dse.interchange.resolving.network import Network, Node, Way
 from dse.interchange.structure import Binding, NamedUnit, ParameterValue, System, Transformation
 from dse.system.binding import find_variable
