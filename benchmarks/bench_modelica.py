@@ -17,7 +17,7 @@ from statistics import median
 
 from dse.cosim.simulator import Simulator
 from dse.domain.component import Component, ModelicaSource
-from dse.fmu.build import build, build_all
+from dse.fmu.building import build, build_all
 from dse.loading.workspace import Workspace
 from dse.space.enumerate import configurations
 from dse.testbench.prepare import prepare_bench

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 from dse.cosim.probing.child import Limits
 from dse.cosim.probing.probe import probe
-from dse.fmu.build import build
+from dse.fmu.building import build
 from dse.fmu.toolchain.platforms import this_platform
 from dse.fmu.unpack import open_fmu
 from dse.loading.workspace import Workspace

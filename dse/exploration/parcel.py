@@ -13,13 +13,13 @@ from dataclasses import dataclass, replace
 from pathlib import Path, PurePath
 from typing import Any
 
+from dse.cache import cache_folder
 from dse.domain.fmu import FmuModel
 from dse.domain.run import Run, RunRequest, Waveforms
 from dse.errors import FreshProcessNeeded, Problem, fail
 from dse.exploration.heartbeat import PROGRESS_BYTES
 from dse.exploration.job import Batch, Bench, MakeRunner, Runner, Sink, Work
 from dse.exploration.seat import checked_run, failed_run, in_words
-from dse.fmu.cache import cache_folder
 from dse.storage.rows import RowBlock, block_of
 from dse.storage.waveforms import write_waveforms
 

@@ -6,6 +6,7 @@ from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+from dse.cache import cache_folder
 from dse.cosim.binding.layout import kernel as load_kernel
 from dse.domain.bench import Simulation
 from dse.domain.design import Configuration
@@ -13,8 +14,7 @@ from dse.domain.fmu import FmiInterface, FmuModel
 from dse.domain.method import PLAIN, Method
 from dse.domain.run import Waveforms
 from dse.errors import DseError, Location, Problem, fail
-from dse.fmu.cache import cache_folder
-from dse.fmu.together import together
+from dse.fmu.parallel import together
 from dse.fmu.unpack import open_fmu
 from dse.formats.yaml import shown
 from dse.interchange.reading.open import open_ssp

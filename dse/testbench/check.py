@@ -13,7 +13,7 @@ from dse.domain.component import Component
 from dse.domain.design import Configuration, DesignSpace
 from dse.domain.method import Coupling, Method
 from dse.errors import DseError, Problem, raise_if_any
-from dse.fmu.together import together
+from dse.fmu.parallel import together
 from dse.loading.component.kind import kind_of
 from dse.loading.workspace import Workspace
 from dse.space.check import check as check_space

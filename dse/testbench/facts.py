@@ -9,12 +9,12 @@ from dataclasses import fields
 from pathlib import Path
 from typing import Any
 
+from dse.cache import cache_folder, keep_file
 from dse.cosim.probing.probe import VERSION
 from dse.domain.component import Component
 from dse.domain.facts import Answer, FmuFacts, Question
 from dse.domain.fmu import FmuModel
 from dse.domain.system import SystemStructure
-from dse.fmu.cache import cache_folder, keep_file
 from dse.fmu.statics import shares_nothing
 from dse.fmu.toolchain.platforms import this_platform
 

@@ -17,8 +17,8 @@ from dse.domain.fmu import FmuModel
 from dse.domain.method import BONDS
 from dse.domain.system import SystemStructure
 from dse.errors import DseError, Location, Problem, raise_if_any
-from dse.fmu.build import build_all
-from dse.fmu.together import together
+from dse.fmu.building import build_all
+from dse.fmu.parallel import together
 from dse.fmu.unpack import open_fmu
 from dse.metrics.program import MetricProgram, compile_metrics
 from dse.system.assembly import assemble, wiring_problems

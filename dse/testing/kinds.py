@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from dse.cosim.simulator import Simulator
 from dse.domain.component import Causality, Component, Kind, Parameter, Port, Value
 from dse.errors import DseError
-from dse.fmu.build import build
+from dse.fmu.building import build
 from dse.fmu.unpack import open_fmu
 from dse.formats.yaml import read_yaml
 from dse.loading.component.kind import KINDS, kind_of

@@ -7,7 +7,7 @@ import threading
 import pytest
 
 from dse.errors import DseError, fail
-from dse.fmu.together import together
+from dse.fmu.parallel import together
 
 
 def test_everything_is_made_and_counted() -> None:

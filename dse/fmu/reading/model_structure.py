@@ -1,4 +1,4 @@
-"""ModelStructure of FMI 2.0 and 3.0: which output depends on what, and the states and derivatives of a model."""
+"""Which output depends on what, and the states and derivatives of a model (ModelStructure from FMI 2.0 on)."""
 
 from __future__ import annotations
 
@@ -72,6 +72,23 @@ def read_structure(root: XmlElement, variables: Catalog) -> Structure:
             **{one.variable.name: () for one in exact},
         },
     )
+
+
+def direct_dependencies(listed: Sequence[Listed | None]) -> Structure:
+    """The inputs each output of FMI 1.0 says it depends on directly; nothing is known of initialization.
+
+    An output that names what is no variable is left out: it may depend on everything.
+    """
+    causalities = {one.variable.name: one.variable.causality for one in listed if one is not None}
+    depends: dict[str, tuple[str, ...]] = {}
+    for one in listed:
+        told = one.element.child("DirectDependency") if one is not None else None
+        if one is None or told is None or one.variable.causality != "output":
+            continue
+        sources = dict.fromkeys(name.text.strip() for name in told.all("Name"))
+        if causalities.keys() >= sources.keys():
+            depends[one.variable.name] = tuple(name for name in sources if causalities[name] == "input")
+    return Structure(depends, {})
 
 
 def read_exchange(

@@ -7,7 +7,7 @@ from pathlib import Path
 
 from dse.domain.component import Component
 from dse.errors import fail
-from dse.fmu.together import together
+from dse.fmu.parallel import together
 from dse.loading.component.kind import KINDS, kind_of
 
 
