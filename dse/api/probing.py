@@ -12,13 +12,13 @@ from dse.fmu.building import build
 from dse.fmu.toolchain.platforms import this_platform
 from dse.fmu.unpack import open_fmu
 from dse.loading.workspace import Workspace
-from dse.testbench.facts import as_data, consequences, keep_facts, known_facts
+from dse.testbench.facts import consequences, facts_as_data, keep_facts, known_facts
 
 if TYPE_CHECKING:
     from dse.domain.facts import FmuFacts, Question
     from dse.domain.fmu import FmuModel
 
-__all__ = ["as_data", "consequences", "find_out", "known_facts", "model_of"]
+__all__ = ["consequences", "facts_as_data", "find_out", "known_facts", "model_of"]
 
 
 def model_of(name: str, *, version: int = 2) -> FmuModel:

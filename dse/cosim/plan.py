@@ -39,7 +39,6 @@ class Plan:
     """
 
     def __init__(self, tables: Tables, method: Method, bond_columns: Sequence[tuple[int, str]]) -> None:
-        layout.check_kernel()
         self.loops: list[Loop] = []
         self._tables, self._wiring, self._method = tables, tables.wiring, method
         self._kept: list[Any] = []
@@ -141,7 +140,7 @@ class Plan:
             nominals=self._address(np.array(nominals, np.float64)),
             room=self._address(np.zeros(5 * n)),
             rows=self._address(np.zeros(m * m)),
-            order=self._address(np.zeros(m)),
+            pivots=self._address(np.zeros(m, np.uint32)),
             way=self._address(np.zeros(m)),
         )
         self.loops.append(loop)

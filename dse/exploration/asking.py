@@ -11,13 +11,13 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
+from dse.domain.bench import VERDICTS
 from dse.domain.run import RunRequest
 from dse.domain.sampler import Brief, Candidate, Outcomes, Point
 from dse.domain.study import Study
 from dse.errors import DseError, Location, fail
 from dse.exploration.sampling import require_few
 from dse.storage.folder import StudyFolder
-from dse.storage.rows import VERDICTS
 from dse.storage.table import RunTable
 
 _MOST_IDLE_ASKS = 100

@@ -209,7 +209,7 @@ class SspSystem:
     version: str
     system: System
     experiment: ExperimentSettings
-    variants: Mapping[str, str]
+    variants: Mapping[str, str] = field(default_factory=dict)
     notes: tuple[Problem, ...] = ()
 
     @property

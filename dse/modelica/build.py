@@ -8,9 +8,11 @@ from functools import lru_cache
 from pathlib import Path
 
 from dse.cache import cache_folder, content_key, keep_file
+from dse.csolve import headers
 from dse.domain.component import Component, ModelicaCompiler, ModelicaSource
 from dse.errors import DseError, fail
 from dse.fmu.c.describe import describe_sources, model_identifier
+from dse.fmu.slot_table import SLOT_TABLE, SlotTable
 from dse.fmu.toolchain.compilation import (
     LANGUAGE_OPTIONS,
     MODEL_OPTIONS,
@@ -24,6 +26,7 @@ from dse.fmu.toolchain.platforms import this_platform
 from dse.formats.zipped import pack_zip
 from dse.modelica.description import Described, describe_model
 from dse.modelica.documentation import documentation
+from dse.modelica.emit.data import slot_rows
 from dse.modelica.emit.model import Settings, Solver, emit
 from dse.modelica.frontend.remembered import Memory
 from dse.modelica.frontend.sources import ModelSources, library_contents, read_sources
@@ -34,10 +37,8 @@ _DSE = Path(__file__).parents[1]
 _RUNTIME = _DSE / "fmu" / "runtime"
 # fmt: off
 _COMMON = (
-    "slot.h", "instance.h", "value.h", "modelica.h", "solver_memory.h", "arithmetic.h", "linear.h", "newton.h",
-    "tables.h", "evaluate.h", "crossings.h", "dormand_prince_tableau.h", "dormand_prince.h", "rosenbrock_tableau.h",
-    "rosenbrock.h", "locate.h", "integrate.h", "events.h",
-    "co_simulation.h", "simulation.h", "exchange.h",
+    "slot.h", "instance.h", "value.h", "modelica.h", "arithmetic.h", "tables.h", "evaluate.h", "relations.h",
+    "integrate.h", "events.h", "co_simulation.h", "simulation.h", "exchange.h",
 )
 _FILES = {
     2: (*_COMMON, "fmi2_abi.h", "fmi2_exchange.h", "fmi2.c"),
@@ -166,8 +167,9 @@ def _contents(
         dependencies=translated.solved.dependencies,
     )
     contents = {
-        **{f"sources/runtime/{name}": _runtime()[name] for name in _FILES[version]},
+        **{f"sources/runtime/{name}": _runtime()[name] for name in (*_FILES[version], *headers())},
         **{f"sources/runtime/{name}": content for name, content in generated.items()},
+        f"sources/{SLOT_TABLE}": SlotTable("", slot_rows(translated.variables)).to_bytes(),
         "modelDescription.xml": describe_model(described, version),
     }
     settings = f"solver {source.solver.value}, relative tolerance {tolerance:g}"
@@ -222,7 +224,7 @@ def _identity(
 
 @lru_cache(maxsize=1)
 def _runtime() -> dict[str, bytes]:
-    return {path.name: path.read_bytes() for path in sorted(_RUNTIME.glob("*.[ch]"))}
+    return {**{path.name: path.read_bytes() for path in sorted(_RUNTIME.glob("*.[ch]"))}, **headers()}
 
 
 @lru_cache(maxsize=1)

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from dse.domain.bench import Verdict
+from dse.domain.bench import VERDICTS, Verdict
 from dse.domain.definition import (
     DefinedConfiguration,
     DefinedMetric,
@@ -32,7 +32,6 @@ from dse.report.content import (
 )
 from dse.storage.database import damaged
 from dse.storage.folder import StudyFolder
-from dse.storage.rows import VERDICTS
 from dse.storage.table import RunTable
 from dse.storage.waveforms import read_all_waveforms
 from dse.units import Unit, parse_unit

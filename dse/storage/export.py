@@ -13,11 +13,11 @@ from collections.abc import Callable, Iterator, Mapping
 
 import numpy as np
 
+from dse.domain.bench import VERDICTS
 from dse.domain.run import Run
 from dse.storage.definition import definition_to_json
 from dse.storage.folder import StudyFolder
 from dse.storage.junit import junit
-from dse.storage.rows import VERDICTS
 from dse.storage.table import RunTable
 
 

@@ -9,6 +9,7 @@ from dataclasses import replace
 from pathlib import Path
 from types import TracebackType
 
+from dse.domain.bench import VERDICTS
 from dse.domain.component import Value
 from dse.domain.definition import StudyDefinition
 from dse.domain.run import Outcome, Run, RunRequest, Waveforms
@@ -17,7 +18,7 @@ from dse.storage.asks import Asks, blocks_of, write_asks
 from dse.storage.database import NAME, connect, damaged, lay_out, located, migrate, read_header, write_header
 from dse.storage.definition import unit_flaws
 from dse.storage.header import StudyHeader
-from dse.storage.rows import VERDICTS, RowBlock
+from dse.storage.rows import RowBlock
 from dse.storage.schema import cell_of, columns
 from dse.storage.table import RunTable, read_table
 from dse.storage.waveforms import PART, is_file_name, read_waveforms

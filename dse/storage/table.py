@@ -12,11 +12,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from dse.domain.bench import Judgement
+from dse.domain.bench import VERDICTS, Judgement
 from dse.domain.component import Value
 from dse.domain.run import Outcome, Run, RunRequest
 from dse.storage.header import StudyHeader
-from dse.storage.rows import VERDICTS, RowBlock
+from dse.storage.rows import RowBlock
 from dse.storage.schema import columns, quoted, value_of
 
 _CODES = {str(verdict): code for code, verdict in enumerate(VERDICTS)}

@@ -12,12 +12,12 @@ import pytest
 import dse
 from dse.api.described import si_unit
 from dse.domain.definition import (
+    DefinedBench,
     DefinedConfiguration,
     DefinedDesign,
     DefinedMetric,
     DefinedSampler,
     DefinedSimulation,
-    Named,
     StudyDefinition,
 )
 from dse.domain.run import Outcome, RunRequest
@@ -27,7 +27,7 @@ from dse.exploration.progress import Stage
 DEFINITION = StudyDefinition(
     "study",
     "<b>",
-    Named("bench"),
+    DefinedBench("bench"),
     DefinedDesign("design"),
     (),
     DefinedSampler("nominal"),

@@ -10,11 +10,11 @@ from rich.console import Console
 from dse.api.quantities import checked_quantity
 from dse.cli.tables import metric_table
 from dse.domain.definition import (
+    DefinedBench,
     DefinedDesign,
     DefinedMetric,
     DefinedSampler,
     DefinedSimulation,
-    Named,
     StudyDefinition,
 )
 from dse.domain.run import Outcome, Run, RunRequest
@@ -46,7 +46,8 @@ def test_without_requirements_there_is_nothing_but_metric_and_value():
     metrics = (DefinedMetric("end", "End", "m", "final(x)"),)
     simulation, sampler = DefinedSimulation(1.0, 0.1, 0.1), DefinedSampler("nominal")
     design = DefinedDesign("design")
-    definition = StudyDefinition("study", "", Named("bench"), design, (), sampler, 0, metrics, (), simulation, (), ())
+    bench = DefinedBench("bench")
+    definition = StudyDefinition("study", "", bench, design, (), sampler, 0, metrics, (), simulation, (), ())
     run = Run(RunRequest(0, "abc", {}), Outcome.DONE, {"end": 2.0}, ())
     screen = Console(width=80)
     with screen.capture() as shown:

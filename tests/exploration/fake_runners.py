@@ -21,6 +21,7 @@ import numpy as np
 from dse.domain.bench import Judgement, Simulation, TestBench, Verdict
 from dse.domain.component import Value
 from dse.domain.definition import (
+    DefinedBench,
     DefinedConfiguration,
     DefinedDesign,
     DefinedMetric,
@@ -28,13 +29,12 @@ from dse.domain.definition import (
     DefinedSampler,
     DefinedSimulation,
     DefinedVariable,
-    Named,
     StudyDefinition,
 )
 from dse.domain.design import Compound, DesignSpace
 from dse.domain.run import Outcome, Run, RunRequest, Waveforms
-from dse.domain.sampler import Sampler
-from dse.domain.study import DesignVariable, Keep, Study
+from dse.domain.sampler import DesignVariable, Sampler
+from dse.domain.study import Keep, Study
 from dse.errors import fail
 from dse.exploration.asking import first_ask
 from dse.exploration.samplers.full_factorial import FullFactorial
@@ -211,7 +211,7 @@ def definition_of(study: Study, configurations: tuple[str, ...] = ("a",), **fact
     definition = StudyDefinition(
         study.name,
         "",
-        Named("bench"),
+        DefinedBench("bench"),
         DefinedDesign("design"),
         tuple(DefinedVariable(v.name, "", "", v.low, v.high, v.levels, v.nominal) for v in study.variables),
         DefinedSampler(study.sampler.name, study.sampler.options(), study.sampler.grid),

@@ -11,16 +11,16 @@ import pytest
 from dse.domain.bench import Judgement, Verdict
 from dse.domain.component import Value
 from dse.domain.definition import (
+    DefinedBench,
     DefinedConfiguration,
     DefinedDesign,
     DefinedMetric,
     DefinedRequirement,
     DefinedSampler,
     DefinedSimulation,
+    DefinedTotal,
     DefinedVariable,
-    Named,
     StudyDefinition,
-    Total,
 )
 from dse.domain.run import Outcome, Run, RunRequest
 from dse.storage.folder import StudyFolder
@@ -35,7 +35,7 @@ def definition() -> StudyDefinition:
     return StudyDefinition(
         "gains",
         "Gains",
-        Named("following"),
+        DefinedBench("following"),
         DefinedDesign("vehicle", "", ("sensor",)),
         (DefinedVariable("controller.kp", "", "1/s", 0.0, 1.0, 3, 0.5),),
         DefinedSampler("full_factorial", {"slices": []}, ()),
@@ -44,7 +44,7 @@ def definition() -> StudyDefinition:
         tuple(DefinedRequirement(name, name, METRICS[0], "", at_most=1.0) for name in REQUIREMENTS),
         DefinedSimulation(60.0, 0.01, 0.1),
         (
-            DefinedConfiguration("c1", {"sensor": "radar"}, totals={"cost": Total(45.0, "EUR")}),
+            DefinedConfiguration("c1", {"sensor": "radar"}, totals={"cost": DefinedTotal(45.0, "EUR")}),
             DefinedConfiguration("c2", {"sensor": "lidar <ä>"}),
         ),
         ("c1", "c2"),

@@ -76,7 +76,7 @@ def import_fmu(
     What is neither a port nor a parameter is listed as left out.
     """
     from dse.api.importing import import_component
-    from dse.loading.root import find_root
+    from dse.loading.paths import find_root
 
     # Relative to this folder, so that the paths that are shown can be clicked and copied.
     target = folder or Path(os.path.relpath(find_root(Path()) or Path()))

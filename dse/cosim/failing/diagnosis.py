@@ -42,9 +42,9 @@ def diagnose(tables: Tables, step: float) -> RunFailed:
     failure, wiring = tables.system.failure, tables.wiring
     if failure.kind >= ExchangeKind.CHATTERS:
         return _of_exchange(tables, failure, step)
-    index, kind = failure.progress.element, Kind(failure.kind)
+    index, kind = failure.progress.place.element, Kind(failure.kind)
     time = moment_of(tables, step)
-    call = failure.progress.call
+    call = failure.progress.place.call
     what = ""
     if kind is Kind.NOT_FINITE:
         index, call = _owner(wiring, failure.position)
@@ -67,11 +67,11 @@ def diagnose(tables: Tables, step: float) -> RunFailed:
 
 
 def _of_exchange(tables: Tables, failure: layout.Failure, step: float) -> RunFailed:
-    index = failure.progress.element
+    index = failure.progress.place.element
     element = tables.wiring.system.elements[index]
     time = moment_of(tables, step)
     what = describe(element, failure.kind, failure.position, failure.status, failure.value)
-    name = function_name(failure.progress.call, element.model.version)
+    name = function_name(failure.progress.place.call, element.model.version)
     return RunFailed(element.name, name, time, tables.log(index), what)
 
 

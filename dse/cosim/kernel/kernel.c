@@ -7,11 +7,7 @@
 #include "exchange_alone.h"
 #include "fused.h"
 
-const int64_t dse_layout[12] = {sizeof(Progress),  sizeof(Log),     sizeof(Conversion), sizeof(Group),
-                                sizeof(Text),      sizeof(TextGroup), sizeof(Truth),    sizeof(Element),
-                                sizeof(Failure),   sizeof(System),  sizeof(Request),    LOG_LINES *LOG_WIDTH};
-const int64_t dse_plan_layout[7] = {sizeof(Operation), sizeof(Walk),       sizeof(Loop), sizeof(Pace),
-                                    sizeof(Bond),      sizeof(BondColumn), sizeof(Plan)};
+const char dse_sources[] = DSE_SOURCES;
 
 /* ---- the beginning and the end of a call ---- */
 

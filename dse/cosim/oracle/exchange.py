@@ -94,7 +94,7 @@ class ReferenceExchange:
         if not failed:
             return
         failure, element = self._system.failure, self._element
-        name = function_name(failure.progress.call, element.model.version)
+        name = function_name(failure.progress.place.call, element.model.version)
         where = place(element.name, name, moment)
         if failure.kind >= _FIRST_OF_EXCHANGE:
             what = describe(element, failure.kind, failure.position, failure.status, failure.value)

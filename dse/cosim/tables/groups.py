@@ -122,8 +122,7 @@ class GroupMaker:
             "count": len(group.variables),
             "version": model.version,
             "type": group.type,
-            "element": index,
-            "call": call,
+            "place": layout.Place(index, call),
             "id": len(self.labels) - 1,
         }
 
@@ -201,7 +200,7 @@ def parts_of(group: Group, names: Collection[str], *, neighbours: bool) -> list[
 
 
 def _is_truth(structure: layout.Group) -> bool:
-    return bool(structure.call == Call.GET + Type.FMI2_BOOLEAN and not structure.conversions)
+    return bool(structure.place.call == Call.GET + Type.FMI2_BOOLEAN and not structure.conversions)
 
 
 def _truths(structure: layout.Group) -> list[layout.Truth]:

@@ -212,11 +212,11 @@ class Tables:
     def _load(self, index: int, element: Element) -> ctypes.CDLL:
         # Noted, as a library may already crash when it is loaded.
         if self._block:
-            self._block.element, self._block.call, self._block.step = index, Call.LOAD, -1
+            self._block.place, self._block.step = layout.Place(index, Call.LOAD), -1
         with about(element.name):
             library = load(element.model)
         if self._block:
-            self._block.call = Call.IDLE
+            self._block.place.call = Call.IDLE
         return library
 
     def _fill(self, index: int) -> None:
@@ -234,7 +234,7 @@ class Tables:
             integration = Integration(model, self.libraries[str(model.library)], has_inputs=bool(element.inputs))
             self._integrations.append(integration)
             target.exchange = integration.pointer
-        target.stepping_element, target.stepping_call = index, Call.DO_STEP
+        target.stepping = layout.Place(index, Call.DO_STEP)
         target.log = ctypes.addressof(self._logs[index])
         target.first_value, target.n_values = _span(self.wiring.outputs, index)
         target.first_staged, target.n_staged = self._spans[index]

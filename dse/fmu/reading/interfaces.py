@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 from dse.domain.fmu import Capabilities, Experiment, FmiInterface
 from dse.errors import DseError, Problem, fail
 from dse.formats.xml import XmlElement
-from dse.formats.xml_values import flag, real, shortened
+from dse.formats.xml_values import shortened
 
 _NEEDS_TOOL = "needsExecutionTool"
 _IN_WORDS = {FmiInterface.CO_SIMULATION: "co-simulation", FmiInterface.MODEL_EXCHANGE: "model exchange"}
@@ -71,7 +71,7 @@ def choose_interface(
     if not possible:
         raise _nothing_of_use(root, wanted, [kind for kind, _ in there])
     # Whether the tool is there shows when the FMU is instantiated: what wraps Python code says that it needs Python.
-    kind, element = min(possible, key=lambda pair: flag(pair[1], _NEEDS_TOOL, problems))
+    kind, element = min(possible, key=lambda pair: pair[1].flag(_NEEDS_TOOL, problems))
     identifier = read_identifier(element, problems)
     capabilities = _capabilities(element, version, problems)
     if kind is FmiInterface.MODEL_EXCHANGE:
@@ -104,7 +104,7 @@ def _of_version_1(
 
 
 def _capabilities(element: XmlElement, version: int, problems: list[Problem]) -> Capabilities:
-    return Capabilities(**{name: flag(element, said, problems) for name, said in _CAPABILITIES[version].items()})
+    return Capabilities(**{name: element.flag(said, problems) for name, said in _CAPABILITIES[version].items()})
 
 
 def read_identifier(element: XmlElement, problems: list[Problem]) -> str:
@@ -141,12 +141,12 @@ def _nothing_of_use(root: XmlElement, wanted: FmiInterface | None, there: list[F
 
 def _needs_completed_step(element: XmlElement, version: int, problems: list[Problem]) -> bool:
     if version == 2:
-        return not flag(element, "completedIntegratorStepNotNeeded", problems)
-    return flag(element, "needsCompletedIntegratorStep", problems)
+        return not element.flag("completedIntegratorStepNotNeeded", problems)
+    return element.flag("needsCompletedIntegratorStep", problems)
 
 
 def _finite(element: XmlElement, name: str, problems: list[Problem]) -> float | None:
-    value = real(element, name, problems)
+    value = element.real(name, problems)
     if value is not None and not abs(value) < float("inf"):
         problems.append(Problem(f"<{element.tag}>: '{name}' cannot be {value:g}", element.where))
         return None

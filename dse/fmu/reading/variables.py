@@ -13,7 +13,7 @@ from dse.fmu.reading.declared_types import NUMBER_RANGES, DeclaredType, inherite
 from dse.fmu.reading.dimensions import Sizes, read_shape, sizes_told
 from dse.fmu.reading.starts import read_start
 from dse.formats.xml import XmlElement
-from dse.formats.xml_values import flag, required, shortened, whole, word
+from dse.formats.xml_values import shortened
 
 VALUE_KINDS: Mapping[str, Kind | None] = {
     "Real": Kind.REAL,
@@ -80,7 +80,7 @@ def _reference(element: XmlElement, problems: list[Problem]) -> int | None:
     """A variable's value reference; None and a problem if there is none."""
     if "valueReference" not in element.attributes:
         problems.append(Problem(f"{_subject(element)} has no value reference", element.where))
-    return whole(element, "valueReference", problems, least=0, most=2**32 - 1)
+    return element.whole("valueReference", problems, least=0, most=2**32 - 1)
 
 
 def _values_told(
@@ -100,7 +100,7 @@ def _values_told(
 def _listed(
     element: XmlElement, version: int, types: Mapping[str, DeclaredType], sizes: Sizes, problems: list[Problem]
 ) -> Listed | None:
-    name, before = required(element, "name", problems), len(problems)
+    name, before = element.required("name", problems), len(problems)
     reference = _reference(element, problems)
     typed = _typed(element, version, problems)
     if typed is None or reference is None or not name:
@@ -134,13 +134,13 @@ def _listed(
         description=element.get("description"),
         is_relative=bool(told.is_relative),
         is_clocked=bool(element.get("clocks").strip()),
-        is_intermediate=flag(element, "intermediateUpdate", problems),
+        is_intermediate=element.flag("intermediateUpdate", problems),
     )
     if len(problems) == before and len(start) not in (0, 1, variable.size):
         of = f"{variable.size} elements" if shape else "a single one"
         problems.append(Problem(f"{subject} has {len(start)} start values for {of}", typed.where))
-    initial = word(element, "initial", _INITIALS, problems)
-    derivative = whole(typed, "derivative", problems, least=0)
+    initial = element.word("initial", _INITIALS, problems)
+    derivative = typed.whole("derivative", problems, least=0)
     return Listed(variable, element, derivative, initial) if len(problems) == before else None
 
 
@@ -152,8 +152,8 @@ def _subject(element: XmlElement) -> str:
 def _words(element: XmlElement, version: int, kind: Kind | None, problems: list[Problem]) -> tuple[str, str]:
     """Causality and variability as they are said, or as the FMI documents say they are if nothing is said."""
     causalities = (*_CAUSALITIES, "structuralParameter") if version == 3 else _CAUSALITIES
-    causality = word(element, "causality", causalities, problems, "local")
-    said = word(element, "variability", _VARIABILITIES, problems)
+    causality = element.word("causality", causalities, problems, "local")
+    said = element.word("variability", _VARIABILITIES, problems)
     # Some tools call what was a parameter in the model a constant parameter; nobody can set it.
     if causality == "parameter" and said == "constant":
         causality = "local"
@@ -170,7 +170,7 @@ def _words(element: XmlElement, version: int, kind: Kind | None, problems: list[
 
 def _aliases(one: Listed, problems: list[Problem]) -> Iterator[Listed]:
     for alias in one.element.all("Alias"):
-        name = required(alias, "name", problems)
+        name = alias.required("name", problems)
         description = alias.get("description")
         yield replace(
             one, variable=replace(one.variable, name=name, description=description, alias_of=one.variable.name)
@@ -184,8 +184,8 @@ _ALIASES_1 = ("noAlias", "alias", "negatedAlias")
 
 def _words_1(element: XmlElement, kind: Kind | None, *, has_start: bool, problems: list[Problem]) -> tuple[str, str]:
     """Causality and variability in FMI 1.0, as FMI 2.0 would call them."""
-    causality = word(element, "causality", _CAUSALITIES_1, problems, "internal")
-    variability = word(element, "variability", _VARIABILITIES_1, problems, "continuous")
+    causality = element.word("causality", _CAUSALITIES_1, problems, "internal")
+    variability = element.word("variability", _VARIABILITIES_1, problems, "continuous")
     if variability == "parameter":
         if causality == "output":
             return "output", "fixed"
@@ -198,7 +198,7 @@ def _words_1(element: XmlElement, kind: Kind | None, *, has_start: bool, problem
 
 def _with_bases(listed: list[Listed | None], problems: list[Problem]) -> Iterator[Listed | None]:
     """What FMI 1.0 lists, with its aliases: variables that share a reference with one that is none."""
-    said = [one and word(one.element, "alias", _ALIASES_1, problems, "noAlias") for one in listed]
+    said = [one and one.element.word("alias", _ALIASES_1, problems, "noAlias") for one in listed]
     pairs = list(zip(listed, said, strict=True))
     bases: dict[tuple[str, int], str] = {}
     for one, alias in pairs:

@@ -63,7 +63,7 @@ def _require_type(element: XmlElement, expected: str, what: str) -> None:
 
 def _named(file: PackageFile, element: XmlElement, fmu: Path | None, found: Findings) -> XmlElement:
     source = element.get("source")
-    if found.word(element, "sourceBase", ("SSD", "component"), "SSD") == "SSD":
+    if element.word("sourceBase", ("SSD", "component"), found.problems, "SSD") == "SSD":
         return file.read(source, element.where)
     if fmu is None:
         raise fail(f"'{shortened(source)}' is to lie in the component, which is no FMU", element.where)

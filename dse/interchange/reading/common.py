@@ -12,7 +12,7 @@ from dse.errors import Location, Problem, closest, fail
 from dse.fmu.reading.units import BASE_UNITS, base_unit
 from dse.fmu.reading.variables import VALUE_KINDS
 from dse.formats.xml import XmlElement
-from dse.formats.xml_values import flag, real, required, shortened, whole, word
+from dse.formats.xml_values import shortened
 from dse.interchange.structure import NamedUnit, SignalType, Transformation
 
 SSC = "http://ssp-standard.org/SSP1/SystemStructureCommon"
@@ -77,28 +77,16 @@ class Findings:
             self.expect(found, NOTHING, {tag})
             yield from found.all(tag)
 
-    def required(self, element: XmlElement, name: str) -> str:
-        """The attribute; "" and a problem if it is not there or empty."""
-        return required(element, name, self.problems)
-
     def new(self, element: XmlElement, taken: Container[str], what: str, attribute: str = "name") -> str:
         """The name (or other attribute) of *element*, a *what*; a problem if it has none, or one that is *taken*."""
-        name = self.required(element, attribute)
+        name = element.required(attribute, self.problems)
         if name in taken:
             self.add(f"{what} '{shortened(name)}' is there twice", element.where)
         return name
 
-    def word(self, element: XmlElement, name: str, words: tuple[str, ...], default: str = "") -> str:
-        """The attribute as one of *words*; *default* if it is not there, and a problem if it is another."""
-        return word(element, name, words, self.problems, default)
-
-    def flag(self, element: XmlElement, name: str) -> bool:
-        """The attribute as a truth value; False if it is not there, and a problem if it is none."""
-        return flag(element, name, self.problems)
-
     def finite(self, element: XmlElement, name: str) -> float | None:
         """The attribute as a finite number; None if it is not there, and a problem if it is no such number."""
-        value = real(element, name, self.problems)
+        value = element.real(name, self.problems)
         if value is not None and not math.isfinite(value):
             self.add(f"<{element.tag}>: '{name}' cannot be {value:g}", element.where)
             return None
@@ -175,7 +163,7 @@ def _items(element: XmlElement, found: Findings) -> dict[str, int]:
     items: dict[str, int] = {}
     for item in element.all("Item"):
         found.expect(item, {"name", "value"})
-        value = whole(item, "value", found.problems)
+        value = item.whole("value", found.problems)
         if value is None and "value" not in item.attributes:
             found.add("<Item> has no 'value'", item.where)
         items[found.new(item, items, "the item")] = value or 0
@@ -198,7 +186,7 @@ def read_type(element: XmlElement, scope: Scope, found: Findings) -> SignalType 
     found.expect(child, {"unit", "name", "mime-type"})
     items = None
     if child.tag == "Enumeration":
-        name = found.required(child, "name")
+        name = child.required("name", found.problems)
         items = scope.enumerations.get(name)
         if items is None and name:
             # Many tools leave it to the FMU to say what its items are.
@@ -219,7 +207,7 @@ def read_sizes(element: XmlElement, found: Findings) -> tuple[int | None, ...]:
     sizes = []
     for child in element.all("Dimension"):
         found.expect(child, {"size", "sizeConnector"})
-        sizes.append(whole(child, "size", found.problems, least=1, most=2**31))
+        sizes.append(child.whole("size", found.problems, least=1, most=2**31))
     return tuple(sizes)
 
 
@@ -236,6 +224,6 @@ def read_transformation(element: XmlElement, found: Findings) -> Transformation 
     entries: dict[str, str] = {}
     for entry in child.all("MapEntry"):
         found.expect(entry, {"source", "target"})
-        target = found.required(entry, "target")
+        target = entry.required("target", found.problems)
         entries[found.new(entry, entries, "the source", "source")] = target
     return Transformation(child.tag, entries=tuple(entries.items()), where=child.where)

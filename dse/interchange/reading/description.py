@@ -36,6 +36,7 @@ from dse.interchange.structure import (
     End,
     ExperimentSettings,
     SignalType,
+    SspSystem,
     System,
 )
 
@@ -52,18 +53,8 @@ _CONTENT = frozenset(
 )
 
 
-@dataclass(frozen=True, slots=True)
-class Description:
-    """What one ``.ssd`` file says."""
-
-    name: str
-    version: str
-    system: System
-    experiment: ExperimentSettings
-
-
-def read_description(package: Package, name: PurePosixPath, found: Findings, level: int = 0) -> Description:
-    """Read the package's ``.ssd`` *name* and all it names. Raises DseError if it is none; all else goes to *found*."""
+def read_description(package: Package, name: PurePosixPath, found: Findings, level: int = 0) -> SspSystem:
+    """What the package's ``.ssd`` file says, and all it names. Raises DseError if it is none; the rest is *found*."""
     here = Location(package.place(name))
     if level > _MOST_LEVELS:
         raise fail(f"packages and systems are nested more than {_MOST_LEVELS} levels deep", here)
@@ -75,8 +66,12 @@ def read_description(package: Package, name: PurePosixPath, found: Findings, lev
     if top is None:
         raise fail("there is no <System>", root.where)
     reader = _Reader(PackageFile(package, name), root, read_scope(root, found), found)
-    return Description(
-        found.required(root, "name"), root.get("version"), reader.system(top, level), _experiment(root, top, found)
+    return SspSystem(
+        name=root.required("name", found.problems),
+        variant=name.stem,
+        version=root.get("version"),
+        system=reader.system(top, level),
+        experiment=_experiment(root, top, found),
     )
 
 
@@ -127,7 +122,7 @@ class _Reader:
                 except DseError as error:
                     found.problems += error.problems
         return System(
-            found.required(element, "name"),
+            element.required("name", found.problems),
             tuple(elements),
             tuple(self._connection(c) for c in element.below("Connections", "Connection")),
             self._connectors(element),
@@ -137,13 +132,13 @@ class _Reader:
         )
 
     def _element(self, element: XmlElement, level: int) -> list[Component | DictionaryReference | System]:
-        name = self.found.required(element, "name")
+        name = element.required("name", self.found.problems)
         match element.tag:
             case "System":
                 return [self.system(element, level + 1)]
             case "SignalDictionaryReference":
                 self.found.expect(element, {"name", "dictionary"}, _ELEMENT)
-                named = self.found.required(element, "dictionary")
+                named = element.required("dictionary", self.found.problems)
                 return [DictionaryReference(name, named, self._connectors(element), element.where)]
             case "Component":
                 return [self._component(name, element, level)]
@@ -163,7 +158,7 @@ class _Reader:
         if type_ == _FMU:
             bindings = read_bindings(self.file, element, target.path, self.found)
             kinds = ("any", "CoSimulation", "ModelExchange")
-            implementation = self.found.word(element, "implementation", kinds, "any")
+            implementation = element.word("implementation", kinds, self.found.problems, "any")
             connectors = self._connectors(element)
             return Component(name, source, target.path, connectors, bindings, element.where, implementation)
         inner = self._nested(type_, target, element, level)
@@ -192,7 +187,7 @@ class _Reader:
         for child in element.below("Connectors", "Connector"):
             self.found.expect(child, {"name", "kind"}, TYPES | {"ConnectorGeometry", "Dimension"})
             name = self.found.new(child, connectors, "connector")
-            kind = self.found.word(child, "kind", _KINDS)
+            kind = child.word("kind", _KINDS, self.found.problems)
             if "kind" not in child.attributes:
                 self.found.add(f"connector '{shortened(name)}' has no 'kind'", child.where)
             type_ = read_type(child, self.scope, self.found)
@@ -207,7 +202,7 @@ class _Reader:
             self._end(element, "end"),
             element.where,
             read_transformation(element, self.found),
-            self.found.flag(element, "suppressUnitConversion"),
+            element.flag("suppressUnitConversion", self.found.problems),
         )
 
     def _end(self, element: XmlElement, end: str) -> End:
@@ -216,13 +211,13 @@ class _Reader:
         indices = tuple(number for number in numbers if number is not None)
         if len(indices) < len(numbers):
             self.found.add(f"'{end}Indices' is '{shortened(text)}', no list of whole numbers", element.where)
-        return End(element.get(f"{end}Element"), self.found.required(element, f"{end}Connector"), indices)
+        return End(element.get(f"{end}Element"), element.required(f"{end}Connector", self.found.problems), indices)
 
     def _dictionaries(self, element: XmlElement) -> dict[str, dict[str, SignalType]]:
         dictionaries: dict[str, dict[str, SignalType]] = {}
         for child in element.below("SignalDictionaries", "SignalDictionary"):
             self.found.expect(child, {"name", "type", "source"}, {"SignalDictionary"})
-            name = self.found.required(child, "name")
+            name = child.required("name", self.found.problems)
             type_, source = child.get("type", _DICTIONARY), child.get("source")
             try:
                 if type_ != _DICTIONARY:

@@ -58,14 +58,14 @@ def read_mapping(root: XmlElement, found: Findings) -> tuple[MappingEntry, ...]:
     entries: dict[str, MappingEntry] = {}
     for element in root.all("MappingEntry"):
         found.expect(element, {"source", "target", "suppressUnitConversion"}, TRANSFORMATIONS)
-        target = found.required(element, "target")
+        target = element.required("target", found.problems)
         if target in entries:
             found.add(f"'{shortened(target)}' is the target of two entries", element.where)
         entries[target] = MappingEntry(
-            found.required(element, "source"),
+            element.required("source", found.problems),
             target,
             element.where,
             read_transformation(element, found),
-            found.flag(element, "suppressUnitConversion"),
+            element.flag("suppressUnitConversion", found.problems),
         )
     return tuple(entries.values())

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from fractions import Fraction
 
@@ -158,16 +158,20 @@ def _table(source: Form, target: Form, transformation: Transformation) -> dict[i
         case "BooleanMappingTransformation":
             if (source.kind, target.kind) != (Kind.BOOLEAN, Kind.BOOLEAN):
                 raise ConversionError(f"a Boolean table is not for {source.kind} and {target.kind}")
-            listed = {_flag(a): _flag(b) for a, b in transformation.entries}
+            listed = _entries(transformation, flag_of, "neither true nor false")
             return {value: listed.get(value, value) for value in (0, 1)}
         case "IntegerMappingTransformation":
             whole = (Kind.INTEGER, Kind.ENUMERATION)
             if source.kind not in whole or target.kind not in whole:
                 raise ConversionError(f"an integer table is not for {source.kind} and {target.kind}")
-            table = {_whole(a): _whole(b) for a, b in transformation.entries}
+            table = _entries(transformation, whole_of, "no whole number")
             values = set(source.items.values()) if source.items else set()
             table = {value: table.get(value, value) for value in sorted({*table, *values})}
-            _require_items(target, [table[value] for value in values or table])
+            strange = [
+                table[value] for value in values or table if target.items and table[value] not in target.items.values()
+            ]
+            if strange:
+                raise ConversionError(f"{strange[0]} is the value of no item of the target")
             return table
     if (source.kind, target.kind) != (Kind.ENUMERATION, Kind.ENUMERATION):
         raise ConversionError(f"a table of items is not for {source.kind} and {target.kind}")
@@ -177,34 +181,18 @@ def _table(source: Form, target: Form, transformation: Transformation) -> dict[i
     for name in named:
         if name not in source.items:
             raise ConversionError(f"'{name}' is no item of the source: {', '.join(source.items)}")
-    found: dict[int, int] = {}
-    for name, value in source.items.items():
-        meant = named.get(name, name)
-        if meant not in target.items:
-            raise ConversionError(f"'{meant}' is no item of the target: {', '.join(target.items)}")
-        found[value] = target.items[meant]
-    return found
+    meant = {value: named.get(name, name) for name, value in source.items.items()}
+    for name in meant.values():
+        if name not in target.items:
+            raise ConversionError(f"'{name}' is no item of the target: {', '.join(target.items)}")
+    return {value: target.items[name] for value, name in meant.items()}
 
 
-def _require_items(target: Form, values: list[int]) -> None:
-    if target.items:
-        strange = [value for value in values if value not in target.items.values()]
-        if strange:
-            raise ConversionError(f"{strange[0]} is the value of no item of the target")
-
-
-def _flag(text: str) -> int:
-    value = flag_of(text)
-    if value is None:
-        raise ConversionError(f"'{text}' is neither true nor false")
-    return int(value)
-
-
-def _whole(text: str) -> int:
-    value = whole_of(text)
-    if value is None:
-        raise ConversionError(f"'{text}' is no whole number")
-    return value
+def _entries(transformation: Transformation, read: Callable[[str], int | None], otherwise: str) -> dict[int, int]:
+    for text in (text for entry in transformation.entries for text in entry):
+        if read(text) is None:
+            raise ConversionError(f"'{text}' is {otherwise}")
+    return {int(read(a) or 0): int(read(b) or 0) for a, b in transformation.entries}
 
 
 def merged(form: Form, said: Form | None) -> Form:
@@ -215,10 +203,6 @@ def merged(form: Form, said: Form | None) -> Form:
         raise ConversionError(f"the connector is {said.kind}, the FMU's variable {form.kind}")
     if form.unit is None:
         return replace(form, unit=said.unit)
-    if said.unit is not None and said.unit.name != form.unit.name and _differ(said.unit, form.unit):
+    if said.unit and said.unit.name != form.unit.name and not _units(said.unit, form.unit).is_linear_identity:
         raise ConversionError(f"the connector is in {said.unit.name}, the FMU's variable in {form.unit.name}")
     return form
-
-
-def _differ(a: NamedUnit, b: NamedUnit) -> bool:
-    return not _units(a, b).is_linear_identity

@@ -1,10 +1,13 @@
 /* Nonlinear systems: damped Newton iteration with the natural monotonicity test, which no scaling of the equations
  * changes (P. Deuflhard, Newton Methods for Nonlinear Problems, Springer 2004, algorithm NLEQ-ERR, section 3.3).
  *
- * Needs dse_component, DSE_LARGEST_SYSTEM and linear.h.
+ * Who includes this has defined:
+ *   dse_problem            type: what the equations belong to
+ *   DSE_VALUES_OF(p)       the doubles among which the unknowns stand
+ *   DSE_LARGEST_SYSTEM     unknowns of the largest system
  */
-#ifndef DSE_NEWTON_H
-#define DSE_NEWTON_H
+#ifndef DSE_CSOLVE_NEWTON_H
+#define DSE_CSOLVE_NEWTON_H
 
 #include <float.h>
 #include <math.h>
@@ -12,9 +15,11 @@
 #include <stdint.h>
 #include <string.h>
 
-/* From the unknowns in m->v: the equations' residuals, and with *jacobian* also its rows; writes what the equations
- * compute on the way to m->v. Nonzero: what cannot be computed there. */
-typedef int dse_system(dse_component *m, double *residual, double *jacobian);
+#include "linear.h"
+
+/* From the unknowns among the values: the equations' residuals, and with *jacobian* also its rows; writes what the
+ * equations compute on the way to the values. Nonzero: what cannot be computed there. */
+typedef int dse_system(dse_problem *p, double *residual, double *jacobian);
 
 #define DSE_NEWTON_STEPS 100
 #define DSE_NEWTON_TOLERANCE 1e-12
@@ -36,11 +41,11 @@ static inline double dse_newton_length(uint32_t n, const double *weight, const d
 
 /* Whether the residuals are only what rounding leaves of the Jacobian's terms. */
 static inline int dse_newton_is_rounding(
-    const dse_component *m, uint32_t n, const uint32_t *place, const double *residual, const double *jacobian) {
+    const dse_problem *p, uint32_t n, const uint32_t *place, const double *residual, const double *jacobian) {
     for (uint32_t i = 0; i < n; i++) {
         double terms = 0.0;
         for (uint32_t k = 0; k < n; k++) {
-            terms += fabs(jacobian[i * n + k] * m->v[place[k]]);
+            terms += fabs(jacobian[i * n + k] * DSE_VALUES_OF(p)[place[k]]);
         }
         if (!(fabs(residual[i]) <= 8.0 * DBL_EPSILON * terms)) {
             return 0;
@@ -72,20 +77,20 @@ struct dse_newton_work {
 
 /* One damped step: moves the unknowns and leaves the next, simplified correction in work->next and its residual in
  * work->residual. Returns its length, negative if no damping brings the solution nearer. */
-static inline double dse_newton_advance(dse_component *m, uint32_t n, const uint32_t *place, dse_system *system,
+static inline double dse_newton_advance(dse_problem *p, uint32_t n, const uint32_t *place, dse_system *system,
     struct dse_newton_work *work, double *damping) {
     const double length = dse_newton_length(n, work->weight, work->step);
     for (uint32_t k = 0; k < n; k++) {
-        work->from[k] = m->v[place[k]];
+        work->from[k] = DSE_VALUES_OF(p)[place[k]];
     }
     for (;;) {
         double next = NAN;
         double best = 0.0;
         for (uint32_t k = 0; k < n; k++) {
-            m->v[place[k]] = work->from[k] + *damping * work->step[k];
+            DSE_VALUES_OF(p)[place[k]] = work->from[k] + *damping * work->step[k];
         }
         /* What cannot be computed at a trial point is a reason for a shorter step, no more. */
-        if (system(m, work->residual, NULL) == 0 && dse_newton_is_finite(n, work->residual)) {
+        if (system(p, work->residual, NULL) == 0 && dse_newton_is_finite(n, work->residual)) {
             for (uint32_t k = 0; k < n; k++) {
                 work->next[k] = -work->residual[k];
             }
@@ -110,19 +115,19 @@ static inline double dse_newton_advance(dse_component *m, uint32_t n, const uint
     }
 }
 
-static inline void dse_newton_move(dse_component *m, uint32_t n, const uint32_t *place, const double *step) {
+static inline void dse_newton_move(dse_problem *p, uint32_t n, const uint32_t *place, const double *step) {
     for (uint32_t k = 0; k < n; k++) {
-        m->v[place[k]] += step[k];
+        DSE_VALUES_OF(p)[place[k]] += step[k];
     }
 }
 
-static inline int dse_newton_iterate(dse_component *m, uint32_t n, const uint32_t *place, const double *scale,
+static inline int dse_newton_iterate(dse_problem *p, uint32_t n, const uint32_t *place, const double *scale,
     dse_system *system, struct dse_newton_work *work, int failure) {
     double damping = 1.0;
     double before = INFINITY;
     for (int count = 0; count < DSE_NEWTON_STEPS; count++) {
         double length, next;
-        int code = system(m, work->residual, work->jacobian);
+        int code = system(p, work->residual, work->jacobian);
         if (code) {
             return code;
         }
@@ -135,54 +140,54 @@ static inline int dse_newton_iterate(dse_component *m, uint32_t n, const uint32_
         }
         for (uint32_t k = 0; k < n; k++) {
             work->step[k] = -work->residual[k];
-            work->weight[k] = fmax(fabs(m->v[place[k]]), scale[k]);
+            work->weight[k] = fmax(fabs(DSE_VALUES_OF(p)[place[k]]), scale[k]);
         }
         dse_substitute(n, work->factors, work->pivot, work->step);
         length = dse_newton_length(n, work->weight, work->step);
         if (!(length <= DBL_MAX)) {
             return failure;
         }
-        if (dse_newton_is_rounding(m, n, place, work->residual, work->jacobian)) {
+        if (dse_newton_is_rounding(p, n, place, work->residual, work->jacobian)) {
             return 0;
         }
         /* At the limit of rounding a step no longer gets shorter. The step is made even if it is short: an unknown may
          * be far smaller than its scale. */
         if (length <= DSE_NEWTON_TOLERANCE || (length <= DSE_NEWTON_NEAR && length >= 0.5 * before)) {
-            dse_newton_move(m, n, place, work->step);
+            dse_newton_move(p, n, place, work->step);
             return 0;
         }
         before = length;
-        next = dse_newton_advance(m, n, place, system, work, &damping);
+        next = dse_newton_advance(p, n, place, system, work, &damping);
         if (next < 0.0) {
             return length <= DSE_NEWTON_NEAR ? 0 : failure;
         }
         if (next <= DSE_NEWTON_TOLERANCE) {
-            dse_newton_move(m, n, place, work->next);
+            dse_newton_move(p, n, place, work->next);
             return 0;
         }
     }
     return failure;
 }
 
-/* Solve the *n* equations of *system* for the unknowns at *place* in m->v, from the values that stand there. *scale*
+/* Solve the *n* equations of *system* for the unknowns at *place* among the values, from the values that stand there. *scale*
  * is the size below which an unknown's changes do not matter relatively. 0 if it is solved to 1e-12 or to the limit of
  * rounding, and everything *system* writes belongs to the solution; else *failure* or what *system* told, and the
  * unknowns are as before. */
-static inline int dse_newton(dse_component *m, uint32_t n, const uint32_t *place, const double *scale,
+static inline int dse_newton(dse_problem *p, uint32_t n, const uint32_t *place, const double *scale,
     dse_system *system, int failure) {
     struct dse_newton_work work;
     double before[DSE_LARGEST_SYSTEM];
     int code;
     for (uint32_t k = 0; k < n; k++) {
-        before[k] = m->v[place[k]];
+        before[k] = DSE_VALUES_OF(p)[place[k]];
     }
-    code = dse_newton_iterate(m, n, place, scale, system, &work, failure);
+    code = dse_newton_iterate(p, n, place, scale, system, &work, failure);
     if (!code) {
-        code = system(m, work.residual, NULL);
+        code = system(p, work.residual, NULL);
     }
     if (code) {
         for (uint32_t k = 0; k < n; k++) {
-            m->v[place[k]] = before[k];
+            DSE_VALUES_OF(p)[place[k]] = before[k];
         }
     }
     return code;

@@ -1,10 +1,10 @@
-/* What the co-simulation kernel and a fused loop say to each other. dse/cosim/kernel/kernel.c includes this file, too.
+/* What the co-simulation kernel and a fused loop say to each other.
  *
  * A fused library holds the components of one system and one loop over them that knows their structs, the connections
  * and what is recorded. Everything outside of the loop goes through the components' FMI functions as always.
  * Numbers of fixed width and no address but those given here, so that the loop can be compiled for other machines. */
-#ifndef DSE_FUSED_ABI_H
-#define DSE_FUSED_ABI_H
+#ifndef DSE_CSOLVE_FUSED_ABI_H
+#define DSE_CSOLVE_FUSED_ABI_H
 
 #include <stdint.h>
 

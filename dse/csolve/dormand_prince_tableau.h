@@ -1,8 +1,7 @@
 /* Dormand and Prince's pair of order 5(4), first same as last, with dense output of order 4 (Hairer, Norsett, Wanner:
- * Solving Ordinary Differential Equations I, II.5 and II.6). Shared by the solver inside our FMUs and by the one that
- * integrates others' FMUs for model exchange. */
-#ifndef DSE_DORMAND_PRINCE_TABLEAU_H
-#define DSE_DORMAND_PRINCE_TABLEAU_H
+ * Solving Ordinary Differential Equations I, II.5 and II.6). */
+#ifndef DSE_CSOLVE_DORMAND_PRINCE_TABLEAU_H
+#define DSE_CSOLVE_DORMAND_PRINCE_TABLEAU_H
 
 static const double dse_dp_node[7] = {0.0, 1.0 / 5, 3.0 / 10, 4.0 / 5, 8.0 / 9, 1.0, 1.0};
 static const double dse_dp_weight[7][6] = {
@@ -18,9 +17,5 @@ static const double dse_dp_error[7] = {
     71.0 / 57600, 0.0, -71.0 / 16695, 71.0 / 1920, -17253.0 / 339200, 22.0 / 525, -1.0 / 40};
 static const double dse_dp_dense[7] = {-12715105075.0 / 11282082432, 0.0, 87487479700.0 / 32700410799,
     -10690763975.0 / 1880347072, 701980252875.0 / 199316789632, -1453857185.0 / 822651844, 69997945.0 / 29380423};
-
-#define DSE_DP_ORDER 5.0
-/* Where |h lambda| leaves the region of stability, nearly. */
-#define DSE_DP_STABLE 3.25
 
 #endif

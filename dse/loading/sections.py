@@ -8,7 +8,7 @@ from typing import Annotated, Any, ClassVar, TypeVar
 from pydantic import BaseModel, BeforeValidator, ConfigDict, ValidationError
 
 from dse.errors import DseError, Problem, closest
-from dse.formats.yaml import Document, Path_
+from dse.formats.yaml import Entry, Path_
 
 
 class Section(BaseModel):
@@ -32,75 +32,64 @@ def _plain(value: object) -> object:
 Plain = Annotated[str | int | float, BeforeValidator(_plain)]
 """A quantity or expression as YAML reads it: a number, or text."""
 
-Scalar = str | int | float | bool
-"""A value of a parameter as YAML reads it."""
-
 S = TypeVar("S", bound=Section)
 
 
-def read_section(document: Document, shape: type[S], at: Path_ = ()) -> S:
-    """What stands at *at* in the document, by default all of it, in the given *shape*.
-
-    Raises DseError with every deviation, each at its key or value.
-    """
-    data: Any = document.data
-    for step in at:
-        data = data[step]
+def read_section(entry: Entry, shape: type[S]) -> S:
+    """What stands at *entry* in the given *shape*. Raises DseError with every deviation, each at its key or value."""
     try:
-        return shape.model_validate(data)
+        return shape.model_validate(entry.data)
     except ValidationError as error:
-        raise DseError(*_problems(document, shape, error, at)) from None
+        raise DseError(*_problems(entry, shape, error)) from None
 
 
-def _problems(document: Document, shape: type[Section], error: ValidationError, at: Path_) -> Iterable[Problem]:
-    entries = [(_path(document, e["loc"], at), e) for e in error.errors(include_url=False, include_context=True)]
-    later = {path[:-1] for path, entry in entries if _is_later(shape, entry)}
-    merged: dict[Path_, list[str]] = {}
-    for path, entry in entries:
-        kind = entry["type"]
-        if kind in _EXPECTED:
+def _problems(top: Entry, shape: type[Section], error: ValidationError) -> Iterable[Problem]:
+    findings = [(_entry(top, e["loc"]), e) for e in error.errors(include_url=False, include_context=True)]
+    later = {entry.path[:-1] for entry, finding in findings if _is_later(shape, finding)}
+    merged: dict[Path_, list[tuple[Entry, Any]]] = {}
+    for entry, finding in findings:
+        size = len(entry.path)
+        if finding["type"] in _EXPECTED:
             # A union reports one finding per member. Those whose shape is another say nothing if one fits.
-            if not any(other["type"] not in _EXPECTED and at[: len(path)] == path for at, other in entries):
-                merged.setdefault(path, []).append(kind)
-        elif kind != "missing" or path not in later:
-            yield _problem(document, shape, entry, path)
-    inputs = {path: entry["input"] for path, entry in entries if entry["type"] in _EXPECTED}
-    for path, kinds in merged.items():
-        what = f"'{_name(path)}': expected {_either(kinds)}, found {_kind(inputs[path])}"
+            if not any(other["type"] not in _EXPECTED and at.path[:size] == entry.path for at, other in findings):
+                merged.setdefault(entry.path, []).append((entry, finding))
+        elif finding["type"] != "missing" or entry.path not in later:
+            yield _problem(shape, finding, entry)
+    for path, found in merged.items():
+        kinds = [finding["type"] for _, finding in found]
+        entry, finding = found[-1]
+        what = f"'{_name(entry)}': expected {_either(kinds)}, found {_kind(finding['input'])}"
         usual = _HINTS.get(kinds[0], "") if len(kinds) == 1 else ""
-        yield Problem(what, document.place(path), _own_hint(shape, path[len(at) :]) or usual)
+        yield Problem(what, entry.where, _own_hint(shape, path[len(top.path) :]) or usual)
 
 
-def _path(document: Document, loc: tuple[str | int, ...], at: Path_) -> Path_:
-    """The part of pydantic's *loc* below *at* that stands in the document: union members' names are left out."""
-    path = at
+def _entry(top: Entry, loc: tuple[str | int, ...]) -> Entry:
+    """What pydantic's *loc* below *top* means in the document: union members' names are left out."""
     for step in loc:
-        if document.has((*path, step)):
-            path = (*path, step)
-    return path
+        if top[step].is_there:
+            top = top[step]
+    return top
 
 
-def _problem(document: Document, shape: type[Section], entry: Any, path: Path_) -> Problem:
-    kind, loc = entry["type"], entry["loc"]
+def _problem(shape: type[Section], finding: Any, entry: Entry) -> Problem:
+    kind, loc = finding["type"], finding["loc"]
     if kind == "missing":
-        inside = ".".join(map(str, path))
-        return Problem(
-            f"'{loc[-1]}' is missing" + (f" in '{inside}'" if inside else ""), document.key(path), f"add '{loc[-1]}: …'"
-        )
+        inside = f" in '{_name(entry)}'" if entry.path else ""
+        return Problem(f"'{loc[-1]}' is missing{inside}", entry.key, f"add '{loc[-1]}: …'")
     if kind == "extra_forbidden":
-        if _is_later(shape, entry):
+        if _is_later(shape, finding):
             hint = "'dse docs formats' has the list, under 'Not supported in this version'"
-            return Problem(f"'{loc[-1]}' is not supported in this version", document.key(path), hint)
-        known = _fields(_sections_at(shape, loc[:-1]))
-        return Problem(f"unknown key '{loc[-1]}'", document.key(path), closest(str(loc[-1]), known))
-    return Problem(f"'{_name(path)}': {_words(entry)}, found {_shown(entry['input'])}", document.place(path))
+            return Problem(f"'{loc[-1]}' is not supported in this version", entry.key, hint)
+        known = {name for section in _sections_at(shape, loc[:-1]) for name in section.model_fields}
+        return Problem(f"unknown key '{loc[-1]}'", entry.key, closest(str(loc[-1]), known))
+    return Problem(f"'{_name(entry)}': {_words(finding)}, found {_shown(finding['input'])}", entry.where)
 
 
-def _is_later(shape: type[Section], entry: Any) -> bool:
+def _is_later(shape: type[Section], finding: Any) -> bool:
     """Whether the finding is a key that a later version will know."""
-    if entry["type"] != "extra_forbidden":
+    if finding["type"] != "extra_forbidden":
         return False
-    return any(entry["loc"][-1] in section.later for section in _sections_at(shape, entry["loc"][:-1]))
+    return any(finding["loc"][-1] in section.later for section in _sections_at(shape, finding["loc"][:-1]))
 
 
 def _own_hint(shape: type[Section], path: Path_) -> str:
@@ -109,8 +98,8 @@ def _own_hint(shape: type[Section], path: Path_) -> str:
     return next((section.hints[str(path[-1])] for section in sections if str(path[-1]) in section.hints), "")
 
 
-def _name(path: Path_) -> str:
-    return ".".join(map(str, path)) or "the file"
+def _name(entry: Entry) -> str:
+    return ".".join(map(str, entry.path)) or "the file"
 
 
 _EXPECTED = {
@@ -176,11 +165,6 @@ def _sections_at(shape: type[Section], loc: tuple[str | int, ...]) -> list[type[
             found += _sections(field.annotation) if field else [current]
         shapes = found or shapes
     return shapes
-
-
-def _fields(shapes: Iterable[type[Section]]) -> set[str]:
-    """Keys allowed in sections of these *shapes*."""
-    return {info.alias or name for current in shapes for name, info in current.model_fields.items()}
 
 
 def _sections(annotation: Any) -> list[type[Section]]:

@@ -1,8 +1,16 @@
-/* Loops of outputs that depend on each other: first by walking round, then by Newton's method. */
-#ifndef DSE_COSIM_NEWTON_H
-#define DSE_COSIM_NEWTON_H
+/* Walks: reads and writes one after another. Among them are loops of outputs that depend on each other, which are solved
+ * by walking round, first until nothing changes, then by Newton's method. */
+#ifndef DSE_COSIM_WALK_H
+#define DSE_COSIM_WALK_H
 
+#include "element.h" /* before anything of the system */
 #include "plan.h"
+
+#include "csolve/linear.h"
+
+#include <float.h>
+#include <math.h>
+#include <string.h>
 
 #define SOLVED 1e-12      /* residual relative to the size of each value */
 #define NEARLY_SOLVED 1e-9 /* good enough if it cannot be made any smaller */
@@ -10,6 +18,72 @@
 #define DIFFERENCE 0x1p-26 /* the square root of a double's precision: the best step of a one-sided difference */
 
 enum { NEWTON_STEPS = 50, HALVINGS = 10, EXCHANGES = 20 };
+
+/* ---- operations ---- */
+
+/* An FMU discards a step that is too long, and values that are out of its domain. */
+static bool is_discarded(const System *system)
+{
+    return system->failure.kind == BAD_STATUS && system->failure.status == FMI_DISCARD;
+}
+
+/* In the middle of its own step an element is ahead of the others: it neither takes nor shows anything. */
+static bool is_ahead(const Plan *plan, int64_t element)
+{
+    return plan->k % plan->paces[element].every != 0;
+}
+
+/* The first of *count* values that is not finite fails; positions[i] is where it lies. */
+RARE static bool fail_not_finite(System *system, const int32_t *positions, int64_t count)
+{
+    int64_t i = 0;
+    while (i < count - 1 && fabs(system->values[positions[i]]) <= DBL_MAX)
+        i++;
+    return fail(system, NOT_FINITE, 0, positions[i], system->values[positions[i]]);
+}
+
+static bool are_finite(const System *system, const int32_t *positions, int64_t count)
+{
+    bool are = true;
+    for (int64_t i = 0; i < count; i++)
+        are &= fabs(system->values[positions[i]]) <= DBL_MAX;
+    return are;
+}
+
+static bool solve(System *system, Loop *loop);
+
+/* What is passed on must be finite; on the way round a *loop* that is yet to be solved it need not. */
+static bool do_walk(System *system, Walk walk, bool in_loop)
+{
+    const Plan *plan = system->plan;
+    for (const Operation *operation = walk.begin; operation < walk.end; operation++) {
+        if (operation->kind == SOLVE) {
+            const Loop *loop = operation->loop;
+            if (!solve(system, operation->loop))
+                return false;
+            if (!are_finite(system, loop->torn, loop->n_torn))
+                return fail_not_finite(system, loop->torn, loop->n_torn);
+            continue;
+        }
+        if (is_ahead(plan, operation->element))
+            continue;
+        Element *element = &system->elements[operation->element];
+        if (operation->kind == READ) {
+            if (!read_element(system, element, &operation->groups))
+                return false;
+            continue;
+        }
+        const int32_t *sources = plan->sources + operation->first;
+        gather(plan->staged + operation->first, system->values, sources, operation->count);
+        if (!in_loop && !are_finite(system, sources, operation->count))
+            return fail_not_finite(system, sources, operation->count);
+        if (!write_element(system, element, &operation->groups))
+            return false;
+    }
+    return true;
+}
+
+/* ---- loops ---- */
 
 static inline double larger(double a, double b)
 {
@@ -45,51 +119,12 @@ static double residual(const Loop *loop, const double *x, const double *found)
     return largest;
 }
 
-/* Gauss with pivots by column, in place: factors in the rows of n, which row was taken for the pivot in *order*. */
-static bool factorize_loop(double *rows, double *order, int64_t n)
-{
-    for (int64_t c = 0; c < n; c++) {
-        int64_t pivot = c;
-        for (int64_t r = c + 1; r < n; r++)
-            if (fabs(rows[r * n + c]) > fabs(rows[pivot * n + c]))
-                pivot = r;
-        if (!(fabs(rows[pivot * n + c]) > 0.0) || !(fabs(rows[pivot * n + c]) <= DBL_MAX))
-            return false;
-        order[c] = (double)pivot;
-        for (int64_t i = 0; pivot != c && i < n; i++) {
-            const double other = rows[c * n + i];
-            rows[c * n + i] = rows[pivot * n + i];
-            rows[pivot * n + i] = other;
-        }
-        for (int64_t r = c + 1; r < n; r++) {
-            rows[r * n + c] /= rows[c * n + c];
-            for (int64_t i = c + 1; i < n; i++)
-                rows[r * n + i] -= rows[r * n + c] * rows[c * n + i];
-        }
-    }
-    return true;
-}
-
 /* *way* = from x to the solution of the factorized linearization, which made *found* of x. */
 static void find_way(const Loop *loop, const double *x, const double *found, double *way)
 {
-    const int64_t n = loop->n_reals;
-    for (int64_t r = 0; r < n; r++)
+    for (int64_t r = 0; r < loop->n_reals; r++)
         way[r] = found[r] - x[r];
-    for (int64_t c = 0; c < n; c++) {
-        const int64_t pivot = (int64_t)loop->order[c];
-        const double other = way[c];
-        way[c] = way[pivot];
-        way[pivot] = other;
-    }
-    for (int64_t r = 0; r < n; r++)
-        for (int64_t i = 0; i < r; i++)
-            way[r] -= loop->rows[r * n + i] * way[i];
-    for (int64_t r = n - 1; r >= 0; r--) {
-        for (int64_t i = r + 1; i < n; i++)
-            way[r] -= loop->rows[r * n + i] * way[i];
-        way[r] /= loop->rows[r * n + r];
-    }
+    dse_substitute((uint32_t)loop->n_reals, loop->rows, loop->pivots, way);
 }
 
 /* The longest part of a way from x, relative to the values' size. */
@@ -128,7 +163,7 @@ static bool linearize(System *system, const Loop *loop, double *x, const double 
         for (int64_t r = 0; r < n; r++)
             loop->rows[r * n + c] = (r == c ? 1.0 : 0.0) - (moved[r] - found[r]) / difference;
     }
-    *is_regular = factorize_loop(loop->rows, loop->order, n);
+    *is_regular = !dse_eliminate((uint32_t)n, loop->rows, loop->pivots, NULL, NULL);
     return true;
 }
 

@@ -14,12 +14,6 @@ def find_root(path: Path) -> Path | None:
     return next((folder for folder in (start, *start.parents) if (folder / "components").is_dir()), None)
 
 
-def root_of(file: Path) -> Path:
-    """The workspace around *file*; its own folder if there is none."""
-    folder = file.resolve().parent
-    return find_root(folder) or folder
-
-
 def named_file(folder: Path, name: str, inside: Path, suffixes: Collection[str], where: Location) -> Path:
     """The file called *name* by a file in *folder*; it need not exist.
 

@@ -1,8 +1,8 @@
 /* Rodas5P, a Rosenbrock method of order 5(4), L-stable and stiffly accurate, with dense output of order 4 (Steinebach:
  * Construction of Rosenbrock-Wanner method Rodas5P and numerical benchmarks within the Julia Differential Equations
- * package, BIT Numer. Math. 63:27, 2023). Shared as dormand_prince_tableau.h is. */
-#ifndef DSE_ROSENBROCK_TABLEAU_H
-#define DSE_ROSENBROCK_TABLEAU_H
+ * package, BIT Numer. Math. 63:27, 2023). */
+#ifndef DSE_CSOLVE_ROSENBROCK_TABLEAU_H
+#define DSE_CSOLVE_ROSENBROCK_TABLEAU_H
 
 static const double dse_ro_gamma = 0.21193756319429014;
 static const double dse_ro_node[8] = {
