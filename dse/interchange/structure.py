@@ -101,7 +101,6 @@ class Connection:
 class ParameterValue:
     """One value of a parameter set; *type* is SSP's word, *values* has one text per value of an array."""
 
-    name: str
     type: str
     values: tuple[str, ...]
     where: Location
@@ -109,28 +108,14 @@ class ParameterValue:
 
 
 @dataclass(frozen=True, slots=True)
-class MappingEntry:
-    """A parameter of a set (*source*) that goes, transformed, to the *target* of a component or system."""
+class Assignment:
+    """A value that goes, transformed, to what is called *target* in the component or system where it is bound."""
 
-    source: str
     target: str
+    value: ParameterValue
     where: Location
     transformation: Transformation | None = None
     suppresses_unit_conversion: bool = False
-
-
-@dataclass(frozen=True, slots=True)
-class Binding:
-    """A parameter set that is applied to the element it stands at; with *mapping*, only what that names.
-
-    *prefix* is put before every name of the set. *mapping* is None if there is none.
-    """
-
-    name: str
-    values: tuple[ParameterValue, ...]
-    where: Location
-    prefix: str = ""
-    mapping: tuple[MappingEntry, ...] | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -141,7 +126,7 @@ class Component:
     source: str
     fmu: Path
     connectors: tuple[Connector, ...]
-    bindings: tuple[Binding, ...]
+    assignments: tuple[Assignment, ...]
     where: Location
     implementation: str = "any"
 
@@ -172,8 +157,7 @@ class System:
     elements: tuple[Component | DictionaryReference | System, ...]
     connections: tuple[Connection, ...]
     connectors: tuple[Connector, ...]
-    bindings: tuple[Binding, ...]
-    where: Location
+    assignments: tuple[Assignment, ...]
     dictionaries: Mapping[str, Mapping[str, SignalType]] = field(default_factory=dict)
 
     @property

@@ -11,28 +11,28 @@ from dse.formats.xml_values import shortened
 from dse.interchange.reading.common import Findings, inline
 from dse.interchange.reading.package import PackageFile
 from dse.interchange.reading.parameters import read_mapping, read_parameters
-from dse.interchange.structure import Binding
+from dse.interchange.structure import Assignment
 
 _SET = "application/x-ssp-parameter-set"
 _MAPPING = "application/x-ssp-parameter-mapping"
 _MOST_BYTES = 128 * 2**20
 
 
-def read_bindings(file: PackageFile, element: XmlElement, fmu: Path | None, found: Findings) -> tuple[Binding, ...]:
-    """The bindings of *element*, which stands in *file*; what is wrong with them goes to *found*.
+def read_bindings(file: PackageFile, element: XmlElement, fmu: Path | None, found: Findings) -> tuple[Assignment, ...]:
+    """What the bindings of *element*, which stands in *file*, give; what is wrong with them goes to *found*.
 
     *fmu* is the component's archive, in which sets and mappings may lie, too.
     """
-    bindings = []
+    assigned: list[Assignment] = []
     for child in found.listed(element, "ParameterBindings", "ParameterBinding"):
         try:
-            bindings.append(_binding(file, child, fmu, found))
+            assigned += _binding(file, child, fmu, found)
         except DseError as error:
             found.problems += error.problems
-    return tuple(bindings)
+    return tuple(assigned)
 
 
-def _binding(file: PackageFile, element: XmlElement, fmu: Path | None, found: Findings) -> Binding:
+def _binding(file: PackageFile, element: XmlElement, fmu: Path | None, found: Findings) -> tuple[Assignment, ...]:
     found.expect(element, {"type", "source", "sourceBase", "prefix"}, {"ParameterValues", "ParameterMapping"})
     _require_type(element, _SET, "parameter set")
     values = element.child("ParameterValues")
@@ -44,15 +44,16 @@ def _binding(file: PackageFile, element: XmlElement, fmu: Path | None, found: Fi
         raise fail("the binding has neither a 'source' nor <ParameterValues>", element.where)
     else:
         root = inline(values, "ParameterSet")
-    parameters = read_parameters(root, found)
-    mapping = None
+    prefix = element.get("prefix")
+    parameters = {prefix + name: value for name, value in read_parameters(root, found).items()}
     mapped = element.child("ParameterMapping")
-    if mapped is not None:
-        found.expect(mapped, {"type", "source", "sourceBase"}, {"ParameterMapping"})
-        _require_type(mapped, _MAPPING, "parameter mapping")
-        rules = _named(file, mapped, fmu, found) if mapped.get("source") else inline(mapped, "ParameterMapping")
-        mapping = read_mapping(rules, found)
-    return Binding(root.get("name"), parameters, element.where, element.get("prefix"), mapping)
+    if mapped is None:
+        return tuple(Assignment(name, value, value.where) for name, value in parameters.items())
+    # With a mapping, only what it names is applied (SSP, ParameterBindings).
+    found.expect(mapped, {"type", "source", "sourceBase"}, {"ParameterMapping"})
+    _require_type(mapped, _MAPPING, "parameter mapping")
+    rules = _named(file, mapped, fmu, found) if mapped.get("source") else inline(mapped, "ParameterMapping")
+    return read_mapping(rules, parameters, found)
 
 
 def _require_type(element: XmlElement, expected: str, what: str) -> None:

@@ -127,7 +127,6 @@ class _Reader:
             tuple(self._connection(c) for c in element.below("Connections", "Connection")),
             self._connectors(element),
             read_bindings(self.file, element, None, found),
-            element.where,
             self._dictionaries(element),
         )
 
@@ -156,15 +155,15 @@ class _Reader:
             raise fail(what, element.where, "components are FMUs, systems (.ssd) or packages (.ssp)")
         target = self.file.follow(source, element.where)
         if type_ == _FMU:
-            bindings = read_bindings(self.file, element, target.path, self.found)
+            assigned = read_bindings(self.file, element, target.path, self.found)
             kinds = ("any", "CoSimulation", "ModelExchange")
             implementation = element.word("implementation", kinds, self.found.problems, "any")
             connectors = self._connectors(element)
-            return Component(name, source, target.path, connectors, bindings, element.where, implementation)
+            return Component(name, source, target.path, connectors, assigned, element.where, implementation)
         inner = self._nested(type_, target, element, level)
         # Bindings of the component come after those of the system it stands for (SSP, ParameterBindings).
-        bindings = read_bindings(self.file, element, None, self.found)
-        return replace(inner, name=name, bindings=(*inner.bindings, *bindings))
+        assigned = read_bindings(self.file, element, None, self.found)
+        return replace(inner, name=name, assignments=(*inner.assignments, *assigned))
 
     def _nested(self, type_: str, target: Target, element: XmlElement, level: int) -> System:
         package = self.file.package

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
+from dse.errors import Problem
 from dse.formats.xml import XmlElement
 from dse.formats.xml_values import shortened
 from dse.interchange.reading.common import (
@@ -16,13 +19,13 @@ from dse.interchange.reading.common import (
     require_root,
     unit_of,
 )
-from dse.interchange.structure import MappingEntry, ParameterValue
+from dse.interchange.structure import Assignment, ParameterValue
 
 _VALUES = TYPES - {"Clock"}
 
 
-def read_parameters(root: XmlElement, found: Findings) -> tuple[ParameterValue, ...]:
-    """The values of an ``ssv:ParameterSet``. Raises DseError if *root* is none; all else goes to *found*."""
+def read_parameters(root: XmlElement, found: Findings) -> dict[str, ParameterValue]:
+    """The values, by name, of an ``ssv:ParameterSet``. Raises DseError if *root* is none; all else goes to *found*."""
     require_root(root, "ParameterSet", SSV)
     found.expect(root, META | {"version", "name"}, {"Parameters", "Enumerations", "Units"})
     scope = read_scope(root, found)
@@ -35,8 +38,8 @@ def read_parameters(root: XmlElement, found: Findings) -> tuple[ParameterValue, 
             found.add(f"<Parameter> '{shortened(name)}' needs one value", element.where)
             continue
         (value,) = typed
-        values[name] = ParameterValue(name, value.tag, _texts(value, found), element.where, unit_of(value, scope))
-    return tuple(values.values())
+        values[name] = ParameterValue(value.tag, _texts(value, found), element.where, unit_of(value, scope))
+    return values
 
 
 def _texts(element: XmlElement, found: Findings) -> tuple[str, ...]:
@@ -51,21 +54,26 @@ def _texts(element: XmlElement, found: Findings) -> tuple[str, ...]:
     return (text,) if element.tag in ("String", "Binary", "Enumeration") else tuple(text.split())
 
 
-def read_mapping(root: XmlElement, found: Findings) -> tuple[MappingEntry, ...]:
-    """The entries of an ``ssm:ParameterMapping``. Raises DseError if *root* is none; all else goes to *found*."""
+def read_mapping(root: XmlElement, values: Mapping[str, ParameterValue], found: Findings) -> tuple[Assignment, ...]:
+    """What the entries of an ``ssm:ParameterMapping`` do with *values*.
+
+    Raises DseError if *root* is none; all else goes to *found*.
+    """
     require_root(root, "ParameterMapping", SSM)
     found.expect(root, META | {"version"}, {"MappingEntry"})
-    entries: dict[str, MappingEntry] = {}
+    assigned: list[Assignment] = []
+    targets: set[str] = set()
     for element in root.all("MappingEntry"):
         found.expect(element, {"source", "target", "suppressUnitConversion"}, TRANSFORMATIONS)
-        target = element.required("target", found.problems)
-        if target in entries:
+        source, target = element.required("source", found.problems), element.required("target", found.problems)
+        if target in targets:
             found.add(f"'{shortened(target)}' is the target of two entries", element.where)
-        entries[target] = MappingEntry(
-            element.required("source", found.problems),
-            target,
-            element.where,
-            read_transformation(element, found),
-            element.flag("suppressUnitConversion", found.problems),
-        )
-    return tuple(entries.values())
+        targets.add(target)
+        transformation = read_transformation(element, found)
+        suppresses = element.flag("suppressUnitConversion", found.problems)
+        if source in values:
+            assigned.append(Assignment(target, values[source], element.where, transformation, suppresses))
+        else:
+            what = f"the parameter set has no '{shortened(source)}', so that '{shortened(target)}' is not set"
+            found.notes.append(Problem(what, element.where))
+    return tuple(assigned)

@@ -14,8 +14,8 @@ from dse.interchange.resolving.matching import connector_problems, interface_pro
 from dse.interchange.resolving.network import Models, Network, Node, Way, network_of
 from dse.interchange.resolving.routes import Route, carried, forms_along, label_of, routes_to
 from dse.interchange.resolving.signals import Signal, signals_of
-from dse.interchange.resolving.values import TYPED, Assigned, Settled, assignments, named, settle
-from dse.interchange.structure import ParameterValue, SspSystem
+from dse.interchange.resolving.values import TYPED, Settled, assignments, named, settle
+from dse.interchange.structure import Assignment, ParameterValue, SspSystem
 from dse.system.order import along_the_flow
 from dse.system.shapes import resized
 
@@ -89,8 +89,8 @@ def _names(network: Network, problems: list[Problem]) -> dict[Way, str]:
     return names
 
 
-def _typed(network: Network, settings: Mapping[str, str], problems: list[Problem]) -> dict[Node, Assigned]:
-    given: dict[Node, Assigned] = {}
+def _typed(network: Network, settings: Mapping[str, str], problems: list[Problem]) -> dict[Node, Assignment]:
+    given: dict[Node, Assignment] = {}
     for name, text in settings.items():
         here = Location(f"--set {name}={text}")
         nodes = list(named(network, name))
@@ -98,12 +98,12 @@ def _typed(network: Network, settings: Mapping[str, str], problems: list[Problem
             known = [connector.name for connector in network.systems[()].connectors]
             known += [f"{'.'.join(way)}.{v}" for way, model in network.models.items() for v in model.variables]
             problems.append(Problem(f"there is no '{name}' to set", here, closest(name, known)))
-        value = ParameterValue(name, TYPED, (text,), here)
-        given |= {node: Assigned(value, None, False, here) for node in nodes}
+        assigned = Assignment(name, ParameterValue(TYPED, (text,), here), here)
+        given |= dict.fromkeys(nodes, assigned)
     return given
 
 
-def _resized(network: Network, given: Mapping[Node, Assigned], problems: list[Problem]) -> dict[Way, FmuModel]:
+def _resized(network: Network, given: Mapping[Node, Assignment], problems: list[Problem]) -> dict[Way, FmuModel]:
     """The FMUs with the sizes their arrays have by the structural parameters that are given."""
     found = dict(network.models)
     for way, model in found.items():
@@ -121,7 +121,7 @@ def _resized(network: Network, given: Mapping[Node, Assigned], problems: list[Pr
     return found
 
 
-def _settled(network: Network, node: Node, assigned: Assigned, problems: list[Problem]) -> tuple[Settled, ...]:
+def _settled(network: Network, node: Node, assigned: Assignment, problems: list[Problem]) -> tuple[Settled, ...]:
     try:
         form = network.form(node)
         return settle(assigned, form) if form else ()
@@ -148,7 +148,7 @@ class _Draft:
     driven: set[str] = field(default_factory=set)
     wired: set[str] = field(default_factory=set)
 
-    def store(self, name: str, labels: Sequence[str], values: Sequence[Settled], assigned: Assigned) -> None:
+    def store(self, name: str, labels: Sequence[str], values: Sequence[Settled], assigned: Assignment) -> None:
         """Start the values called *labels*, which are of the variable *name*, with *values*: one for each or for all.
 
         Raises DseError for another number of them.
@@ -193,7 +193,7 @@ def _negated(variable: Variable) -> Conversion:
 class _Assembly:
     """The wires and elements of a network to which values are *given*; *problems* are gathered."""
 
-    def __init__(self, network: Network, given: Mapping[Node, Assigned], problems: list[Problem]) -> None:
+    def __init__(self, network: Network, given: Mapping[Node, Assignment], problems: list[Problem]) -> None:
         self.wires: list[Wire] = []
         self.drafts = {way: _Draft(model) for way, model in network.models.items()}
         self._network, self._given, self._problems = network, given, problems

@@ -4,15 +4,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from dataclasses import dataclass
 
 from dse.domain.component import Kind
-from dse.errors import Location, Problem
+from dse.errors import Problem
 from dse.formats.xml_values import flag_of, real_of, shortened, whole_of
 from dse.interchange.resolving.carry import Carry, ConversionError
 from dse.interchange.resolving.conversion import KINDS, Form, carry, convert
 from dse.interchange.resolving.network import Network, Node, Way
-from dse.interchange.structure import Binding, NamedUnit, ParameterValue, System, Transformation
+from dse.interchange.structure import Assignment, NamedUnit, System, Transformation
 from dse.system.binding import find_variable
 from dse.units import UnitError, parse_quantity
 
@@ -22,17 +21,7 @@ TYPED = "typed"
 Settled = float | str | bytes
 
 
-@dataclass(frozen=True, slots=True)
-class Assigned:
-    """A value on its way to a variable or connector."""
-
-    value: ParameterValue
-    transformation: Transformation | None
-    suppresses_unit_conversion: bool
-    where: Location
-
-
-def assignments(network: Network, notes: list[Problem]) -> dict[Node, Assigned]:
+def assignments(network: Network, notes: list[Problem]) -> dict[Node, Assignment]:
     """What the bindings of all elements give, by variable of an FMU or connector of a system.
 
     Of several values for one of them the later binding's counts, and that of the outer system (SSP, 5.2.3). A name that
@@ -41,36 +30,17 @@ def assignments(network: Network, notes: list[Problem]) -> dict[Node, Assigned]:
     return dict(_assigned(network, (), notes))
 
 
-def _assigned(network: Network, way: Way, notes: list[Problem]) -> Iterator[tuple[Node, Assigned]]:
+def _assigned(network: Network, way: Way, notes: list[Problem]) -> Iterator[tuple[Node, Assignment]]:
     element = network.components.get(way) or network.systems[way]
     for inner in element.parts if isinstance(element, System) else ():
         yield from _assigned(network, (*way, inner.name), notes)
-    for binding in element.bindings:
-        for name, assigned in _entries(binding, notes):
-            nodes = list(named(network, name, way))
-            if not nodes:
-                place = ".".join(way) or "the system"
-                what = f"nothing in {place} is called '{shortened(name)}'; its value is not used"
-                notes.append(Problem(what, assigned.where))
-            yield from ((node, assigned) for node in nodes)
-
-
-def _entries(binding: Binding, notes: list[Problem]) -> Iterator[tuple[str, Assigned]]:
-    values = {binding.prefix + value.name: value for value in binding.values}
-    if binding.mapping is None:
-        for name, value in values.items():
-            yield name, Assigned(value, None, False, value.where)
-        return
-    # With a mapping, only what it names is applied (SSP, ParameterBindings).
-    for entry in binding.mapping:
-        found = values.get(entry.source)
-        if found is None:
-            what = (
-                f"the parameter set has no '{shortened(entry.source)}', so that '{shortened(entry.target)}' is not set"
-            )
-            notes.append(Problem(what, entry.where))
-        else:
-            yield entry.target, Assigned(found, entry.transformation, entry.suppresses_unit_conversion, entry.where)
+    for assigned in element.assignments:
+        nodes = list(named(network, assigned.target, way))
+        if not nodes:
+            place = ".".join(way) or "the system"
+            what = f"nothing in {place} is called '{shortened(assigned.target)}'; its value is not used"
+            notes.append(Problem(what, assigned.where))
+        yield from ((node, assigned) for node in nodes)
 
 
 def named(network: Network, name: str, way: Way = ()) -> Iterator[Node]:
@@ -87,7 +57,7 @@ def named(network: Network, name: str, way: Way = ()) -> Iterator[Node]:
             yield from named(network, name.removeprefix(f"{inner.name}."), (*way, inner.name))
 
 
-def settle(assigned: Assigned, target: Form, after: Carry | None = None) -> tuple[Settled, ...]:
+def settle(assigned: Assignment, target: Form, after: Carry | None = None) -> tuple[Settled, ...]:
     """What *assigned* gives to something of the form *target*, then carried on *after*. Raises ConversionError."""
     value = assigned.value
     if value.type == TYPED:

@@ -266,5 +266,5 @@ def test_values_inside_an_fmu_are_found(tmp_path):
         "SystemStructure.ssd": description(elements(component("gain", more=inside))),
         "resources/gain.fmu": archive,
     }
-    (found,) = opened(tmp_path, files, {}).places["gain"].bindings
-    assert [(value.name, value.values) for value in found.values] == [("k", ("7",))]
+    (found,) = opened(tmp_path, files, {}).places["gain"].assignments
+    assert (found.target, found.value.values) == ("k", ("7",))
