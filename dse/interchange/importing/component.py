@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 import re
-import shutil
 from dataclasses import dataclass, replace
 from pathlib import Path
 
 from dse.domain.component import Component, Interface, Value
-from dse.errors import Location, Problem, fail, raise_if_any
+from dse.errors import Location, Problem, raise_if_any
 from dse.fmu.unpack import open_fmu
 from dse.formats.yaml import shown
 from dse.formats.yaml_text import write_value
+from dse.interchange.importing.files import write_new
 from dse.interchange.importing.offer import implementing, offer
 from dse.interchange.names import numbered
 from dse.kinds.fmu import FmuSource
@@ -61,19 +61,13 @@ def import_component(
     has_own = component.interface.name not in known or component.interface != known[component.interface.name]
     if has_own:
         component = replace(component, interface=replace(component.interface, name=numbered(own, known.__contains__)))
-    target.mkdir(parents=True)
-    try:
-        shutil.copyfile(file, target / f"{own}.fmu")
-        if has_own:
-            _write(target / "interfaces.yaml", write_interfaces([component.interface]))
-        _write(target / "component.yaml", write_fmu_component(component, f"{own}.fmu"))
-    except OSError as error:
-        shutil.rmtree(target, ignore_errors=True)
-        raise fail(f"cannot be written: {error.strerror or error}", Location(shown(target))) from error
+    path = target / "component.yaml"
+    texts = {path: write_fmu_component(component, f"{own}.fmu")}
+    if has_own:
+        texts[target / "interfaces.yaml"] = write_interfaces([component.interface])
+    write_new(texts, {target / f"{own}.fmu": file})
     starts = (_start(component, port, value) for port, value in offered.starts.items())
-    return ImportedComponent(
-        component, target / "component.yaml", has_own, tuple(starts), offered.left_out, offered.told
-    )
+    return ImportedComponent(component, path, has_own, tuple(starts), offered.left_out, offered.told)
 
 
 def name_of(file: Path) -> str:
@@ -90,7 +84,3 @@ def _start(component: Component, name: str, value: Value) -> str:
 
 def _interfaces(folder: Path) -> dict[str, Interface]:
     return dict(Workspace(folder).interfaces) if (folder / "components").is_dir() else {}
-
-
-def _write(path: Path, text: str) -> None:
-    path.write_text(text, encoding="utf-8", newline="\n")

@@ -9,9 +9,10 @@ from pathlib import Path
 from dse.domain.bench import Simulation
 from dse.domain.component import Causality, Component, Interface, Kind, Type, Value
 from dse.domain.design import Alternative, Compound, Connection, DesignSpace, Node, Part
-from dse.errors import DseError, Location, Problem, fail, raise_if_any
+from dse.errors import DseError, Location, Problem, raise_if_any
 from dse.fmu.unpack import open_fmu
 from dse.formats.yaml import shown
+from dse.interchange.importing.files import write_new
 from dse.interchange.importing.parts import Catalogue, Parts, connect, take_parts
 from dse.interchange.importing.values import given_values
 from dse.interchange.names import free_word
@@ -102,7 +103,7 @@ def import_ssp(
         metrics = _metrics(variant)
         text = write_bench(variant.bench, variant.title, design, variant.parameters, variant.simulation, metrics)
         texts[folder / "testbenches" / f"{variant.bench}.yaml"] = text
-    _write(texts, archives)
+    write_new(texts, archives)
     told = dict.fromkeys((*catalogue.left_out, *(text for variant in variants for text in variant.told)))
     return ImportedWorkspace(tuple(sorted((*texts, *archives))), tuple(bench for bench, _ in benches), tuple(told))
 
@@ -217,20 +218,3 @@ def _metrics(variant: _Variant) -> dict[str, tuple[str, str]]:
         if port is not None and port.type.kind is Kind.REAL:
             found[free_word(f"{signal} at the end", found)] = f"final({signal})", port.type.unit.symbol
     return found
-
-
-def _write(texts: Mapping[Path, str], archives: Mapping[Path, Path]) -> None:
-    raise_if_any(
-        Problem("the file is there already", Location(str(path)), "move it away; nothing is overwritten")
-        for path in (*texts, *archives)
-        if path.exists()
-    )
-    try:
-        for path, archive in archives.items():
-            path.parent.mkdir(parents=True, exist_ok=True)
-            path.write_bytes(archive.read_bytes())
-        for path, text in texts.items():
-            path.parent.mkdir(parents=True, exist_ok=True)
-            path.write_text(text, encoding="utf-8", newline="\n")
-    except OSError as error:
-        raise fail(f"cannot be written: {error.strerror or error}", Location(str(error.filename))) from error
