@@ -14,13 +14,13 @@ from dse.domain.fmu import FmiInterface, FmuModel
 from dse.domain.method import PLAIN, Method
 from dse.domain.run import Waveforms
 from dse.errors import DseError, Location, Problem, fail
-from dse.fmu.parallel import together
+from dse.fmu.parallel import in_parallel
 from dse.fmu.unpack import open_fmu
 from dse.formats.yaml import shown
 from dse.interchange.reading.open import open_ssp
 from dse.interchange.resolving.network import Models
 from dse.interchange.resolving.resolve import ResolvedSystem, system_of
-from dse.interchange.structure import Component, ExperimentSettings, SspSystem
+from dse.interchange.structure import ExperimentSettings, SspComponent, SspSystem
 from dse.metrics.program import compile_metrics
 from dse.testbench.prepare import with_facts
 from dse.testbench.prepared import PreparedBench, Recording
@@ -58,13 +58,13 @@ class PreparedPackage:
 def read_package(path: Path, variant: str | None = None, cache: Path | None = None) -> tuple[SspSystem, Models]:
     """The package at *path* with its FMUs opened. Raises DseError with the problems of all of them."""
     ssp = open_ssp(path, cache_folder(cache) / "ssp", variant)
-    components: dict[tuple[Path, str], Component] = {}
+    components: dict[tuple[Path, str], SspComponent] = {}
     for component in ssp.places.values():
         components.setdefault(component.key, component)
-    return ssp, together(components, lambda key: _opened(components[key], cache))
+    return ssp, in_parallel(components, lambda key: _opened(components[key], cache))
 
 
-def _opened(component: Component, cache: Path | None) -> FmuModel:
+def _opened(component: SspComponent, cache: Path | None) -> FmuModel:
     wanted = None if component.implementation == "any" else FmiInterface(component.implementation)
     try:
         return open_fmu(component.fmu, cache=cache, interface=wanted)
@@ -72,7 +72,7 @@ def _opened(component: Component, cache: Path | None) -> FmuModel:
         raise DseError(*(_of_fmu(component, problem) for problem in error.problems)) from error
 
 
-def _of_fmu(component: Component, problem: Problem) -> Problem:
+def _of_fmu(component: SspComponent, problem: Problem) -> Problem:
     """*problem* where the FMU is named, which a person can change."""
     place = str(problem.where).replace(shown(component.fmu), component.source) if problem.where else component.source
     return Problem(f"{place}: {problem.what}", component.where, problem.hint)

@@ -84,7 +84,7 @@ class End:
 
 
 @dataclass(frozen=True, slots=True)
-class Connection:
+class SspConnection:
     """A connection of two connectors; which of them is the source is decided by their kinds."""
 
     start: End
@@ -119,7 +119,7 @@ class Assignment:
 
 
 @dataclass(frozen=True, slots=True)
-class Component:
+class SspComponent:
     """An FMU in a system. *fmu* is the file; *implementation* is any, CoSimulation or ModelExchange."""
 
     name: str
@@ -154,18 +154,18 @@ class System:
     """
 
     name: str
-    elements: tuple[Component | DictionaryReference | System, ...]
-    connections: tuple[Connection, ...]
+    elements: tuple[SspComponent | DictionaryReference | System, ...]
+    connections: tuple[SspConnection, ...]
     connectors: tuple[Connector, ...]
     assignments: tuple[Assignment, ...]
     dictionaries: Mapping[str, Mapping[str, SignalType]] = field(default_factory=dict)
 
     @property
-    def parts(self) -> list[Component | System]:
+    def parts(self) -> list[SspComponent | System]:
         """The elements that are no references to signal dictionaries."""
-        return [element for element in self.elements if isinstance(element, Component | System)]
+        return [element for element in self.elements if isinstance(element, SspComponent | System)]
 
-    def element(self, name: str) -> Component | DictionaryReference | System | None:
+    def element(self, name: str) -> SspComponent | DictionaryReference | System | None:
         """The element called *name*, or None."""
         return next((element for element in self.elements if element.name == name), None)
 
@@ -197,14 +197,14 @@ class SspSystem:
     notes: tuple[Problem, ...] = ()
 
     @property
-    def places(self) -> dict[str, Component]:
+    def places(self) -> dict[str, SspComponent]:
         """All components by their way from the top, ``outer.inner``, those of nested systems too, in order."""
         return dict(_places(self.system, ""))
 
 
-def _places(system: System, prefix: str) -> Iterator[tuple[str, Component]]:
+def _places(system: System, prefix: str) -> Iterator[tuple[str, SspComponent]]:
     for part in system.parts:
-        if isinstance(part, Component):
+        if isinstance(part, SspComponent):
             yield f"{prefix}{part.name}", part
         else:
             yield from _places(part, f"{prefix}{part.name}.")

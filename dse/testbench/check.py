@@ -13,7 +13,7 @@ from dse.domain.component import Component
 from dse.domain.design import Configuration, DesignSpace
 from dse.domain.method import Coupling, Method
 from dse.errors import DseError, Problem, raise_if_any
-from dse.fmu.parallel import together
+from dse.fmu.parallel import in_parallel
 from dse.loading.component.kind import kind_of
 from dse.loading.workspace import Workspace
 from dse.space.check import check as check_space
@@ -62,7 +62,7 @@ def _components(workspace: Workspace, tell: OnProgress) -> list[Problem]:
             tell("components", number + 1, of, names[number])
 
     done(0, len(names))
-    return problems + _of(together, names, lambda name: _component(read[name]), done)
+    return problems + _of(in_parallel, names, lambda name: _component(read[name]), done)
 
 
 def _of(action: Callable[P, object], *args: P.args, **kwargs: P.kwargs) -> list[Problem]:

@@ -18,7 +18,7 @@ from dse.domain.method import BONDS
 from dse.domain.system import SystemStructure
 from dse.errors import DseError, Location, Problem, raise_if_any
 from dse.fmu.building import build_all
-from dse.fmu.parallel import together
+from dse.fmu.parallel import in_parallel
 from dse.fmu.unpack import open_fmu
 from dse.metrics.program import MetricProgram, compile_metrics
 from dse.system.assembly import assemble, wiring_problems
@@ -54,7 +54,7 @@ def prepare_bench(
     checked = _each({c.id: c for c in configurations}, lambda configuration: check_bench(bench, configuration))
     components = {c.name: c for one in checked.values() for c in one.wired.parts.values()}
     archives = build_all(components.values(), version=version, cache=cache)
-    models = together(archives, lambda name: open_fmu(archives[name], cache=cache))
+    models = in_parallel(archives, lambda name: open_fmu(archives[name], cache=cache))
     return _each(checked, lambda one: _prepared(one, models, cache))
 
 

@@ -46,7 +46,7 @@ _CAPABILITIES: Mapping[int, Mapping[str, str]] = {
 
 
 @dataclass(frozen=True, slots=True)
-class Offered:
+class ChosenInterface:
     """One interface: *element* is its own, *identifier* names its library; *fixed_step* as in FmuModel."""
 
     interface: FmiInterface
@@ -59,7 +59,7 @@ class Offered:
 
 def choose_interface(
     root: XmlElement, version: int, wanted: FmiInterface | None, experiment: Experiment, problems: list[Problem]
-) -> Offered:
+) -> ChosenInterface:
     """The interface *wanted*, or else co-simulation before model exchange; those that need no other tool come first.
 
     Raises DseError if there is none; what is wrong with the one taken goes to *problems*.
@@ -78,15 +78,15 @@ def choose_interface(
         # The solver is ours, so every step is possible.
         needs = _needs_completed_step(element, version, problems)
         capabilities = replace(capabilities, can_handle_variable_step=True)
-        return Offered(kind, element, identifier, capabilities, needs_completed_step=needs)
+        return ChosenInterface(kind, element, identifier, capabilities, needs_completed_step=needs)
     step = _positive(element, "fixedInternalStepSize", problems) or experiment.step
     fixed_step = None if capabilities.can_handle_variable_step else step
-    return Offered(kind, element, identifier, capabilities, fixed_step)
+    return ChosenInterface(kind, element, identifier, capabilities, fixed_step)
 
 
 def _of_version_1(
     root: XmlElement, wanted: FmiInterface | None, experiment: Experiment, problems: list[Problem]
-) -> Offered:
+) -> ChosenInterface:
     if wanted is FmiInterface.MODEL_EXCHANGE:
         raise fail("model exchange of FMI 1.0 is not supported", root.where)
     implementation = root.child("Implementation")
@@ -100,7 +100,7 @@ def _of_version_1(
     capabilities = Capabilities() if told is None else _capabilities(told, 1, problems)
     capabilities = replace(capabilities, needs_tool=kind.tag == "CoSimulation_Tool")
     fixed_step = None if capabilities.can_handle_variable_step else experiment.step
-    return Offered(FmiInterface.CO_SIMULATION, root, read_identifier(root, problems), capabilities, fixed_step)
+    return ChosenInterface(FmiInterface.CO_SIMULATION, root, read_identifier(root, problems), capabilities, fixed_step)
 
 
 def _capabilities(element: XmlElement, version: int, problems: list[Problem]) -> Capabilities:

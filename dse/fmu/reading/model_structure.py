@@ -22,7 +22,7 @@ Dependencies = Mapping[str, tuple[str, ...]]
 
 
 @dataclass(frozen=True, slots=True)
-class Structure:
+class ModelDependencies:
     """What a description says of how its variables depend on each other; both mappings are those of FmuModel."""
 
     depends: Dependencies
@@ -59,13 +59,13 @@ def catalog(listed: Sequence[Listed | None], version: int) -> Catalog:
     return Catalog(version, found)
 
 
-def read_structure(root: XmlElement, variables: Catalog) -> Structure:
+def read_structure(root: XmlElement, variables: Catalog) -> ModelDependencies:
     """The dependencies of outputs.
 
     An output of which nothing is said, or what cannot be, is left out: it may depend on everything.
     """
     exact = (one for group in variables.found.values() for one in group if _keeps_its_start(one))
-    return Structure(
+    return ModelDependencies(
         depends=_dependencies(root, "Outputs", "Output", _AT_ANY_TIME, variables),
         initially_depends={
             **_dependencies(root, "InitialUnknowns", "InitialUnknown", _INITIALLY, variables),
@@ -74,7 +74,7 @@ def read_structure(root: XmlElement, variables: Catalog) -> Structure:
     )
 
 
-def direct_dependencies(listed: Sequence[Listed | None]) -> Structure:
+def direct_dependencies(listed: Sequence[Listed | None]) -> ModelDependencies:
     """The inputs each output of FMI 1.0 says it depends on directly; nothing is known of initialization.
 
     An output that names what is no variable is left out: it may depend on everything.
@@ -88,7 +88,7 @@ def direct_dependencies(listed: Sequence[Listed | None]) -> Structure:
         sources = dict.fromkeys(name.text.strip() for name in told.all("Name"))
         if causalities.keys() >= sources.keys():
             depends[one.variable.name] = tuple(name for name in sources if causalities[name] == "input")
-    return Structure(depends, {})
+    return ModelDependencies(depends, {})
 
 
 def read_exchange(

@@ -14,8 +14,7 @@ from dse.errors import DseError, Location, Problem, raise_if_any
 from dse.interchange.importing.offer import offer
 from dse.interchange.names import each_named, free_word
 from dse.interchange.resolving.resolve import ResolvedSystem
-from dse.interchange.structure import Component as SspComponent
-from dse.interchange.structure import SspSystem
+from dse.interchange.structure import SspComponent, SspSystem
 from dse.interchange.writing.connections import carries_the_same
 from dse.kinds.fmu import FmuSource
 from dse.system.binding import bind

@@ -29,13 +29,13 @@ from dse.interchange.reading.common import (
 from dse.interchange.reading.dictionary import read_dictionary
 from dse.interchange.reading.package import DEFAULT, Package, PackageFile, Target, open_package
 from dse.interchange.structure import (
-    Component,
-    Connection,
     Connector,
     DictionaryReference,
     End,
     ExperimentSettings,
     SignalType,
+    SspComponent,
+    SspConnection,
     SspSystem,
     System,
 )
@@ -108,7 +108,7 @@ class _Reader:
         if level > _MOST_LEVELS:
             raise fail(f"packages and systems are nested more than {_MOST_LEVELS} levels deep", element.where)
         found.expect(element, {"name"}, _ELEMENT | _CONTENT)
-        elements: list[Component | DictionaryReference | System] = []
+        elements: list[SspComponent | DictionaryReference | System] = []
         names: set[str] = set()
         for child in element.below("Elements"):
             found.expect(child, NOTHING, {"Component", "SignalDictionaryReference", "System"})
@@ -130,7 +130,7 @@ class _Reader:
             self._dictionaries(element),
         )
 
-    def _element(self, element: XmlElement, level: int) -> list[Component | DictionaryReference | System]:
+    def _element(self, element: XmlElement, level: int) -> list[SspComponent | DictionaryReference | System]:
         name = element.required("name", self.found.problems)
         match element.tag:
             case "System":
@@ -143,7 +143,7 @@ class _Reader:
                 return [self._component(name, element, level)]
         return []
 
-    def _component(self, name: str, element: XmlElement, level: int) -> Component | System:
+    def _component(self, name: str, element: XmlElement, level: int) -> SspComponent | System:
         self.found.expect(element, {"name", "type", "source", "implementation"}, _ELEMENT)
         source = element.get("source")
         if not source:
@@ -159,7 +159,7 @@ class _Reader:
             kinds = ("any", "CoSimulation", "ModelExchange")
             implementation = element.word("implementation", kinds, self.found.problems, "any")
             connectors = self._connectors(element)
-            return Component(name, source, target.path, connectors, assigned, element.where, implementation)
+            return SspComponent(name, source, target.path, connectors, assigned, element.where, implementation)
         inner = self._nested(type_, target, element, level)
         # Bindings of the component come after those of the system it stands for (SSP, ParameterBindings).
         assigned = read_bindings(self.file, element, None, self.found)
@@ -193,10 +193,10 @@ class _Reader:
             connectors[name] = Connector(name, kind, type_, child.where, read_sizes(child, self.found))
         return tuple(connectors.values())
 
-    def _connection(self, element: XmlElement) -> Connection:
+    def _connection(self, element: XmlElement) -> SspConnection:
         ends = {f"{end}{what}" for end in ("start", "end") for what in ("Element", "Connector", "Indices")}
         self.found.expect(element, ends | {"suppressUnitConversion"}, TRANSFORMATIONS | {"ConnectionGeometry"})
-        return Connection(
+        return SspConnection(
             self._end(element, "start"),
             self._end(element, "end"),
             element.where,

@@ -11,24 +11,24 @@ from dse.errors import DseError, Problem, closest, fail, raise_if_any
 from dse.interchange.resolving.carry import ConversionError
 from dse.interchange.resolving.conversion import Form, form_of, form_of_variable, merged
 from dse.interchange.structure import (
-    Component,
-    Connection,
     Connector,
     DictionaryReference,
     End,
     SignalType,
+    SspComponent,
+    SspConnection,
     System,
 )
 
 Models = Mapping[tuple[Path, str], FmuModel]
-"""The FMUs of a package by `Component.key`."""
+"""The FMUs of a package by `SspComponent.key`."""
 
 Way = tuple[str, ...]
 """Names of the elements that lead to a place, from the top; () is the top itself."""
 
 
 @dataclass(frozen=True, slots=True)
-class Node:
+class Endpoint:
     """A connector of the element at *way*, or a signal of the dictionary called *dictionary* of the system there."""
 
     way: Way
@@ -43,9 +43,9 @@ class Node:
 class Hop:
     """From *source* to *target*; the indices pick one value of an array, () is all of it."""
 
-    source: Node
-    target: Node
-    connection: Connection
+    source: Endpoint
+    target: Endpoint
+    connection: SspConnection
     source_indices: tuple[int, ...]
     target_indices: tuple[int, ...]
 
@@ -59,20 +59,20 @@ class Network:
     say of their type; *connectors* holds all connectors.
     """
 
-    components: dict[Way, Component] = field(default_factory=dict)
+    components: dict[Way, SspComponent] = field(default_factory=dict)
     models: dict[Way, FmuModel] = field(default_factory=dict)
     systems: dict[Way, System] = field(default_factory=dict)
-    hops: dict[tuple[Node, tuple[int, ...]], Hop] = field(default_factory=dict)
-    arrivals: dict[Node, list[tuple[int, ...]]] = field(default_factory=dict)
-    forms: dict[Node, Form] = field(default_factory=dict)
-    connectors: dict[Node, Connector] = field(default_factory=dict)
+    hops: dict[tuple[Endpoint, tuple[int, ...]], Hop] = field(default_factory=dict)
+    arrivals: dict[Endpoint, list[tuple[int, ...]]] = field(default_factory=dict)
+    forms: dict[Endpoint, Form] = field(default_factory=dict)
+    connectors: dict[Endpoint, Connector] = field(default_factory=dict)
 
-    def variable(self, node: Node) -> Variable | None:
+    def variable(self, node: Endpoint) -> Variable | None:
         """The FMU's variable behind *node*; None if it is a connector of a system."""
         model = self.models.get(node.way) if not node.dictionary else None
         return model.variables.get(node.connector) if model else None
 
-    def form(self, node: Node) -> Form | None:
+    def form(self, node: Endpoint) -> Form | None:
         """How values are given at *node*, as far as that is said there. Raises DseError for a contradiction."""
         variable = self.variable(node)
         if variable is None:
@@ -115,7 +115,7 @@ def _add(
     scope = _Scope(network, system, way, {**outer, **own})
     network.systems[way] = system
     for connector in system.connectors:
-        node = Node(way, connector.name)
+        node = Endpoint(way, connector.name)
         network.connectors[node] = connector
         if connector.type is not None:
             network.forms[node] = form_of(connector.type)
@@ -124,8 +124,8 @@ def _add(
         if isinstance(element, System):
             _add(network, element, inner, scope.dictionaries, models, problems)
             continue
-        network.connectors |= {Node(inner, connector.name): connector for connector in element.connectors}
-        if isinstance(element, Component):
+        network.connectors |= {Endpoint(inner, connector.name): connector for connector in element.connectors}
+        if isinstance(element, SspComponent):
             network.components[inner], network.models[inner] = element, models[element.key]
         elif element.dictionary not in scope.dictionaries:
             what = f"there is no signal dictionary '{element.dictionary}'"
@@ -145,7 +145,7 @@ def _add(
         network.arrivals.setdefault(hop.target, []).append(hop.target_indices)
 
 
-def _hop(scope: _Scope, connection: Connection) -> Hop:
+def _hop(scope: _Scope, connection: SspConnection) -> Hop:
     ends = [(*_placed(scope, connection, end), end.indices) for end in (connection.start, connection.end)]
     (_, start_gives, _), (_, end_gives, _) = ends
     if start_gives is None and end_gives is None:
@@ -163,13 +163,13 @@ def _hop(scope: _Scope, connection: Connection) -> Hop:
     return Hop(source, target, connection, source_indices, target_indices)
 
 
-def _placed(scope: _Scope, connection: Connection, end: End) -> tuple[Node, bool | None]:
+def _placed(scope: _Scope, connection: SspConnection, end: End) -> tuple[Endpoint, bool | None]:
     """The connector at *end*, and whether it gives values as seen from inside of the system; None for either."""
     system = scope.system
     if not end.element:
         own = _connector(connection, end, f"system '{system.name}'", system.connectors)
         # From inside, what a system takes is given.
-        return Node(scope.way, end.connector), None if own.gives is None else not own.gives
+        return Endpoint(scope.way, end.connector), None if own.gives is None else not own.gives
     element = system.element(end.element)
     if element is None:
         hint = closest(end.element, [e.name for e in system.elements])
@@ -180,10 +180,10 @@ def _placed(scope: _Scope, connection: Connection, end: End) -> tuple[Node, bool
     if connector.gives is None:
         what = f"{connection}: connectors of the kind inout are for references to signal dictionaries only"
         raise fail(what, connection.where)
-    return Node((*scope.way, end.element), end.connector), connector.gives
+    return Endpoint((*scope.way, end.element), end.connector), connector.gives
 
 
-def _connector(connection: Connection, end: End, owner: str, connectors: Iterable[Connector]) -> Connector:
+def _connector(connection: SspConnection, end: End, owner: str, connectors: Iterable[Connector]) -> Connector:
     known = {connector.name: connector for connector in connectors}
     if end.connector not in known:
         what = f"{connection}: {owner} has no connector '{end.connector}'"
@@ -191,19 +191,19 @@ def _connector(connection: Connection, end: End, owner: str, connectors: Iterabl
     return known[end.connector]
 
 
-def _signal(scope: _Scope, reference: DictionaryReference, connector: Connector) -> Node:
+def _signal(scope: _Scope, reference: DictionaryReference, connector: Connector) -> Endpoint:
     if reference.dictionary not in scope.dictionaries:
         raise fail(f"there is no signal dictionary '{reference.dictionary}'", reference.where)
     way, entries = scope.dictionaries[reference.dictionary]
     if connector.name not in entries:
         what = f"the signal dictionary '{reference.dictionary}' has no entry '{connector.name}'"
         raise fail(what, connector.where, closest(connector.name, entries))
-    node = Node(way, connector.name, reference.dictionary)
+    node = Endpoint(way, connector.name, reference.dictionary)
     scope.network.forms[node] = form_of(entries[connector.name])
     return node
 
 
-def _is_late(network: Network, source: Node, target: Node) -> bool:
+def _is_late(network: Network, source: Endpoint, target: Endpoint) -> bool:
     """Whether a parameter would be set by what is known only after initialization."""
     given, taken = network.connectors.get(source), network.connectors.get(target)
     if given is None or taken is None or target.way not in network.components:

@@ -11,7 +11,7 @@ from dse.domain.system import Conversion, Element, SystemStructure, Wire
 from dse.errors import DseError, Location, Problem, closest, fail, raise_if_any
 from dse.interchange.resolving.carry import ConversionError
 from dse.interchange.resolving.matching import connector_problems, interface_problems
-from dse.interchange.resolving.network import Models, Network, Node, Way, network_of
+from dse.interchange.resolving.network import Endpoint, Models, Network, Way, network_of
 from dse.interchange.resolving.routes import Route, carried, forms_along, label_of, routes_to
 from dse.interchange.resolving.signals import Signal, signals_of
 from dse.interchange.resolving.values import TYPED, Settled, assignments, named, settle
@@ -89,8 +89,8 @@ def _names(network: Network, problems: list[Problem]) -> dict[Way, str]:
     return names
 
 
-def _typed(network: Network, settings: Mapping[str, str], problems: list[Problem]) -> dict[Node, Assignment]:
-    given: dict[Node, Assignment] = {}
+def _typed(network: Network, settings: Mapping[str, str], problems: list[Problem]) -> dict[Endpoint, Assignment]:
+    given: dict[Endpoint, Assignment] = {}
     for name, text in settings.items():
         here = Location(f"--set {name}={text}")
         nodes = list(named(network, name))
@@ -103,13 +103,13 @@ def _typed(network: Network, settings: Mapping[str, str], problems: list[Problem
     return given
 
 
-def _resized(network: Network, given: Mapping[Node, Assignment], problems: list[Problem]) -> dict[Way, FmuModel]:
+def _resized(network: Network, given: Mapping[Endpoint, Assignment], problems: list[Problem]) -> dict[Way, FmuModel]:
     """The FMUs with the sizes their arrays have by the structural parameters that are given."""
     found = dict(network.models)
     for way, model in found.items():
         sizes: dict[str, float] = {}
         for variable in model.variables.values():
-            node = Node(way, variable.name)
+            node = Endpoint(way, variable.name)
             if variable.is_structural and node in given:
                 for value in _settled(network, node, given[node], problems)[:1]:
                     sizes[variable.name] = float(value) if isinstance(value, float) else 0.0
@@ -121,7 +121,7 @@ def _resized(network: Network, given: Mapping[Node, Assignment], problems: list[
     return found
 
 
-def _settled(network: Network, node: Node, assigned: Assignment, problems: list[Problem]) -> tuple[Settled, ...]:
+def _settled(network: Network, node: Endpoint, assigned: Assignment, problems: list[Problem]) -> tuple[Settled, ...]:
     try:
         form = network.form(node)
         return settle(assigned, form) if form else ()
@@ -193,7 +193,7 @@ def _negated(variable: Variable) -> Conversion:
 class _Assembly:
     """The wires and elements of a network to which values are *given*; *problems* are gathered."""
 
-    def __init__(self, network: Network, given: Mapping[Node, Assignment], problems: list[Problem]) -> None:
+    def __init__(self, network: Network, given: Mapping[Endpoint, Assignment], problems: list[Problem]) -> None:
         self.wires: list[Wire] = []
         self.drafts = {way: _Draft(model) for way, model in network.models.items()}
         self._network, self._given, self._problems = network, given, problems
@@ -280,7 +280,7 @@ class _Assembly:
                 continue
             if {node.connector, *variable.labels} & draft.driven and assigned.value.type != TYPED:
                 continue
-            values = _settled(self._network, Node(node.way, variable.name), assigned, self._problems)
+            values = _settled(self._network, Endpoint(node.way, variable.name), assigned, self._problems)
             try:
                 draft.store(variable.name, labels, values, assigned)
             except DseError as error:

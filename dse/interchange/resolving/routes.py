@@ -10,7 +10,7 @@ from dse.domain.fmu import Variable
 from dse.errors import Location, Problem, fail
 from dse.interchange.resolving.carry import SAME, Carry, ConversionError
 from dse.interchange.resolving.conversion import Form, carry
-from dse.interchange.resolving.network import Hop, Network, Node
+from dse.interchange.resolving.network import Endpoint, Hop, Network
 
 
 @dataclass(frozen=True, slots=True)
@@ -21,14 +21,14 @@ class Route:
     array, () is all of it.
     """
 
-    source: Node
+    source: Endpoint
     source_indices: tuple[int, ...]
-    target: Node
+    target: Endpoint
     target_indices: tuple[int, ...]
     hops: tuple[Hop, ...]
 
 
-def routes_to(network: Network, target: Node, problems: list[Problem]) -> Iterator[Route]:
+def routes_to(network: Network, target: Endpoint, problems: list[Problem]) -> Iterator[Route]:
     """The routes to all values of the FMU's variable at *target* that something arrives at."""
     arriving = network.arrivals.get(target, [])
     if () in arriving and len(arriving) > 1:
@@ -39,10 +39,12 @@ def routes_to(network: Network, target: Node, problems: list[Problem]) -> Iterat
         yield from _trace(network, target, indices, problems)
 
 
-def _trace(network: Network, target: Node, target_indices: tuple[int, ...], problems: list[Problem]) -> Iterator[Route]:
+def _trace(
+    network: Network, target: Endpoint, target_indices: tuple[int, ...], problems: list[Problem]
+) -> Iterator[Route]:
     hops: list[Hop] = []
     node, indices = target, target_indices
-    visited: set[tuple[Node, tuple[int, ...]]] = set()
+    visited: set[tuple[Endpoint, tuple[int, ...]]] = set()
     while True:
         if (node, indices) in visited:
             problems.append(Problem(f"{target}: its connections lead in a circle", hops[0].connection.where))

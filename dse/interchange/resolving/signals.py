@@ -9,7 +9,7 @@ from dse.domain.fmu import Variable
 from dse.errors import DseError, Location, Problem, closest, fail
 from dse.interchange.resolving.carry import SAME, Carry
 from dse.interchange.resolving.conversion import Form
-from dse.interchange.resolving.network import Network, Node, Way
+from dse.interchange.resolving.network import Endpoint, Network, Way
 from dse.interchange.resolving.routes import carried, forms_along, label_of, routes_to
 from dse.interchange.resolving.values import named
 
@@ -49,9 +49,9 @@ def _inner(network: Network) -> Iterator[Signal]:
             yield from _of_variable(network, node, variable, variable.labels)
 
 
-def _of_variable(network: Network, node: Node, variable: Variable, labels: Iterable[str]) -> Iterator[Signal]:
+def _of_variable(network: Network, node: Endpoint, variable: Variable, labels: Iterable[str]) -> Iterator[Signal]:
     """The signals of these values of *variable*; strings, binaries and clocks cannot be recorded."""
-    form = network.form(Node(node.way, variable.name))
+    form = network.form(Endpoint(node.way, variable.name))
     for label in labels if variable.kind is not None else ():
         name = f"{'.'.join(node.way)}.{label}"
         yield Signal(name, name, node.way, variable.name, _unit(form))
@@ -66,7 +66,7 @@ def _outer(network: Network, problems: list[Problem]) -> Iterator[Signal]:
     for connector in network.systems[()].connectors:
         if not connector.gives:
             continue
-        for route in routes_to(network, Node((), connector.name), problems):
+        for route in routes_to(network, Endpoint((), connector.name), problems):
             variable = network.variable(route.source)
             if variable is None or variable.kind is None:
                 continue
