@@ -76,6 +76,7 @@ def test_folders_include_each_other_in_one_direction():
     assert not wrong
 
 
+@pytest.mark.thorough
 def test_a_header_includes_what_it_needs(tmp_path):
     (tmp_path / "model.h").write_text(OSCILLATOR.header(), encoding="utf-8")
     headers = [path for path in _sources() if _folder(path) != "csolve" and path.name not in INCOMPLETE]

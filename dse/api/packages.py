@@ -1,15 +1,22 @@
-"""SSP packages: opened, simulated once, and what came of it as the system's own connectors show it."""
+"""SSP packages: simulated once, and what came of it as the system's own connectors show it."""
 
 from __future__ import annotations
 
-from dse.api.exploring import package_alone
-from dse.domain.run import Waveforms
-from dse.interchange.prepared import PreparedPackage, prepare_ssp
+from dataclasses import replace
+from typing import TYPE_CHECKING
 
-__all__ = ["PreparedPackage", "prepare_ssp", "simulate_package"]
+from dse.domain.run import Run
+from dse.exploration.supervision.single_run import simulate_alone
+from dse.storage.rows import Measures
+from dse.testbench.runner import make_runner
+
+if TYPE_CHECKING:
+    from dse.interchange.prepared import PreparedPackage
 
 
-def simulate_package(package: PreparedPackage) -> tuple[Waveforms | None, str]:
-    """The package's signals by name at its own point, or None and what was wrong."""
-    waveforms, problem = package_alone(package)
-    return None if waveforms is None else package.signals(waveforms), problem
+def simulate_package(package: PreparedPackage) -> Run:
+    """The run of the package at its own point; its waveforms are the package's signals by name."""
+    run = simulate_alone(package.bench, make_runner, "ssp", Measures())
+    if run.waveforms is None:
+        return run
+    return replace(run, waveforms=package.signals(run.waveforms))

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from dse.cache import cache_folder
-from dse.cosim.binding.layout import kernel as load_kernel
+from dse.cosim.feasibility import require_kernel
 from dse.domain.bench import Simulation
 from dse.domain.design import Configuration
 from dse.domain.fmu import FmiInterface, FmuModel
@@ -95,7 +95,7 @@ def prepare_ssp(
     The run may take *timeout* seconds. What *stop* and *step* (seconds) do not say is taken from the package, then from
     its FMUs' default experiments.
     """
-    load_kernel()
+    require_kernel()
     ssp, models = read_package(path, variant, cache)
     resolved = system_of(ssp, models, settings=settings, record=record)
     where = Location(shown(path))

@@ -6,7 +6,7 @@ from enum import IntEnum
 
 from dse.domain.bench import VERDICTS, Verdict
 from dse.metrics.verdicts import Codes, margin_of, overall, verdict_of
-from dse.report.content import Floats, ReportContent, RequirementRow
+from dse.report.content.nouns import Floats, ReportContent, RequirementRow
 
 
 class Mark(IntEnum):

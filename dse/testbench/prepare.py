@@ -7,9 +7,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TypeVar
 
-from dse.cosim.binding.layout import kernel as load_kernel
-from dse.cosim.trust import refusals
-from dse.cosim.wiring.check import check_system, own_steps
+from dse.cosim.feasibility import require_kernel, simulation_problems
 from dse.domain.bench import Simulation, TestBench
 from dse.domain.component import Component, Kind, Type
 from dse.domain.design import Configuration, split_path, walk
@@ -50,7 +48,7 @@ def prepare_bench(
 
     No FMU is built before all is right that can be told without.
     """
-    load_kernel()
+    require_kernel()
     checked = _each({c.id: c for c in configurations}, lambda configuration: check_bench(bench, configuration))
     components = {c.name: c for one in checked.values() for c in one.wired.parts.values()}
     archives = build_all(components.values(), version=version, cache=cache)
@@ -86,8 +84,8 @@ def with_facts(
     """
     system, simulation = prepared.system, prepared.simulation
     facts = facts_of(system, cache=cache)
-    problems = [*_crowded(system), *_unfit(system, simulation), *refusals(system, simulation.method, facts)]
-    raise_if_any(Problem(problem.what, problem.where or where, problem.hint) for problem in problems)
+    unfit = simulation_problems(system, simulation.method, facts, stop=simulation.stop, step=simulation.step)
+    raise_if_any(Problem(problem.what, problem.where or where, problem.hint) for problem in [*_crowded(system), *unfit])
     return replace(prepared, facts=facts, thread_safe=is_thread_safe(system, facts, parts, cache=cache))
 
 
@@ -120,16 +118,6 @@ def _prepared(checked: CheckedBench, models: Mapping[str, FmuModel], cache: Path
         settings=wired.settings,
     )
     return with_facts(prepared, parts, simulation.where, cache=cache)
-
-
-def _unfit(system: SystemStructure, simulation: Simulation) -> tuple[Problem, ...]:
-    """Why *system* cannot be simulated so."""
-    try:
-        check_system(system, simulation.method)
-        own_steps(system, simulation.method, stop=simulation.stop, step=simulation.step)
-    except DseError as error:
-        return error.problems
-    return ()
 
 
 def _crowded(system: SystemStructure) -> list[Problem]:

@@ -11,7 +11,8 @@ import pytest
 
 from dse import csolve
 from dse.cosim.binding import abilities, calls, exchange_layout, layout, plan_layout
-from dse.cosim.failing import diagnosis, exchange, plan_failure
+from dse.cosim.failing import words
+from dse.cosim.failing.reason import StopReason
 from dse.errors import DseError
 from dse.fmu.toolchain.compiler import find_compiler
 
@@ -27,10 +28,10 @@ MIRRORS = {
 
 NUMBERS: Mapping[str, int] = {
     **{call.name: call for call in calls.Call if call is not calls.Call.LOAD},
-    **{each.name: each for each in (*calls.Type, *abilities.Ability)},
-    **{kind.name: kind for kind in (*diagnosis.Kind, *plan_failure.Kind, *exchange.ExchangeKind)},
+    **{each.name: each for each in (*calls.AccessorType, *abilities.Ability)},
+    **{reason.name: reason for reason in StopReason},
     **{name: getattr(layout, name) for name in ("LOG_LINES", "LOG_WIDTH")},
-    **{name: getattr(exchange, name) for name in ("MOST_STEPS", "MOST_PASSES", "CLOSE_EVENTS")},
+    **{name: getattr(words, name) for name in ("MOST_STEPS", "MOST_PASSES", "CLOSE_EVENTS")},
 }
 
 

@@ -25,7 +25,7 @@ from dse.loading.component.kind import KINDS
 from dse.loading.design.design import DesignFile
 from dse.loading.sections import Section, _sections
 from dse.metrics.catalogue import FUNCTIONS, ROWWISE
-from dse.storage.export import EXPORTS
+from dse.storage.export.tables import EXPORTS
 from dse.units import parse_unit
 
 TEXT = (Path(__file__).parents[2] / "docs" / "formats.md").read_text(encoding="utf-8")

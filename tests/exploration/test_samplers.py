@@ -5,14 +5,14 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from fake_runners import points, study_of
+from fake_runners import study_of
+from first_asks import first_ask, points
 from hypothesis import given
 from hypothesis import strategies as st
 
 from dse.domain.sampler import Brief, DesignVariable, Outcomes
 from dse.domain.study import Study
 from dse.errors import DseError
-from dse.exploration.asking import first_ask
 from dse.exploration.samplers.csv import Csv
 from dse.exploration.samplers.full_factorial import FullFactorial, levels
 from dse.exploration.samplers.halton import Halton

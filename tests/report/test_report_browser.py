@@ -14,11 +14,11 @@ from playwright.sync_api import Browser, Locator, Page, Position, sync_playwrigh
 from verdict_cases import BOUNDS, cases
 
 from dse.errors import Problem
-from dse.report import page as page_module
-from dse.report.chart import Axis, Band, Bars, Chart, Line, Rule, Steps, limits
-from dse.report.content import MetricColumn, ReportContent, RequirementRow, Runs
+from dse.report.charts.chart import Axis, Band, Bars, Chart, Line, Rule, Steps, limits
+from dse.report.content.nouns import MetricColumn, ReportContent, RequirementRow, Runs
 from dse.report.figure import ShownFigure, charted
-from dse.report.page import write_report
+from dse.report.page import html as page_module
+from dse.report.page.html import write_report
 from dse.report.verdicts import Mark, overall_marks
 
 pytestmark = pytest.mark.browser

@@ -12,7 +12,7 @@ from pydantic import Field
 
 from dse.domain.sampler import Brief, DesignVariable, Point
 from dse.errors import Location, Problem, closest, fail, raise_if_any
-from dse.exploration.sampling import OnceSampler, require_few
+from dse.exploration.once_sampler import OnceSampler, require_few
 from dse.formats.yaml import shown
 from dse.loading.extensions import Surroundings
 from dse.loading.paths import named_file
