@@ -15,7 +15,7 @@ from dse.testbench.prepared import Setting
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class WiredBench(WiredParts):
-    """All components on a bench, every connection between single ports; *faces* is what `architecture_outputs` gives."""
+    """All components on a bench, every connection between single ports; *faces*: what `architecture_outputs` gives."""
 
     bench: TestBench
     configuration: Configuration
