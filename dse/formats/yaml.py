@@ -51,21 +51,20 @@ class Document:
         """All of it."""
         return Entry(self, ())
 
-    def along(self, path: KeyPath) -> tuple[str, Mark, int]:
-        """The file and the mark of the value that as many steps of *path* lead to as there are, and their number."""
-        file, mark, steps = self.file, self.mark, 0
+    def along(self, path: KeyPath) -> tuple[str, Mark, Mark, bool]:
+        """As far as *path* leads: the file, the marks of the last key and of its value; and whether it ends there."""
+        file, key, mark = self.file, self.mark, self.mark
         for step in path:
             try:
-                entry = mark[2][step]
+                key = mark[2][step]
             except (IndexError, KeyError, TypeError):
-                break
-            mark = entry[2] if isinstance(step, str) else entry
+                return file, mark, mark, False
+            mark = key[2] if isinstance(step, str) else key
             file = file if len(mark) < 4 else mark[3]
-            steps += 1
-        return file, mark, steps
+        return file, key, mark, True
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(slots=True, eq=False)  # frozen ones take twice as long to make, and every value of every file has one
 class Entry:
     """What stands at *path* in a document, if anything does."""
 
@@ -91,22 +90,19 @@ class Entry:
     @property
     def where(self) -> Location:
         """Where the value stands; the nearest value around it if it is absent."""
-        file, mark, _ = self.document.along(self.path)
+        file, _, mark, _ = self.document.along(self.path)
         return Location(file, mark[0], mark[1])
 
     @property
     def key(self) -> Location:
         """Where the key stands; the nearest value around it if it is absent."""
-        file, mark, steps = self.document.along(self.path)
-        if steps < len(self.path) or not isinstance(self.path[-1] if self.path else 0, str):
-            return Location(file, mark[0], mark[1])
-        line, column, _ = self.document.along(self.path[:-1])[1][2][self.path[-1]]
-        return Location(file, line, column)
+        file, mark, _, _ = self.document.along(self.path)
+        return Location(file, mark[0], mark[1])
 
     @property
     def is_there(self) -> bool:
         """Whether a value stands there."""
-        return self.document.along(self.path)[2] == len(self.path)
+        return self.document.along(self.path)[3]
 
     @property
     def origin(self) -> Location | tuple[Piece, ...]:
