@@ -11,19 +11,22 @@ from dse.cache import cache_folder, content_key, keep_file
 from dse.csolve import headers
 from dse.domain.component import Component, ModelicaCompiler, ModelicaSource
 from dse.errors import DseError, fail
-from dse.fmu.c.describe import describe_sources, model_identifier
-from dse.fmu.slot_table import SLOT_TABLE, SlotTable
-from dse.fmu.toolchain.compilation import (
+from dse.fmu import (
     LANGUAGE_OPTIONS,
     MODEL_OPTIONS,
+    SLOT_TABLE,
     CompilationError,
+    Compiler,
+    SlotTable,
     compile_object,
+    describe_sources,
+    find_compiler,
     link_library,
+    model_identifier,
     options,
+    this_platform,
 )
-from dse.fmu.toolchain.compiler import Compiler, find_compiler
-from dse.fmu.toolchain.platforms import this_platform
-from dse.formats.zipped import pack_zip
+from dse.formats import pack_zip
 from dse.modelica.description import Described, describe_model
 from dse.modelica.documentation import documentation
 from dse.modelica.emit.data import slot_rows

@@ -14,7 +14,7 @@ from pathlib import Path
 
 from dse.domain.component import Component, Kind, ModelicaSource
 from dse.errors import DseError, Location, Problem, fail
-from dse.fmu.reading.description import read_description
+from dse.fmu import read_description
 from dse.modelica.frontend.literal import literal, wrapper
 from dse.modelica.frontend.sources import ModelSources
 

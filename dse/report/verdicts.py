@@ -5,7 +5,7 @@ from __future__ import annotations
 from enum import IntEnum
 
 from dse.domain.bench import VERDICTS, Verdict
-from dse.metrics.verdicts import Codes, margin_of, overall, verdict_of
+from dse.metrics import Codes, margin_of, overall, verdict_of
 from dse.report.content.nouns import Floats, ReportContent, RequirementRow
 
 

@@ -6,7 +6,7 @@ import math
 from collections.abc import Iterator, Sequence
 
 from dse.errors import fail
-from dse.fmu.slot_table import Row
+from dse.fmu import Row
 from dse.modelica.algebra.evaluate import evaluate
 from dse.modelica.algebra.expression import Symbol
 from dse.modelica.emit.events import relation_text

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from dse.modelica.algebra.expression import Expression, Place, Symbol
-from dse.modelica.algebra.expression import shown as shown_expression
+from dse.modelica.algebra.expression import Expression, Place, Symbol, shown as shown_expression
 from dse.modelica.flatten.document import Document, single
 from dse.modelica.flatten.model import Model
 from dse.modelica.flatten.values import Array, Text, Value, array

@@ -149,6 +149,6 @@ def _unreadable(component: str, path: Path, error: OSError, where: Location | No
 
 
 def _shown(path: Path) -> str:
-    from dse.formats.yaml import shown
+    from dse.formats import shown
 
     return shown(path)

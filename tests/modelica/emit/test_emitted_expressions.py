@@ -6,8 +6,7 @@ import math
 import struct
 
 from emitted_model import Emitter
-from hypothesis import HealthCheck, given, settings
-from hypothesis import strategies as st
+from hypothesis import HealthCheck, given, settings, strategies as st
 
 from dse.modelica.algebra.evaluate import evaluate
 from dse.modelica.algebra.expression import Expression, Graph

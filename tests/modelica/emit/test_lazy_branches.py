@@ -5,8 +5,7 @@ from __future__ import annotations
 import math
 
 from emitted_model import Emitter
-from hypothesis import HealthCheck, given, settings
-from hypothesis import strategies as st
+from hypothesis import HealthCheck, given, settings, strategies as st
 
 from dse.modelica.algebra.arithmetic import FUNCTIONS
 from dse.modelica.algebra.expression import Expression, Graph, walk

@@ -6,8 +6,7 @@ from collections.abc import Iterable, Sequence
 
 import pytest
 from emitted_model import Emitter
-from hypothesis import given, settings
-from hypothesis import strategies as st
+from hypothesis import given, settings, strategies as st
 from model_maker import Maker, explicit
 
 from dse.modelica.algebra.expression import Graph, Symbol, symbols

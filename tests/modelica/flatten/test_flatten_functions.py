@@ -7,8 +7,7 @@ from collections.abc import Callable, Mapping
 from functools import cache
 
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 from modelica_text import flattened, values
 
 from dse.modelica.algebra.evaluate import evaluate
