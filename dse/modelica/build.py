@@ -25,9 +25,9 @@ from dse.fmu.toolchain.platforms import this_platform
 from dse.modelica.description import Described, describe_model
 from dse.modelica.documentation import documentation
 from dse.modelica.emit.model import Settings, Solver, emit
-from dse.modelica.frontend.remembered import Memory
+from dse.modelica.frontend.memory import Memory
 from dse.modelica.frontend.sources import ModelSources, library_contents, read_sources
-from dse.modelica.omc import build_with_omc, find_omc, omc_version
+from dse.modelica.openmodelica import build_with_omc, find_omc, omc_version
 from dse.modelica.translate import Translated, TranslationError, translate
 
 _DSE = Path(__file__).parents[1]

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 
 from dse.fmu.describe import add_base_unit, xml_text
 from dse.modelica.emit.variables import Causality, FmuVariable, Variability
-from dse.modelica.flat import Kind
+from dse.modelica.flat_model import Kind
 from dse.units import UnitError, parse_unit
 
 

@@ -7,8 +7,8 @@ from collections.abc import Iterator
 
 from dse.domain.component import Causality, Component, Kind, Parameter, Port, Type, as_number
 from dse.errors import Location, Problem, closest, raise_if_any
-from dse.modelica import flat
-from dse.modelica.flat import FlatModel, Role, Variable
+from dse.modelica import flat_model as flat
+from dse.modelica.flat_model import FlatModel, Role, Variable
 from dse.units import UnitError, describe, parse_unit
 
 _KINDS = {

@@ -11,9 +11,9 @@ from dse.modelica.frontend import process
 from dse.modelica.frontend.compile import compile_model
 from dse.modelica.frontend.literal import literal, wrapper
 from dse.modelica.frontend.process import FrontEnd, FrontEndDied
-from dse.modelica.frontend.reach import used
 from dse.modelica.frontend.sources import SourceText, read_sources
-from dse.modelica.frontend.structural import compile_probed
+from dse.modelica.frontend.structural.probe import compile_probed
+from dse.modelica.frontend.used_classes import used
 
 LIBRARY = {
     "Lib/package.mo": 'package Lib "Größe"\nend Lib;\n',

@@ -5,12 +5,12 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 from itertools import groupby
 
-from dse.modelica.emit.scope import Store, scope_lines
-from dse.modelica.emit.setting import Setting
+from dse.modelica.emit.expressions.scope import Store, scope_lines
+from dse.modelica.emit.expressions.setting import Setting
 from dse.modelica.emit.sharing import Part
 from dse.modelica.emit.systems import explicit_store, system_lines
-from dse.modelica.flat import FlatModel, Trigger
-from dse.modelica.solved import Activation, EventBlock, Explicit, System, When
+from dse.modelica.flat_model import FlatModel, Trigger
+from dse.modelica.solved_model import Activation, EventBlock, Explicit, System, When
 
 # Compilers take more than linear time for long functions and long blocks.
 _LINES_A_FUNCTION = 200

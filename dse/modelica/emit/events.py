@@ -5,14 +5,14 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import replace
 
-from dse.modelica.algebra.expression import Expression, Symbol, shown
+from dse.modelica.algebra.expression import Expression, shown
+from dse.modelica.algebra.symbol import Symbol, variable
 from dse.modelica.emit.blocks import scoped
-from dse.modelica.emit.layout import variable
-from dse.modelica.emit.scope import Store, scope_lines
-from dse.modelica.emit.setting import Setting, locations
-from dse.modelica.emit.text import quoted
-from dse.modelica.flat import Check, FlatModel, Relation
-from dse.modelica.solved import Solved
+from dse.modelica.emit.expressions.scope import Store, scope_lines
+from dse.modelica.emit.expressions.setting import Setting, locations
+from dse.modelica.emit.expressions.text import quoted
+from dse.modelica.flat_model import Check, FlatModel, Relation
+from dse.modelica.solved_model import Solved
 
 _ORDERED = frozenset({"less", "less_equal", "greater", "greater_equal"})
 _SIGNS = {"less": "<", "less_equal": "<=", "greater": ">", "greater_equal": ">=", "equal": "==", "not_equal": "<>"}

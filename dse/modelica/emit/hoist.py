@@ -5,13 +5,15 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
-from dse.modelica.algebra.expression import Expression, Symbol, walk
-from dse.modelica.emit.layout import Layout, expressions, targets, variable
-from dse.modelica.emit.regions import cost
+from dse.modelica.algebra.expression import Expression
+from dse.modelica.algebra.symbol import Symbol, variable
+from dse.modelica.algebra.traversal import walk
+from dse.modelica.emit.expressions.regions import cost
+from dse.modelica.emit.memory import Layout, expressions, targets
 from dse.modelica.emit.sharing import key
 from dse.modelica.emit.swap import swapped
-from dse.modelica.flat import Role
-from dse.modelica.solved import EventBlock, Explicit, Solved
+from dse.modelica.flat_model import Role
+from dse.modelica.solved_model import EventBlock, Explicit, Solved
 
 # An addition or multiplication costs what loading its result would.
 _WORTH_A_PLACE = 2

@@ -7,7 +7,6 @@ from dataclasses import dataclass, replace
 from enum import StrEnum
 from itertools import chain
 
-from dse.modelica.emit.axes import axis_checks
 from dse.modelica.emit.blocks import (
     activation_lines,
     block_pieces,
@@ -17,16 +16,17 @@ from dse.modelica.emit.blocks import (
     scoped,
     scopes,
 )
-from dse.modelica.emit.data import size_lines, slot_lines, start_lines, table_lines
+from dse.modelica.emit.constant_data import size_lines, slot_lines, start_lines, table_lines
 from dse.modelica.emit.events import check_lines, reinitialization_lines, relation_lines
+from dse.modelica.emit.expressions.scope import Store
+from dse.modelica.emit.expressions.setting import Collected, Setting
+from dse.modelica.emit.expressions.text import comment, literal
 from dse.modelica.emit.hoist import Hoisted, hoisted
-from dse.modelica.emit.layout import Layout, all_expressions, layout
-from dse.modelica.emit.scope import Store
-from dse.modelica.emit.setting import Collected, Setting
+from dse.modelica.emit.memory import Layout, all_expressions, layout
 from dse.modelica.emit.sharing import Program, plan
-from dse.modelica.emit.text import comment, literal
+from dse.modelica.emit.table_axes import axis_checks
 from dse.modelica.emit.variables import FmuVariable
-from dse.modelica.solved import Activation, Solved
+from dse.modelica.solved_model import Activation, Solved
 
 
 class Solver(StrEnum):

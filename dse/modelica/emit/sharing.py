@@ -11,10 +11,11 @@ from collections.abc import Hashable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import groupby
 
-from dse.modelica.algebra.expression import Place, Symbol, walk
-from dse.modelica.emit.layout import expressions, targets
-from dse.modelica.flat import FlatModel
-from dse.modelica.solved import Activation, Block, EventBlock, Explicit, System, When
+from dse.modelica.algebra.symbol import Place, Symbol
+from dse.modelica.algebra.traversal import walk
+from dse.modelica.emit.memory import expressions, targets
+from dse.modelica.flat_model import FlatModel
+from dse.modelica.solved_model import Activation, Block, EventBlock, Explicit, System, When
 
 _LARGE = 80
 _SMALLEST_PART = 8

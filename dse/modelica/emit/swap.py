@@ -6,9 +6,10 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from typing import TypeVar
 
-from dse.modelica.algebra.expression import Expression, replaced
-from dse.modelica.flat import FlatModel
-from dse.modelica.solved import Activation, EventBlock, Explicit, Solved, System, When
+from dse.modelica.algebra.expression import Expression
+from dse.modelica.algebra.traversal import replaced
+from dse.modelica.flat_model import FlatModel
+from dse.modelica.solved_model import Activation, EventBlock, Explicit, Solved, System, When
 
 Swap = Callable[[Expression], Expression]
 _Block = TypeVar("_Block", bound=EventBlock)

@@ -6,13 +6,14 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 from dse.errors import fail
-from dse.modelica.algebra.expression import Expression, Symbol, replaced
-from dse.modelica.emit.layout import variable
-from dse.modelica.emit.scope import Store, scope_lines
-from dse.modelica.emit.setting import Setting, locations
-from dse.modelica.emit.text import literal, table
-from dse.modelica.flat import FlatModel
-from dse.modelica.solved import Explicit, System
+from dse.modelica.algebra.expression import Expression
+from dse.modelica.algebra.symbol import Symbol, variable
+from dse.modelica.algebra.traversal import replaced
+from dse.modelica.emit.expressions.scope import Store, scope_lines
+from dse.modelica.emit.expressions.setting import Setting, locations
+from dse.modelica.emit.expressions.text import literal, table
+from dse.modelica.flat_model import FlatModel
+from dse.modelica.solved_model import Explicit, System
 
 LARGEST = 128
 """Unknowns of one system; its matrices lie on the stack."""

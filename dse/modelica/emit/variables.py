@@ -9,10 +9,11 @@ from enum import StrEnum
 
 from dse.errors import DseError, Location, Problem, closest, fail
 from dse.modelica.algebra.evaluate import evaluate
-from dse.modelica.algebra.expression import Expression, Symbol
-from dse.modelica.emit.layout import Layout, layout, targets, variable
-from dse.modelica.flat import Kind, Role, Variable
-from dse.modelica.solved import Solved
+from dse.modelica.algebra.expression import Expression
+from dse.modelica.algebra.symbol import Symbol, variable
+from dse.modelica.emit.memory import Layout, layout, targets
+from dse.modelica.flat_model import Kind, Role, Variable
+from dse.modelica.solved_model import Solved
 
 
 class Causality(StrEnum):

@@ -9,9 +9,9 @@ from typing import Any
 
 from dse.errors import DseError, Location, fail
 from dse.modelica.algebra.expression import Expression
-from dse.modelica.flat import Equation, Kind, Role, Variable
+from dse.modelica.flat_model import Equation, Kind, Role, Variable
 from dse.modelica.flatten.document import Document, Record, fields
-from dse.modelica.flatten.evaluation import Evaluation
+from dse.modelica.flatten.evaluation.evaluation import Evaluation
 from dse.modelica.flatten.model import Declared, Model
 
 _VARIABLE = "name role variability value_type declaration attributes"

@@ -106,6 +106,10 @@ class Document:
         found = self.nodes.get(node)
         return self.where(self.provenance[found.place]) if found else None
 
+    def value_type(self, record: Record) -> Record:
+        """The type of the variable in *record*."""
+        return self.lists["value_types"][record["value_type"]]
+
     def refused(self, what: str, node: int, hint: str = "") -> DseError:
         """*what* is not supported, at *node*."""
         return fail(f"{what} is not supported", self.at(node), hint)
@@ -195,3 +199,23 @@ def _check_references(document: Document) -> None:
         for other in refers:
             if other not in document.nodes or other >= number:
                 raise document.refused(f"the front-end's numbering of expressions ({number} refers to {other})", number)
+
+
+def check_calls(document: Document) -> None:
+    """Raise DseError if a call means another function than the one that was kept under its name."""
+    functions = document.flat["functions"]
+    stack: list[Any] = [document.flat]
+    while stack:
+        item = stack.pop()
+        if isinstance(item, list):
+            stack += item
+        elif isinstance(item, dict):
+            call = item.get("FunctionCall")
+            if isinstance(call, dict):
+                called = call.get("name") or call["comp"]
+                name, parts = called["name"], called["component_ref"]["parts"]
+                kept = functions.get(name)
+                if kept is not None and kept["def_id"] != parts[-1]["def_id"]:
+                    what = f"'{name}', a function with the name of another one used in this model, is not supported"
+                    raise fail(what, document.where(call), "give the functions different names")
+            stack += [value for value in item.values() if isinstance(value, dict | list)]

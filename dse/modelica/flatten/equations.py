@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from dse.errors import Location, fail
-from dse.modelica.flat import Equation
+from dse.modelica.flat_model import Equation
 from dse.modelica.flatten.document import Record, fields, single
 from dse.modelica.flatten.domains import points, ranges
-from dse.modelica.flatten.evaluation import Evaluation
-from dse.modelica.flatten.frames import Assertion, Frame
+from dse.modelica.flatten.evaluation.context import Assertion, Frame
+from dse.modelica.flatten.evaluation.evaluation import Evaluation
 
 
 def continuous(evaluation: Evaluation) -> tuple[list[Equation], list[Assertion]]:

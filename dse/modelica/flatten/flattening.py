@@ -5,15 +5,16 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from dse.errors import fail
-from dse.modelica.algebra.expression import Graph, Place, symbols
-from dse.modelica.flat import Check, FlatModel, Role
-from dse.modelica.flatten.calls import check_calls
-from dse.modelica.flatten.conditions import Conditions, read_clocks
+from dse.modelica.algebra.expression import Graph
+from dse.modelica.algebra.symbol import Place
+from dse.modelica.algebra.traversal import symbols
+from dse.modelica.flat_model import Check, FlatModel, Role
 from dse.modelica.flatten.declarations import bindings, complete, declare, declared
-from dse.modelica.flatten.discrete import checks_of, read_discrete
-from dse.modelica.flatten.document import FrontEndResult, read
+from dse.modelica.flatten.document import FrontEndResult, check_calls, read
 from dse.modelica.flatten.equations import continuous, initial
-from dse.modelica.flatten.evaluation import Evaluation
+from dse.modelica.flatten.evaluation.evaluation import Evaluation
+from dse.modelica.flatten.events.conditions import Conditions, read_clocks
+from dse.modelica.flatten.events.discrete import checks_of, read_discrete
 from dse.modelica.flatten.model import Model
 
 

@@ -5,9 +5,11 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 from dse.errors import Location
-from dse.modelica.algebra.expression import Expression, Graph, Place, Symbol, walk
-from dse.modelica.flat import Assignment, Clock, Kind, Relation, Role, Trigger, Variable
-from dse.modelica.flatten.values import Value, places
+from dse.modelica.algebra.expression import Expression, Graph
+from dse.modelica.algebra.symbol import Place, Symbol
+from dse.modelica.algebra.traversal import walk
+from dse.modelica.flat_model import Assignment, Clock, Kind, Relation, Role, Trigger, Variable
+from dse.modelica.flatten.evaluation.values import Value, places
 
 
 @dataclass(frozen=True, slots=True)

@@ -12,11 +12,11 @@ from typing import Any
 from dse.errors import DseError, Problem, fail
 from dse.modelica.frontend.literal import Value, is_class_name, literal, wrapper
 from dse.modelica.frontend.messages import found_problems, refusal
-from dse.modelica.frontend.misread import misread
+from dse.modelica.frontend.misreadings.misread import misread
 from dse.modelica.frontend.process import FrontEnd, FrontEndDied, FrontEndRefusal
 from dse.modelica.frontend.result import SCHEMA, FrontEndResult
+from dse.modelica.frontend.source_text import declarations
 from dse.modelica.frontend.sources import ModelSources, SourceText, libraries
-from dse.modelica.frontend.text import declarations
 
 _FILES = "files"
 _BASE, _TRIAL = "base", "trial"

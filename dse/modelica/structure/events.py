@@ -6,12 +6,12 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from dse.errors import DseError, Location, Problem
-from dse.modelica.algebra.expression import Place, Symbol
-from dse.modelica.flat import FlatModel
-from dse.modelica.solved import Activation, EventBlock, When
-from dse.modelica.structure.arrange import Stage
-from dse.modelica.structure.blocks import components
-from dse.modelica.structure.incidence import occurring
+from dse.modelica.algebra.symbol import Place, Symbol
+from dse.modelica.algebra.traversal import occurring
+from dse.modelica.flat_model import FlatModel
+from dse.modelica.solved_model import Activation, EventBlock, When
+from dse.modelica.structure.blocks.arrange import Stage
+from dse.modelica.structure.graphs import components
 
 Quantity = Symbol | int
 """A symbol, or the number of a trigger."""

@@ -6,12 +6,13 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 from dse.errors import DseError, Problem
-from dse.modelica.algebra.expression import Expression, Place, Symbol, shown
-from dse.modelica.flat import Check, FlatModel, Role, Trigger
+from dse.modelica.algebra.expression import Expression, shown
+from dse.modelica.algebra.symbol import Place, Symbol
+from dse.modelica.algebra.traversal import occurring, smooth
+from dse.modelica.flat_model import Check, FlatModel, Role, Trigger
 from dse.modelica.structure.events import by_target
-from dse.modelica.structure.incidence import occurring, smooth
-from dse.modelica.structure.matching import Matching
-from dse.modelica.structure.parameters import default, is_dependent, is_free
+from dse.modelica.structure.graphs import Matching
+from dse.modelica.structure.known import default, is_dependent, is_free
 from dse.modelica.structure.rows import Row, told
 
 CONSISTENT = 1e-8

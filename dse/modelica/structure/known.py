@@ -2,13 +2,19 @@
 
 from __future__ import annotations
 
+import math
+from collections.abc import Mapping
 from dataclasses import dataclass
 
+from dse.errors import DseError, Problem
 from dse.modelica.algebra.evaluate import evaluate
-from dse.modelica.algebra.expression import Expression, Place, Symbol
-from dse.modelica.flat import FlatModel, Role
-from dse.modelica.structure.incidence import occurring
-from dse.modelica.structure.parameters import Starts, is_free
+from dse.modelica.algebra.expression import Expression
+from dse.modelica.algebra.symbol import Place, Symbol
+from dse.modelica.algebra.traversal import occurring
+from dse.modelica.flat_model import FlatModel, Kind, Role, Variable
+from dse.modelica.solved_model import Explicit
+from dse.modelica.structure.graphs import components
+from dse.modelica.structure.rows import listed
 
 
 @dataclass(frozen=True, slots=True)
@@ -56,3 +62,105 @@ class Known:
             ):
                 return False
         return True
+
+
+def is_dependent(variable: Variable) -> bool:
+    """Whether *variable* is a parameter that follows from others and cannot be set."""
+    return variable.role is Role.PARAMETER and variable.binding is not None and not variable.binding.is_constant
+
+
+def is_free(variable: Variable) -> bool:
+    """Whether *variable* is a parameter that the initial equations determine."""
+    return variable.role is Role.PARAMETER and variable.binding is None and not variable.is_fixed
+
+
+def dependent_parameters(flat: FlatModel) -> list[Explicit]:
+    """Dependent parameters, each after those it needs.
+
+    Raises DseError for parameters that depend on each other, on themselves or on what is no parameter.
+    """
+    names = [name for name, variable in flat.variables.items() if is_dependent(variable)]
+    number = {name: place for place, name in enumerate(names)}
+    needs: list[list[int]] = []
+    problems: list[Problem] = []
+    for name in names:
+        refers = occurring(_binding(flat, name))
+        strange = [symbol for symbol in refers if not _is_parameter(symbol, flat.variables)]
+        if strange:
+            what = f"the parameter '{name}' depends on {listed(strange)}, which is no parameter"
+            problems.append(Problem(what, flat.variables[name].where))
+        needs.append([number[symbol.name] for symbol in refers if symbol.name in number])
+    order: list[Explicit] = []
+    for component in components(needs):
+        own = [Symbol(Place.VARIABLE, names[place]) for place in component]
+        if len(own) > 1 or component[0] in needs[component[0]]:
+            what = f"parameters depend on themselves: {listed(own)}"
+            problems.append(Problem(what, flat.variables[own[0].name].where))
+        order.extend(Explicit(symbol, _binding(flat, symbol.name)) for symbol in own)
+    if problems:
+        raise DseError(*problems)
+    return order
+
+
+class Starts(Mapping[Symbol, float]):
+    """The value of each symbol at the starting values, 0 where nothing is given; of a pre-value its variable's.
+
+    A held relation is its truth there. What does not come out finite counts as not given.
+    """
+
+    def __init__(self, flat: FlatModel, parameters: list[Explicit]) -> None:
+        self._flat = flat
+        self._known: dict[Symbol, float] = {}
+        for variable in flat.variables.values():
+            if variable.role is Role.PARAMETER and not is_dependent(variable):
+                given = variable.start if variable.binding is None else variable.binding
+                self._known[Symbol(Place.VARIABLE, variable.name)] = self._value(given, default(variable))
+        for one in parameters:
+            self._known[one.unknown] = self._value(one.value, 0.0)
+
+    def __getitem__(self, symbol: Symbol) -> float:
+        if symbol not in self._known:
+            self._known[symbol] = self._computed(symbol)
+        return self._known[symbol]
+
+    def __iter__(self) -> object:  # type: ignore[override]  # every symbol has a value; there is nothing to list
+        raise TypeError("the starting values cannot be listed")
+
+    def __len__(self) -> int:
+        raise TypeError("the starting values cannot be counted")
+
+    def _computed(self, symbol: Symbol) -> float:
+        if symbol.place is Place.HELD:
+            self._known[symbol] = 0.0
+            return self._value(self._flat.relations[int(symbol.name)].truth, 0.0)
+        if symbol.place not in (Place.VARIABLE, Place.PRE) or symbol.order:
+            return 0.0
+        variable = self._flat.variables[symbol.name]
+        self._known[symbol] = default(variable)
+        return self._value(variable.start, default(variable))
+
+    def _value(self, given: Expression | None, default: float) -> float:
+        value = default if given is None else evaluate((given,), self)[0]
+        return value if math.isfinite(value) else default
+
+
+def default(variable: Variable) -> float:
+    """The start value of *variable* if none is given."""
+    if variable.kind is Kind.ENUMERATION:
+        return 1.0
+    for bound, is_below in ((variable.minimum, False), (variable.maximum, True)):
+        # Without a start value it is 0, or the bound next to it (Modelica 3.6, 4.9).
+        if bound is not None and bound.is_constant and (bound.value < 0 if is_below else bound.value > 0):
+            return bound.value
+    return 0.0
+
+
+def _binding(flat: FlatModel, name: str) -> Expression:
+    binding = flat.variables[name].binding
+    if binding is None:
+        raise ValueError(name)
+    return binding
+
+
+def _is_parameter(symbol: Symbol, variables: Mapping[str, Variable]) -> bool:
+    return symbol.place is Place.VARIABLE and not symbol.order and variables[symbol.name].role is Role.PARAMETER

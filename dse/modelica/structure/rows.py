@@ -6,7 +6,8 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 
 from dse.errors import Location, Problem
-from dse.modelica.algebra.expression import Expression, Symbol, shown
+from dse.modelica.algebra.expression import Expression, shown
+from dse.modelica.algebra.symbol import Symbol
 
 
 @dataclass(frozen=True, slots=True)

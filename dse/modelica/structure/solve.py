@@ -2,30 +2,28 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 
 from dse.errors import DseError, Problem
-from dse.modelica.algebra.expression import Expression, Place, Symbol, replaced
-from dse.modelica.flat import FlatModel, Role
-from dse.modelica.solved import Explicit, Solved
-from dse.modelica.structure.aliases import Eliminated, without_aliases
-from dse.modelica.structure.arrange import arranged
-from dse.modelica.structure.dependencies import Reach, dependencies
-from dse.modelica.structure.dummies import chosen
+from dse.modelica.algebra.expression import Expression
+from dse.modelica.algebra.symbol import Place, Symbol
+from dse.modelica.algebra.traversal import occurring, replaced
+from dse.modelica.flat_model import FlatModel, Role
+from dse.modelica.solved_model import Block, Explicit, Solved
+from dse.modelica.structure.aliases.elimination import Eliminated, without_aliases
+from dse.modelica.structure.aliases.merging import merged
+from dse.modelica.structure.aliases.substitution import rewriter, rewritten
+from dse.modelica.structure.blocks.arrange import Stage, arranged
+from dse.modelica.structure.blocks.singular import refuse_singular
+from dse.modelica.structure.dependencies import Reach, dependencies, refuse_uncertain
 from dse.modelica.structure.events import discrete_steps, ordered
-from dse.modelica.structure.guards import guarded
-from dse.modelica.structure.incidence import occurring
 from dse.modelica.structure.initialization import checked, start
-from dse.modelica.structure.known import Known
-from dse.modelica.structure.merging import merged
-from dse.modelica.structure.pantelides import reduced
-from dse.modelica.structure.parameters import Starts, default, dependent_parameters, is_free
-from dse.modelica.structure.partition import partitioned
-from dse.modelica.structure.reinitialization import refuse_uncertain
+from dse.modelica.structure.known import Known, Starts, default, dependent_parameters, is_free
+from dse.modelica.structure.reduction.dummies import chosen
+from dse.modelica.structure.reduction.guards import guarded
+from dse.modelica.structure.reduction.pantelides import reduced
 from dse.modelica.structure.rows import Row, listed
-from dse.modelica.structure.singular import refuse_singular
-from dse.modelica.structure.substitution import rewriter, rewritten
 
 
 def solve(flat: FlatModel) -> Solved:
@@ -181,3 +179,15 @@ def _guesses(flat: FlatModel, eliminated: Eliminated) -> list[Explicit]:
             value = flat.graph.constant(default(variable)) if variable.start is None else variable.start
             found.append(Explicit(Symbol(Place.VARIABLE, name), value))
     return found
+
+
+def partitioned(stages: Sequence[Stage], wanted: Iterable[Symbol]) -> tuple[list[Block], list[Block]]:
+    """Blocks of *stages* that *wanted* needs, and the others; both in their order."""
+    needed = set(wanted)
+    is_hot = [False] * len(stages)
+    for place in reversed(range(len(stages))):
+        if needed.intersection(stages[place].gives):
+            is_hot[place] = True
+            needed.update(stages[place].needs)
+    hot = [stage.block for stage, is_wanted in zip(stages, is_hot, strict=True) if is_wanted]
+    return hot, [stage.block for stage, is_wanted in zip(stages, is_hot, strict=True) if not is_wanted]

@@ -11,11 +11,11 @@ from pathlib import Path
 import dse.fmu
 from dse.fmu.toolchain.compilation import LANGUAGE_OPTIONS
 from dse.fmu.toolchain.compiler import environment, find_compiler
-from dse.modelica.algebra.expression import Symbol
-from dse.modelica.emit.layout import layout
+from dse.modelica.algebra.symbol import Symbol
+from dse.modelica.emit.memory import layout
 from dse.modelica.emit.model import emit
 from dse.modelica.emit.variables import FmuVariable, variables
-from dse.modelica.solved import Solved
+from dse.modelica.solved_model import Solved
 
 RUNTIME = Path(dse.fmu.__file__).parent / "runtime"
 _SHIM = """

@@ -2,15 +2,10 @@
 
 from __future__ import annotations
 
-from dse.modelica.algebra.expression import Expression, Graph, Symbol
-from dse.modelica.emit.layout import variable
-from dse.modelica.flat import (
-    FlatModel,
-    Kind,
-    Role,
-    Variable,
-)
-from dse.modelica.solved import EventBlock, Explicit, Solved
+from dse.modelica.algebra.expression import Expression, Graph
+from dse.modelica.algebra.symbol import Symbol, variable
+from dse.modelica.flat_model import FlatModel, Kind, Role, Variable
+from dse.modelica.solved_model import EventBlock, Explicit, Solved
 
 
 class Maker:

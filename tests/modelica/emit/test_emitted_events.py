@@ -12,17 +12,9 @@ from model_maker import Maker, explicit
 
 from dse.errors import Location
 from dse.fmu.toolchain.compilation import LANGUAGE_OPTIONS
-from dse.modelica.algebra.expression import Place, Symbol
-from dse.modelica.emit.layout import variable
-from dse.modelica.flat import (
-    Check,
-    Clock,
-    Reinitialization,
-    Relation,
-    Role,
-    Trigger,
-)
-from dse.modelica.solved import Activation, When
+from dse.modelica.algebra.symbol import Place, Symbol, variable
+from dse.modelica.flat_model import Check, Clock, Reinitialization, Relation, Role, Trigger
+from dse.modelica.solved_model import Activation, When
 
 _AT = Location("ball.mo", 7, 3)
 

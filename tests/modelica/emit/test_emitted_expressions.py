@@ -11,9 +11,9 @@ from hypothesis import strategies as st
 
 from dse.modelica.algebra.evaluate import evaluate
 from dse.modelica.algebra.expression import Expression, Graph
-from dse.modelica.emit.layout import variable
-from dse.modelica.flat import FlatModel, Kind, Role, Variable
-from dse.modelica.solved import Explicit, Solved
+from dse.modelica.algebra.symbol import variable
+from dse.modelica.flat_model import FlatModel, Kind, Role, Variable
+from dse.modelica.solved_model import Explicit, Solved
 
 _INPUTS = ("a", "b", "c", "d")
 

@@ -9,15 +9,11 @@ from emitted_model import Emitter
 from model_maker import Maker, explicit
 
 from dse.errors import DseError, Location
-from dse.modelica.algebra.expression import Place, Symbol
-from dse.modelica.emit.layout import variable
+from dse.modelica.algebra.symbol import Place, Symbol, variable
 from dse.modelica.emit.model import emit
 from dse.modelica.emit.variables import Causality, Variability, variables
-from dse.modelica.flat import (
-    Kind,
-    Role,
-)
-from dse.modelica.solved import Block
+from dse.modelica.flat_model import Kind, Role
+from dse.modelica.solved_model import Block
 
 _AT = Location("ball.mo", 7, 3)
 

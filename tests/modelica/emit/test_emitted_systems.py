@@ -11,14 +11,11 @@ from model_maker import Maker, explicit
 
 from dse.errors import DseError, Location
 from dse.modelica.algebra.expression import Expression
-from dse.modelica.emit.layout import variable
+from dse.modelica.algebra.symbol import variable
 from dse.modelica.emit.model import emit
 from dse.modelica.emit.variables import variables
-from dse.modelica.flat import (
-    Clock,
-    Role,
-)
-from dse.modelica.solved import Explicit, Solved, System
+from dse.modelica.flat_model import Clock, Role
+from dse.modelica.solved_model import Explicit, Solved, System
 
 _AT = Location("ball.mo", 7, 3)
 

@@ -9,13 +9,10 @@ from emitted_model import Emitter
 from model_maker import Maker, explicit
 
 from dse.errors import DseError, Location
-from dse.modelica.emit.layout import variable
+from dse.modelica.algebra.symbol import variable
 from dse.modelica.emit.model import emit
 from dse.modelica.emit.variables import variables
-from dse.modelica.flat import (
-    Kind,
-    Role,
-)
+from dse.modelica.flat_model import Kind, Role
 
 _AT = Location("ball.mo", 7, 3)
 

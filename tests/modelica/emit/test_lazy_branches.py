@@ -9,11 +9,12 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from dse.modelica.algebra.arithmetic import FUNCTIONS
-from dse.modelica.algebra.expression import Expression, Graph, walk
-from dse.modelica.emit.layout import variable
-from dse.modelica.emit.regions import ROOT, regions
-from dse.modelica.flat import FlatModel, Kind, Role, Variable
-from dse.modelica.solved import Explicit, Solved
+from dse.modelica.algebra.expression import Expression, Graph
+from dse.modelica.algebra.symbol import variable
+from dse.modelica.algebra.traversal import walk
+from dse.modelica.emit.expressions.regions import ROOT, regions
+from dse.modelica.flat_model import FlatModel, Kind, Role, Variable
+from dse.modelica.solved_model import Explicit, Solved
 
 _INPUTS = ("a", "b", "c")
 

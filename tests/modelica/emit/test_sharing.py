@@ -10,11 +10,13 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from model_maker import Maker, explicit
 
-from dse.modelica.algebra.expression import Graph, Symbol, symbols
-from dse.modelica.emit.layout import expressions, targets, variable
+from dse.modelica.algebra.expression import Graph
+from dse.modelica.algebra.symbol import Symbol, variable
+from dse.modelica.algebra.traversal import symbols
+from dse.modelica.emit.memory import expressions, targets
 from dse.modelica.emit.sharing import Part, Plan, plan
-from dse.modelica.flat import FlatModel, Role, Trigger
-from dse.modelica.solved import Activation, Block, EventBlock, Explicit, When
+from dse.modelica.flat_model import FlatModel, Role, Trigger
+from dse.modelica.solved_model import Activation, Block, EventBlock, Explicit, When
 
 _COUNT = 110
 

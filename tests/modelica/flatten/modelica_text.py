@@ -9,9 +9,11 @@ from collections.abc import Mapping
 import rumoca
 
 from dse.modelica.algebra.evaluate import evaluate
-from dse.modelica.algebra.expression import Expression, Place, Symbol, symbols
-from dse.modelica.flat import FlatModel, Role
-from dse.modelica.flatten import flatten
+from dse.modelica.algebra.expression import Expression
+from dse.modelica.algebra.symbol import Place, Symbol
+from dse.modelica.algebra.traversal import symbols
+from dse.modelica.flat_model import FlatModel, Role
+from dse.modelica.flatten.flattening import flatten
 from dse.modelica.frontend.result import FrontEndResult
 from dse.modelica.frontend.sources import SourceText
 

@@ -9,8 +9,9 @@ import pytest
 from modelica_text import flattened, values
 
 from dse.modelica.algebra.evaluate import evaluate
-from dse.modelica.algebra.expression import Expression, Place, Symbol
-from dse.modelica.flat import Assignment, Clock, FlatModel, Kind, Role, Trigger
+from dse.modelica.algebra.expression import Expression
+from dse.modelica.algebra.symbol import Place, Symbol
+from dse.modelica.flat_model import Assignment, Clock, FlatModel, Kind, Role, Trigger
 
 STATE = "model M Real x(start = 0, fixed = true); "
 

@@ -12,8 +12,8 @@ from hypothesis import strategies as st
 from modelica_text import flattened, values
 
 from dse.modelica.algebra.evaluate import evaluate
-from dse.modelica.algebra.expression import Place, Symbol
-from dse.modelica.flat import FlatModel
+from dse.modelica.algebra.symbol import Place, Symbol
+from dse.modelica.flat_model import FlatModel
 
 
 def _branches(u: float, w: float) -> float:

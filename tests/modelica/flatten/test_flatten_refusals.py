@@ -8,7 +8,7 @@ import pytest
 from modelica_text import compiled, flattened
 
 from dse.errors import DseError
-from dse.modelica.flatten import flatten
+from dse.modelica.flatten.flattening import flatten
 
 STATE = "model M Real x(start = 0, fixed = true); "
 TABLE = (

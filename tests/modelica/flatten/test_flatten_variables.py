@@ -7,9 +7,10 @@ from modelica_text import compiled, flattened
 
 from dse.errors import Location
 from dse.modelica.algebra.evaluate import evaluate
-from dse.modelica.algebra.expression import Expression, Place, Symbol
-from dse.modelica.flat import FlatModel, Kind, Role
-from dse.modelica.flatten import flatten
+from dse.modelica.algebra.expression import Expression
+from dse.modelica.algebra.symbol import Place, Symbol
+from dse.modelica.flat_model import FlatModel, Kind, Role
+from dse.modelica.flatten.flattening import flatten
 
 
 def _number(flat: FlatModel, expression: Expression | None) -> float | None:

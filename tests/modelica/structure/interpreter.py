@@ -9,9 +9,10 @@ import numpy as np
 from scipy.integrate import solve_ivp
 
 from dse.modelica.algebra.evaluate import evaluate
-from dse.modelica.algebra.expression import Expression, Graph, Place, Symbol
-from dse.modelica.flat import Equation, FlatModel, Kind, Relation, Role, Variable
-from dse.modelica.solved import Activation, EventBlock, Explicit, Solved, System, When
+from dse.modelica.algebra.expression import Expression, Graph
+from dse.modelica.algebra.symbol import Place, Symbol
+from dse.modelica.flat_model import Equation, FlatModel, Kind, Relation, Role, Variable
+from dse.modelica.solved_model import Activation, EventBlock, Explicit, Solved, System, When
 
 
 class RunError(Exception):
@@ -373,7 +374,7 @@ def check_order(solved: Solved) -> None:
 
 
 def _refers(block: EventBlock) -> set[Symbol]:
-    from dse.modelica.algebra.expression import symbols
+    from dse.modelica.algebra.traversal import symbols
 
     roots: list[Expression] = []
     match block:

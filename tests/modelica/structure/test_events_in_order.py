@@ -8,8 +8,8 @@ import pytest
 from modelica.structure.interpreter import Building, Machine, check_order
 
 from dse.errors import DseError
-from dse.modelica.algebra.expression import Place, Symbol
-from dse.modelica.flat import Assignment, Clock, Reinitialization, Relation, Trigger
+from dse.modelica.algebra.symbol import Place, Symbol
+from dse.modelica.flat_model import Assignment, Clock, Reinitialization, Relation, Trigger
 from dse.modelica.structure.solve import solve
 
 

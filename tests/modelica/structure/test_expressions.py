@@ -13,11 +13,13 @@ from scipy.interpolate import CubicHermiteSpline, PchipInterpolator
 
 from dse.errors import DseError
 from dse.modelica.algebra.arithmetic import FUNCTIONS
+from dse.modelica.algebra.derivative import partial
 from dse.modelica.algebra.evaluate import evaluate
-from dse.modelica.algebra.expression import Expression, Graph, Place, Symbol
+from dse.modelica.algebra.expression import Expression, Graph
+from dse.modelica.algebra.symbol import Place, Symbol
 from dse.modelica.algebra.tables import table1, table2
-from dse.modelica.derive import partial, total
-from dse.modelica.flat import Kind, Role, Variable
+from dse.modelica.flat_model import Kind, Role, Variable
+from dse.modelica.structure.reduction.pantelides import total
 
 ARITY = {
     **dict.fromkeys(("add", "subtract", "multiply", "divide", "power", "minimum", "maximum", "atan2", "and", "or"), 2),
@@ -80,7 +82,7 @@ def test_simplifying_keeps_every_finite_value_to_the_bit(lines: list[tuple[objec
 
 
 def _finite_everywhere(root: Expression, values: dict[Symbol, float]) -> float | None:
-    from dse.modelica.algebra.expression import walk
+    from dse.modelica.algebra.traversal import walk
 
     nodes = list(walk([root]))
     found = evaluate(nodes, values)
@@ -105,7 +107,7 @@ def test_partial_derivatives_agree_with_finite_differences(lines: list[tuple[obj
 
 
 def _nodes(root: Expression) -> list[Expression]:
-    from dse.modelica.algebra.expression import walk
+    from dse.modelica.algebra.traversal import walk
 
     return list(walk([root]))
 
