@@ -24,7 +24,7 @@ from dse.fmu.toolchain.compiler import Compiler, find_compiler
 from dse.fmu.toolchain.platforms import this_platform
 from dse.modelica.description import Described, describe_model
 from dse.modelica.documentation import documentation
-from dse.modelica.emit.model import Settings, Solver, emit
+from dse.modelica.emit.model import DEFAULT_TOLERANCE, emit
 from dse.modelica.frontend.memory import Memory
 from dse.modelica.frontend.sources import ModelSources, library_contents, read_sources
 from dse.modelica.openmodelica import build_with_omc, find_omc, omc_version
@@ -32,19 +32,8 @@ from dse.modelica.translate import Translated, TranslationError, translate
 
 _DSE = Path(__file__).parents[1]
 _RUNTIME = _DSE / "fmu" / "runtime"
-# fmt: off
-_COMMON = (
-    "slot.h", "instance.h", "value.h", "modelica.h", "solver_memory.h", "arithmetic.h", "linear.h", "newton.h",
-    "tables.h", "evaluate.h", "crossings.h", "dormand_prince_tableau.h", "dormand_prince.h", "rosenbrock_tableau.h",
-    "rosenbrock.h", "locate.h", "integrate.h", "events.h",
-    "co_simulation.h", "simulation.h", "exchange.h",
-)
-_FILES = {
-    2: (*_COMMON, "fmi2_abi.h", "fmi2_exchange.h", "fmi2.c"),
-    3: (*_COMMON, "fmi3_abi.h", "fmi3_refused.h", "fmi3_exchange.h", "fmi3.c"),
-}
-# fmt: on
-_DEFAULT_TOLERANCE = 1e-6
+_NOT_FOR = {2: ("fused_", "c_component", "fmi3"), 3: ("fused_", "c_component", "fmi2")}
+"""How files of the runtime begin that an FMU of a version has no use for."""
 
 
 def build_modelica(component: Component, source: ModelicaSource, version: int, cache: Path | None) -> Path:
@@ -151,8 +140,8 @@ def _contents(
     component: Component, source: ModelicaSource, translated: Translated, named: str, token: str, version: int
 ) -> dict[str, bytes]:
     """Every file of the FMU but its library, by path; the same for the same component on every machine."""
-    tolerance = source.tolerance or _DEFAULT_TOLERANCE
-    generated = emit(translated.solved, translated.variables, token, Settings(Solver(source.solver.value), tolerance))
+    tolerance = source.tolerance or DEFAULT_TOLERANCE
+    generated = emit(translated.solved, translated.variables, token, source.solver, tolerance)
     files = (f"runtime/fmi{version}.c", "runtime/start.c")
     described = Described(
         name=component.name,
@@ -166,7 +155,11 @@ def _contents(
         dependencies=translated.solved.dependencies,
     )
     contents = {
-        **{f"sources/runtime/{name}": _runtime()[name] for name in _FILES[version]},
+        **{
+            f"sources/runtime/{name}": content
+            for name, content in _runtime().items()
+            if not name.startswith(_NOT_FOR[version])
+        },
         **{f"sources/runtime/{name}": content for name, content in generated.items()},
         "modelDescription.xml": describe_model(described, version),
     }

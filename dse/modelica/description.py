@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 
 from dse.fmu.describe import add_base_unit, xml_text
 from dse.modelica.emit.variables import Causality, FmuVariable, Variability
-from dse.modelica.flat_model import Kind
+from dse.modelica.flat_model import ScalarType
 from dse.units import UnitError, parse_unit
 
 
@@ -78,7 +78,7 @@ def _interfaces(root: ET.Element, described: Described, version: int) -> None:
 
 
 def _units(root: ET.Element, shown: Iterable[FmuVariable]) -> None:
-    names = sorted({listed.unit for listed in shown if listed.unit and listed.kind is Kind.REAL})
+    names = sorted({listed.unit for listed in shown if listed.unit and listed.kind is ScalarType.REAL})
     if not names:
         return
     definitions = ET.SubElement(root, "UnitDefinitions")
@@ -91,7 +91,7 @@ def _units(root: ET.Element, shown: Iterable[FmuVariable]) -> None:
 
 
 def _types(root: ET.Element, shown: Iterable[FmuVariable], version: int) -> None:
-    types = sorted({listed.items for listed in shown if listed.kind is Kind.ENUMERATION})
+    types = sorted({listed.items for listed in shown if listed.kind is ScalarType.ENUMERATION})
     if not types:
         return
     definitions = ET.SubElement(root, "TypeDefinitions")
@@ -108,8 +108,18 @@ def _type_name(items: Iterable[str]) -> str:
     return f"enumeration({', '.join(items)})"
 
 
-_TYPES_2 = {Kind.REAL: "Real", Kind.INTEGER: "Integer", Kind.BOOLEAN: "Boolean", Kind.ENUMERATION: "Enumeration"}
-_TYPES_3 = {Kind.REAL: "Float64", Kind.INTEGER: "Int32", Kind.BOOLEAN: "Boolean", Kind.ENUMERATION: "Enumeration"}
+_TYPES_2 = {
+    ScalarType.REAL: "Real",
+    ScalarType.INTEGER: "Integer",
+    ScalarType.BOOLEAN: "Boolean",
+    ScalarType.ENUMERATION: "Enumeration",
+}
+_TYPES_3 = {
+    ScalarType.REAL: "Float64",
+    ScalarType.INTEGER: "Int32",
+    ScalarType.BOOLEAN: "Boolean",
+    ScalarType.ENUMERATION: "Enumeration",
+}
 
 
 def _variables_2(root: ET.Element, described: Described, shown: Sequence[FmuVariable]) -> None:
@@ -227,24 +237,24 @@ def _common(listed: FmuVariable) -> dict[str, str]:
 
 def _typed(listed: FmuVariable) -> dict[str, str]:
     attributes: dict[str, str] = {}
-    if listed.kind is Kind.ENUMERATION:
+    if listed.kind is ScalarType.ENUMERATION:
         attributes["declaredType"] = _type_name(listed.items)
-    if listed.kind is Kind.REAL and listed.unit:
+    if listed.kind is ScalarType.REAL and listed.unit:
         attributes["unit"] = listed.unit
-    if listed.kind in (Kind.REAL, Kind.INTEGER):
+    if listed.kind in (ScalarType.REAL, ScalarType.INTEGER):
         for name, number in (("min", listed.minimum), ("max", listed.maximum)):
             if number is not None:
                 attributes[name] = _number(listed.kind, number)
-    if listed.kind is Kind.REAL and listed.nominal is not None and listed.nominal > 0:
+    if listed.kind is ScalarType.REAL and listed.nominal is not None and listed.nominal > 0:
         attributes["nominal"] = repr(listed.nominal)
     if listed.start is not None:
         attributes["start"] = _number(listed.kind, listed.start)
     return attributes
 
 
-def _number(kind: Kind, number: float) -> str:
-    if kind is Kind.REAL:
+def _number(kind: ScalarType, number: float) -> str:
+    if kind is ScalarType.REAL:
         return repr(float(number))
-    if kind is Kind.BOOLEAN:
+    if kind is ScalarType.BOOLEAN:
         return "true" if number else "false"
     return str(int(number))

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass, field
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass, replace
 from enum import StrEnum
 from fractions import Fraction
 
@@ -11,7 +11,7 @@ from dse.errors import Location
 from dse.modelica.algebra.expression import Expression, Graph
 
 
-class Kind(StrEnum):
+class ScalarType(StrEnum):
     """Modelica's scalar types."""
 
     REAL = "Real"
@@ -42,7 +42,7 @@ class Variable:
     """
 
     name: str
-    kind: Kind
+    kind: ScalarType
     role: Role
     is_output: bool = False
     start: Expression | None = None
@@ -143,7 +143,7 @@ class Check:
 
 @dataclass(frozen=True, slots=True)
 class FlatModel:
-    """A whole model. Names are unique. *sources* are the files it was read from."""
+    """A whole model. Names are unique."""
 
     name: str
     graph: Graph
@@ -157,4 +157,32 @@ class FlatModel:
     reinitializations: tuple[Reinitialization, ...] = ()
     checks: tuple[Check, ...] = ()
     description: str = ""
-    notes: tuple[str, ...] = field(default=())
+
+    def at_events(self) -> Iterator[tuple[Expression, Location | None]]:
+        """What is looked at because of events, and where it stands: relations, new values, conditions of checks."""
+        yield from ((one.truth, one.where) for one in self.relations)
+        yield from ((one.value, one.where) for one in self.assignments)
+        yield from ((one.value, one.where) for one in self.reinitializations)
+        yield from ((one.condition, one.where) for one in self.checks)
+
+    def mapped(self, new: Callable[[Expression], Expression]) -> FlatModel:
+        """The same with *new* of every expression."""
+        return replace(
+            self,
+            variables={name: _mapped(variable, new) for name, variable in self.variables.items()},
+            equations=tuple(replace(one, residual=new(one.residual)) for one in self.equations),
+            initial_equations=tuple(replace(one, residual=new(one.residual)) for one in self.initial_equations),
+            relations=tuple(replace(one, truth=new(one.truth)) for one in self.relations),
+            triggers=tuple(replace(one, conditions=tuple(map(new, one.conditions))) for one in self.triggers),
+            assignments=tuple(replace(one, value=new(one.value)) for one in self.assignments),
+            reinitializations=tuple(replace(one, value=new(one.value)) for one in self.reinitializations),
+            checks=tuple(replace(one, condition=new(one.condition)) for one in self.checks),
+        )
+
+
+def _mapped(variable: Variable, new: Callable[[Expression], Expression]) -> Variable:
+    given = (variable.start, variable.binding, variable.minimum, variable.maximum, variable.nominal)
+    if all(one is None or one.is_constant for one in given):
+        return variable
+    start, binding, minimum, maximum, nominal = (None if one is None else new(one) for one in given)
+    return replace(variable, start=start, binding=binding, minimum=minimum, maximum=maximum, nominal=nominal)

@@ -7,15 +7,14 @@ from collections.abc import Iterator
 
 from dse.domain.component import Causality, Component, Kind, Parameter, Port, Type, as_number
 from dse.errors import Location, Problem, closest, raise_if_any
-from dse.modelica import flat_model as flat
-from dse.modelica.flat_model import FlatModel, Role, Variable
+from dse.modelica.flat_model import FlatModel, Role, ScalarType, Variable
 from dse.units import UnitError, describe, parse_unit
 
 _KINDS = {
-    flat.Kind.REAL: Kind.REAL,
-    flat.Kind.INTEGER: Kind.INTEGER,
-    flat.Kind.BOOLEAN: Kind.BOOLEAN,
-    flat.Kind.ENUMERATION: Kind.ENUMERATION,
+    ScalarType.REAL: Kind.REAL,
+    ScalarType.INTEGER: Kind.INTEGER,
+    ScalarType.BOOLEAN: Kind.BOOLEAN,
+    ScalarType.ENUMERATION: Kind.ENUMERATION,
 }
 
 
@@ -81,7 +80,7 @@ def _port(component: Component, model: FlatModel, port: Port) -> Iterator[Proble
     elif name not in fitting:
         what = f"'{name}' of {model.name} is no {port.causality}, as {word} needs"
         yield _at(component, what, variable.where, f"declare it at the model's top level: {port.causality} …")
-    elif port.type.kind is Kind.ENUMERATION or variable.kind is flat.Kind.ENUMERATION:
+    elif port.type.kind is Kind.ENUMERATION or variable.kind is ScalarType.ENUMERATION:
         what = f"{word} is an enumeration: those of Modelica models cannot be ports in this version"
         yield _at(component, what, variable.where, "use an Integer")
     else:
@@ -103,7 +102,7 @@ def _parameter(component: Component, model: FlatModel, parameter: Parameter) -> 
         yield Problem(_named(component, what), where, _hint(parameter.name, name, settable))
     elif name not in settable:
         yield Problem(_named(component, f"'{name}' of {model.name} {_why_not(variable)}"), where, _seen(variable.where))
-    elif variable.kind is flat.Kind.ENUMERATION and not variable.is_structural:
+    elif variable.kind is ScalarType.ENUMERATION and not variable.is_structural:
         # Modelica counts items from 1, our benches from 0.
         what = f"{word} is an enumeration that the model reads while it runs: such cannot be given in this version"
         yield Problem(_named(component, what), where, "use an Integer")

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from dataclasses import dataclass, replace
+from typing import TypeVar
 
 from dse.errors import Location
 from dse.modelica.algebra.expression import Expression
@@ -26,8 +27,7 @@ class System:
     For trial values of *unknowns*, *inner* assignments are made in order; then *residuals* (as many as *unknowns*)
     must vanish. *jacobian* has one row a residual and one column an unknown, with the inner assignments differentiated
     through: its entries refer to *unknowns*, to what *inner* assigns and to what is known. If *is_linear* they do not
-    refer to *unknowns* or *inner*, and one solve is exact. *bounds*: least and greatest value of each unknown, absent
-    where unknown. *guess*: the unknown's own current value, always.
+    refer to *unknowns* or *inner*, and one solve is exact.
     """
 
     unknowns: tuple[Symbol, ...]
@@ -60,6 +60,7 @@ class Activation:
 
 
 EventBlock = Explicit | System | When | Activation
+B = TypeVar("B", bound=EventBlock)
 
 
 @dataclass(frozen=True, slots=True)
@@ -91,3 +92,58 @@ class Solved:
     guesses: tuple[Explicit, ...]
     dependencies: Mapping[str, frozenset[str]]
     notes: tuple[str, ...] = ()
+
+
+def targets(blocks: Iterable[EventBlock]) -> Iterator[Symbol]:
+    """What *blocks* compute, in their order."""
+    for block in blocks:
+        match block:
+            case Explicit(unknown):
+                yield unknown
+            case System(unknowns, inner):
+                yield from unknowns
+                yield from (assignment.unknown for assignment in inner)
+            case When(target):
+                yield target
+
+
+def expressions(block: EventBlock, flat: FlatModel) -> tuple[Expression, ...]:
+    """Everything *block* evaluates."""
+    match block:
+        case Explicit(_, value):
+            return (value,)
+        case System(_, inner, residuals, jacobian):
+            rows = (entry for row in jacobian for entry in row)
+            return (*(assignment.value for assignment in inner), *residuals, *rows)
+        case When(_, branches):
+            return tuple(value for _, value in branches)
+        case Activation(trigger):
+            return flat.triggers[trigger].conditions
+
+
+def all_expressions(solved: Solved) -> Iterator[Expression]:
+    """Every expression of the model that becomes code."""
+    flat = solved.flat
+    for blocks in (solved.parameters, solved.derivatives, solved.outputs, solved.event, solved.initial, solved.guesses):
+        for block in blocks:
+            yield from expressions(block, flat)
+    yield from (condition for trigger in flat.triggers for condition in trigger.conditions)
+    yield from (relation.truth for relation in flat.relations)
+    yield from (reinitialization.value for reinitialization in flat.reinitializations)
+    yield from (check.condition for check in flat.checks)
+
+
+def mapped(block: B, new: Callable[[Expression], Expression]) -> B:
+    """The same with *new* of every expression it holds."""
+    if isinstance(block, Explicit):
+        return replace(block, value=new(block.value))
+    if isinstance(block, System):
+        return replace(
+            block,
+            inner=tuple(mapped(one, new) for one in block.inner),
+            residuals=tuple(map(new, block.residuals)),
+            jacobian=tuple(tuple(map(new, row)) for row in block.jacobian),
+        )
+    if isinstance(block, When):
+        return replace(block, branches=tuple((trigger, new(value)) for trigger, value in block.branches))
+    return block

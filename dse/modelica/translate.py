@@ -2,21 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
-from typing import TypeVar
 
 from dse.domain.component import Component, Kind, Parameter
 from dse.errors import DseError, Location, fail
 from dse.modelica.emit.variables import FmuVariable, Variability, variables
-from dse.modelica.flat_model import Check, Relation
 from dse.modelica.flatten.flattening import flatten
 from dse.modelica.frontend.literal import Value
 from dse.modelica.frontend.memory import Memory
 from dse.modelica.frontend.result import FrontEndResult
 from dse.modelica.frontend.sources import ModelSources
 from dse.modelica.interface import starts
-from dse.modelica.solved_model import Solved, System
+from dse.modelica.solved_model import B, EventBlock, Solved, System
 from dse.modelica.structure.solve import solve
 
 
@@ -52,7 +50,7 @@ def translate(component: Component, sources: ModelSources, memory: Memory) -> Tr
         raise TranslationError(*error.problems) from error
     # What is built must not depend on where the files lie.
     names = {path: name for name, path in sources.origins.items()}
-    return Translated(relocated(solved, names), listed, result.description, tuple(sorted(sources.contents)))
+    return Translated(_relocated(solved, names), listed, result.description, tuple(sorted(sources.contents)))
 
 
 _MOST_ROUNDS = 10
@@ -112,24 +110,25 @@ def _as_asked(component: Component, variable: FmuVariable) -> FmuVariable:
     )
 
 
-B = TypeVar("B")
-
-
-def relocated(solved: Solved, names: Mapping[str, str]) -> Solved:
+def _relocated(solved: Solved, names: Mapping[str, str]) -> Solved:
     """*solved* with each file called by its name in *names*; blocks that are one object stay one object."""
 
     def place(where: Location | None) -> Location | None:
-        return replace(where, file=names.get(where.file, where.file)) if where is not None else None
+        return None if where is None else replace(where, file=names.get(where.file, where.file))
 
-    systems: dict[int, System] = {}
+    moved: dict[int, EventBlock] = {}
 
     def blocks(found: Iterable[B]) -> tuple[B, ...]:
-        return tuple(_moved(block, systems, place) for block in found)
+        listed = tuple(found)
+        for block in listed:
+            if isinstance(block, System) and id(block) not in moved:
+                moved[id(block)] = replace(block, where=tuple(filter(None, map(place, block.where))))
+        return tuple(moved.get(id(block), block) for block in listed)  # type: ignore[misc]  # a System for a System
 
     flat = replace(
         solved.flat,
-        relations=tuple(_with_place(relation, place) for relation in solved.flat.relations),
-        checks=tuple(_with_place(check, place) for check in solved.flat.checks),
+        relations=tuple(replace(one, where=place(one.where)) for one in solved.flat.relations),
+        checks=tuple(replace(one, where=place(one.where)) for one in solved.flat.checks),
     )
     return replace(
         solved,
@@ -138,26 +137,11 @@ def relocated(solved: Solved, names: Mapping[str, str]) -> Solved:
         outputs=blocks(solved.outputs),
         event=blocks(solved.event),
         initial=blocks(solved.initial),
-        notes=tuple(_with_names(note, names) for note in solved.notes),
+        notes=tuple(_renamed(note, names) for note in solved.notes),
     )
 
 
-def _with_names(text: str, names: Mapping[str, str]) -> str:
+def _renamed(text: str, names: Mapping[str, str]) -> str:
     """*text* with the place it begins with renamed."""
     path, colon, rest = text.partition(":")
     return f"{names[path]}{colon}{rest}" if path in names else text
-
-
-P = TypeVar("P", Relation, Check)
-
-
-def _with_place(item: P, place: Callable[[Location | None], Location | None]) -> P:
-    return replace(item, where=place(item.where))
-
-
-def _moved(block: B, systems: dict[int, System], place: Callable[[Location | None], Location | None]) -> B:
-    if not isinstance(block, System):
-        return block
-    if id(block) not in systems:
-        systems[id(block)] = replace(block, where=tuple(p for where in block.where if (p := place(where)) is not None))
-    return systems[id(block)]  # type: ignore[return-value]  # a System for a System

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Mapping
 
 from dse.errors import fail
 from dse.modelica.algebra.expression import STEPS, Expression, Graph, shown
@@ -61,10 +61,9 @@ def _of_operator(graph: Graph, node: Expression, rates: list[Expression]) -> Exp
             return _of_power(graph, node, rates)
         case "if":
             return graph.make("if", node.operands[0], rates[1], rates[2])
-        case "minimum":
-            return graph.make("if", graph.make("less", node.operands[1], node.operands[0]), rates[1], rates[0])
-        case "maximum":
-            return graph.make("if", graph.make("greater", node.operands[1], node.operands[0]), rates[1], rates[0])
+        case "minimum" | "maximum":
+            comparison = "less" if node.operator == "minimum" else "greater"
+            return graph.make("if", graph.make(comparison, node.operands[1], node.operands[0]), rates[1], rates[0])
         case "select":
             if rates[0].is_number(0):
                 return rates[0]
@@ -72,7 +71,9 @@ def _of_operator(graph: Graph, node: Expression, rates: list[Expression]) -> Exp
         case "atan2":
             y, x = node.operands
             return (x * rates[0] - y * rates[1]) / (x * x + y * y)
-    return _outer(graph, node) * rates[0]
+    if node.operator not in _OUTER:
+        raise fail(f"'{node.operator}' has no derivative here")
+    return _OUTER[node.operator](node, node.operands[0]) * rates[0]
 
 
 def _of_power(graph: Graph, node: Expression, rates: list[Expression]) -> Expression:
@@ -83,41 +84,23 @@ def _of_power(graph: Graph, node: Expression, rates: list[Expression]) -> Expres
     return by_base + node * graph.make("log", base) * rates[1]
 
 
-def _outer(graph: Graph, node: Expression) -> Expression:
-    """Derivative of a function of one operand by that operand."""
-    (x,) = node.operands
-    match node.operator:
-        case "abs":
-            return graph.make(
-                "if", graph.make("less", x, graph.constant(0.0)), graph.constant(-1.0), graph.constant(1.0)
-            )
-        case "sqrt":
-            return 0.5 / node
-        case "sin":
-            return graph.make("cos", x)
-        case "cos":
-            return -graph.make("sin", x)
-        case "tan":
-            return 1.0 + node * node
-        case "asin":
-            return 1.0 / graph.make("sqrt", 1.0 - x * x)
-        case "acos":
-            return -1.0 / graph.make("sqrt", 1.0 - x * x)
-        case "atan":
-            return 1.0 / (1.0 + x * x)
-        case "sinh":
-            return graph.make("cosh", x)
-        case "cosh":
-            return graph.make("sinh", x)
-        case "tanh":
-            return 1.0 - node * node
-        case "exp":
-            return node
-        case "log":
-            return 1.0 / x
-        case "log10":
-            return (1.0 / math.log(10.0)) / x
-    raise fail(f"'{node.operator}' has no derivative here")
+_OUTER: Mapping[str, Callable[[Expression, Expression], Expression]] = {
+    "abs": lambda _, x: x.graph.make("if", x.graph.make("less", x, x.graph.of(0.0)), x.graph.of(-1.0), x.graph.of(1.0)),
+    "sqrt": lambda y, _: 0.5 / y,
+    "sin": lambda _, x: x.graph.make("cos", x),
+    "cos": lambda _, x: -x.graph.make("sin", x),
+    "tan": lambda y, _: 1.0 + y * y,
+    "asin": lambda _, x: 1.0 / x.graph.make("sqrt", 1.0 - x * x),
+    "acos": lambda _, x: -1.0 / x.graph.make("sqrt", 1.0 - x * x),
+    "atan": lambda _, x: 1.0 / (1.0 + x * x),
+    "sinh": lambda _, x: x.graph.make("cosh", x),
+    "cosh": lambda _, x: x.graph.make("sinh", x),
+    "tanh": lambda y, _: 1.0 - y * y,
+    "exp": lambda y, _: y,
+    "log": lambda _, x: 1.0 / x,
+    "log10": lambda _, x: (1.0 / math.log(10.0)) / x,
+}
+"""Derivative of a function y of one operand x by that operand."""
 
 
 def _of_call(graph: Graph, node: Expression, rates: list[Expression]) -> Expression:

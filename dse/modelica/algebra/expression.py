@@ -1,6 +1,12 @@
-"""Scalar expressions of a flat model: immutable, shared, one object for equal expressions of one graph.
+"""Scalar expressions of a flat model: immutable, shared, in their simplest form, one object for equal expressions.
 
 Every value is a number: a truth value is 0 or 1, an enumeration's item its number from 1, an integer a whole double.
+
+The rules of simplification keep every finite value to the bit, apart from the sign of a zero. What a rule may lose is a
+value that is not finite: ``0 * x``, ``0 / x`` and ``x - x`` become 0 although they are NaN where x is not finite (or
+where ``0 / x`` divides by 0); without this no Jacobian would have a structural zero. ``x / x`` stays, since its 0 / 0
+is a singular equation to be told. Sums and products are never regrouped: that would round differently. Numbers are
+folded unless the result is not finite, so that ``1 / 0`` stays visible to whoever has a file and a line for it.
 """
 
 from __future__ import annotations
@@ -9,34 +15,24 @@ import math
 from collections.abc import Callable, Iterable, Mapping
 
 from dse.modelica.algebra.arithmetic import FUNCTIONS
-from dse.modelica.algebra.symbol import Symbol, variable
+from dse.modelica.algebra.symbol import Symbol
 
-# fmt: off
-OPERATORS = frozenset({
-    "add", "subtract", "multiply", "divide", "negate", "power", "minimum", "maximum", "less", "less_equal",
-    "greater", "greater_equal", "equal", "not_equal", "and", "or", "not", "if", "abs", "sign", "sqrt", "sin",
-    "cos", "tan", "asin", "acos", "atan", "atan2", "sinh", "cosh", "tanh", "exp", "log", "log10", "floor", "ceil",
-    "array", "select", "call",
-})
-# fmt: on
-"""All operators. Operands are scalars, except:
-
-``if``: condition, value, value. ``array``: the elements, row by row; only as an operand of ``select`` or ``call``;
-its shape is the expression's *shape*. ``select``: array, then one whole index from 1 for each dimension; outside the
-array it is an error at run time. ``call``: *name* is one of `PRIMITIVES`; operands are scalars and arrays.
-"""
-
-
-# fmt: off
-STEPS = frozenset({
-    "sign", "floor", "ceil", "less", "less_equal", "greater", "greater_equal", "equal", "not_equal", "and", "or", "not",
-})
-# fmt: on
+ORDERINGS = frozenset({"less", "less_equal", "greater", "greater_equal"})
+COMPARISONS = ORDERINGS | {"equal", "not_equal"}
+TRUTHS = COMPARISONS | {"and", "or", "not"}
+"""Operators whose values are 0 or 1."""
+STEPS = TRUTHS | {"sign", "floor", "ceil"}
 """Operators whose values jump and rest between: their derivative is 0."""
 
 
 class Expression:
-    """A node. *symbol* is given for leaves that are no constants, *value* for constants, *name* for calls."""
+    """A node. *symbol* is given for leaves that are no constants, *value* for constants, *name* for calls.
+
+    Operators are those of `FUNCTIONS`, over scalars, and three more. ``array``: the elements, row by row, only as an
+    operand of the other two; its shape is the expression's *shape*. ``select``: array, then one whole index from 1 for
+    each dimension; outside the array it is an error at run time. ``call``: of the primitive *name*, with scalars and
+    arrays.
+    """
 
     __slots__ = ("graph", "name", "number", "operands", "operator", "shape", "symbol", "value")
 
@@ -95,6 +91,7 @@ class Expression:
 
 
 Operand = Expression | float
+Operands = tuple[Expression, ...]
 
 
 class Graph:
@@ -114,16 +111,15 @@ class Graph:
     def constant(self, value: float) -> Expression:
         """The number *value*. -0 and 0 are told apart, as C does."""
         number = float(value)
-        key = ("constant", number.hex())
-        return self._keep(key, "constant", (), None, number, "", ())
+        return self._keep(("constant", number.hex()), "constant", value=number)
 
     def symbol(self, symbol: Symbol) -> Expression:
         """The leaf that refers to *symbol*."""
-        return self._keep(("symbol", symbol), "symbol", (), symbol, math.nan, "", ())
+        return self._keep(("symbol", symbol), "symbol", symbol=symbol)
 
     def variable(self, name: str, order: int = 0) -> Expression:
         """The variable *name*, or its time derivative."""
-        return self.symbol(variable(name, order))
+        return self.symbol(Symbol(name, order))
 
     def array(self, elements: Iterable[Expression], shape: tuple[int, ...]) -> Expression:
         """An operand for ``select`` or ``call``: *elements* row by row."""
@@ -134,25 +130,29 @@ class Graph:
         return self.node("call", tuple(operands), name=name)
 
     def make(self, operator: str, *operands: Expression) -> Expression:
-        """*operator* over *operands*, in its simplest form. Simplifying never changes a finite value by a bit."""
-        return simplified(self, operator, operands)
+        """*operator* over *operands*, in its simplest form. Truth operands are taken to be 0 or 1."""
+        if operator in FUNCTIONS and all(operand.is_constant for operand in operands):
+            value = FUNCTIONS[operator](*(operand.value for operand in operands))
+            if math.isfinite(value):
+                return self.constant(value)
+        rule = _RULES.get(operator)
+        found = rule(self, operands) if rule else None
+        return self.node(operator, operands) if found is None else found
 
-    def node(
-        self, operator: str, operands: tuple[Expression, ...], name: str = "", shape: tuple[int, ...] = ()
-    ) -> Expression:
+    def node(self, operator: str, operands: Operands, name: str = "", shape: tuple[int, ...] = ()) -> Expression:
         """The node as it is, not simplified."""
         key = (operator, *(operand.number for operand in operands), name, shape)
-        return self._keep(key, operator, operands, None, math.nan, name, shape)
+        return self._keep(key, operator, operands, name=name, shape=shape)
 
     def _keep(
         self,
         key: tuple[object, ...],
         operator: str,
-        operands: tuple[Expression, ...],
-        symbol: Symbol | None,
-        value: float,
-        name: str,
-        shape: tuple[int, ...],
+        operands: Operands = (),
+        symbol: Symbol | None = None,
+        value: float = math.nan,
+        name: str = "",
+        shape: tuple[int, ...] = (),
     ) -> Expression:
         found = self._nodes.get(key)
         if found is None:
@@ -171,25 +171,14 @@ def shown(root: Expression) -> str:
     return f"{root.name or root.operator}({inside})"[:120]
 
 
-_TRUTH = frozenset({"less", "less_equal", "greater", "greater_equal", "equal", "not_equal", "and", "or", "not"})
-
-
-def simplified(graph: Graph, operator: str, operands: tuple[Expression, ...]) -> Expression:
-    """*operator* over *operands* in its simplest form. Truth operands are taken to be 0 or 1."""
-    if operator in FUNCTIONS and all(operand.is_constant for operand in operands):
-        value = FUNCTIONS[operator](*(operand.value for operand in operands))
-        if math.isfinite(value):
-            return graph.constant(value)
-    rule = _RULES.get(operator)
-    found = rule(graph, operands) if rule else None
-    return graph.node(operator, operands) if found is None else found
+_Rule = Callable[[Graph, Operands], Expression | None]
 
 
 def _is_negated(node: Expression) -> bool:
     return node.operator == "negate"
 
 
-def _add(graph: Graph, operands: tuple[Expression, ...]) -> Expression | None:
+def _add(graph: Graph, operands: Operands) -> Expression | None:
     left, right = operands
     if left.is_number(0):
         return right
@@ -202,7 +191,7 @@ def _add(graph: Graph, operands: tuple[Expression, ...]) -> Expression | None:
     return None
 
 
-def _subtract(graph: Graph, operands: tuple[Expression, ...]) -> Expression | None:
+def _subtract(graph: Graph, operands: Operands) -> Expression | None:
     left, right = operands
     if right.is_number(0):
         return left
@@ -215,7 +204,7 @@ def _subtract(graph: Graph, operands: tuple[Expression, ...]) -> Expression | No
     return None
 
 
-def _negate(graph: Graph, operands: tuple[Expression, ...]) -> Expression | None:
+def _negate(graph: Graph, operands: Operands) -> Expression | None:
     (inner,) = operands
     if _is_negated(inner):
         return inner.operands[0]
@@ -224,7 +213,7 @@ def _negate(graph: Graph, operands: tuple[Expression, ...]) -> Expression | None
     return None
 
 
-def _multiply(graph: Graph, operands: tuple[Expression, ...]) -> Expression | None:
+def _multiply(graph: Graph, operands: Operands) -> Expression | None:
     left, right = operands
     for one, other in ((left, right), (right, left)):
         if one.is_number(0):
@@ -233,16 +222,10 @@ def _multiply(graph: Graph, operands: tuple[Expression, ...]) -> Expression | No
             return other
         if one.is_number(-1):
             return graph.make("negate", other)
-    if _is_negated(left) and _is_negated(right):
-        return graph.make("multiply", left.operands[0], right.operands[0])
-    if _is_negated(left):
-        return graph.make("negate", graph.make("multiply", left.operands[0], right))
-    if _is_negated(right):
-        return graph.make("negate", graph.make("multiply", left, right.operands[0]))
-    return None
+    return _without_signs(graph, "multiply", left, right)
 
 
-def _divide(graph: Graph, operands: tuple[Expression, ...]) -> Expression | None:
+def _divide(graph: Graph, operands: Operands) -> Expression | None:
     left, right = operands
     if right.is_number(1):
         return left
@@ -250,35 +233,37 @@ def _divide(graph: Graph, operands: tuple[Expression, ...]) -> Expression | None
         return graph.make("negate", left)
     if left.is_number(0) and not right.is_number(0):
         return graph.constant(0.0)
+    return _without_signs(graph, "divide", left, right)
+
+
+def _without_signs(graph: Graph, operator: str, left: Expression, right: Expression) -> Expression | None:
+    """The signs of a product's or a quotient's operands before it as a whole."""
     if _is_negated(left) and _is_negated(right):
-        return graph.make("divide", left.operands[0], right.operands[0])
+        return graph.make(operator, left.operands[0], right.operands[0])
     if _is_negated(left):
-        return graph.make("negate", graph.make("divide", left.operands[0], right))
+        return graph.make("negate", graph.make(operator, left.operands[0], right))
     if _is_negated(right):
-        return graph.make("negate", graph.make("divide", left, right.operands[0]))
+        return graph.make("negate", graph.make(operator, left, right.operands[0]))
     return None
 
 
-def _power(graph: Graph, operands: tuple[Expression, ...]) -> Expression | None:
+def _power(graph: Graph, operands: Operands) -> Expression | None:
     base, exponent = operands
     if exponent.is_number(0):
         return graph.constant(1.0)
     return base if exponent.is_number(1) else None
 
 
-def _same(_: Graph, operands: tuple[Expression, ...]) -> Expression | None:
+def _same(_: Graph, operands: Operands) -> Expression | None:
     return operands[0] if operands[0] is operands[1] else None
 
 
-def _reflexive(value: float) -> Callable[[Graph, tuple[Expression, ...]], Expression | None]:
-    def rule(graph: Graph, operands: tuple[Expression, ...]) -> Expression | None:
-        return graph.constant(value) if operands[0] is operands[1] else None
-
-    return rule
+def _reflexive(value: float) -> _Rule:
+    return lambda graph, operands: graph.constant(value) if operands[0] is operands[1] else None
 
 
-def _junction(neutral: float) -> Callable[[Graph, tuple[Expression, ...]], Expression | None]:
-    def rule(graph: Graph, operands: tuple[Expression, ...]) -> Expression | None:
+def _junction(neutral: float) -> _Rule:
+    def rule(graph: Graph, operands: Operands) -> Expression | None:
         left, right = operands
         for one, other in ((left, right), (right, left)):
             if one.is_constant:
@@ -288,12 +273,12 @@ def _junction(neutral: float) -> Callable[[Graph, tuple[Expression, ...]], Expre
     return rule
 
 
-def _not(_: Graph, operands: tuple[Expression, ...]) -> Expression | None:
+def _not(_: Graph, operands: Operands) -> Expression | None:
     (inner,) = operands
     return inner.operands[0] if inner.operator == "not" else None
 
 
-def _if(graph: Graph, operands: tuple[Expression, ...]) -> Expression | None:
+def _if(graph: Graph, operands: Operands) -> Expression | None:
     condition, yes, no = operands
     if condition.is_constant:
         return yes if condition.value != 0 else no
@@ -301,19 +286,19 @@ def _if(graph: Graph, operands: tuple[Expression, ...]) -> Expression | None:
         return yes
     if condition.operator == "not":
         return graph.make("if", condition.operands[0], no, yes)
-    if condition.operator in _TRUTH and yes.is_number(1) and no.is_number(0):
+    if condition.operator in TRUTHS and yes.is_number(1) and no.is_number(0):
         return condition
     return None
 
 
-def _abs(graph: Graph, operands: tuple[Expression, ...]) -> Expression | None:
+def _abs(graph: Graph, operands: Operands) -> Expression | None:
     (inner,) = operands
     if inner.operator == "abs":
         return inner
     return graph.make("abs", inner.operands[0]) if _is_negated(inner) else None
 
 
-def _select(_: Graph, operands: tuple[Expression, ...]) -> Expression | None:
+def _select(_: Graph, operands: Operands) -> Expression | None:
     array, *indices = operands
     if not indices or array.operator != "array" or not all(index.is_constant for index in indices):
         return None
@@ -325,7 +310,7 @@ def _select(_: Graph, operands: tuple[Expression, ...]) -> Expression | None:
     return array.operands[place]
 
 
-_RULES: Mapping[str, Callable[[Graph, tuple[Expression, ...]], Expression | None]] = {
+_RULES: Mapping[str, _Rule] = {
     "add": _add,
     "subtract": _subtract,
     "negate": _negate,

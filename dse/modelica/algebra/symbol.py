@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from enum import StrEnum
 
 
-class Place(StrEnum):
+class Referent(StrEnum):
     """What a symbol stands for."""
 
     VARIABLE = "variable"
@@ -24,19 +24,24 @@ class Place(StrEnum):
 class Symbol:
     """What a leaf refers to. *order* counts time derivatives, of variables only."""
 
-    place: Place
     name: str = ""
     order: int = 0
+    referent: Referent = Referent.VARIABLE
 
     def __str__(self) -> str:
-        match self.place:
-            case Place.VARIABLE:
+        match self.referent:
+            case Referent.VARIABLE:
                 return "der(" * self.order + self.name + ")" * self.order
-            case Place.PRE | Place.HELD:
-                return f"{self.place}({self.name})"
-        return str(self.place)
+            case Referent.PRE | Referent.HELD:
+                return f"{self.referent}({self.name})"
+        return str(self.referent)
 
+    @property
+    def derivative(self) -> Symbol:
+        """Its time derivative."""
+        return Symbol(self.name, self.order + 1)
 
-def variable(name: str, order: int = 0) -> Symbol:
-    """The symbol of a variable or its derivative."""
-    return Symbol(Place.VARIABLE, name, order)
+    @property
+    def is_variable(self) -> bool:
+        """Whether it is a variable or a derivative."""
+        return self.referent is Referent.VARIABLE

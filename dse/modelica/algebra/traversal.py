@@ -22,11 +22,6 @@ def walk(roots: Iterable[Expression]) -> Iterator[Expression]:
             stack.extend((operand, False) for operand in reversed(node.operands) if operand.number not in seen)
 
 
-def symbols(root: Expression) -> set[Symbol]:
-    """What *root* refers to."""
-    return {node.symbol for node in walk((root,)) if node.symbol is not None}
-
-
 def replaced(roots: Iterable[Expression], new: Callable[[Expression], Expression | None]) -> list[Expression]:
     """*roots* with every expression for which *new* gives another replaced, from the leaves up."""
     done: dict[int, Expression] = {}
@@ -45,7 +40,7 @@ def replaced(roots: Iterable[Expression], new: Callable[[Expression], Expression
     return [done[root.number] for root in listed]
 
 
-def occurring(*roots: Expression) -> dict[Symbol, None]:
+def symbols(*roots: Expression) -> dict[Symbol, None]:
     """All symbols of *roots*, in a reproducible order."""
     return {node.symbol: None for node in walk(roots) if node.symbol is not None}
 
@@ -76,7 +71,7 @@ def stepping(*roots: Expression) -> dict[Symbol, None]:
             inside.append(node.operands[0])
         elif node.operator == "select":
             inside.extend(node.operands[1:])
-    return occurring(*inside)
+    return symbols(*inside)
 
 
 def _continuous_operands(node: Expression) -> tuple[Expression, ...]:

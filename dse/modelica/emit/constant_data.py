@@ -7,31 +7,31 @@ from collections.abc import Iterator, Sequence
 
 from dse.errors import fail
 from dse.modelica.algebra.evaluate import evaluate
-from dse.modelica.algebra.symbol import Symbol, variable
+from dse.modelica.algebra.symbol import Symbol
 from dse.modelica.emit.events import relation_text
 from dse.modelica.emit.expressions.text import literal, quoted, table
 from dse.modelica.emit.hoist import Hoisted
-from dse.modelica.emit.memory import Layout, targets
+from dse.modelica.emit.memory import MemoryLayout
 from dse.modelica.emit.variables import Causality, FmuVariable, Variability
 from dse.modelica.flat_model import Clock
-from dse.modelica.solved_model import Solved
+from dse.modelica.solved_model import Solved, targets
 
 TOKEN_SIZE = 80
 """Bytes of the token in start.c, always, so that model.h need not know it; the rest is 0."""
 
 
-def size_lines(solved: Solved, where: Layout, lean: Hoisted, largest_system: int) -> list[str]:
+def size_lines(solved: Solved, memory: MemoryLayout, lean: Hoisted, largest_system: int) -> list[str]:
     """The sizes of everything, as modelica.h wants them."""
     continuous = {symbol for blocks in (solved.derivatives, solved.outputs) for symbol in targets(blocks)}
     sizes = {
         "MODEL": 1,
-        "VALUES": where.size + len(lean.own),
+        "VALUES": memory.size + len(lean.own),
         "STATES": len(solved.states),
         "RELATIONS": len(solved.flat.relations),
-        "CONDITIONS": where.condition_count,
+        "CONDITIONS": memory.condition_count,
         "TRIGGERS": len(solved.flat.triggers),
         "CLOCKS": len(solved.flat.clocks),
-        "PRE": len(where.pre),
+        "PRE": len(memory.pre),
         "DISCRETES": len(set(targets(solved.event)) - continuous),
         "CHECKS": len(solved.flat.checks),
         "DATA": lean.data_size,
@@ -40,15 +40,15 @@ def size_lines(solved: Solved, where: Layout, lean: Hoisted, largest_system: int
     return [f"#define DSE_{name} {size}" for name, size in sizes.items()]
 
 
-def table_lines(solved: Solved, where: Layout, failures: Sequence[str]) -> Iterator[str]:
+def table_lines(solved: Solved, memory: MemoryLayout, failures: Sequence[str]) -> Iterator[str]:
     """Places of states, derivatives and discrete variables; clocks; what is told of relations and failures."""
-    derivatives = [variable(state.name, state.order + 1) for state in solved.states]
+    derivatives = [state.derivative for state in solved.states]
     clocks = [_clock(clock) for clock in solved.flat.clocks]
     relations = [quoted(relation_text(relation)) for relation in solved.flat.relations]
-    yield from table("static const uint32_t dse_state[]", [str(where.places[state]) for state in solved.states])
-    yield from table("static const uint32_t dse_derivative[]", [str(where.places[symbol]) for symbol in derivatives])
+    yield from table("static const uint32_t dse_state[]", [str(memory.places[state]) for state in solved.states])
+    yield from table("static const uint32_t dse_derivative[]", [str(memory.places[symbol]) for symbol in derivatives])
     yield from table("static const char *const dse_state_names[]", [quoted(str(state)) for state in solved.states])
-    yield from table("static const uint32_t dse_discrete[]", [str(where.of(name)) for name in where.pre])
+    yield from table("static const uint32_t dse_discrete[]", [str(memory.of(name)) for name in memory.pre])
     yield from table("static const char *const dse_relations[]", relations)
     yield from table("static const struct dse_clock dse_clocks[]", clocks, "{0, 0, 1}")
     yield from table("static const char *const dse_failure[]", [quoted(text) for text in failures])
@@ -87,8 +87,8 @@ def start_lines(solved: Solved, variables: Sequence[FmuVariable], size: int, tok
     for each in variables:
         if each.start is not None:
             starts[each.place] = each.start
-    known = {Symbol(symbol.place, symbol.name): 0.0 for symbol in solved.states}
-    known |= {variable(each.name): each.start for each in variables if each.start is not None}
+    known = {Symbol(symbol.name): 0.0 for symbol in solved.states}
+    known |= {Symbol(each.name): each.start for each in variables if each.start is not None}
     nominals = [_nominal(solved, state, known) for state in solved.states]
     yield f"const char dse_token[{TOKEN_SIZE}] = {quoted(token)};"
     yield from table("const double dse_starts[]", [literal(start) for start in starts], "0.0")

@@ -7,7 +7,7 @@ from dataclasses import replace
 
 from dse.errors import fail
 from dse.modelica.algebra.expression import Expression
-from dse.modelica.algebra.symbol import Symbol, variable
+from dse.modelica.algebra.symbol import Symbol
 from dse.modelica.algebra.traversal import replaced
 from dse.modelica.emit.expressions.scope import Store, scope_lines
 from dse.modelica.emit.expressions.setting import Setting, locations
@@ -150,6 +150,6 @@ def _definition(number: int, system: System, flat: FlatModel, setting: Setting) 
 
 def _scale(unknown: Symbol, flat: FlatModel) -> float:
     """The nominal value, if it does not depend on parameters; else 1."""
-    declared = flat.variables.get(unknown.name) if unknown == variable(unknown.name) else None
+    declared = flat.variables.get(unknown.name) if unknown == Symbol(unknown.name) else None
     nominal = declared.nominal if declared else None
     return abs(nominal.value) if nominal is not None and nominal.is_constant and nominal.value else 1.0

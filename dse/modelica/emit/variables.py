@@ -10,10 +10,10 @@ from enum import StrEnum
 from dse.errors import DseError, Location, Problem, closest, fail
 from dse.modelica.algebra.evaluate import evaluate
 from dse.modelica.algebra.expression import Expression
-from dse.modelica.algebra.symbol import Symbol, variable
-from dse.modelica.emit.memory import Layout, layout, targets
-from dse.modelica.flat_model import Kind, Role, Variable
-from dse.modelica.solved_model import Solved
+from dse.modelica.algebra.symbol import Symbol
+from dse.modelica.emit.memory import MemoryLayout, memory_layout
+from dse.modelica.flat_model import Role, ScalarType, Variable
+from dse.modelica.solved_model import Solved, targets
 
 
 class Causality(StrEnum):
@@ -50,7 +50,7 @@ class FmuVariable:
     name: str
     reference: int
     place: int
-    kind: Kind
+    kind: ScalarType
     causality: Causality
     variability: Variability
     start: float | None = None
@@ -82,15 +82,15 @@ def variables(solved: Solved, starts: Mapping[str, float] | None = None) -> tupl
     that cannot be set, a start that is no finite number.
     """
     given = dict(starts or {})
-    where = layout(solved)
+    memory = memory_layout(solved)
     free = _free_parameters(solved)
     values = _start_values(solved, free, given)
     listed = (declared for name, declared in solved.flat.variables.items() if not name.startswith(_INTERNAL))
-    found = [_declared(solved, where, free, values, declared) for declared in listed]
+    found = [_declared(solved, memory, free, values, declared) for declared in listed]
     _refuse_unusable(solved, found, given)
-    ordered = sorted([*found, *_derivatives(solved, where)], key=_rank)
+    ordered = sorted([*found, *_derivatives(solved, memory)], key=_rank)
     references = {listed.name: reference for reference, listed in enumerate(ordered)}
-    states = {str(variable(state.name, state.order + 1)): references[str(state)] for state in solved.states}
+    states = {str(state.derivative): references[str(state)] for state in solved.states}
     return tuple(
         replace(listed, reference=reference, derivative_of=states.get(listed.name))
         for reference, listed in enumerate(ordered)
@@ -120,37 +120,37 @@ def _start_values(solved: Solved, free: frozenset[str], given: Mapping[str, floa
             if own is None and name not in given:
                 hint = "give it a value in the model, or under 'parameters'"
                 raise fail(f"parameter '{name}' has no value", declared.where, hint)
-            values[variable(name)] = given[name] if own is None else given.get(name, evaluate([own], known)[0])
+            values[Symbol(name)] = given[name] if own is None else given.get(name, evaluate([own], known)[0])
     for assignment in solved.parameters:
         values[assignment.unknown] = evaluate([assignment.value], known)[0]
     for name, declared in solved.flat.variables.items():
         if declared.role is Role.INPUT:
-            least = 1.0 if declared.kind is Kind.ENUMERATION else 0.0
+            least = 1.0 if declared.kind is ScalarType.ENUMERATION else 0.0
             own_start = least if declared.start is None else evaluate([declared.start], known)[0]
-            values[variable(name)] = given.get(name, own_start)
+            values[Symbol(name)] = given.get(name, own_start)
     return known
 
 
 def _declared(
-    solved: Solved, where: Layout, free: frozenset[str], values: Callable[[Symbol], float], declared: Variable
+    solved: Solved, memory: MemoryLayout, free: frozenset[str], values: Callable[[Symbol], float], declared: Variable
 ) -> FmuVariable:
     causality, variability = _role(declared, declared.name in free)
     has_start = causality in (Causality.PARAMETER, Causality.INPUT) or variability is Variability.CONSTANT
     return FmuVariable(
         name=declared.name,
         reference=0,
-        place=where.of(declared.name),
+        place=memory.of(declared.name),
         kind=declared.kind,
         causality=causality,
         variability=variability,
-        start=values(variable(declared.name)) if has_start else None,
+        start=values(Symbol(declared.name)) if has_start else None,
         minimum=_number(declared.minimum),
         maximum=_number(declared.maximum),
         nominal=_number(declared.nominal),
         unit=declared.unit,
         description=declared.description,
         items=declared.items,
-        is_state=variable(declared.name) in solved.states,
+        is_state=Symbol(declared.name) in solved.states,
         where=declared.where,
     )
 
@@ -163,7 +163,7 @@ def _role(declared: Variable, is_free: bool) -> tuple[Causality, Variability]:
             return Causality.LOCAL, Variability.CONSTANT
         case Role.PARAMETER:
             return Causality.PARAMETER, Variability.TUNABLE
-    is_discrete = declared.role is Role.DISCRETE or declared.kind is not Kind.REAL
+    is_discrete = declared.role is Role.DISCRETE or declared.kind is not ScalarType.REAL
     variability = Variability.DISCRETE if is_discrete else Variability.CONTINUOUS
     if declared.role is Role.INPUT:
         return Causality.INPUT, variability
@@ -177,21 +177,21 @@ def _number(expression: Expression | None) -> float | None:
     return expression.value
 
 
-def _derivatives(solved: Solved, where: Layout) -> list[FmuVariable]:
+def _derivatives(solved: Solved, memory: MemoryLayout) -> list[FmuVariable]:
     """The states' derivatives, and the states that are derivatives themselves."""
     found: dict[Symbol, FmuVariable] = {}
     known = set(solved.states)
     for state in solved.states:
-        for symbol in (state, variable(state.name, state.order + 1)):
+        for symbol in (state, state.derivative):
             if symbol.order > 0:
                 found[symbol] = FmuVariable(
                     name=str(symbol),
                     reference=0,
-                    place=where.places[symbol],
-                    kind=Kind.REAL,
+                    place=memory.places[symbol],
+                    kind=ScalarType.REAL,
                     causality=Causality.LOCAL,
                     variability=Variability.CONTINUOUS,
-                    description=f"time derivative of {variable(symbol.name, symbol.order - 1)}",
+                    description=f"time derivative of {Symbol(symbol.name, symbol.order - 1)}",
                     is_state=symbol in known,
                 )
     return list(found.values())

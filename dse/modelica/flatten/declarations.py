@@ -9,7 +9,7 @@ from typing import Any
 
 from dse.errors import DseError, Location, fail
 from dse.modelica.algebra.expression import Expression
-from dse.modelica.flat_model import Equation, Kind, Role, Variable
+from dse.modelica.flat_model import Equation, Role, ScalarType, Variable
 from dse.modelica.flatten.document import Document, Record, fields
 from dse.modelica.flatten.evaluation.evaluation import Evaluation
 from dse.modelica.flatten.model import Declared, Model
@@ -20,7 +20,7 @@ _ATTRIBUTES = (
     "component_ref binding start fixed min max nominal unit state_select description causality declared_causality "
     "is_tunable is_held evaluable origin"
 )
-_KINDS = {"real": Kind.REAL, "integer": Kind.INTEGER, "boolean": Kind.BOOLEAN, "enumeration": Kind.ENUMERATION}
+_SCALAR_TYPES = {scalar.lower(): scalar for scalar in ScalarType}
 _ROLES = {
     "parameter": Role.PARAMETER, "input": Role.INPUT, "state": Role.CONTINUOUS, "algebraic": Role.CONTINUOUS,
     "output": Role.CONTINUOUS, "discrete_real": Role.DISCRETE, "discrete_value": Role.DISCRETE,
@@ -42,7 +42,7 @@ def declared(document: Document) -> tuple[Declared, ...]:
         if record["role"] not in _ROLES and record["role"] != "constant":
             raise fail(f"'{record['name']}', a variable in the role '{record['role']}', is not supported", where)
         is_text = kind["scalar"] == "string" and record["role"] in ("parameter", "constant")
-        if (kind["scalar"] not in _KINDS and not is_text) or kind["record_fields"]:
+        if (kind["scalar"] not in _SCALAR_TYPES and not is_text) or kind["record_fields"]:
             what = f"'{record['name']}' of type {kind['scalar']} that is no parameter"
             raise fail(f"{what} is not supported", where)
         if record["attributes"]["is_held"]:
@@ -83,7 +83,7 @@ def declare(document: Document, model: Model) -> None:
                 raise fail(f"the name '{name}' is declared twice", item.where)
             model.variables[name] = Variable(
                 name,
-                _KINDS[item.scalar],
+                _SCALAR_TYPES[item.scalar],
                 _ROLES[item.role],
                 is_output=is_top and attributes["declared_causality"] == "output" and item.role != "parameter",
                 unit=attributes["unit"] or "",

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 from dse.errors import fail
 from dse.modelica.algebra.expression import Graph
-from dse.modelica.algebra.symbol import Place
+from dse.modelica.algebra.symbol import Referent
 from dse.modelica.algebra.traversal import symbols
 from dse.modelica.flat_model import Check, FlatModel, Role
 from dse.modelica.flatten.declarations import bindings, complete, declare, declared
@@ -68,14 +68,11 @@ def _check_balance(flat: FlatModel) -> None:
     if len(flat.equations) != unknown:
         raise fail(f"'{flat.name}' has {len(flat.equations)} equations for {unknown} unknowns")
     roots = [item.residual for item in (*flat.equations, *flat.initial_equations)]
-    roots += [relation.truth for relation in flat.relations]
-    roots += [item.value for item in flat.assignments]
-    roots += [item.value for item in flat.reinitializations]
-    roots += [check.condition for check in flat.checks]
+    roots += [root for root, _ in flat.at_events()]
     roots += [condition for trigger in flat.triggers for condition in trigger.conditions]
     for root in roots:
         for symbol in symbols(root):
-            if symbol.place in (Place.VARIABLE, Place.PRE) and symbol.name not in flat.variables:
+            if symbol.referent in (Referent.VARIABLE, Referent.PRE) and symbol.name not in flat.variables:
                 raise fail(f"'{symbol.name}' is used in '{flat.name}' but is no variable of it")
-            if symbol.place is Place.HELD and int(symbol.name) >= len(flat.relations):
+            if symbol.referent is Referent.HELD and int(symbol.name) >= len(flat.relations):
                 raise fail(f"relation {symbol.name} is used in '{flat.name}' but is not there")

@@ -6,8 +6,8 @@ from collections.abc import Mapping, Sequence
 
 from dse.errors import Problem, raise_if_any
 from dse.modelica.algebra.expression import Expression
-from dse.modelica.algebra.symbol import Place, Symbol
-from dse.modelica.algebra.traversal import occurring
+from dse.modelica.algebra.symbol import Referent, Symbol
+from dse.modelica.algebra.traversal import symbols
 from dse.modelica.flat_model import FlatModel, Relation
 from dse.modelica.structure.blocks.arrange import Stage
 from dse.modelica.structure.events import Quantity, Step
@@ -31,7 +31,7 @@ class Reach:
         nodes: list[tuple[tuple[Quantity, ...], tuple[Quantity, ...]]] = [(one.gives, one.needs) for one in stages]
         nodes += [(step.gives, step.needs) for step in steps]
         nodes += [
-            ((Symbol(Place.HELD, str(place)),), tuple(occurring(relation.truth)))
+            ((Symbol(str(place), referent=Referent.HELD),), tuple(symbols(relation.truth)))
             for place, relation in enumerate(relations)
         ]
         self._giver = {quantity: place for place, (gives, _) in enumerate(nodes) for quantity in gives}
@@ -66,10 +66,10 @@ def dependencies(
     found = {}
     for name, variable in flat.variables.items():
         if variable.is_output:
-            symbol = aliases[name][0] if name in aliases else Symbol(Place.VARIABLE, name)
+            symbol = aliases[name][0] if name in aliases else Symbol(name)
             found[name] = frozenset(map(str, reach.of(symbol)))
     for state in states:
-        derivative = Symbol(Place.VARIABLE, state.name, state.order + 1)
+        derivative = state.derivative
         found[str(derivative)] = frozenset(map(str, reach.of(derivative)))
     return found
 
@@ -106,5 +106,4 @@ def refuse_uncertain(flat: FlatModel, states: Sequence[Symbol], reach: Reach) ->
 
 def _read(value: Expression, reach: Reach) -> list[str]:
     """States that *value* depends on at the instant."""
-    symbols: list[Symbol] = reach.of(*occurring(value))
-    return [symbol.name for symbol in symbols if not symbol.order]
+    return [symbol.name for symbol in reach.of(*symbols(value)) if not symbol.order]

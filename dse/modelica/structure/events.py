@@ -6,8 +6,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from dse.errors import DseError, Location, Problem
-from dse.modelica.algebra.symbol import Place, Symbol
-from dse.modelica.algebra.traversal import occurring
+from dse.modelica.algebra.symbol import Symbol
+from dse.modelica.algebra.traversal import symbols
 from dse.modelica.flat_model import FlatModel
 from dse.modelica.solved_model import Activation, EventBlock, When
 from dse.modelica.structure.blocks.arrange import Stage
@@ -35,7 +35,7 @@ def discrete_steps(flat: FlatModel, skipped: frozenset[str] = frozenset(), at_st
     """
     steps = []
     for number, trigger in enumerate(flat.triggers):
-        needs: tuple[Quantity, ...] = tuple(occurring(*trigger.conditions))
+        needs: tuple[Quantity, ...] = tuple(symbols(*trigger.conditions))
         steps.append(Step(Activation(number), (number,), needs, None, f"when {number + 1}"))
     for target, own in by_target(flat).items():
         if target in skipped:
@@ -45,9 +45,9 @@ def discrete_steps(flat: FlatModel, skipped: frozenset[str] = frozenset(), at_st
             for one in (flat.assignments[place] for place in own)
             if not at_start or one.trigger is None or flat.triggers[one.trigger].at_start
         ]
-        symbol = Symbol(Place.VARIABLE, target)
+        symbol = Symbol(target)
         triggers = tuple(dict.fromkeys(trigger for trigger, _ in branches if trigger is not None))
-        needs = (*triggers, *occurring(*(value for _, value in branches)))
+        needs = (*triggers, *symbols(*(value for _, value in branches)))
         where = next((flat.assignments[place].where for place in own), None)
         steps.append(Step(When(symbol, tuple(branches)), (symbol,), needs, where, target))
     return steps

@@ -1,4 +1,4 @@
-"""Strongly connected components of a directed graph, in the order in which they can be computed."""
+"""Graphs of equations and unknowns: who needs whom, and which equation is solved for which unknown."""
 
 from __future__ import annotations
 

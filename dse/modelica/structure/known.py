@@ -9,9 +9,9 @@ from dataclasses import dataclass
 from dse.errors import DseError, Problem
 from dse.modelica.algebra.evaluate import evaluate
 from dse.modelica.algebra.expression import Expression
-from dse.modelica.algebra.symbol import Place, Symbol
-from dse.modelica.algebra.traversal import occurring
-from dse.modelica.flat_model import FlatModel, Kind, Role, Variable
+from dse.modelica.algebra.symbol import Referent, Symbol
+from dse.modelica.algebra.traversal import symbols
+from dse.modelica.flat_model import FlatModel, Role, ScalarType, Variable
 from dse.modelica.solved_model import Explicit
 from dse.modelica.structure.graphs import components
 from dse.modelica.structure.rows import listed
@@ -26,7 +26,7 @@ class Known:
 
     def is_parameter(self, symbol: Symbol) -> bool:
         """Whether *symbol* has its value before the initialization and keeps it."""
-        if symbol.place is not Place.VARIABLE or symbol.order:
+        if not symbol.is_variable or symbol.order:
             return False
         variable = self.flat.variables[symbol.name]
         return variable.role is Role.PARAMETER and not is_free(variable)
@@ -37,7 +37,7 @@ class Known:
 
     def of_parameters(self, *roots: Expression) -> bool:
         """Whether *roots* are made of numbers and parameters only."""
-        return all(map(self.is_parameter, occurring(*roots)))
+        return all(map(self.is_parameter, symbols(*roots)))
 
     def is_never_zero(self, factor: Expression) -> bool:
         """Whether one may divide by *factor*: a number but 0, made of parameters, or positive by its form.
@@ -84,7 +84,7 @@ def dependent_parameters(flat: FlatModel) -> list[Explicit]:
     needs: list[list[int]] = []
     problems: list[Problem] = []
     for name in names:
-        refers = occurring(_binding(flat, name))
+        refers = symbols(_binding(flat, name))
         strange = [symbol for symbol in refers if not _is_parameter(symbol, flat.variables)]
         if strange:
             what = f"the parameter '{name}' depends on {listed(strange)}, which is no parameter"
@@ -92,7 +92,7 @@ def dependent_parameters(flat: FlatModel) -> list[Explicit]:
         needs.append([number[symbol.name] for symbol in refers if symbol.name in number])
     order: list[Explicit] = []
     for component in components(needs):
-        own = [Symbol(Place.VARIABLE, names[place]) for place in component]
+        own = [Symbol(names[place]) for place in component]
         if len(own) > 1 or component[0] in needs[component[0]]:
             what = f"parameters depend on themselves: {listed(own)}"
             problems.append(Problem(what, flat.variables[own[0].name].where))
@@ -114,7 +114,7 @@ class Starts(Mapping[Symbol, float]):
         for variable in flat.variables.values():
             if variable.role is Role.PARAMETER and not is_dependent(variable):
                 given = variable.start if variable.binding is None else variable.binding
-                self._known[Symbol(Place.VARIABLE, variable.name)] = self._value(given, default(variable))
+                self._known[Symbol(variable.name)] = self._value(given, default(variable))
         for one in parameters:
             self._known[one.unknown] = self._value(one.value, 0.0)
 
@@ -130,10 +130,10 @@ class Starts(Mapping[Symbol, float]):
         raise TypeError("the starting values cannot be counted")
 
     def _computed(self, symbol: Symbol) -> float:
-        if symbol.place is Place.HELD:
+        if symbol.referent is Referent.HELD:
             self._known[symbol] = 0.0
             return self._value(self._flat.relations[int(symbol.name)].truth, 0.0)
-        if symbol.place not in (Place.VARIABLE, Place.PRE) or symbol.order:
+        if symbol.referent not in (Referent.VARIABLE, Referent.PRE) or symbol.order:
             return 0.0
         variable = self._flat.variables[symbol.name]
         self._known[symbol] = default(variable)
@@ -146,7 +146,7 @@ class Starts(Mapping[Symbol, float]):
 
 def default(variable: Variable) -> float:
     """The start value of *variable* if none is given."""
-    if variable.kind is Kind.ENUMERATION:
+    if variable.kind is ScalarType.ENUMERATION:
         return 1.0
     for bound, is_below in ((variable.minimum, False), (variable.maximum, True)):
         # Without a start value it is 0, or the bound next to it (Modelica 3.6, 4.9).
@@ -163,4 +163,4 @@ def _binding(flat: FlatModel, name: str) -> Expression:
 
 
 def _is_parameter(symbol: Symbol, variables: Mapping[str, Variable]) -> bool:
-    return symbol.place is Place.VARIABLE and not symbol.order and variables[symbol.name].role is Role.PARAMETER
+    return symbol.is_variable and not symbol.order and variables[symbol.name].role is Role.PARAMETER

@@ -7,13 +7,13 @@ from dataclasses import replace
 
 from dse.errors import DseError, Problem
 from dse.modelica.algebra.expression import Expression
-from dse.modelica.algebra.symbol import Place, Symbol
-from dse.modelica.algebra.traversal import occurring, replaced
+from dse.modelica.algebra.symbol import Referent, Symbol
+from dse.modelica.algebra.traversal import replaced, symbols
 from dse.modelica.flat_model import FlatModel, Role
 from dse.modelica.solved_model import Block, Explicit, Solved
 from dse.modelica.structure.aliases.elimination import Eliminated, without_aliases
 from dse.modelica.structure.aliases.merging import merged
-from dse.modelica.structure.aliases.substitution import rewriter, rewritten
+from dse.modelica.structure.aliases.substitution import rewriter
 from dse.modelica.structure.blocks.arrange import Stage, arranged
 from dse.modelica.structure.blocks.singular import refuse_singular
 from dse.modelica.structure.dependencies import Reach, dependencies, refuse_uncertain
@@ -43,12 +43,11 @@ def solve(flat: FlatModel) -> Solved:
     found = reduced(rows, names, flat.variables)
     choice = chosen(found, flat.variables, known)
     chains = guarded(found.chains, choice.guards)
-    every = [Symbol(Place.VARIABLE, name, order) for name in names for order in range(found.highest[name] + 1)]
+    every = [Symbol(name, order) for name in names for order in range(found.highest[name] + 1)]
     states = [
         symbol
         for symbol in every
-        if symbol.order < found.highest[symbol.name]
-        and Symbol(symbol.place, symbol.name, symbol.order + 1) not in choice.dummies
+        if symbol.order < found.highest[symbol.name] and symbol.derivative not in choice.dummies
     ]
     is_state = set(states)
     unknowns = [symbol for symbol in every if symbol not in is_state]
@@ -61,16 +60,14 @@ def solve(flat: FlatModel) -> Solved:
     refuse_singular(first_stages, known)
 
     steps = discrete_steps(flat)
-    inputs = [Symbol(Place.VARIABLE, name) for name, one in flat.variables.items() if one.role is Role.INPUT]
+    inputs = [Symbol(name) for name, one in flat.variables.items() if one.role is Role.INPUT]
     refuse_uncertain(flat, states, Reach(stages, steps, states))
     reach = Reach(stages, steps, [*inputs, *states], flat.relations)
-    wanted = [Symbol(one.place, one.name, one.order + 1) for one in states]
-    wanted += occurring(*(relation.truth for relation in flat.relations))
+    wanted = [one.derivative for one in states]
+    wanted += symbols(*(relation.truth for relation in flat.relations))
     hot, cold = partitioned(stages, wanted)
-    aliases = {name: (Symbol(Place.VARIABLE, kept), sign) for name, (kept, sign) in eliminated.aliases.items()}
-    numbers = [
-        Explicit(Symbol(Place.VARIABLE, name), flat.graph.constant(value)) for name, value in eliminated.numbers.items()
-    ]
+    aliases = {name: (Symbol(kept), sign) for name, (kept, sign) in eliminated.aliases.items()}
+    numbers = [Explicit(Symbol(name), flat.graph.constant(value)) for name, value in eliminated.numbers.items()]
     return Solved(
         flat=flat,
         states=tuple(states),
@@ -82,14 +79,14 @@ def solve(flat: FlatModel) -> Solved:
         aliases=aliases,
         guesses=tuple(_guesses(flat, eliminated)),
         dependencies=dependencies(flat, reach, states, aliases),
-        notes=(*flat.notes, *notes, *_jumps(flat, chains), *first.notes),
+        notes=(*notes, *_jumps(flat, chains), *first.notes),
     )
 
 
 def _reduced_model(flat: FlatModel, eliminated: Eliminated) -> tuple[FlatModel, list[str]]:
     """*flat* without the equations and symbols of what is eliminated."""
     rewrite = rewriter(flat.graph, eliminated.substitutes(flat.graph))
-    kept = rewritten(replace(flat, equations=eliminated.equations), rewrite)
+    kept = replace(flat, equations=eliminated.equations).mapped(rewrite)
     reinitializations = []
     for one in kept.reinitializations:
         name, sign = eliminated.aliases.get(one.state, (one.state, 1))
@@ -107,20 +104,16 @@ def _unknown_names(flat: FlatModel, eliminated: Eliminated) -> list[str]:
 
 def _refuse_lone_derivatives(flat: FlatModel) -> None:
     """Derivatives that occur in events only are not among the unknowns: say so."""
-    known = occurring(*(one.residual for one in flat.equations))
+    known = symbols(*(one.residual for one in flat.equations))
     orders: dict[str, int] = {}
     for symbol in known:
         orders[symbol.name] = max(orders.get(symbol.name, 0), symbol.order)
-    others = [(one.truth, one.where) for one in flat.relations]
-    others += [(one.value, one.where) for one in flat.assignments]
-    others += [(one.value, one.where) for one in flat.reinitializations]
-    others += [(one.condition, one.where) for one in flat.checks]
-    others += [(one.residual, one.where) for one in flat.initial_equations]
+    others = [*flat.at_events(), *((one.residual, one.where) for one in flat.initial_equations)]
     problems = [
         Problem(f"{symbol} is used here, but in no equation", where, f"add a variable that equals {symbol}")
         for root, where in others
-        for symbol in occurring(root)
-        if symbol.place is Place.VARIABLE and symbol.order > orders.get(symbol.name, 0)
+        for symbol in symbols(root)
+        if symbol.is_variable and symbol.order > orders.get(symbol.name, 0)
     ]
     if problems:
         raise DseError(*problems)
@@ -131,7 +124,7 @@ def _with_initial(residual: Expression, value: float) -> Expression:
     number = residual.graph.constant(value)
 
     def new(node: Expression) -> Expression | None:
-        return number if node.symbol is not None and node.symbol.place is Place.INITIAL else None
+        return number if node.symbol is not None and node.symbol.referent is Referent.INITIAL else None
 
     return replaced((residual,), new)[0]
 
@@ -154,9 +147,9 @@ def _jumps(flat: FlatModel, chains: Sequence[Sequence[Row]]) -> list[str]:
     for chain in chains:
         causes = [
             symbol
-            for symbol in (occurring(chain[0].residual) if len(chain) > 1 else ())
-            if symbol.place is Place.HELD
-            or (symbol.place is Place.VARIABLE and flat.variables[symbol.name].role is Role.DISCRETE)
+            for symbol in (symbols(chain[0].residual) if len(chain) > 1 else ())
+            if symbol.referent is Referent.HELD
+            or (symbol.is_variable and flat.variables[symbol.name].role is Role.DISCRETE)
         ]
         if causes:
             place = f"{chain[0].where}: " if chain[0].where else ""
@@ -177,7 +170,7 @@ def _guesses(flat: FlatModel, eliminated: Eliminated) -> list[Explicit]:
         is_unknown = variable.role in (Role.CONTINUOUS, Role.DISCRETE) and name not in gone
         if is_unknown or is_free(variable):
             value = flat.graph.constant(default(variable)) if variable.start is None else variable.start
-            found.append(Explicit(Symbol(Place.VARIABLE, name), value))
+            found.append(Explicit(Symbol(name), value))
     return found
 
 

@@ -6,10 +6,10 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 from dse.errors import Location
-from dse.modelica.algebra.expression import Expression
-from dse.modelica.algebra.symbol import Place, Symbol
+from dse.modelica.algebra.expression import TRUTHS, Expression
+from dse.modelica.algebra.symbol import Referent, Symbol
 from dse.modelica.emit.expressions.text import literal, table
-from dse.modelica.emit.memory import Layout
+from dse.modelica.emit.memory import MemoryLayout
 
 
 @dataclass(slots=True)
@@ -47,7 +47,7 @@ class Setting:
     ``m->data`` of the arrays of such values, by their nodes' numbers.
     """
 
-    layout: Layout
+    layout: MemoryLayout
     collected: Collected
     is_initial: bool = False
     own: Mapping[Symbol, int] = field(default_factory=dict)
@@ -59,22 +59,22 @@ class Setting:
         return self.on_failure.format(code=self.collected.failure(text))
 
     def place(self, symbol: Symbol) -> int:
-        """Place in ``v``."""
+        """Referent in ``v``."""
         found = self.own.get(symbol)
         return self.layout.places[symbol] if found is None else found
 
     def symbol(self, symbol: Symbol) -> str:
         """The value of *symbol* as an operand."""
-        match symbol.place:
-            case Place.VARIABLE:
+        match symbol.referent:
+            case Referent.VARIABLE:
                 return f"v[{self.place(symbol)}]"
-            case Place.PRE if symbol.name in self.layout.pre:
+            case Referent.PRE if symbol.name in self.layout.pre:
                 return f"m->pre[{self.layout.pre[symbol.name]}]"
-            case Place.PRE:
-                return f"v[{self.layout.places[Symbol(Place.VARIABLE, symbol.name)]}]"
-            case Place.HELD:
+            case Referent.PRE:
+                return f"v[{self.layout.places[Symbol(symbol.name)]}]"
+            case Referent.HELD:
                 return f"m->held[{symbol.name}]"
-            case Place.TIME:
+            case Referent.TIME:
                 return "m->time"
         return "1" if self.is_initial else "0"
 
@@ -86,20 +86,17 @@ class Setting:
             return f"(m->data + {self.gathered[node.number]})"
         places = []
         for element in node.operands:
-            if element.symbol is None or element.symbol.place is not Place.VARIABLE:
+            if element.symbol is None or not element.symbol.is_variable:
                 return None
             places.append(self.place(element.symbol))
         is_row = all(place == places[0] + number for number, place in enumerate(places))
         return f"(v + {places[0]})" if is_row else None
 
 
-TRUTHS = frozenset({"less", "less_equal", "greater", "greater_equal", "equal", "not_equal", "and", "or", "not"})
-
-
 def is_truth(node: Expression) -> bool:
     """Whether *node* is an int in C, 0 or 1."""
     if node.symbol is not None:
-        return node.symbol.place in (Place.HELD, Place.INITIAL)
+        return node.symbol.referent in (Referent.HELD, Referent.INITIAL)
     return node.operator in TRUTHS
 
 

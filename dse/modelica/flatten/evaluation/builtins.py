@@ -6,7 +6,7 @@ import math
 from collections.abc import Callable, Mapping, Sequence
 from typing import NamedTuple
 
-from dse.modelica.algebra.expression import Expression, Graph
+from dse.modelica.algebra.expression import COMPARISONS, Expression, Graph
 from dse.modelica.flatten.evaluation.values import (
     Array,
     MismatchError,
@@ -50,9 +50,6 @@ _BINARY = {
     "elementwise_divide": "divide",
     "elementwise_power": "power",
 }
-_SCALAR_BINARY = frozenset(
-    {"less", "less_equal", "greater", "greater_equal", "equal", "not_equal", "and", "or", "power"}
-)
 
 
 def binary(graph: Graph, operator: str, left: Array, right: Array) -> Array:
@@ -67,10 +64,10 @@ def binary(graph: Graph, operator: str, left: Array, right: Array) -> Array:
         raise MismatchError(f"sizes {list(left.shape)} and {list(right.shape)} do not fit")
     if operator in _BINARY:
         return broadcast(left, right, lambda a, b: graph.make(_BINARY[operator], a, b))
-    if operator not in _SCALAR_BINARY:
-        raise KeyError(operator)
     if operator in ("and", "or"):
         return broadcast(left, right, lambda a, b: graph.make(operator, a, b))
+    if operator not in COMPARISONS | {"power"}:
+        raise KeyError(operator)
     if left.shape or right.shape:
         raise MismatchError(f"'{operator}' over arrays")
     return scalar(graph.make(operator, left.elements[0], right.elements[0]))

@@ -5,8 +5,8 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 
-from dse.modelica.algebra.expression import Expression, shown
-from dse.modelica.algebra.symbol import Place, Symbol
+from dse.modelica.algebra.expression import COMPARISONS, Expression, shown
+from dse.modelica.algebra.symbol import Referent, Symbol
 from dse.modelica.flatten.document import Document, single
 from dse.modelica.flatten.evaluation import inlining
 from dse.modelica.flatten.evaluation.builtins import BUILTINS, Given, binary
@@ -23,8 +23,6 @@ from dse.modelica.flatten.evaluation.values import (
     only,
     scalar,
 )
-
-_COMPARISONS = frozenset({"less", "less_equal", "greater", "greater_equal", "equal", "not_equal"})
 
 
 def _literal(visit: Visit) -> Steps:
@@ -45,7 +43,7 @@ def _coordinate(visit: Visit) -> Steps:
     kind, data = single(visit.node.data, "a reference", visit.where)
     graph = visit.graph
     if kind == "time":
-        return scalar(graph.symbol(Symbol(Place.TIME)))
+        return scalar(graph.symbol(Symbol(referent=Referent.TIME)))
     if kind == "binder":
         return scalar(graph.constant(float(visit.frame.binders[data["domain"]][data["ordinal"]])))
     if kind == "function_parameter":
@@ -70,7 +68,7 @@ def _condition(visit: Visit, index: int) -> Expression:
     record = visit.document.lists["conditions"][index]
     kind, data = single(record["node"], "a condition", visit.document.where(record.get("provenance")))
     if kind == "initial":
-        return visit.graph.symbol(Symbol(Place.INITIAL))
+        return visit.graph.symbol(Symbol(referent=Referent.INITIAL))
     if kind == "clock":
         return visit.model.ticks(data, visit.where)
     raise visit.document.refused(f"a condition of kind '{kind}' as a value", visit.number)
@@ -111,7 +109,7 @@ def _variable(visit: Visit, kind: str, index: int) -> Array:
         what = f"the string '{declared.name}', which is not known while the model is built,"
         raise visit.document.refused(what, visit.number)
     if kind in _BEFORE:
-        elements = [visit.graph.symbol(Symbol(Place.PRE, name)) for name in declared.names]
+        elements = [visit.graph.symbol(Symbol(name, referent=Referent.PRE)) for name in declared.names]
     else:
         elements = [visit.graph.variable(name, int(kind == "derivative")) for name in declared.names]
     return Array(tuple(elements), declared.shape)
@@ -140,7 +138,7 @@ def _binary(visit: Visit) -> Steps:
         value = binary(visit.graph, operator, array(left), array(right))
     except KeyError:
         raise visit.document.refused(f"the operator '{operator}'", visit.number) from None
-    if operator not in _COMPARISONS or not visit.frame.makes_events:
+    if operator not in COMPARISONS or not visit.frame.makes_events:
         return value
     truth = value.elements[0]
     model = visit.model

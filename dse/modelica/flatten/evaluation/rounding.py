@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from dse.errors import Location
 from dse.modelica.algebra.expression import Expression
-from dse.modelica.flat_model import Assignment, Kind
+from dse.modelica.flat_model import Assignment, ScalarType
 from dse.modelica.flatten.model import Model
 
 ROUNDINGS = frozenset({"floor", "ceil", "integer"})
@@ -55,7 +55,7 @@ def _held(model: Model, kind: str, value: Expression, where: Location | None) ->
     name = model.rounded.get((kind, value))
     graph = model.graph
     if name is None:
-        name = model.rounded[kind, value] = model.internal(kind, Kind.REAL, where)
+        name = model.rounded[kind, value] = model.internal(kind, ScalarType.REAL, where)
         kept = graph.variable(name)
         model.assignments.append(Assignment(name, _direct(kind, value), None, where))
         bounds = {

@@ -23,7 +23,7 @@ class Branch:
     targets: frozenset[str]
 
 
-class Place(NamedTuple):
+class BranchNumber(NamedTuple):
     """A when-clause and a branch of it, both by number."""
 
     clause: int
@@ -37,10 +37,10 @@ class Chains:
     chains: tuple[tuple[Branch, ...], ...]
     equations: int
 
-    def find(self, span: Span | None, targets: frozenset[str]) -> Place | None:
+    def find(self, span: Span | None, targets: frozenset[str]) -> BranchNumber | None:
         """The branch with its condition at *span* that assigns *targets*; None if there is not exactly one."""
         found = [
-            Place(number, place)
+            BranchNumber(number, place)
             for number, chain in enumerate(self.chains)
             for place, branch in enumerate(chain)
             if branch.span == span and targets <= branch.targets
@@ -51,7 +51,7 @@ class Chains:
         """Whether a condition at *span* may stand in a clause of several branches."""
         return any(len(chain) > 1 and any(branch.span == span for branch in chain) for chain in self.chains)
 
-    def is_equation(self, place: Place) -> bool:
+    def is_equation(self, place: BranchNumber) -> bool:
         """Whether *place* is in an equation section."""
         return place.clause < self.equations
 

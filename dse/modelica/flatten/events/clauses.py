@@ -10,7 +10,7 @@ from dse.errors import Location, fail
 from dse.modelica.algebra.arithmetic import FUNCTIONS
 from dse.modelica.algebra.expression import Expression, Graph
 from dse.modelica.algebra.traversal import walk
-from dse.modelica.flatten.events.chains import Chains, Place, Span
+from dse.modelica.flatten.events.chains import BranchNumber, Chains, Span
 
 
 @dataclass(frozen=True, slots=True)
@@ -42,7 +42,7 @@ class Clauses:
 
     chains: Chains
     spans: Mapping[int, Span | None]
-    triggers: Mapping[Place, int]
+    triggers: Mapping[BranchNumber, int]
 
     def ordered(self, graph: Graph, items: Sequence[Item], kept: Expression) -> list[Step]:
         """The steps of one target, of which the first active one holds; *kept* is the value where none gives one.
@@ -70,20 +70,20 @@ class Clauses:
             return list(steps.values())
         by_branch = {place.branch: steps[trigger] for trigger, place in places.items() if place is not None}
         return [
-            by_branch[branch] if branch in by_branch else self._silent(Place(clause, branch), items[0], kept)
+            by_branch[branch] if branch in by_branch else self._silent(BranchNumber(clause, branch), items[0], kept)
             for branch in range(max(by_branch) + 1)
         ]
 
-    def _place(self, trigger: int | None, owner: str) -> Place | None:
+    def _place(self, trigger: int | None, owner: str) -> BranchNumber | None:
         return None if trigger is None else self.chains.find(self.spans.get(trigger), frozenset({owner}))
 
-    def _silent(self, place: Place, item: Item, kept: Expression) -> Step:
+    def _silent(self, place: BranchNumber, item: Item, kept: Expression) -> Step:
         trigger = self.triggers.get(place)
         if trigger is None:
             raise fail(f"this elsewhen that writes '{item.target}' is not supported", item.where)
         return Step(item.target, kept, trigger, item.where)
 
-    def _merged(self, graph: Graph, items: Sequence[Item], kept: Expression, place: Place | None) -> Step:
+    def _merged(self, graph: Graph, items: Sequence[Item], kept: Expression, place: BranchNumber | None) -> Step:
         """One step for *items* of one trigger."""
         ranked = self._ranked(items, place)
         covered = graph.constant(0.0)
@@ -95,7 +95,7 @@ class Clauses:
             value = graph.make("if", item.guard, item.value, value)
         return Step(items[0].target, value, items[0].trigger, items[0].where)
 
-    def _ranked(self, items: Sequence[Item], place: Place | None) -> Sequence[Item]:
+    def _ranked(self, items: Sequence[Item], place: BranchNumber | None) -> Sequence[Item]:
         """*items* of one trigger, the one that holds first. In an algorithm the last one in the text holds."""
         if len(items) == 1 or _exclude(items):
             return items

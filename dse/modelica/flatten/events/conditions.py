@@ -8,7 +8,7 @@ from fractions import Fraction
 
 from dse.errors import Location, fail
 from dse.modelica.algebra.expression import Expression
-from dse.modelica.algebra.symbol import Place, Symbol
+from dse.modelica.algebra.symbol import Referent, Symbol
 from dse.modelica.flat_model import Clock, Trigger
 from dse.modelica.flatten.document import fields, single
 from dse.modelica.flatten.evaluation.evaluation import Evaluation
@@ -116,7 +116,7 @@ class Conditions:
         if kind == "clock":
             return evaluation.model.ticks(data, where)
         if kind == "initial":
-            return evaluation.graph.symbol(Symbol(Place.INITIAL))
+            return evaluation.graph.symbol(Symbol(referent=Referent.INITIAL))
         if kind == "relation":
             relation, inner = single(evaluation.document.lists["relations"][data], "a relation", where)
             if relation != "relation":

@@ -8,7 +8,7 @@ from typing import cast
 
 from dse.errors import Location, fail
 from dse.modelica.algebra.expression import Expression
-from dse.modelica.algebra.symbol import Place, Symbol
+from dse.modelica.algebra.symbol import Referent, Symbol
 from dse.modelica.flat_model import Assignment, Check, Reinitialization, Role
 from dse.modelica.flatten.document import Record, fields, single
 from dse.modelica.flatten.domains import shape
@@ -94,7 +94,7 @@ def _real_equation(discrete: Discrete, record: Record) -> None:
 def _target(discrete: Discrete, element: Expression) -> str | None:
     """The name of the discrete variable that *element* is; None if it is none."""
     symbol = element.symbol
-    if symbol is None or symbol.place is not Place.VARIABLE or symbol.order:
+    if symbol is None or not symbol.is_variable or symbol.order:
         return None
     return symbol.name if discrete.evaluation.model.variables[symbol.name].role is Role.DISCRETE else None
 
@@ -229,7 +229,7 @@ def _finish(discrete: Discrete) -> None:
     graph, model = evaluation.graph, evaluation.model
     clauses = _clauses(discrete)
     for name, items in discrete.items.items():
-        for step in clauses.ordered(graph, items, graph.symbol(Symbol(Place.PRE, name))):
+        for step in clauses.ordered(graph, items, graph.symbol(Symbol(name, referent=Referent.PRE))):
             number = None if step.trigger is None else conditions.trigger(step.trigger)
             model.assignments.append(Assignment(name, step.value, number, step.where))
     for name, items in discrete.reinitialized.items():

@@ -23,7 +23,7 @@ class Patch:
 
 
 @dataclass(frozen=True, slots=True)
-class Knob:
+class Alteration:
     """Parameters that get another value together, because they share a text: by *patches* of the sources.
 
     Without patches, *texts* are two values for the one parameter there is, as a modification of the model.
@@ -34,27 +34,27 @@ class Knob:
     texts: tuple[str, str] = ("", "")
 
 
-def knobs(result: FrontEndResult, own: frozenset[int]) -> tuple[list[Knob], frozenset[str]]:
-    """The knobs of all parameters that have a value of their own; and the names of those that have no knob.
+def alterations(result: FrontEndResult, own: frozenset[int]) -> tuple[list[Alteration], frozenset[str]]:
+    """The alterations of all parameters that have a value of their own; and the names of those that have no alteration.
 
     A parameter whose value depends on others, is final or is solved for has no value of its own. Only the sources
     numbered *own* can be patched. Of parameters that got one value it cannot be told which gave it to the others, so
-    they have no knob.
+    they have no alteration.
     """
     patched: dict[str, frozenset[Patch]] = {}
-    modified: list[Knob] = []
+    modified: list[Alteration] = []
     without: set[str] = set()
     for name, variable in _independent(result):
         patches = _patches(result, name, variable)
         if patches and all(patch.source in own for patch in patches):
             patched[name] = patches
         elif (patches is not None or _has_no_value(variable)) and (texts := _modification(result, name, variable)):
-            modified.append(Knob(frozenset({name}), frozenset(), texts))
+            modified.append(Alteration(frozenset({name}), frozenset(), texts))
         else:
             without.add(name)
     joined = _joined(patched)
-    apart = [knob for knob in joined if _is_own(result, knob.names)]
-    without |= {name for knob in joined for name in knob.names if knob not in apart}
+    apart = [alteration for alteration in joined if _is_own(result, alteration.names)]
+    without |= {name for alteration in joined for name in alteration.names if alteration not in apart}
     return [*apart, *modified], frozenset(without)
 
 
@@ -253,8 +253,8 @@ _OPERATIONS: Mapping[str, Callable[[float, float], float]] = {
 }
 
 
-def _joined(patched: Mapping[str, frozenset[Patch]]) -> list[Knob]:
-    """Parameters whose patches overlap become one knob."""
+def _joined(patched: Mapping[str, frozenset[Patch]]) -> list[Alteration]:
+    """Parameters whose patches overlap become one alteration."""
     groups: list[tuple[set[str], set[Patch]]] = []
     by_patch: dict[Patch, int] = {}
     for name, patches in patched.items():
@@ -269,4 +269,4 @@ def _joined(patched: Mapping[str, frozenset[Patch]]) -> list[Knob]:
         groups[target][0].add(name)
         groups[target][1].update(patches)
         by_patch.update(dict.fromkeys(groups[target][1], target))
-    return [Knob(frozenset(names), frozenset(patches)) for names, patches in groups if names]
+    return [Alteration(frozenset(names), frozenset(patches)) for names, patches in groups if names]

@@ -17,7 +17,7 @@ from dse.modelica.frontend.literal import Value, literal
 from dse.modelica.frontend.process import FrontEndDied, FrontEndRefusal
 from dse.modelica.frontend.result import FrontEndResult
 from dse.modelica.frontend.sources import ModelSources
-from dse.modelica.frontend.structural.alterations import Knob, knobs, number, refers_to
+from dse.modelica.frontend.structural.alterations import Alteration, alterations, number, refers_to
 from dse.modelica.frontend.structural.comparison import changed_parameters
 from dse.modelica.frontend.structural.shape import shaping
 
@@ -59,19 +59,21 @@ class _Probe:
 
     def structural(self) -> frozenset[str]:
         """The names of the structural parameters."""
-        found, without = knobs(self._result, frozenset(self._files))
+        found, without = alterations(self._result, frozenset(self._files))
         used = self._declared_used() | without
-        trial = [knob for knob in found if not knob.names <= used]
-        modified = [knob for knob in trial if not knob.patches]
+        trial = [alteration for alteration in found if not alteration.names <= used]
+        modified = [alteration for alteration in trial if not alteration.patches]
         if modified:
             # What is compared must differ in the values only, so both sides have to name them.
-            base = self._compiled((), {name: knob.texts[0] for knob in modified for name in knob.names})
+            base = self._compiled(
+                (), {name: alteration.texts[0] for alteration in modified for name in alteration.names}
+            )
             if base is None:
-                used |= {name for knob in modified for name in knob.names}
-                trial = [knob for knob in trial if knob.patches]
+                used |= {name for alteration in modified for name in alteration.names}
+                trial = [alteration for alteration in trial if alteration.patches]
             else:
                 self._base = base
-        # Halves of what shows a difference are tried until single knobs remain.
+        # Halves of what shows a difference are tried until single alterations remain.
         stack = [trial] if trial else []
         while stack:
             tried = stack.pop()
@@ -79,20 +81,20 @@ class _Probe:
             if unsure is None and len(tried) > 1:
                 stack += [tried[: len(tried) // 2], tried[len(tried) // 2 :]]
             else:
-                used |= unsure if unsure is not None else {name for knob in tried for name in knob.names}
+                used |= unsure if unsure is not None else {name for alteration in tried for name in alteration.names}
         return frozenset(used)
 
-    def _unsure(self, tried: Iterable[Knob], modified: Iterable[Knob]) -> frozenset[str] | None:
+    def _unsure(self, tried: Iterable[Alteration], modified: Iterable[Alteration]) -> frozenset[str] | None:
         """Parameters that did not take their other value; None if more than values changed."""
         wanted = set(tried)
-        names = frozenset(name for knob in wanted for name in knob.names)
-        texts = {name: knob.texts[knob in wanted] for knob in modified for name in knob.names}
+        names = frozenset(name for alteration in wanted for name in alteration.names)
+        texts = {name: alteration.texts[alteration in wanted] for alteration in modified for name in alteration.names}
         dae = self._compiled(wanted, texts)
         changed = changed_parameters(self._base, dae, names) if dae is not None else None
         return names - changed if changed is not None else None
 
-    def _compiled(self, tried: Iterable[Knob], texts: Mapping[str, str]) -> Mapping[str, Any] | None:
-        patches = {patch for knob in tried for patch in knob.patches}
+    def _compiled(self, tried: Iterable[Alteration], texts: Mapping[str, str]) -> Mapping[str, Any] | None:
+        patches = {patch for alteration in tried for patch in alteration.patches}
         overlay: dict[str, bytes] = {}
         for patch in sorted(patches, key=lambda patch: (patch.source, -patch.start)):
             name = self._files[patch.source]

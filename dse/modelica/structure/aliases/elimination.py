@@ -6,9 +6,9 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
 from dse.modelica.algebra.expression import Expression, Graph
-from dse.modelica.algebra.symbol import Place, Symbol
-from dse.modelica.algebra.traversal import occurring
-from dse.modelica.flat_model import Equation, FlatModel, Kind, Role, Variable
+from dse.modelica.algebra.symbol import Symbol
+from dse.modelica.algebra.traversal import symbols
+from dse.modelica.flat_model import Equation, FlatModel, Role, ScalarType, Variable
 from dse.modelica.structure.aliases.substitution import rewriter
 
 
@@ -64,7 +64,7 @@ class _Ranks:
     def __init__(self, flat: FlatModel) -> None:
         self._variables = flat.variables
         self._differentiated = {
-            symbol.name for symbol in occurring(*(one.residual for one in flat.equations)) if symbol.order > 0
+            symbol.name for symbol in symbols(*(one.residual for one in flat.equations)) if symbol.order > 0
         }
         self._places = {name: place for place, name in enumerate(flat.variables)}
 
@@ -115,10 +115,10 @@ def _pair(residual: Expression, variables: Mapping[str, Variable]) -> tuple[_Ter
 
 
 def _is_eliminable(symbol: Symbol, variables: Mapping[str, Variable]) -> bool:
-    if symbol.place is not Place.VARIABLE or symbol.order:
+    if not symbol.is_variable or symbol.order:
         return False
     variable = variables[symbol.name]
-    return variable.kind is Kind.REAL and variable.role in (Role.CONTINUOUS, Role.INPUT)
+    return variable.kind is ScalarType.REAL and variable.role in (Role.CONTINUOUS, Role.INPUT)
 
 
 def _joined(

@@ -6,9 +6,8 @@ from collections.abc import Callable, Mapping
 from dataclasses import replace
 
 from dse.modelica.algebra.expression import Expression, Graph
-from dse.modelica.algebra.symbol import Place, Symbol
+from dse.modelica.algebra.symbol import Referent
 from dse.modelica.algebra.traversal import replaced
-from dse.modelica.flat_model import FlatModel, Variable
 
 Rewrite = Callable[[Expression], Expression]
 
@@ -21,7 +20,7 @@ def rewriter(graph: Graph, substitutes: Mapping[str, Expression]) -> Rewrite:
 
     def new(node: Expression) -> Expression | None:
         symbol = node.symbol
-        if symbol is None or symbol.place not in (Place.VARIABLE, Place.PRE) or symbol.name not in substitutes:
+        if symbol is None or symbol.referent not in (Referent.VARIABLE, Referent.PRE) or symbol.name not in substitutes:
             return None
         other = substitutes[symbol.name]
         if other.is_constant:
@@ -29,30 +28,7 @@ def rewriter(graph: Graph, substitutes: Mapping[str, Expression]) -> Rewrite:
         kept, is_negative = (other.operands[0], True) if other.operator == "negate" else (other, False)
         if kept.symbol is None:
             raise ValueError(symbol.name)
-        moved = graph.symbol(Symbol(symbol.place, kept.symbol.name, symbol.order))
+        moved = graph.symbol(replace(kept.symbol, order=symbol.order, referent=symbol.referent))
         return -moved if is_negative else moved
 
     return lambda root: replaced((root,), new)[0]
-
-
-def rewritten(flat: FlatModel, rewrite: Rewrite) -> FlatModel:
-    """*flat* with *rewrite* applied to every expression of it."""
-    return replace(
-        flat,
-        variables={name: _variable(variable, rewrite) for name, variable in flat.variables.items()},
-        equations=tuple(replace(one, residual=rewrite(one.residual)) for one in flat.equations),
-        initial_equations=tuple(replace(one, residual=rewrite(one.residual)) for one in flat.initial_equations),
-        relations=tuple(replace(one, truth=rewrite(one.truth)) for one in flat.relations),
-        triggers=tuple(replace(one, conditions=tuple(map(rewrite, one.conditions))) for one in flat.triggers),
-        assignments=tuple(replace(one, value=rewrite(one.value)) for one in flat.assignments),
-        reinitializations=tuple(replace(one, value=rewrite(one.value)) for one in flat.reinitializations),
-        checks=tuple(replace(one, condition=rewrite(one.condition)) for one in flat.checks),
-    )
-
-
-def _variable(variable: Variable, rewrite: Rewrite) -> Variable:
-    given = (variable.start, variable.binding, variable.minimum, variable.maximum, variable.nominal)
-    if all(one is None or one.is_constant for one in given):
-        return variable
-    start, binding, minimum, maximum, nominal = (None if one is None else rewrite(one) for one in given)
-    return replace(variable, start=start, binding=binding, minimum=minimum, maximum=maximum, nominal=nominal)

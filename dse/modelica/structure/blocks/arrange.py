@@ -7,8 +7,8 @@ from dataclasses import dataclass
 
 from dse.errors import DseError, Problem
 from dse.modelica.algebra.symbol import Symbol
-from dse.modelica.algebra.traversal import occurring, smooth
-from dse.modelica.solved_model import Block, Explicit, System
+from dse.modelica.algebra.traversal import smooth, symbols
+from dse.modelica.solved_model import Block, System, expressions, targets
 from dse.modelica.structure.blocks.tearing import block
 from dse.modelica.structure.graphs import Matching, components
 from dse.modelica.structure.known import Known
@@ -32,26 +32,19 @@ def arranged(rows: Sequence[Row], unknowns: Sequence[Symbol], known: Known) -> l
     """
     number = {symbol: place for place, symbol in enumerate(unknowns)}
     matching = matched(rows, unknowns)
-    occurs = [[number[symbol] for symbol in occurring(row.residual) if symbol in number] for row in rows]
+    occurs = [[number[symbol] for symbol in symbols(row.residual) if symbol in number] for row in rows]
     row_of = matching.row_of
     needs = [sorted(row_of[column] for column in occurs[row] if row_of[column] != row) for row in range(len(rows))]
     stages = []
     for component in components(needs):
         own_rows = [rows[row] for row in component]
         own = [unknowns[matching.column_of[row]] for row in component]
-        stages.append(stage(block(own_rows, own, known), own_rows))
+        made = block(own_rows, own, known)
+        gives = tuple(targets((made,)))
+        own_gives = frozenset(gives)
+        needed = tuple(symbol for symbol in symbols(*expressions(made, known.flat)) if symbol not in own_gives)
+        stages.append(Stage(made, gives, needed, tuple(own_rows)))
     return stages
-
-
-def stage(made: Block, rows: Sequence[Row]) -> Stage:
-    """*made* with what it gives and needs."""
-    if isinstance(made, Explicit):
-        return Stage(made, (made.unknown,), tuple(occurring(made.value)), tuple(rows))
-    gives = (*made.unknowns, *(assigned.unknown for assigned in made.inner))
-    entries = [entry for row in made.jacobian for entry in row]
-    refers = occurring(*(assigned.value for assigned in made.inner), *made.residuals, *entries)
-    own = frozenset(gives)
-    return Stage(made, gives, tuple(symbol for symbol in refers if symbol not in own), tuple(rows))
 
 
 def matched(rows: Sequence[Row], unknowns: Sequence[Symbol]) -> Matching:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dse.modelica.algebra.derivative import partial
 from dse.modelica.algebra.expression import Expression
 from dse.modelica.algebra.symbol import Symbol
-from dse.modelica.algebra.traversal import occurring, replaced, stepping
+from dse.modelica.algebra.traversal import replaced, stepping, symbols
 from dse.modelica.structure.known import Known
 
 
@@ -14,7 +14,7 @@ def coefficient(residual: Expression, symbol: Symbol) -> Expression | None:
     if symbol in stepping(residual):
         return None
     factor = partial(residual, symbol)
-    return None if symbol in occurring(factor) else factor
+    return None if symbol in symbols(factor) else factor
 
 
 def solved_for(residual: Expression, symbol: Symbol, known: Known) -> Expression | None:
@@ -25,7 +25,7 @@ def solved_for(residual: Expression, symbol: Symbol, known: Known) -> Expression
     graph = residual.graph
     node, target = residual, graph.constant(0.0)
     while node.symbol != symbol:
-        inside = [symbol in occurring(operand) for operand in node.operands]
+        inside = [symbol in symbols(operand) for operand in node.operands]
         if sum(inside) != 1 or node.operator not in ("add", "subtract", "negate", "multiply", "divide"):
             return _by_coefficient(node, target, symbol, known)
         if node.operator == "negate":

@@ -11,7 +11,7 @@ from dse.modelica.algebra.derivative import partial
 from dse.modelica.algebra.evaluate import evaluate
 from dse.modelica.algebra.expression import Expression
 from dse.modelica.algebra.symbol import Symbol
-from dse.modelica.algebra.traversal import occurring, smooth
+from dse.modelica.algebra.traversal import smooth, symbols
 from dse.modelica.solved_model import Explicit
 from dse.modelica.structure.known import Known
 
@@ -43,7 +43,7 @@ def is_stable(
         for symbol in smooth(expression)
         if symbol in number
     ]
-    parameters = {symbol: None for symbol in occurring(*(entry for *_, entry in entries)) if known.is_parameter(symbol)}
+    parameters = {symbol: None for symbol in symbols(*(entry for *_, entry in entries)) if known.is_parameter(symbol)}
     for spread in SPREADS:
         if spread and not parameters:
             break

@@ -8,7 +8,7 @@ from functools import partial
 from dse.modelica.algebra.derivative import derived
 from dse.modelica.algebra.expression import Expression
 from dse.modelica.algebra.symbol import Symbol
-from dse.modelica.algebra.traversal import occurring, stepping
+from dse.modelica.algebra.traversal import stepping, symbols
 from dse.modelica.solved_model import Explicit, System
 from dse.modelica.structure.blocks.linear import solved_for
 from dse.modelica.structure.blocks.stability import is_stable
@@ -54,7 +54,7 @@ class _Tearing:
         self._forms = forms
         self._left = dict.fromkeys(unknowns)
         wanted = frozenset(unknowns)
-        self._all_of = [[symbol for symbol in occurring(row.residual) if symbol in wanted] for row in rows]
+        self._all_of = [[symbol for symbol in symbols(row.residual) if symbol in wanted] for row in rows]
         self._unknowns_of = [dict.fromkeys(found) for found in self._all_of]
         self._rows_of: dict[Symbol, list[int]] = {symbol: [] for symbol in unknowns}
         for row, found in enumerate(self._all_of):
@@ -113,7 +113,7 @@ def _system(torn: Sequence[Symbol], inner: Sequence[Explicit], rows: Sequence[Ro
     jacobian = _jacobian(torn, inner, residuals)
     moving = {*torn, *(assigned.unknown for assigned in inner)}
     entries = [entry for row in jacobian for entry in row]
-    is_linear = moving.isdisjoint(occurring(*entries)) and moving.isdisjoint(stepping(*residuals, *values))
+    is_linear = moving.isdisjoint(symbols(*entries)) and moving.isdisjoint(stepping(*residuals, *values))
     where = tuple(dict.fromkeys(row.where for row in rows if row.where is not None))
     return System(tuple(torn), tuple(inner), tuple(residuals), jacobian, is_linear, where)
 
@@ -126,7 +126,7 @@ def _jacobian(
     expressions = [*(assigned.value for assigned in inner), *residuals]
     users: dict[Symbol, list[int]] = {}
     for place, expression in enumerate(expressions):
-        for symbol in occurring(expression):
+        for symbol in symbols(expression):
             users.setdefault(symbol, []).append(place)
     matrix = [[zero] * len(torn) for _ in residuals]
     for column, unknown in enumerate(torn):

@@ -15,8 +15,8 @@ from dse.errors import DseError, Problem
 from dse.modelica.algebra.derivative import partial
 from dse.modelica.algebra.evaluate import evaluate
 from dse.modelica.algebra.expression import Expression
-from dse.modelica.algebra.symbol import Place, Symbol
-from dse.modelica.algebra.traversal import occurring, smooth
+from dse.modelica.algebra.symbol import Symbol
+from dse.modelica.algebra.traversal import smooth, symbols
 from dse.modelica.flat_model import Variable
 from dse.modelica.structure.graphs import components
 from dse.modelica.structure.known import Known
@@ -58,7 +58,7 @@ def chosen(found: Reduced, variables: Mapping[str, Variable], known: Known) -> C
     at the start. Raises DseError if the differentiated equations are singular there or want stateSelect.always undone.
     """
     local = _local(found)
-    candidates = [Symbol(Place.VARIABLE, name, order) for name, order in found.highest.items() if order]
+    candidates = [Symbol(name, order) for name, order in found.highest.items() if order]
     dummies: list[Symbol] = []
     guards: list[Guard] = []
     stage = 1
@@ -68,7 +68,7 @@ def chosen(found: Reduced, variables: Mapping[str, Variable], known: Known) -> C
         dummies.extend(picked)
         if selection.varies(picked):
             guards.append(Guard(tuple(rows), tuple(candidates), tuple(picked), selection.matrix))
-        candidates = [Symbol(Place.VARIABLE, one.name, one.order - 1) for one in picked if one.order > 1]
+        candidates = [Symbol(one.name, one.order - 1) for one in picked if one.order > 1]
         stage += 1
     return Choice(frozenset(dummies), tuple(guards))
 
@@ -84,8 +84,8 @@ def _local(found: Reduced) -> frozenset[str]:
     for chain in found.chains:
         highest = [
             symbol
-            for symbol in occurring(chain[-1].residual)
-            if symbol.place is Place.VARIABLE and found.highest.get(symbol.name) == symbol.order
+            for symbol in symbols(chain[-1].residual)
+            if symbol.is_variable and found.highest.get(symbol.name) == symbol.order
         ]
         needs.append(sorted({row_of[symbol.name] for symbol in highest}))
     parts = [part for part in components(needs) if any(len(found.chains[row]) > 1 for row in part)]
@@ -122,8 +122,8 @@ class _Selection:
         picked = self._independent(self._starts)
         if picked is None:
             # The starting values may be all 0, where any constraint is flat: look at a point that is nothing special.
-            symbols = occurring(*(entry for line in self.matrix for entry in line.values()))
-            nothing_special = {symbol: 0.5 + (0.6180339887498949 * k) % 1.0 for k, symbol in enumerate(symbols, 1)}
+            at = symbols(*(entry for line in self.matrix for entry in line.values()))
+            nothing_special = {symbol: 0.5 + (0.6180339887498949 * k) % 1.0 for k, symbol in enumerate(at, 1)}
             picked = self._independent(nothing_special)
         if picked is None:
             raise DseError(*told(self._rows, "equations that were differentiated contradict or repeat each other"))
@@ -131,7 +131,7 @@ class _Selection:
         wrong = [one for one in symbols_picked if one.order == 1 and self._preference(one) == ALWAYS]
         if wrong:
             problem = "not all variables with stateSelect.always can be states"
-            states = listed(Symbol(one.place, one.name, one.order - 1) for one in wrong)
+            states = listed(Symbol(one.name, one.order - 1) for one in wrong)
             raise DseError(Problem(f"{problem}: {states}", self._rows[0].where))
         return symbols_picked
 
@@ -190,7 +190,7 @@ def _coefficients(chain: Sequence[Row], numbers: Mapping[str, int], highest: Map
     residual, times = chain[0].residual, len(chain) - 1
     found = {}
     for symbol in smooth(residual):
-        if symbol.place is not Place.VARIABLE or symbol.name not in numbers:
+        if not symbol.is_variable or symbol.name not in numbers:
             continue
         entry = partial(residual, symbol)
         if symbol.order + times == highest[symbol.name] and not entry.is_number(0):

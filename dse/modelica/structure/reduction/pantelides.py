@@ -11,8 +11,8 @@ from dataclasses import dataclass
 from dse.errors import DseError, Location, Problem, fail
 from dse.modelica.algebra.derivative import derived
 from dse.modelica.algebra.expression import Expression, shown
-from dse.modelica.algebra.symbol import Place, Symbol
-from dse.modelica.algebra.traversal import occurring, smooth
+from dse.modelica.algebra.symbol import Referent, Symbol
+from dse.modelica.algebra.traversal import smooth, symbols
 from dse.modelica.flat_model import Role, Variable
 from dse.modelica.structure.graphs import Matching, alternating
 from dse.modelica.structure.rows import Row, listed, told
@@ -46,10 +46,10 @@ class _Reduction:
         self._variables = variables
         self._names = list(names)
         self._chains = [[row] for row in rows]
-        occurs = [occurring(row.residual) for row in rows]
+        occurs = [symbols(row.residual) for row in rows]
         self._highest = dict.fromkeys(names, 0)
         for symbol in (symbol for one in occurs for symbol in one if symbol.name in self._highest):
-            if symbol.place is Place.VARIABLE:
+            if symbol.is_variable:
                 self._highest[symbol.name] = max(self._highest[symbol.name], symbol.order)
         self._number = {name: number for number, name in enumerate(names)}
         self._columns = [self._columns_of(row) for row in rows]
@@ -62,9 +62,7 @@ class _Reduction:
         return [
             self._number[symbol.name]
             for symbol in smooth(row.residual)
-            if symbol.place is Place.VARIABLE
-            and symbol.name in self._highest
-            and symbol.order == self._highest[symbol.name]
+            if symbol.is_variable and symbol.name in self._highest and symbol.order == self._highest[symbol.name]
         ]
 
     def done(self) -> Reduced:
@@ -102,9 +100,7 @@ def _refuse_singular(rows: Sequence[Row], names: Sequence[str], variables: Mappi
     columns = [
         list(
             dict.fromkeys(
-                numbers[symbol.name]
-                for symbol in smooth(row.residual)
-                if symbol.place is Place.VARIABLE and symbol.name in numbers
+                numbers[symbol.name] for symbol in smooth(row.residual) if symbol.is_variable and symbol.name in numbers
             )
         )
         for row in rows
@@ -115,7 +111,7 @@ def _refuse_singular(rows: Sequence[Row], names: Sequence[str], variables: Mappi
         seen = matching.match(number, columns)
         if seen:
             others = sorted({column for row in seen for column in columns[row]})
-            what = f"this equation is one too many for {listed(Symbol(Place.VARIABLE, names[k]) for k in others)}"
+            what = f"this equation is one too many for {listed(Symbol(names[k]) for k in others)}"
             problems.extend(told([rows[number]], what if others else "this equation contains no unknown"))
     missing = [number for number in range(len(names)) if number not in matching.row_of]
     if missing:
@@ -124,7 +120,7 @@ def _refuse_singular(rows: Sequence[Row], names: Sequence[str], variables: Mappi
             for column in listed_columns:
                 rows_of[column].append(row)
         for number in missing[:12]:
-            together = [Symbol(Place.VARIABLE, names[k]) for k in alternating(matching, number, rows_of)]
+            together = [Symbol(names[k]) for k in alternating(matching, number, rows_of)]
             what = f"there is no equation for '{names[number]}'"
             if len(together) > 1:
                 what = f"there is one equation too few for {listed(together)}"
@@ -143,9 +139,9 @@ def total(expression: Expression, variables: Mapping[str, Variable], where: Loca
     zero = graph.constant(0.0)
 
     def rate(leaf: Symbol) -> Expression:
-        if leaf.place is Place.TIME:
+        if leaf.referent is Referent.TIME:
             return graph.constant(1.0)
-        if leaf.place is not Place.VARIABLE:
+        if not leaf.is_variable:
             return zero
         role = variables[leaf.name].role
         if role is Role.INPUT and variables[leaf.name].kind == "Real":
