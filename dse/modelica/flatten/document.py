@@ -4,37 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any, Protocol
+from typing import Any
 
 from dse.errors import DseError, Location, fail
-
-SCHEMA = 43
-"""The one version of the front-end's system that is understood."""
+from dse.modelica.frontend.result import FrontEndResult
 
 Record = Mapping[str, Any]
-
-
-class FrontEndResult(Protocol):
-    """What the front-end gives: the system, the flat model it came from, and places in the model's files."""
-
-    @property
-    def model(self) -> str:
-        """The model's full name."""
-
-    @property
-    def dae(self) -> Record:
-        """The system of equations."""
-
-    @property
-    def flat(self) -> Record:
-        """The flat model before it; read for what the system does not say."""
-
-    @property
-    def structural(self) -> frozenset[str]:
-        """Names of parameters whose values the front-end used."""
-
-    def location(self, source: int, offset: int) -> Location | None:
-        """The place *offset* bytes into source number *source*, if that is a file of the user's."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -116,11 +91,8 @@ class Document:
 
 
 def read(result: FrontEndResult) -> Document:
-    """*result* as checked tables. Raises DseError for another schema, unknown constructs and counts that do not fit."""
-    dae = result.dae
-    if dae.get("schema_version") != SCHEMA:
-        raise fail(f"the Modelica front-end speaks schema {dae.get('schema_version')}, this version knows {SCHEMA}")
-    storage = dae["storage"]
+    """*result* as checked tables. Raises DseError for unknown constructs and counts that do not fit."""
+    storage = result.dae["storage"]
     unknown = sorted(set(storage) - _LISTS - _IGNORED - set(_EMPTY))
     if unknown:
         raise fail(f"the front-end's system has an unknown part '{unknown[0]}'")

@@ -10,12 +10,13 @@ from dse.modelica.algebra.symbol import Referent
 from dse.modelica.algebra.traversal import symbols
 from dse.modelica.flat_model import Check, FlatModel, Role
 from dse.modelica.flatten.declarations import bindings, complete, declare, declared
-from dse.modelica.flatten.document import FrontEndResult, check_calls, read
+from dse.modelica.flatten.document import check_calls, read
 from dse.modelica.flatten.equations import continuous, initial
 from dse.modelica.flatten.evaluation.evaluation import Evaluation
 from dse.modelica.flatten.events.conditions import Conditions, read_clocks
-from dse.modelica.flatten.events.discrete import checks_of, read_discrete
+from dse.modelica.flatten.events.discrete import read_discrete
 from dse.modelica.flatten.model import Model
+from dse.modelica.frontend.result import FrontEndResult
 
 
 def flatten(result: FrontEndResult) -> FlatModel:
@@ -47,7 +48,7 @@ def flatten(result: FrontEndResult) -> FlatModel:
         triggers=tuple(model.triggers),
         assignments=tuple(model.assignments),
         reinitializations=tuple(discrete.reinitializations),
-        checks=_distinct([*checks_of(asserts), *discrete.checks]),
+        checks=_distinct([*asserts, *discrete.checks]),
         description=str(document.flat.get("model_description") or ""),
     )
     _check_balance(flat)

@@ -145,14 +145,6 @@ def _storage(change: Any) -> None:
         flatten(result)
 
 
-def test_another_schema_is_refused() -> None:
-    result = compiled(PLAIN)
-    assert isinstance(result.dae, dict)
-    result.dae["schema_version"] = 44
-    with pytest.raises(DseError, match="schema 44"):
-        flatten(result)
-
-
 def test_an_unknown_part_of_the_system_is_refused() -> None:
     _storage(lambda storage: storage.update(brand_new=[1]))
 

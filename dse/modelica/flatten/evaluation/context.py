@@ -3,24 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Generator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import NamedTuple
 
 from dse.errors import Location
 from dse.modelica.algebra.expression import Expression, Graph
+from dse.modelica.flat_model import Check
 from dse.modelica.flatten.document import Document, Node
 from dse.modelica.flatten.evaluation.values import Value
 from dse.modelica.flatten.model import Model
-
-
-@dataclass(frozen=True, slots=True)
-class Assertion:
-    """An assert met while a function was inlined: *condition* must hold wherever the call is made."""
-
-    condition: Expression
-    message: str
-    is_warning: bool
-    where: Location | None
 
 
 @dataclass(slots=True)
@@ -30,11 +21,11 @@ class Frame:
     *makes_events*: comparisons of continuous quantities are to be held between events. *path*: the condition under
     which this part is evaluated at all, absent if always. *definitions*: for a call, the value each of its assignments
     gave, by number, and *latest* the number of each variable's last one; shared by all frames of the call. *asserts*
-    collects what inlined functions demand.
+    collects what inlined functions demand of wherever the call is made.
     """
 
     makes_events: bool
-    asserts: list[Assertion]
+    asserts: list[Check] = field(default_factory=list)
     function: int = -1
     depth: int = 0
     arguments: tuple[Value, ...] = ()
@@ -47,38 +38,32 @@ class Frame:
 
     def turn(self, domain: int, point: tuple[int, ...]) -> Frame:
         """The same with loop counters of *domain* at *point*."""
-        return self._changed(binders={**self.binders, domain: point})
+        return replace(self, binders={**self.binders, domain: point}, known={}, calls={})
 
     def quiet(self) -> Frame:
         """The same without events."""
-        return self._changed(makes_events=False) if self.makes_events else self
+        return replace(self, makes_events=False, known={}, calls={}) if self.makes_events else self
 
     def under(self, condition: Expression) -> Frame:
         """The same where *condition* holds."""
         path = condition if self.path is None else condition.graph.make("and", self.path, condition)
-        return self._changed(path=path)
+        return replace(self, path=path, known={}, calls={})
 
     def call(self, function: int, arguments: tuple[Value, ...]) -> Frame:
         """A call of *function* made from here. Functions never make events."""
         return Frame(False, self.asserts, function, self.depth + 1, arguments, path=self.path)
 
-    def _changed(
-        self,
-        makes_events: bool | None = None,
-        binders: Mapping[int, tuple[int, ...]] | None = None,
-        path: Expression | None = None,
-    ) -> Frame:
-        return Frame(
-            self.makes_events if makes_events is None else makes_events,
-            self.asserts,
-            self.function,
-            self.depth,
-            self.arguments,
-            self.definitions,
-            self.latest,
-            self.binders if binders is None else binders,
-            self.path if path is None else path,
-        )
+    def demand(self, condition: Expression, message: str, where: Location | None, is_warning: bool = False) -> None:
+        """Assert *condition* where this part is evaluated."""
+        if self.path is not None:
+            condition = implies(self.path, condition)
+        if not condition.is_constant or condition.value == 0:
+            self.asserts.append(Check(condition, message, is_warning, where=where))
+
+
+def implies(guard: Expression, condition: Expression) -> Expression:
+    """``not guard or condition``."""
+    return guard.graph.make("or", guard.graph.make("not", guard), condition)
 
 
 class Request(NamedTuple):
@@ -93,23 +78,11 @@ Steps = Generator[Request, Value, Value]
 
 
 @dataclass(frozen=True, slots=True)
-class Context:
-    """The tables and the model."""
-
-    document: Document
-    model: Model
-
-    @property
-    def graph(self) -> Graph:
-        """The graph that all values are expressions of."""
-        return self.model.graph
-
-
-@dataclass(frozen=True, slots=True)
 class Visit:
     """Evaluation of one *node*, whose *number* is given, in a *frame*."""
 
-    context: Context
+    document: Document
+    model: Model
     frame: Frame
     number: int
     node: Node
@@ -117,22 +90,12 @@ class Visit:
     @property
     def graph(self) -> Graph:
         """The graph that all values are expressions of."""
-        return self.context.model.graph
-
-    @property
-    def document(self) -> Document:
-        """The checked tables."""
-        return self.context.document
-
-    @property
-    def model(self) -> Model:
-        """The model that grows."""
-        return self.context.model
+        return self.model.graph
 
     @property
     def where(self) -> Location | None:
         """Where the node stands."""
-        return self.context.document.at(self.number)
+        return self.document.at(self.number)
 
     def request(self, node: int) -> Request:
         """A wish for the value of another node in the same frame."""

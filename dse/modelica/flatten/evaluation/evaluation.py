@@ -5,13 +5,17 @@ Evaluation keeps its own stack, so that neither a sum of ten thousand terms nor 
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import cast
 
-from dse.modelica.algebra.expression import Expression
+from dse.errors import Location, fail
+from dse.modelica.algebra.expression import Expression, Graph
+from dse.modelica.flatten.document import Document
 from dse.modelica.flatten.evaluation import aggregates, operations
-from dse.modelica.flatten.evaluation.context import Assertion, Context, Frame, Request, Steps, Visit
+from dse.modelica.flatten.evaluation.context import Frame, Request, Steps, Visit
 from dse.modelica.flatten.evaluation.values import Array, MismatchError, Value, array, only
+from dse.modelica.flatten.model import Declared, Model
 
 _MOST_STEPS = 3_000_000
 """Steps of one evaluation, so that a loop of a billion turns is refused and does not run for ever."""
@@ -19,8 +23,16 @@ _RULES = {**operations.RULES, **aggregates.RULES}
 
 
 @dataclass(frozen=True, slots=True)
-class Evaluation(Context):
+class Evaluation:
     """Evaluates nodes of *document*; what it needs of events it notes in *model*."""
+
+    document: Document
+    model: Model
+
+    @property
+    def graph(self) -> Graph:
+        """The graph that all values are expressions of."""
+        return self.model.graph
 
     def value(self, node: int, frame: Frame) -> Value:
         """The value of expression *node* in *frame*. Raises DseError with the place of what is not supported."""
@@ -63,10 +75,14 @@ class Evaluation(Context):
         except MismatchError as problem:
             raise self.document.refused(str(problem), node) from None
 
-    def frame(self, makes_events: bool) -> tuple[Frame, list[Assertion]]:
-        """A new frame, and where it collects the asserts of inlined functions."""
-        asserts: list[Assertion] = []
-        return Frame(makes_events, asserts), asserts
+    def scalars(
+        self, item: Declared, node: int, frame: Frame, misfit: str, where: Location | None
+    ) -> Iterator[tuple[str, Expression]]:
+        """Name and value of each scalar of *item* by *node*. Raises DseError, which says *misfit*, for another size."""
+        value = self.elements(node, frame)
+        if value.shape != item.shape:
+            raise fail(misfit, where)
+        return zip(item.names, value.elements, strict=True)
 
     def _steps(self, request: Request) -> Steps:
         frame, number = request
@@ -75,4 +91,4 @@ class Evaluation(Context):
         if node is None or rule is None:
             kind = node.kind if node else f"number {number}"
             raise self.document.refused(f"an expression of kind '{kind}' here", number)
-        return rule(Visit(self, frame, number, node))
+        return rule(Visit(self.document, self.model, frame, number, node))

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 from dse.errors import Location
 from dse.modelica.algebra.expression import Expression, Graph
-from dse.modelica.flatten.evaluation.context import Assertion, Frame
+from dse.modelica.flatten.evaluation.context import Frame
 from dse.modelica.flatten.evaluation.values import Array, MismatchError, places, position
 
 
@@ -35,8 +35,9 @@ def updated(
         known = [known_index(item, size) for item, size in zip(index, base.shape, strict=True)]
         unknown = [(item, size) for item, size, found in zip(index, base.shape, known, strict=True) if found is None]
         for item, size in unknown:
-            inside = graph.make("and", graph.make("greater_equal", item, graph.of(1.0)), _at_most(item, size))
-            _demand(frame, inside, where)
+            at_most = graph.make("less_equal", item, graph.of(float(size)))
+            inside = graph.make("and", graph.make("greater_equal", item, graph.of(1.0)), at_most)
+            frame.demand(inside, "an index outside its array", where)
         for target in places([1 if found else size for found, size in zip(known, base.shape, strict=True)]):
             exact = [found or at for found, at in zip(known, target, strict=True)]
             spot = position(base.shape, exact)
@@ -46,16 +47,6 @@ def updated(
                     condition = graph.make("and", condition, graph.make("equal", item, graph.of(float(at))))
             elements[spot] = graph.make("if", condition, element, elements[spot])
     return Array(tuple(elements), base.shape)
-
-
-def _at_most(item: Expression, size: int) -> Expression:
-    return item.graph.make("less_equal", item, item.graph.of(float(size)))
-
-
-def _demand(frame: Frame, condition: Expression, where: Location | None) -> None:
-    graph = condition.graph
-    whole = condition if frame.path is None else graph.make("or", graph.make("not", frame.path), condition)
-    frame.asserts.append(Assertion(whole, "an index outside its array", False, where))
 
 
 def indexed(graph: Graph, base: Array, subscripts: Sequence[Sequence[Expression] | Expression]) -> Array:

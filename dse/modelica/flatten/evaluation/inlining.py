@@ -10,7 +10,7 @@ from dse.errors import Location, fail
 from dse.modelica.flatten.document import Document, Record, fields, single
 from dse.modelica.flatten.domains import check_counters, points, shape
 from dse.modelica.flatten.evaluation import externals
-from dse.modelica.flatten.evaluation.context import Assertion, Frame, Request, Visit, requested
+from dse.modelica.flatten.evaluation.context import Frame, Request, Visit, requested
 from dse.modelica.flatten.evaluation.values import Array, MismatchError, Structure, Text, Value, only
 
 _DEEPEST = 200
@@ -185,11 +185,7 @@ class _Run:
         if not is_own and not condition.is_number(1):
             # The front-end's own: a path on which a variable is read that nothing has assigned.
             raise fail(f"function '{self.function['name']}': {message}", where, "give it a value on every path")
-        graph = condition.graph
-        if frame.path is not None:
-            condition = graph.make("or", graph.make("not", frame.path), condition)
-        if not condition.is_constant or condition.value == 0:
-            frame.asserts.append(Assertion(condition, str(message), data["level"] == "warning", where))
+        frame.demand(condition, str(message), where, data["level"] == "warning")
 
     def _define(self, target: int, value: Value, count: int) -> int:
         _check_type(self.document, self.variables[target], value, f"'{self.variables[target]['name']}'")
@@ -230,7 +226,7 @@ def _assignments(document: Document, statements: Sequence[Record]) -> int:
 def _check_type(document: Document, declared: Record, value: Value, what: str) -> None:
     """Raise MismatchError unless *value* has the size that *declared* asks for."""
     fields(declared, "name value_type", what)
-    kind = document.lists["value_types"][declared["value_type"]]
+    kind = document.value_type(declared)
     if isinstance(value, Structure):
         fits = kind["scalar"] == "record" or bool(kind["record_fields"])
     elif isinstance(value, Array):

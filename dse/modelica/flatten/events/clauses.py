@@ -106,12 +106,6 @@ class Clauses:
         return sorted(items, key=_text_order, reverse=True)
 
 
-def implies(guard: Expression, condition: Expression) -> Expression:
-    """``not guard or condition``."""
-    graph = guard.graph
-    return graph.make("or", graph.make("not", guard), condition)
-
-
 def _text_order(item: Item) -> tuple[int, int]:
     return (item.where.line, item.where.column) if item.where is not None else (0, 0)
 

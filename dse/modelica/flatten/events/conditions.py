@@ -11,6 +11,7 @@ from dse.modelica.algebra.expression import Expression
 from dse.modelica.algebra.symbol import Referent, Symbol
 from dse.modelica.flat_model import Clock, Trigger
 from dse.modelica.flatten.document import fields, single
+from dse.modelica.flatten.evaluation.context import Frame
 from dse.modelica.flatten.evaluation.evaluation import Evaluation
 from dse.modelica.flatten.evaluation.values import MismatchError, only
 
@@ -127,12 +128,12 @@ class Conditions:
             node = data
         else:
             raise fail(f"a condition of kind '{kind}' is not supported", where)
-        frame, asserts = evaluation.frame(makes_events)
+        frame = Frame(makes_events)
         try:
             found = only(evaluation.value(node, frame))
         except MismatchError as problem:
             raise fail(f"{problem} is not supported", where) from None
-        if asserts:
+        if frame.asserts:
             raise fail("an assert in a function that a condition calls is not supported", where)
         return found
 

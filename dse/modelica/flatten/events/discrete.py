@@ -12,11 +12,11 @@ from dse.modelica.algebra.symbol import Referent, Symbol
 from dse.modelica.flat_model import Assignment, Check, Reinitialization, Role
 from dse.modelica.flatten.document import Record, fields, single
 from dse.modelica.flatten.domains import shape
-from dse.modelica.flatten.evaluation.context import Assertion
+from dse.modelica.flatten.evaluation.context import Frame, implies
 from dse.modelica.flatten.evaluation.evaluation import Evaluation
 from dse.modelica.flatten.evaluation.values import Text
 from dse.modelica.flatten.events.chains import Span, read_chains, span
-from dse.modelica.flatten.events.clauses import Clauses, Item, implies
+from dse.modelica.flatten.events.clauses import Clauses, Item
 from dse.modelica.flatten.events.conditions import Conditions
 
 
@@ -51,11 +51,6 @@ def read_discrete(evaluation: Evaluation, conditions: Conditions) -> Discrete:
     return discrete
 
 
-def checks_of(asserts: Sequence[Assertion]) -> list[Check]:
-    """Checks at every accepted point for what inlined functions assert."""
-    return [Check(item.condition, item.message, item.is_warning, where=item.where) for item in asserts]
-
-
 def _activation(discrete: Discrete, record: object, where: Location | None) -> tuple[int | None, Expression]:
     """Trigger condition and guard of an activation: ``always`` or when."""
     kind, data = single(record, "an activation", where)
@@ -75,7 +70,7 @@ def _real_equation(discrete: Discrete, record: Record) -> None:
     node = document.nodes.get(record["residual"])
     if node is None or node.kind != "binary" or node.data["operator"] != "subtract":
         raise fail("a discrete equation that is no assignment is not supported", where)
-    frame, asserts = evaluation.frame(makes_events=trigger is None)
+    frame = Frame(makes_events=trigger is None)
     left = evaluation.elements(node.data["lhs"], frame)
     right = evaluation.elements(node.data["rhs"], frame)
     owners = {name: item.name for item in evaluation.model.declared for name in item.names}
@@ -84,7 +79,7 @@ def _real_equation(discrete: Discrete, record: Record) -> None:
         if target.shape == value.shape and len(names) == len(target.elements):
             for name, element in zip(names, value.elements, strict=True):
                 _enter(discrete, Item(name, owners[name], element, trigger, guard, where))
-            _inside(discrete, asserts, trigger, guard)
+            _inside(discrete, frame.asserts, trigger, guard)
             return
     raise fail(
         "a discrete equation that is not solved for its variable is not supported", where, "write it as d = expression"
@@ -112,17 +107,15 @@ def _value_owner(discrete: Discrete, record: Record) -> None:
     for branch in record["branches"]:
         fields(branch, "activation values", "a discrete equation", where)
         trigger, guard = _activation(discrete, branch["activation"], where)
-        frame, asserts = evaluation.frame(makes_events=trigger is None)
+        frame = Frame(makes_events=trigger is None)
         for target, item in zip(record["targets"], branch["values"], strict=True):
             place = evaluation.document.where(item.get("provenance")) or where
             fields(item, "value", "a discrete value", place)
             declared = evaluation.model.declared[target]
-            value = evaluation.elements(item["value"], frame)
-            if value.shape != declared.shape:
-                raise fail(f"a value of '{declared.name}' of another size", place)
-            for name, element in zip(declared.names, value.elements, strict=True):
+            misfit = f"a value of '{declared.name}' of another size"
+            for name, element in evaluation.scalars(declared, item["value"], frame, misfit, place):
                 _enter(discrete, Item(name, declared.name, element, trigger, guard, place))
-        _inside(discrete, asserts, trigger, guard)
+        _inside(discrete, frame.asserts, trigger, guard)
 
 
 def _check_transaction(discrete: Discrete, record: Record) -> None:
@@ -146,12 +139,11 @@ def _enter(discrete: Discrete, item: Item) -> None:
     discrete.items.setdefault(item.target, []).append(item)
 
 
-def _inside(discrete: Discrete, asserts: Sequence[Assertion], trigger: int | None, guard: Expression) -> None:
+def _inside(discrete: Discrete, asserts: Sequence[Check], trigger: int | None, guard: Expression) -> None:
     """What functions called in a discrete equation assert."""
     number = None if trigger is None else discrete.conditions.trigger(trigger)
     for item in asserts:
-        condition = implies(guard, item.condition)
-        discrete.checks.append(Check(condition, item.message, item.is_warning, number, where=item.where))
+        discrete.checks.append(replace(item, condition=implies(guard, item.condition), trigger=number))
 
 
 def _action(discrete: Discrete, record: Record) -> None:
@@ -162,19 +154,17 @@ def _action(discrete: Discrete, record: Record) -> None:
     trigger = None if conditions.is_always(record["trigger"]) else record["trigger"]
     guard = conditions.guard(record["guard"], trigger)
     kind, data = single(record["kind"], "an action at an event", where)
-    frame, asserts = evaluation.frame(makes_events=False)
+    frame = Frame(makes_events=False)
     if kind == "reinitialize":
         fields(data, "state value", "a reinit", where)
         if trigger is None:
             raise fail("a reinit outside a when-clause is not supported", where)
         declared = evaluation.model.declared[data["state"]]
-        value = evaluation.elements(data["value"], frame)
-        if value.shape != declared.shape:
-            raise fail(f"a reinit of '{declared.name}' with another size", where)
-        for name, element in zip(declared.names, value.elements, strict=True):
+        misfit = f"a reinit of '{declared.name}' with another size"
+        for name, element in evaluation.scalars(declared, data["value"], frame, misfit, where):
             item = Item(name, declared.name, element, trigger, guard, where)
             discrete.reinitialized.setdefault(name, []).append(item)
-        _inside(discrete, asserts, trigger, guard)
+        _inside(discrete, frame.asserts, trigger, guard)
         return
     condition = graph.make("not", guard)
     if kind == "warning":
@@ -187,7 +177,7 @@ def _action(discrete: Discrete, record: Record) -> None:
     message = evaluation.value(data["message"], frame)
     if not isinstance(message, Text):
         raise fail("a message that is no text is not supported", where)
-    if asserts:
+    if frame.asserts:
         raise fail("a function with an assert inside an assert is not supported", where)
     number = None if trigger is None else conditions.trigger(trigger)
     if trigger is not None:
@@ -212,12 +202,12 @@ def _initial_value(discrete: Discrete, record: Record) -> None:
     where = evaluation.document.where(record.get("provenance"))
     fields(record, "target value", "an initial value", where)
     declared = evaluation.model.declared[record["target"]]
-    frame, asserts = evaluation.frame(makes_events=False)
-    value = evaluation.elements(record["value"], frame)
-    if value.shape != declared.shape or asserts:
-        raise fail(f"this initial value of '{declared.name}' is not supported", where)
+    frame, refusal = Frame(makes_events=False), f"this initial value of '{declared.name}' is not supported"
+    values = list(evaluation.scalars(declared, record["value"], frame, refusal, where))
+    if frame.asserts:
+        raise fail(refusal, where)
     variables = evaluation.model.variables
-    for name, element in zip(declared.names, value.elements, strict=True):
+    for name, element in values:
         if not evaluation.model.is_parameter(element):
             raise fail(f"an initial value of '{name}' that depends on more than parameters is not supported", where)
         variables[name] = replace(variables[name], start=element, is_fixed=True)
