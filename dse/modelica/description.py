@@ -42,20 +42,14 @@ def describe_model(described: Described, version: int) -> bytes:
     if version == 2:
         root.set("numberOfEventIndicators", str(described.indicators))
     _interfaces(root, described, version)
-    shown = [listed for listed in described.variables if is_shown(listed)]
-    _units(root, shown)
-    _types(root, shown, version)
+    _units(root, described.variables)
+    _types(root, described.variables, version)
     categories = ET.SubElement(root, "LogCategories")
     ET.SubElement(categories, "Category", name="logStatusError", description="What was refused, and why")
     ET.SubElement(categories, "Category", name="logStatusWarning", description="Warnings of the model")
     ET.SubElement(root, "DefaultExperiment", startTime="0.0", tolerance=repr(described.tolerance))
-    (_variables_2 if version == 2 else _variables_3)(root, described, shown)
+    (_variables_2 if version == 2 else _variables_3)(root, described)
     return xml_text(root)
-
-
-def is_shown(listed: FmuVariable) -> bool:
-    """Whether the variable is the model's, not one that came in between."""
-    return not listed.name.startswith("$")
 
 
 def _interfaces(root: ET.Element, described: Described, version: int) -> None:
@@ -122,7 +116,8 @@ _TYPES_3 = {
 }
 
 
-def _variables_2(root: ET.Element, described: Described, shown: Sequence[FmuVariable]) -> None:
+def _variables_2(root: ET.Element, described: Described) -> None:
+    shown = described.variables
     index = {listed.reference: number for number, listed in enumerate(shown, start=1)}
     variables = ET.SubElement(root, "ModelVariables")
     for listed in shown:
@@ -133,7 +128,7 @@ def _variables_2(root: ET.Element, described: Described, shown: Sequence[FmuVari
         ET.SubElement(variable, _TYPES_2[listed.kind], typed)
     structure = ET.SubElement(root, "ModelStructure")
     outputs, derivatives, initial = _unknowns(shown)
-    for name, unknowns in (("Outputs", outputs), ("Derivatives", derivatives), ("InitialUnknowns", initial)):
+    for name, unknowns in {"Outputs": outputs, "Derivatives": derivatives, "InitialUnknowns": initial}.items():
         group = ET.SubElement(structure, name) if unknowns else structure
         for listed in unknowns:
             unknown = ET.SubElement(group, "Unknown", index=str(index[listed.reference]))
@@ -141,7 +136,8 @@ def _variables_2(root: ET.Element, described: Described, shown: Sequence[FmuVari
                 _depend(unknown, described, listed, {other.name: index[other.reference] for other in shown})
 
 
-def _variables_3(root: ET.Element, described: Described, shown: Sequence[FmuVariable]) -> None:
+def _variables_3(root: ET.Element, described: Described) -> None:
+    shown = described.variables
     variables = ET.SubElement(root, "ModelVariables")
     for listed in shown:
         attributes = {**_common(listed), **_typed(listed)}
@@ -149,35 +145,19 @@ def _variables_3(root: ET.Element, described: Described, shown: Sequence[FmuVari
             attributes["derivative"] = str(listed.derivative_of)
         ET.SubElement(variables, _TYPES_3[listed.kind], attributes)
     taken = {listed.name for listed in shown}
-    # The runtime's own variables come after the model's, whether those are shown or not.
+    # The runtime's own variables come after the model's.
     first = len(described.variables)
-    ET.SubElement(
-        variables,
-        "Float64",
-        name=_free("time", taken),
-        valueReference=str(first),
-        causality="independent",
-        variability="continuous",
-        description="Simulation time in seconds",
-    )
+    time = {"causality": "independent", "variability": "continuous", "description": "Simulation time in seconds"}
+    ET.SubElement(variables, "Float64", {"name": _free("time", taken), "valueReference": str(first), **time})
+    indicator = {"causality": "local", "variability": "continuous", "initial": "calculated"}
     for number in range(1, described.indicators + 1):
-        ET.SubElement(
-            variables,
-            "Float64",
-            name=_free(f"eventIndicator[{number}]", taken),
-            valueReference=str(first + number),
-            causality="local",
-            variability="continuous",
-            initial="calculated",
-        )
+        named = {"name": _free(f"eventIndicator[{number}]", taken), "valueReference": str(first + number)}
+        ET.SubElement(variables, "Float64", {**named, **indicator})
     references = {listed.name: listed.reference for listed in shown}
     structure = ET.SubElement(root, "ModelStructure")
     outputs, derivatives, initial = _unknowns(shown)
-    for name, unknowns in (
-        ("Output", outputs),
-        ("ContinuousStateDerivative", derivatives),
-        ("InitialUnknown", initial),
-    ):
+    groups = {"Output": outputs, "ContinuousStateDerivative": derivatives, "InitialUnknown": initial}
+    for name, unknowns in groups.items():
         for listed in unknowns:
             unknown = ET.SubElement(structure, name, valueReference=str(listed.reference))
             if name != "InitialUnknown":

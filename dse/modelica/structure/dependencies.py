@@ -9,8 +9,8 @@ from dse.modelica.algebra.expression import Expression
 from dse.modelica.algebra.symbol import Referent, Symbol
 from dse.modelica.algebra.traversal import symbols
 from dse.modelica.flat_model import FlatModel, Relation
-from dse.modelica.structure.blocks.arrange import Stage
-from dse.modelica.structure.events import Quantity, Step
+from dse.modelica.solved_model import EventBlock
+from dse.modelica.structure.blocks.arrange import Quantity, Stage
 from dse.modelica.structure.graphs import components
 
 
@@ -22,14 +22,12 @@ class Reach:
 
     def __init__(
         self,
-        stages: Sequence[Stage],
-        steps: Sequence[Step],
+        stages: Sequence[Stage[EventBlock]],
         sources: Sequence[Symbol],
         relations: Sequence[Relation] = (),
     ) -> None:
         self._sources = {symbol: place for place, symbol in enumerate(sources)}
         nodes: list[tuple[tuple[Quantity, ...], tuple[Quantity, ...]]] = [(one.gives, one.needs) for one in stages]
-        nodes += [(step.gives, step.needs) for step in steps]
         nodes += [
             ((Symbol(str(place), referent=Referent.HELD),), tuple(symbols(relation.truth)))
             for place, relation in enumerate(relations)

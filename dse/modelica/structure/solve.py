@@ -14,7 +14,7 @@ from dse.modelica.solved_model import Block, Explicit, Solved
 from dse.modelica.structure.aliases.elimination import Eliminated, without_aliases
 from dse.modelica.structure.aliases.merging import merged
 from dse.modelica.structure.aliases.substitution import rewriter
-from dse.modelica.structure.blocks.arrange import Stage, arranged
+from dse.modelica.structure.blocks.arrange import Quantity, Stage, arranged
 from dse.modelica.structure.blocks.singular import refuse_singular
 from dse.modelica.structure.dependencies import Reach, dependencies, refuse_uncertain
 from dse.modelica.structure.events import discrete_steps, ordered
@@ -61,8 +61,8 @@ def solve(flat: FlatModel) -> Solved:
 
     steps = discrete_steps(flat)
     inputs = [Symbol(name) for name, one in flat.variables.items() if one.role is Role.INPUT]
-    refuse_uncertain(flat, states, Reach(stages, steps, states))
-    reach = Reach(stages, steps, [*inputs, *states], flat.relations)
+    refuse_uncertain(flat, states, Reach([*stages, *steps], states))
+    reach = Reach([*stages, *steps], [*inputs, *states], flat.relations)
     wanted = [one.derivative for one in states]
     wanted += symbols(*(relation.truth for relation in flat.relations))
     hot, cold = partitioned(stages, wanted)
@@ -71,11 +71,11 @@ def solve(flat: FlatModel) -> Solved:
     return Solved(
         flat=flat,
         states=tuple(states),
-        parameters=(*numbers, *(_dependent(one, flat) for one in parameters)),
+        parameters=(*numbers, *parameters),
         derivatives=tuple(hot),
         outputs=tuple(cold),
-        event=tuple(ordered(stages, steps)),
-        initial=tuple(ordered(first_stages, discrete_steps(flat, first.discretes, at_start=True))),
+        event=tuple(ordered([*stages, *steps])),
+        initial=tuple(ordered([*first_stages, *discrete_steps(flat, first.discretes, at_start=True)])),
         aliases=aliases,
         guesses=tuple(_guesses(flat, eliminated)),
         dependencies=dependencies(flat, reach, states, aliases),
@@ -158,11 +158,6 @@ def _jumps(flat: FlatModel, chains: Sequence[Sequence[Row]]) -> list[str]:
     return notes
 
 
-def _dependent(parameter: Explicit, flat: FlatModel) -> Explicit:
-    binding = flat.variables[parameter.unknown.name].binding
-    return parameter if binding is None else Explicit(parameter.unknown, binding)
-
-
 def _guesses(flat: FlatModel, eliminated: Eliminated) -> list[Explicit]:
     found = []
     gone: Mapping[str, object] = {**eliminated.aliases, **eliminated.numbers}
@@ -174,9 +169,9 @@ def _guesses(flat: FlatModel, eliminated: Eliminated) -> list[Explicit]:
     return found
 
 
-def partitioned(stages: Sequence[Stage], wanted: Iterable[Symbol]) -> tuple[list[Block], list[Block]]:
+def partitioned(stages: Sequence[Stage[Block]], wanted: Iterable[Symbol]) -> tuple[list[Block], list[Block]]:
     """Blocks of *stages* that *wanted* needs, and the others; both in their order."""
-    needed = set(wanted)
+    needed: set[Quantity] = set(wanted)
     is_hot = [False] * len(stages)
     for place in reversed(range(len(stages))):
         if needed.intersection(stages[place].gives):

@@ -8,7 +8,8 @@ import numpy as np
 
 from dse.errors import DseError, Problem
 from dse.modelica.algebra.evaluate import evaluate
-from dse.modelica.structure.blocks.arrange import Stage, systems
+from dse.modelica.solved_model import Block, System
+from dse.modelica.structure.blocks.arrange import Stage
 from dse.modelica.structure.known import Known
 from dse.modelica.structure.rows import listed
 
@@ -16,13 +17,13 @@ SMALLEST_CONDITION = 1e-13
 """Least singular value relative to the largest, after rows and columns were scaled; below it nothing is solved."""
 
 
-def refuse_singular(stages: Sequence[Stage], known: Known) -> None:
+def refuse_singular(stages: Sequence[Stage[Block]], known: Known) -> None:
     """Raise DseError for each linear system that is singular for the parameters' starting values.
 
     Coefficients that vary are judged at run time, by the solver's pivots.
     """
     problems = []
-    for system in systems(stages):
+    for system in (stage.block for stage in stages if isinstance(stage.block, System)):
         entries = [entry for row in system.jacobian for entry in row]
         if not known.of_parameters(*entries):
             continue

@@ -15,7 +15,7 @@ from dse.modelica.algebra.symbol import Referent, Symbol
 from dse.modelica.algebra.traversal import smooth, symbols
 from dse.modelica.flat_model import Role, Variable
 from dse.modelica.structure.graphs import Matching, alternating
-from dse.modelica.structure.rows import Row, listed, told
+from dse.modelica.structure.rows import Row, listed, matched, told
 
 LARGEST_ORDER = 12
 """More differentiations of one equation are taken for a model that is wrong."""
@@ -97,22 +97,10 @@ class _Reduction:
 def _refuse_singular(rows: Sequence[Row], names: Sequence[str], variables: Mapping[str, Variable]) -> None:
     """Pantelides' algorithm ends if the equations can be matched to the unknowns whatever the derivatives' orders."""
     numbers = {name: number for number, name in enumerate(names)}
-    columns = [
-        list(
-            dict.fromkeys(
-                numbers[symbol.name] for symbol in smooth(row.residual) if symbol.is_variable and symbol.name in numbers
-            )
-        )
-        for row in rows
-    ]
-    matching = Matching()
-    problems: list[Problem] = []
-    for number in range(len(rows)):
-        seen = matching.match(number, columns)
-        if seen:
-            others = sorted({column for row in seen for column in columns[row]})
-            what = f"this equation is one too many for {listed(Symbol(names[k]) for k in others)}"
-            problems.extend(told([rows[number]], what if others else "this equation contains no unknown"))
+    solvable = ((symbol.name for symbol in smooth(row.residual) if symbol.is_variable) for row in rows)
+    columns = [list(dict.fromkeys(numbers[name] for name in own if name in numbers)) for own in solvable]
+    unknowns = [Symbol(name) for name in names]
+    matching, problems = matched(rows, columns, unknowns)
     missing = [number for number in range(len(names)) if number not in matching.row_of]
     if missing:
         rows_of: list[list[int]] = [[] for _ in names]
@@ -120,7 +108,7 @@ def _refuse_singular(rows: Sequence[Row], names: Sequence[str], variables: Mappi
             for column in listed_columns:
                 rows_of[column].append(row)
         for number in missing[:12]:
-            together = [Symbol(names[k]) for k in alternating(matching, number, rows_of)]
+            together = [unknowns[k] for k in alternating(matching, number, rows_of)]
             what = f"there is no equation for '{names[number]}'"
             if len(together) > 1:
                 what = f"there is one equation too few for {listed(together)}"
