@@ -15,11 +15,10 @@ from pathlib import Path
 from dse.domain.component import Component, Kind, ModelicaSource
 from dse.errors import DseError, Location, Problem, fail
 from dse.fmu.reading.description import read_description
-from dse.modelica.frontend.literal import literal, wrapper
-from dse.modelica.frontend.sources import ModelSources
+from dse.modelica.frontend.literal import WRAPPER, literal, wrapper
+from dse.modelica.frontend.sources import FILES, ModelSources
 
 _SECONDS = 900.0
-_WRAPPER = "DseWrapper"
 _PRODUCT = "dse_product"
 
 
@@ -53,10 +52,7 @@ def build_with_omc(component: Component, source: ModelicaSource, sources: ModelS
     """
     with tempfile.TemporaryDirectory(prefix="dse-", ignore_cleanup_errors=True) as scratch:
         folder = Path(scratch)
-        for name, content in sources.contents.items():
-            target = folder / "files" / name
-            target.parent.mkdir(parents=True, exist_ok=True)
-            target.write_bytes(content)
+        sources.lay_out(folder)
         (folder / "wrapper.mo").write_text(_wrapper(component, source), encoding="utf-8")
         (folder / "build.mos").write_text(_script(sources), encoding="utf-8")
         said = _run(component, omc, folder)
@@ -81,19 +77,19 @@ def _wrapper(component: Component, source: ModelicaSource) -> str:
         changes[component.variable(parameter.name)] = literal(
             float(value) if parameter.type.kind is Kind.REAL else bool(value) if isinstance(value, bool) else int(value)
         )
-    return wrapper(_WRAPPER, source.model, changes)
+    return wrapper(source.model, changes)
 
 
 def _script(sources: ModelSources) -> str:
-    path = os.pathsep.join(["files", *(str(root.resolve()) for root in sources.roots)])
+    path = os.pathsep.join([FILES, *(str(root.resolve()) for root in sources.roots)])
     files = [name for name in sorted(sources.contents) if name.endswith(".mo") and _is_top(name)]
-    loads = [f"loadFile({_text(f'files/{name}')}); getErrorString();" for name in files]
+    loads = [f"loadFile({_text(f'{FILES}/{name}')}); getErrorString();" for name in files]
     return "\n".join(
         [
             f"setModelicaPath({_text(path)});",
             *loads,
             'loadFile("wrapper.mo"); getErrorString();',
-            f'buildModelFMU({_WRAPPER}, version = "2.0", fmuType = "me_cs", fileNamePrefix = "{_PRODUCT}");',
+            f'buildModelFMU({WRAPPER}, version = "2.0", fmuType = "me_cs", fileNamePrefix = "{_PRODUCT}");',
             "getErrorString();",
             "",
         ]

@@ -228,8 +228,8 @@ def test_what_is_no_value_is_not_written(value: object) -> None:
 
 
 def test_dotted_names_become_nested_modifications() -> None:
-    text = wrapper("W", "P.M", {"a.b.c": "1", "a.d": "2", "e": "true"}, ["Q"])
-    assert text == "// Q\nmodel W\n  extends P.M(a(b(c=1), d=2), e=true);\nend W;\n"
+    text = wrapper("P.M", {"a.b.c": "1", "a.d": "2", "e": "true"}, ["Q"])
+    assert text == "// Q\nmodel DseWrapper\n  extends P.M(a(b(c=1), d=2), e=true);\nend DseWrapper;\n"
 
 
 @pytest.mark.parametrize(("offset", "line", "column"), [(0, 1, 1), (2, 1, 2), (5, 2, 1), (9, 2, 3)])

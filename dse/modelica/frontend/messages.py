@@ -8,14 +8,15 @@ from dataclasses import dataclass
 from typing import Any
 
 from dse.errors import Location, Problem
+from dse.modelica.frontend.literal import WRAPPER
 from dse.modelica.frontend.source_text import code, declarations, found
-from dse.modelica.frontend.sources import ModelSources, SourceText, libraries
+from dse.modelica.frontend.sources import FILES, ModelSources, SourceText, libraries
 
 _AT = re.compile(r"\s*\[(?P<file>[^\[\]]+?):(?P<line>\d+):(?P<column>\d+)\]")
 _QUOTED = re.compile(r"['`\"]([A-Za-z_][\w.]*)['`\"]")
 
 
-def found_problems(sources: ModelSources, folder: str, entries: Iterable[Any]) -> list[Problem]:
+def found_problems(sources: ModelSources, entries: Iterable[Any]) -> list[Problem]:
     """What the front-end says about single files, as lists of path, message, line, column and suggestion."""
     problems = []
     for path, message, line, column, suggestion in entries:
@@ -25,7 +26,7 @@ def found_problems(sources: ModelSources, folder: str, entries: Iterable[Any]) -
         hint = _signs(" ".join(helped[1].split())) if helped else str(suggestion or "")
         drawn = re.search(r"╭─\[(.+):(\d+):(\d+)\]", str(message))
         place = (int(drawn[2]), int(drawn[3])) if drawn else (int(line or 0), int(column or 0))
-        problems.append(Problem(what, Location(_spelled(sources, folder, str(path)), *place), hint))
+        problems.append(Problem(what, Location(sources.spelled(str(path)), *place), hint))
     return problems
 
 
@@ -42,19 +43,19 @@ def _signs(hint: str) -> str:
     return re.sub(rf"\b({'|'.join(_SIGNS)})\b", lambda match: _SIGNS[match[0]], hint)
 
 
-def refusal(sources: ModelSources, folder: str, message: str, wrapper: str) -> Problem:
+def refusal(sources: ModelSources, message: str) -> Problem:
     """One problem of a message about the whole model, where it says or, failing that, at the model."""
     first = _most_telling(message)
     where = None
     if match := _AT.search(first):
         first = (first[: match.start()] + first[match.end() :]).strip()
-        if folder in match["file"] or sources.origins:
-            spelled = _spelled(sources, folder, match["file"])
-            is_own = wrapper.lower() not in spelled.lower().replace("_", "")
+        if FILES in match["file"] or sources.origins:
+            spelled = sources.spelled(match["file"])
+            is_own = WRAPPER.lower() not in spelled.lower().replace("_", "")
             where = Location(spelled, int(match["line"]), int(match["column"])) if is_own else None
-    either = f"(?:{re.escape(wrapper)}|{re.escape(sources.model)})"
+    either = f"(?:{re.escape(WRAPPER)}|{re.escape(sources.model)})"
     first = re.sub(rf"^\w[\w ]* failed: {either} failed in \w+: |^{either} could not be compiled:? ?", "", first)
-    first = re.sub(rf"\b{re.escape(wrapper)}\b", sources.model, first)
+    first = re.sub(rf"\b{re.escape(WRAPPER)}\b", sources.model, first)
     said = in_other_words(sources.model, first)
     located = where or (_construct(sources, said.place) if said.place else None) or _mentioned(sources, first)
     located = located or model_location(sources)
@@ -124,11 +125,6 @@ def _texts(sources: ModelSources) -> list[SourceText]:
         SourceText(sources.origins[relative], content.decode("utf-8", "replace"))
         for relative, content in sources.contents.items()
     ]
-
-
-def _spelled(sources: ModelSources, folder: str, path: str) -> str:
-    relative = path.replace("\\", "/").removeprefix(f"{folder}/")
-    return sources.origins.get(relative, path)
 
 
 @dataclass(frozen=True, slots=True)

@@ -9,7 +9,8 @@ from dataclasses import dataclass
 from dse.errors import Location
 from dse.modelica.frontend.sources import SourceText
 
-_KINDS = "model|block|class|package|function|record|connector|type|operator"
+CLASS_KINDS = "class|model|block|record|connector|type|package|function"
+PREFIXES = r"(?:(?:each|final|replaceable|encapsulated|partial|pure|impure)\s+)*"
 # Quoted names are not hidden, but what looks like a comment or a string in them begins none.
 _HIDDEN = re.compile(r"""'(?:\\.|[^'\\\n])*'|"(?:\\.|[^"\\])*"|//[^\n]*|/\*.*?\*/""", re.DOTALL)
 _BLANK = re.compile(r"[^\n]")
@@ -37,7 +38,7 @@ def code(text: str, *, keep_strings: bool = False) -> str:
 def declarations(sources: Iterable[SourceText], name: str) -> list[Declaration]:
     """What may be the declaration of the class *name*, a full name: those of its last word."""
     word = name.rsplit(".", maxsplit=1)[-1]
-    pattern = re.compile(rf"^[ \t]*((?:\w+[ \t]+)*?)(?:{_KINDS})\s+({re.escape(word)})\b", re.MULTILINE)
+    pattern = re.compile(rf"^[ \t]*((?:\w+[ \t]+)*?)(?:{CLASS_KINDS}|operator)\s+({re.escape(word)})\b", re.MULTILINE)
     return [
         Declaration(place, "partial" in match[1].split(), _description(source.text[match.end() :]))
         for source, match, place in found(sources, pattern)

@@ -6,7 +6,7 @@ import re
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
 
-from dse.modelica.frontend.source_text import code
+from dse.modelica.frontend.source_text import CLASS_KINDS, code
 from dse.modelica.frontend.sources import SourceText
 
 _NAME = r"(?:[A-Za-z_]\w*|'(?:[^'\\]|\\.)*')"
@@ -14,7 +14,7 @@ _WORD = re.compile(_NAME)
 _WITHIN = re.compile(rf"\bwithin\b\s*({_NAME}(?:\s*\.\s*{_NAME})*)?\s*;")
 _CLASS = re.compile(
     rf"\bend\s+(?P<end>{_NAME})"
-    r"|\b(?P<kind>class|model|block|record|connector|type|package|function|operator)\s+"
+    rf"|\b(?P<kind>{CLASS_KINDS}|operator)\s+"
     rf"(?!record\b|function\b)(?:extends\s+)?(?P<name>{_NAME})\s*(?P<next>[=(.]?)"
 )
 _KEPT = re.compile(r"[^\n]")

@@ -9,12 +9,9 @@ from dse.errors import Problem
 from dse.modelica.frontend.misreadings.constants import mixed_up_constants
 from dse.modelica.frontend.misreadings.modifications import misread_modifications
 from dse.modelica.frontend.result import FrontEndResult
-from dse.modelica.frontend.source_text import occurring
+from dse.modelica.frontend.source_text import CLASS_KINDS, PREFIXES, occurring
 from dse.modelica.frontend.sources import SourceText
 from dse.modelica.frontend.used_classes import Used, used
-
-_PREFIXES = r"(?:(?:each|final|replaceable|encapsulated|partial|pure|impure)\s+)*"
-_KINDS = "class|model|block|record|connector|type|package|function"
 
 
 def misread(result: FrontEndResult) -> Iterator[Problem]:
@@ -49,12 +46,12 @@ def _top(source: SourceText) -> Iterator[str]:
     if within is not None and within[1]:
         yield within[1].split(".", maxsplit=1)[0]
         return
-    first = re.search(rf"\b(?:{_KINDS})\s+(\w+)", source.text)
+    first = re.search(rf"\b(?:{CLASS_KINDS})\s+(\w+)", source.text)
     if first is not None:
         yield first[1]
 
 
-_OUTER = re.compile(rf"\bouter\s+{_PREFIXES}({_KINDS})\b")
+_OUTER = re.compile(rf"\bouter\s+{PREFIXES}({CLASS_KINDS})\b")
 
 
 def _outer_classes(read: Used) -> Iterator[Problem]:

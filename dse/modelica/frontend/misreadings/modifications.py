@@ -6,14 +6,12 @@ import re
 from collections.abc import Iterator
 
 from dse.errors import Problem
-from dse.modelica.frontend.source_text import arguments, inside, occurring, place
+from dse.modelica.frontend.source_text import CLASS_KINDS, PREFIXES, arguments, inside, occurring, place
 from dse.modelica.frontend.sources import SourceText
 from dse.modelica.frontend.used_classes import Used
 
-_PREFIXES = r"(?:(?:each|final|replaceable|encapsulated|partial|pure|impure)\s+)*"
-_KINDS = "class|model|block|record|connector|type|package|function"
 _SIZE = r"(?:\[[^\]]*\])?"
-_TYPED = rf"(?:(?!(?:{_KINDS})\b)\w+\s+)*?[\w.]+\s*{_SIZE}\s+"
+_TYPED = rf"(?:(?!(?:{CLASS_KINDS})\b)\w+\s+)*?[\w.]+\s*{_SIZE}\s+"
 
 
 def misread_modifications(read: Used) -> Iterator[Problem]:
@@ -24,7 +22,7 @@ def misread_modifications(read: Used) -> Iterator[Problem]:
     yield from _dotted(read)
 
 
-_REDECLARED = re.compile(rf"\bredeclare\s+{_PREFIXES}(?:{_KINDS})\s+(\w+)\s*=\s*[\w.]+\s*{_SIZE}\s*\(")
+_REDECLARED = re.compile(rf"\bredeclare\s+{PREFIXES}(?:{CLASS_KINDS})\s+(\w+)\s*=\s*[\w.]+\s*{_SIZE}\s*\(")
 
 
 def _redeclared_with_changes(read: Used) -> Iterator[Problem]:
@@ -36,7 +34,7 @@ def _redeclared_with_changes(read: Used) -> Iterator[Problem]:
 
 _CONSTRAINED = re.compile(rf"\b(constrainedby)\s+[\w.]+\s*{_SIZE}\s*\(")
 _STATEMENT = re.compile(r"[;]|\b(?:public|protected|equation)\b")
-_CLASS = re.compile(rf"\breplaceable\s+{_PREFIXES}(?:{_KINDS})\b")
+_CLASS = re.compile(rf"\breplaceable\s+{PREFIXES}(?:{CLASS_KINDS})\b")
 _COMPONENT = re.compile(rf"[\w.]+\s*{_SIZE}\s+(\w+)\s*{_SIZE}\s*\(")
 
 
@@ -97,7 +95,7 @@ def _bare(text: str) -> str:
 
 _NO_TYPES = "and|or|not|if|then|else|elseif|when|elsewhen|while|loop|in|equation|algorithm|return|for|end|extends"
 _MODIFIED = re.compile(
-    rf"(?:\bextends\s+|\b(?:{_KINDS})\s+\w+\s*=\s*|(?<![\w.])(?!(?:{_NO_TYPES})\b)[A-Za-z_][\w.]*\s*{_SIZE}\s+)"
+    rf"(?:\bextends\s+|\b(?:{CLASS_KINDS})\s+\w+\s*=\s*|(?<![\w.])(?!(?:{_NO_TYPES})\b)[A-Za-z_][\w.]*\s*{_SIZE}\s+)"
     rf"(?!annotation\b)(?P<first>[\w.]+\s*{_SIZE}\s*[(,=])"
 )
 _MODIFIES = re.compile(rf"\s*(?:(?:each|final)\s+)*(?P<name>\w+(?:\s*\.\s*\w+)*)\s*{_SIZE}\s*(?P<next>\(|=(?!=))?")

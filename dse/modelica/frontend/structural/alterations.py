@@ -9,6 +9,7 @@ from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any
 
+from dse.modelica.frontend.literal import literal
 from dse.modelica.frontend.result import FrontEndResult
 
 
@@ -193,8 +194,7 @@ def other_number(now: float, *, is_whole: bool) -> str:
     if is_whole:
         return str(int(now) + (1 if now >= 0 else -1))
     other = float(now) * 1.0625 or 2.0**-10
-    text = repr(other if math.isfinite(other) else float(now) / 2)
-    return text if "." in text or "e" in text else f"{text}.0"
+    return literal(other if math.isfinite(other) else float(now) / 2)
 
 
 def _other_item(result: FrontEndResult, name: str, written: str) -> str | None:
