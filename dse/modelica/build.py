@@ -22,8 +22,7 @@ from dse.fmu.toolchain.compilation import (
 )
 from dse.fmu.toolchain.compiler import Compiler, find_compiler
 from dse.fmu.toolchain.platforms import this_platform
-from dse.modelica.description import Described, describe_model
-from dse.modelica.documentation import documentation
+from dse.modelica.description import Described, describe_model, documentation
 from dse.modelica.emit.model import DEFAULT_TOLERANCE, emit
 from dse.modelica.frontend.memory import Memory
 from dse.modelica.frontend.sources import ModelSources, library_contents, read_sources

@@ -1,10 +1,11 @@
-"""modelDescription.xml of an FMU made from Modelica: all its variables, for model exchange and co-simulation."""
+"""What an FMU made from Modelica tells of itself: modelDescription.xml for both interfaces, and a page."""
 
 from __future__ import annotations
 
 import xml.etree.ElementTree as ET
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
+from html import escape
 
 from dse.fmu.describe import add_base_unit, xml_text
 from dse.modelica.emit.variables import Causality, FmuVariable, Variability
@@ -238,3 +239,27 @@ def _number(kind: ScalarType, number: float) -> str:
     if kind is ScalarType.BOOLEAN:
         return "true" if number else "false"
     return str(int(number))
+
+
+def documentation(title: str, model: str, files: Iterable[str], settings: str, notes: Iterable[str]) -> bytes:
+    """``documentation/index.html``, which FMI has a place for; no clock, no path of this machine."""
+    noted = list(notes)
+    lines = [
+        "<!DOCTYPE html>",
+        '<html lang="en">',
+        f'<head><meta charset="utf-8"><title>{escape(title)}</title></head>',
+        "<body>",
+        f"<h1>{escape(title)}</h1>",
+        f"<p>Made by dse from the Modelica model <code>{escape(model)}</code>; {escape(settings)}.</p>",
+        "<h2>What was assumed</h2>",
+        *(_listed(noted) if noted else ["<p>Nothing: all starts are given, and no event joins states.</p>"]),
+        "<h2>Files</h2>",
+        *_listed(files),
+        "</body>",
+        "</html>",
+    ]
+    return ("\n".join(lines) + "\n").encode()
+
+
+def _listed(items: Iterable[str]) -> list[str]:
+    return ["<ul>", *(f"<li>{escape(item)}</li>" for item in items), "</ul>"]

@@ -13,6 +13,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass
 
 from dse.modelica.algebra.arithmetic import FUNCTIONS
 from dse.modelica.algebra.symbol import Symbol
@@ -25,6 +26,7 @@ STEPS = TRUTHS | {"sign", "floor", "ceil"}
 """Operators whose values jump and rest between: their derivative is 0."""
 
 
+@dataclass(slots=True, eq=False, repr=False)
 class Expression:
     """A node. *symbol* is given for leaves that are no constants, *value* for constants, *name* for calls.
 
@@ -34,21 +36,14 @@ class Expression:
     arrays.
     """
 
-    __slots__ = ("graph", "name", "number", "operands", "operator", "shape", "symbol", "value")
-
-    def __init__(
-        self,
-        graph: Graph,
-        number: int,
-        operator: str,
-        operands: tuple[Expression, ...],
-        symbol: Symbol | None,
-        value: float,
-        name: str,
-        shape: tuple[int, ...],
-    ) -> None:
-        self.graph, self.number, self.operator, self.operands = graph, number, operator, operands
-        self.symbol, self.value, self.name, self.shape = symbol, value, name, shape
+    graph: Graph
+    number: int
+    operator: str
+    operands: tuple[Expression, ...]
+    symbol: Symbol | None
+    value: float
+    name: str
+    shape: tuple[int, ...]
 
     @property
     def is_constant(self) -> bool:

@@ -6,8 +6,7 @@ from collections.abc import Iterator
 
 from dse.errors import Location, fail
 from dse.modelica.flat_model import Check, Equation
-from dse.modelica.flatten.document import Record, fields, single
-from dse.modelica.flatten.domains import points, shape
+from dse.modelica.flatten.document import Record, fields, points, shape, single
 from dse.modelica.flatten.evaluation.context import Frame
 from dse.modelica.flatten.evaluation.evaluation import Evaluation
 from dse.modelica.flatten.model import Declared

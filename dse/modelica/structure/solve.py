@@ -11,11 +11,10 @@ from dse.modelica.algebra.symbol import Referent, Symbol
 from dse.modelica.algebra.traversal import replaced, symbols
 from dse.modelica.flat_model import FlatModel, Role
 from dse.modelica.solved_model import Block, Explicit, Solved
-from dse.modelica.structure.aliases.elimination import Eliminated, without_aliases
+from dse.modelica.structure.aliases.elimination import Eliminated, rewriter, without_aliases
 from dse.modelica.structure.aliases.merging import merged
-from dse.modelica.structure.aliases.substitution import rewriter
 from dse.modelica.structure.blocks.arrange import Quantity, Stage, arranged
-from dse.modelica.structure.blocks.singular import refuse_singular
+from dse.modelica.structure.blocks.conditioning import refuse_singular
 from dse.modelica.structure.dependencies import Reach, dependencies, refuse_uncertain
 from dse.modelica.structure.events import discrete_steps, ordered
 from dse.modelica.structure.initialization import checked, start
@@ -52,12 +51,12 @@ def solve(flat: FlatModel) -> Solved:
     is_state = set(states)
     unknowns = [symbol for symbol in every if symbol not in is_state]
     stages = arranged([row for chain in chains for row in chain], unknowns, known)
-    refuse_singular(stages, known)
+    refuse_singular((stage.block for stage in stages), known)
 
     first = start(flat, _at_start(flat, chains), every, states)
     flat = checked(flat, first.superfluous)
     first_stages = arranged(first.rows, first.unknowns, known)
-    refuse_singular(first_stages, known)
+    refuse_singular((stage.block for stage in first_stages), known)
 
     steps = discrete_steps(flat)
     inputs = [Symbol(name) for name, one in flat.variables.items() if one.role is Role.INPUT]

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Generator, Mapping, Sequence
 
 from dse.modelica.algebra.expression import Expression
-from dse.modelica.flatten.domains import check_counters, points, shape
+from dse.modelica.flatten.document import check_counters, points, shape
 from dse.modelica.flatten.evaluation.context import Request, Rule, Steps, Visit, requested
 from dse.modelica.flatten.evaluation.indexing import indexed, updated
 from dse.modelica.flatten.evaluation.values import Array, MismatchError, Structure, Value, array, only, stacked, whole

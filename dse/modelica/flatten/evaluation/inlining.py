@@ -7,8 +7,7 @@ from collections.abc import Generator, Mapping, Sequence
 from typing import Any
 
 from dse.errors import Location, fail
-from dse.modelica.flatten.document import Document, Record, fields, single
-from dse.modelica.flatten.domains import check_counters, points, shape
+from dse.modelica.flatten.document import Document, Record, check_counters, fields, points, shape, single
 from dse.modelica.flatten.evaluation import externals
 from dse.modelica.flatten.evaluation.context import Frame, Request, Visit, requested
 from dse.modelica.flatten.evaluation.values import Array, MismatchError, Structure, Text, Value, only

@@ -10,8 +10,7 @@ from dse.errors import Location, fail
 from dse.modelica.algebra.expression import Expression
 from dse.modelica.algebra.symbol import Referent, Symbol
 from dse.modelica.flat_model import Assignment, Check, Reinitialization, Role
-from dse.modelica.flatten.document import Record, fields, single
-from dse.modelica.flatten.domains import shape
+from dse.modelica.flatten.document import Record, fields, shape, single
 from dse.modelica.flatten.evaluation.context import Frame, implies
 from dse.modelica.flatten.evaluation.evaluation import Evaluation
 from dse.modelica.flatten.evaluation.values import Text

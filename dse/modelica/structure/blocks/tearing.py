@@ -3,15 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from functools import partial
 
-from dse.modelica.algebra.derivative import derived
+from dse.modelica.algebra.derivative import derived, partial
 from dse.modelica.algebra.expression import Expression
 from dse.modelica.algebra.symbol import Symbol
-from dse.modelica.algebra.traversal import stepping, symbols
+from dse.modelica.algebra.traversal import replaced, stepping, symbols
 from dse.modelica.solved_model import Explicit, System
-from dse.modelica.structure.blocks.linear import solved_for
-from dse.modelica.structure.blocks.stability import is_stable
+from dse.modelica.structure.blocks.conditioning import is_stable
 from dse.modelica.structure.known import Known
 from dse.modelica.structure.rows import Row
 
@@ -131,8 +129,12 @@ def _jacobian(
     matrix = [[zero] * len(torn) for _ in residuals]
     for column, unknown in enumerate(torn):
         rates: dict[Symbol, Expression] = {unknown: zero.graph.constant(1.0)}
+
+        def rate_of(leaf: Symbol, rates: Mapping[Symbol, Expression] = rates) -> Expression:
+            return rates.get(leaf, zero)
+
         for place in _reached(unknown, inner, users):
-            rate = derived((expressions[place],), partial(_rate, rates, zero))[0]
+            rate = derived((expressions[place],), rate_of)[0]
             if place < len(inner):
                 rates[inner[place].unknown] = rate
             else:
@@ -153,5 +155,47 @@ def _reached(unknown: Symbol, inner: Sequence[Explicit], users: Mapping[Symbol, 
     return sorted(found)
 
 
-def _rate(rates: Mapping[Symbol, Expression], zero: Expression, leaf: Symbol) -> Expression:
-    return rates.get(leaf, zero)
+def solved_for(residual: Expression, symbol: Symbol, known: Known) -> Expression | None:
+    """What *symbol* equals where *residual* vanishes, or None if there is no closed form that always holds.
+
+    Divides only by what is never 0 as far as *known* can tell.
+    """
+    graph = residual.graph
+    node, target = residual, graph.constant(0.0)
+    while node.symbol != symbol:
+        inside = [symbol in symbols(operand) for operand in node.operands]
+        if sum(inside) != 1 or node.operator not in ("add", "subtract", "negate", "multiply", "divide"):
+            return _by_coefficient(node, target, symbol, known)
+        if node.operator == "negate":
+            node, target = node.operands[0], -target
+            continue
+        left, right = node.operands
+        match node.operator, inside[0]:
+            case "add", is_left:
+                node, target = (left, target - right) if is_left else (right, target - left)
+            case "subtract", True:
+                node, target = left, target + right
+            case "subtract", False:
+                node, target = right, left - target
+            case "multiply", is_left:
+                factor = right if is_left else left
+                if not known.is_never_zero(factor):
+                    return None
+                node, target = (left if is_left else right), target / factor
+            case "divide", True:
+                node, target = left, target * right
+            case _:
+                return None
+    return target
+
+
+def _by_coefficient(node: Expression, target: Expression, symbol: Symbol, known: Known) -> Expression | None:
+    """By a and b, where *node* is a * symbol + b and neither refers to *symbol*; None if it is not linear in it."""
+    if symbol in stepping(node):
+        return None
+    factor = partial(node, symbol)
+    if symbol in symbols(factor) or not known.is_never_zero(factor):
+        return None
+    zero = node.graph.constant(0.0)
+    (rest,) = replaced((node,), lambda one: zero if one.symbol == symbol else None)
+    return (target - rest) / factor

@@ -1,19 +1,58 @@
-"""Whether a torn system can be computed in doubles: eliminating without pivots may magnify rounding without bound."""
+"""Whether systems of equations can be solved in doubles: singular ones, and eliminations that magnify rounding."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 
 import numpy as np
 
+from dse.errors import DseError, Problem
 from dse.modelica.algebra.derivative import partial
 from dse.modelica.algebra.evaluate import evaluate
 from dse.modelica.algebra.expression import Expression
 from dse.modelica.algebra.symbol import Symbol
 from dse.modelica.algebra.traversal import smooth, symbols
-from dse.modelica.solved_model import Explicit
+from dse.modelica.solved_model import Block, Explicit, System
 from dse.modelica.structure.known import Known
+from dse.modelica.structure.rows import listed
+
+SMALLEST_CONDITION = 1e-13
+"""Least singular value relative to the largest, after rows and columns were scaled; below it nothing is solved."""
+
+
+def refuse_singular(blocks: Iterable[Block], known: Known) -> None:
+    """Raise DseError for each linear system that is singular for the parameters' starting values.
+
+    Coefficients that vary are judged at run time, by the solver's pivots.
+    """
+    problems = []
+    for system in (block for block in blocks if isinstance(block, System)):
+        entries = [entry for row in system.jacobian for entry in row]
+        if not known.of_parameters(*entries):
+            continue
+        size = len(system.unknowns)
+        matrix = np.array(evaluate(entries, known.starts), dtype=float).reshape(size, size)
+        if np.isfinite(matrix).all() and _is_singular(matrix):
+            what = f"these equations do not determine {listed(system.unknowns)}: they repeat or contradict each other"
+            where = system.where[0] if system.where else None
+            places = ", ".join(str(place) for place in system.where[1:6])
+            problems.append(Problem(what, where, f"together with {places}" if places else ""))
+    if problems:
+        raise DseError(*problems)
+
+
+def _is_singular(matrix: np.ndarray) -> bool:
+    rows = np.abs(matrix).max(axis=1)
+    if not rows.all():
+        return True
+    scaled = matrix / rows[:, None]
+    columns = np.abs(scaled).max(axis=0)
+    if not columns.all():
+        return True
+    values = np.linalg.svd(scaled / columns, compute_uv=False)
+    return bool(values[-1] < SMALLEST_CONDITION * values[0])
+
 
 LARGEST_ERROR = 1e-11
 """Error of any unknown of a trial, relative to its size; a full factorization that is as bad is no better choice."""
