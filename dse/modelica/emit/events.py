@@ -70,7 +70,7 @@ def reinitialization_lines(solved: Solved, setting: Setting) -> list[str]:
         lines += [f"    double new_{place} = v[{place}];", f"    int sets_{place} = 0;"]
         for count, (store, trigger) in enumerate(zip(stores, triggers[state], strict=True)):
             lines.append(f"    {'} else ' if count else ''}if (m->is_active[{trigger}]) {{")
-            lines += [*scope_lines([store], failing, "        "), f"        sets_{place} = 1;"]
+            lines += [*scope_lines([store], failing), f"        sets_{place} = 1;"]
         lines.append("    }")
         writes += [
             f"    if (sets_{place}) {{",
@@ -102,7 +102,7 @@ def _check_function(name: str, checks: Iterable[tuple[int, Check]], setting: Set
         at = f" at {locations((check.where,))}" if check.where else ""
         store = Store("holds", check.condition, f"in the condition of the {kind}{at}", wants_truth=True)
         guard = "1" if check.trigger is None else f"m->is_active[{check.trigger}]"
-        lines += [f"    if ({guard}) {{", "        int holds;", *scope_lines([store], inside, "        ")]
+        lines += [f"    if ({guard}) {{", "        int holds;", *scope_lines([store], inside)]
         lines += [
             "        if (!holds) {",
             f"            tell(m, {number}, {int(check.is_warning)}, {quoted(check.message)});",

@@ -64,7 +64,7 @@ def _linear(system: System, setting: Setting) -> list[str]:
     singular = setting.failing(f"{subject} have no unique solution: they are singular")
     places = [setting.place(unknown) for unknown in system.unknowns]
     lines = ["    {", f"        double a[{size * size}] = {{0.0}};", f"        double b[{size}];"]
-    lines += scope_lines(stores, setting, "        ")
+    lines += scope_lines(stores, setting)
     if size == 1:
         lines += [f"        if (!(fabs(a[0]) > 0.0)) {{ {singular} }}", f"        v[{places[0]}] = b[0] / a[0];"]
     else:
@@ -73,7 +73,7 @@ def _linear(system: System, setting: Setting) -> list[str]:
     lines.append("    }")
     if system.inner:
         inner = [explicit_store(assignment, setting) for assignment in system.inner]
-        lines += ["    {", *scope_lines(inner, setting, "        "), "    }"]
+        lines += ["    {", *scope_lines(inner, setting), "    }"]
     return lines
 
 
@@ -135,13 +135,13 @@ def _definition(number: int, system: System, flat: FlatModel, setting: Setting) 
         "    double *const v = m->v;",
         "    (void)v;",
         "    {",
-        *scope_lines(values, inside, "        "),
+        *scope_lines(values, inside),
         "    }",
         "    if (!jacobian) {",
         "        return 0;",
         "    }",
         "    {",
-        *scope_lines(slopes, inside, "        "),
+        *scope_lines(slopes, inside),
         "    }",
         "    return 0;",
         "}",

@@ -44,5 +44,5 @@ def _check(axis: Expression, setting: Setting) -> list[str]:
     if place is not None:
         return [f"    if (dse_axis({place}, {size})) {{ {failing} }}"]
     stores = [Store(f"axis[{k}]", element, "in the axis of a table") for k, element in enumerate(axis.operands)]
-    lines = ["    {", f"        double axis[{size}];", *scope_lines(stores, setting, "        ")]
+    lines = ["    {", f"        double axis[{size}];", *scope_lines(stores, setting)]
     return [*lines, f"        if (dse_axis(axis, {size})) {{ {failing} }}", "    }"]

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from dse.errors import DseError, Problem, fail
-from dse.modelica.frontend.literal import WRAPPER, Value, is_class_name, literal, wrapper
+from dse.modelica.frontend.literal import WRAPPER, is_class_name, wrapper
 from dse.modelica.frontend.messages import found_problems, refusal
 from dse.modelica.frontend.misreadings.misread import misread
 from dse.modelica.frontend.process import FrontEnd, FrontEndDied, FrontEndRefusal
@@ -22,13 +22,13 @@ _BASE, _TRIAL = "base", "trial"
 _WRAPPER_FILE = "dse_wrapper.mo"
 
 
-def compile_model(sources: ModelSources, structural: Mapping[str, Value] | None = None) -> FrontEndResult:
-    """The flat system of the model with the parameters *structural* set; ``structural`` of the result is empty.
+def compile_model(sources: ModelSources) -> FrontEndResult:
+    """The flat system of the model; ``structural`` of the result is empty.
 
     Raises DseError: the front-end refuses the model, crashes, takes too long, or is one whose output is not known.
     """
     with opened(sources) as session:
-        return session.compiled({name: literal(value) for name, value in (structural or {}).items()})
+        return session.compiled({})
 
 
 @dataclass(frozen=True, slots=True)

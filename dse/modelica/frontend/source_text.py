@@ -25,12 +25,11 @@ class Declaration:
     description: str
 
 
-def code(text: str, *, keep_strings: bool = False) -> str:
+def code(text: str) -> str:
     """*text* with blanks in place of comments and strings: the same length, and the same lines."""
 
     def blank(match: re.Match[str]) -> str:
-        is_kept = match[0].startswith("'") or (keep_strings and match[0].startswith('"'))
-        return match[0] if is_kept else _BLANK.sub(" ", match[0])
+        return match[0] if match[0].startswith("'") else _BLANK.sub(" ", match[0])
 
     return _HIDDEN.sub(blank, text)
 

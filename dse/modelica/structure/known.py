@@ -58,7 +58,7 @@ class Known:
             elif node.operator == "if":
                 stack.extend(node.operands[1:])
             elif node.operator not in ("exp", "cosh") and not (
-                self.of_parameters(node) and evaluate((node,), self.starts)[0] != 0
+                self.of_parameters(node) and evaluate((node,), self.starts.of)[0] != 0
             ):
                 return False
         return True
@@ -102,7 +102,7 @@ def dependent_parameters(flat: FlatModel) -> list[Explicit]:
     return order
 
 
-class Starts(Mapping[Symbol, float]):
+class Starts:
     """The value of each symbol at the starting values, 0 where nothing is given; of a pre-value its variable's.
 
     A held relation is its truth there. What does not come out finite counts as not given.
@@ -118,16 +118,11 @@ class Starts(Mapping[Symbol, float]):
         for one in parameters:
             self._known[one.unknown] = self._value(one.value, 0.0)
 
-    def __getitem__(self, symbol: Symbol) -> float:
+    def of(self, symbol: Symbol) -> float:
+        """The value of *symbol*."""
         if symbol not in self._known:
             self._known[symbol] = self._computed(symbol)
         return self._known[symbol]
-
-    def __iter__(self) -> object:  # type: ignore[override]  # every symbol has a value; there is nothing to list
-        raise TypeError("the starting values cannot be listed")
-
-    def __len__(self) -> int:
-        raise TypeError("the starting values cannot be counted")
 
     def _computed(self, symbol: Symbol) -> float:
         if symbol.referent is Referent.HELD:
@@ -140,7 +135,7 @@ class Starts(Mapping[Symbol, float]):
         return self._value(variable.start, default(variable))
 
     def _value(self, given: Expression | None, default: float) -> float:
-        value = default if given is None else evaluate((given,), self)[0]
+        value = default if given is None else evaluate((given,), self.of)[0]
         return value if math.isfinite(value) else default
 
 

@@ -24,9 +24,9 @@ class Row:
         return f"{_equation(self.residual)}{times}"
 
 
-def told(rows: Iterable[Row], what: str, hint: str = "") -> list[Problem]:
+def told(rows: Iterable[Row], what: str) -> list[Problem]:
     """One problem for each of *rows*, at its place; not more than a screen holds."""
-    return [Problem(f"{what}: {row}", row.where, hint) for row in list(rows)[:12]]
+    return [Problem(f"{what}: {row}", row.where) for row in list(rows)[:12]]
 
 
 def listed(symbols: Iterable[Symbol]) -> str:

@@ -24,12 +24,12 @@ class Store:
     wants_truth: bool = False
 
 
-def scope_lines(stores: Sequence[Store], setting: Setting, indent: str = "    ") -> list[str]:
+def scope_lines(stores: Sequence[Store], setting: Setting) -> list[str]:
     """The statements that make *stores* in order; a later one may read what an earlier one wrote.
 
     The names t0, t1, … must be free: the lines want a block of their own. A failure returns its code.
     """
-    return list(_Scope(stores, setting).lines(indent))
+    return list(_Scope(stores, setting).lines())
 
 
 @dataclass(frozen=True, slots=True)
@@ -99,9 +99,9 @@ class _Scope:
     def _opens(self, node: Expression) -> bool:
         return any((node.number, region) in self.regions.branches for region in self.regions.of[node.number])
 
-    def lines(self, indent: str) -> Iterator[str]:
+    def lines(self) -> Iterator[str]:
         # A stack, not recursion: an if in an if … may be as deep as the user likes.
-        stack: list[str | _Branch] = [_Branch(ROOT, indent)]
+        stack: list[str | _Branch] = [_Branch(ROOT, "        ")]
         while stack:
             item = stack.pop()
             if isinstance(item, str):

@@ -100,7 +100,7 @@ def is_truth(node: Expression) -> bool:
     return node.operator in TRUTHS
 
 
-def locations(where: tuple[Location, ...], limit: int = 4) -> str:
-    """*where* in words, cut after *limit*."""
+def locations(where: tuple[Location, ...]) -> str:
+    """*where* in words, cut after four places."""
     shown = [f"{place.file}:{place.line}" if place.line else place.file for place in dict.fromkeys(where)]
-    return ", ".join(shown[:limit]) + (", …" if len(shown) > limit else "")
+    return ", ".join(shown[:4]) + (", …" if len(shown) > 4 else "")

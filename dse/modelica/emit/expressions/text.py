@@ -34,18 +34,16 @@ def comment(text: str) -> str:
     return f"/* {plain.replace('*/', '* /').replace('/*', '/ *')} */"
 
 
-def rows(items: list[str], indent: str = "    ", width: int = 110) -> list[str]:
-    """*items* with commas behind, as many on a line as fit."""
-    lines: list[str] = []
-    line = ""
-    for item in items:
-        if line and len(indent) + len(line) + len(item) + 2 > width:
-            lines.append(indent + line.rstrip())
-            line = ""
-        line += f"{item}, "
-    return [*lines, indent + line.rstrip()] if line else lines
+_WIDTH = 110
 
 
 def table(declaration: str, items: list[str], empty: str = "0") -> list[str]:
     """An array's definition; C knows no empty array, so that one gets an element nobody reads."""
-    return [f"{declaration} = {{", *rows(items or [empty]), "};"]
+    lines = [f"{declaration} = {{"]
+    line = ""
+    for item in items or [empty]:
+        if line and len(line) + len(item) + 6 > _WIDTH:
+            lines.append(f"    {line.rstrip()}")
+            line = ""
+        line += f"{item}, "
+    return [*lines, f"    {line.rstrip()}", "};"]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping, Sequence
+from functools import reduce
 from typing import NamedTuple
 
 from dse.modelica.algebra.expression import COMPARISONS, Expression, Graph
@@ -35,12 +36,22 @@ class Given(NamedTuple):
 
 Function = Callable[[Given], Value]
 
-# fmt: off
-_BY_ELEMENT = {
-    "abs": "abs", "sqrt": "sqrt", "sin": "sin", "cos": "cos", "tan": "tan", "asin": "asin", "acos": "acos",
-    "atan": "atan", "sinh": "sinh", "cosh": "cosh", "tanh": "tanh", "exp": "exp", "log": "log", "log10": "log10",
-}
-# fmt: on
+_BY_ELEMENT = [
+    "abs",
+    "sqrt",
+    "sin",
+    "cos",
+    "tan",
+    "asin",
+    "acos",
+    "atan",
+    "sinh",
+    "cosh",
+    "tanh",
+    "exp",
+    "log",
+    "log10",
+]
 _BINARY = {
     "add": "add",
     "subtract": "subtract",
@@ -89,28 +100,20 @@ def _atan2(given: Given) -> Value:
 def _extreme(operator: str) -> Function:
     def function(given: Given) -> Value:
         if len(given.values) == 1:
-            elements: Sequence[Expression] = array(given.values[0]).elements
+            elements = _elements(given)
         else:
             left, right = given.values
             elements = (only(left), only(right))
         if not elements:
             raise MismatchError("the least or greatest of nothing")
-        found = elements[0]
-        for element in elements[1:]:
-            found = given.graph.make(operator, found, element)
-        return scalar(found)
+        return scalar(reduce(lambda one, other: given.graph.make(operator, one, other), elements))
 
     return function
 
 
-def _sum(given: Given) -> Value:
+def _elements(given: Given) -> Sequence[Expression]:
     (value,) = given.values
-    return scalar(total(given.graph, array(value).elements))
-
-
-def _product(given: Given) -> Value:
-    (value,) = given.values
-    return scalar(product(given.graph, array(value).elements))
+    return array(value).elements
 
 
 def _size(given: Given) -> Value:
@@ -215,12 +218,12 @@ def _bracketed(dimension: int) -> Function:
 
 
 BUILTINS: Mapping[str, Function] = {
-    **{name: _elementwise(operator) for name, operator in _BY_ELEMENT.items()},
+    **{name: _elementwise(name) for name in _BY_ELEMENT},
     "atan2": _atan2,
     "min": _extreme("minimum"),
     "max": _extreme("maximum"),
-    "sum": _sum,
-    "product": _product,
+    "sum": lambda given: scalar(total(given.graph, _elements(given))),
+    "product": lambda given: scalar(product(given.graph, _elements(given))),
     "size": _size,
     "zeros": lambda given: _filled(given.graph.constant(0.0), given.values),
     "ones": lambda given: _filled(given.graph.constant(1.0), given.values),

@@ -10,6 +10,7 @@ from dse.errors import Location, fail
 from dse.modelica.algebra.arithmetic import FUNCTIONS
 from dse.modelica.algebra.expression import Expression, Graph
 from dse.modelica.algebra.traversal import walk
+from dse.modelica.flat_model import Assignment
 from dse.modelica.flatten.events.chains import BranchNumber, Chains, Span
 
 
@@ -27,16 +28,6 @@ class Item:
 
 
 @dataclass(frozen=True, slots=True)
-class Step:
-    """What *target* gets when condition *trigger* becomes true; None: at every event."""
-
-    target: str
-    value: Expression
-    trigger: int | None
-    where: Location | None
-
-
-@dataclass(frozen=True, slots=True)
 class Clauses:
     """The when-clauses: *spans*, where each trigger's condition stands, and *triggers*, by clause and branch."""
 
@@ -44,10 +35,10 @@ class Clauses:
     spans: Mapping[int, Span | None]
     triggers: Mapping[BranchNumber, int]
 
-    def ordered(self, graph: Graph, items: Sequence[Item], kept: Expression) -> list[Step]:
-        """The steps of one target, of which the first active one holds; *kept* is the value where none gives one.
+    def ordered(self, graph: Graph, items: Sequence[Item], kept: Expression) -> list[Assignment]:
+        """The assignments of one target, of which the first active one holds; *kept* is the value where none gives one.
 
-        A branch of a when-clause that leaves the target alone keeps it from later branches by a step of its own.
+        Their triggers are still numbers of conditions. A branch of a when-clause that leaves the target alone keeps it from later branches by a step of its own.
         Raises DseError where the order cannot be told.
         """
         groups: dict[int | None, list[Item]] = {}
@@ -77,13 +68,13 @@ class Clauses:
     def _place(self, trigger: int | None, owner: str) -> BranchNumber | None:
         return None if trigger is None else self.chains.find(self.spans.get(trigger), frozenset({owner}))
 
-    def _silent(self, place: BranchNumber, item: Item, kept: Expression) -> Step:
+    def _silent(self, place: BranchNumber, item: Item, kept: Expression) -> Assignment:
         trigger = self.triggers.get(place)
         if trigger is None:
             raise fail(f"this elsewhen that writes '{item.target}' is not supported", item.where)
-        return Step(item.target, kept, trigger, item.where)
+        return Assignment(item.target, kept, trigger, item.where)
 
-    def _merged(self, graph: Graph, items: Sequence[Item], kept: Expression, place: BranchNumber | None) -> Step:
+    def _merged(self, graph: Graph, items: Sequence[Item], kept: Expression, place: BranchNumber | None) -> Assignment:
         """One step for *items* of one trigger."""
         ranked = self._ranked(items, place)
         covered = graph.constant(0.0)
@@ -93,7 +84,7 @@ class Clauses:
         value = ranked[-1].value if is_complete else kept
         for item in reversed(ranked[:-1] if is_complete else ranked):
             value = graph.make("if", item.guard, item.value, value)
-        return Step(items[0].target, value, items[0].trigger, items[0].where)
+        return Assignment(items[0].target, value, items[0].trigger, items[0].where)
 
     def _ranked(self, items: Sequence[Item], place: BranchNumber | None) -> Sequence[Item]:
         """*items* of one trigger, the one that holds first. In an algorithm the last one in the text holds."""

@@ -9,7 +9,7 @@ from typing import cast
 from dse.errors import Location, fail
 from dse.modelica.algebra.expression import Expression
 from dse.modelica.algebra.symbol import Referent, Symbol
-from dse.modelica.flat_model import Assignment, Check, Reinitialization, Role
+from dse.modelica.flat_model import Check, Reinitialization, Role
 from dse.modelica.flatten.document import Record, fields, shape, single
 from dse.modelica.flatten.evaluation.context import Frame, implies
 from dse.modelica.flatten.evaluation.evaluation import Evaluation
@@ -220,7 +220,7 @@ def _finish(discrete: Discrete) -> None:
     for name, items in discrete.items.items():
         for step in clauses.ordered(graph, items, graph.symbol(Symbol(name, referent=Referent.PRE))):
             number = None if step.trigger is None else conditions.trigger(step.trigger)
-            model.assignments.append(Assignment(name, step.value, number, step.where))
+            model.assignments.append(replace(step, trigger=number))
     for name, items in discrete.reinitialized.items():
         for step in clauses.ordered(graph, items, graph.variable(name)):
             number = conditions.trigger(cast("int", step.trigger))

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Sequence
 
 import numpy as np
 
@@ -32,7 +32,7 @@ def refuse_singular(blocks: Iterable[Block], known: Known) -> None:
         if not known.of_parameters(*entries):
             continue
         size = len(system.unknowns)
-        matrix = np.array(evaluate(entries, known.starts), dtype=float).reshape(size, size)
+        matrix = np.array(evaluate(entries, known.starts.of), dtype=float).reshape(size, size)
         if np.isfinite(matrix).all() and _is_singular(matrix):
             what = f"these equations do not determine {listed(system.unknowns)}: they repeat or contradict each other"
             where = system.where[0] if system.where else None
@@ -82,7 +82,8 @@ def is_stable(
         for symbol in smooth(expression)
         if symbol in number
     ]
-    parameters = {symbol: None for symbol in symbols(*(entry for *_, entry in entries)) if known.is_parameter(symbol)}
+    refers = symbols(*(entry for *_, entry in entries))
+    parameters = [symbol for symbol in refers if known.is_parameter(symbol)]
     for spread in SPREADS:
         if spread and not parameters:
             break
@@ -90,16 +91,13 @@ def is_stable(
             symbol: 10.0 ** (spread * (2 * ((0.7548776662466927 * place) % 1.0) - 1))
             for place, symbol in enumerate(parameters, 1)
         }
-        values = evaluate([entry for *_, entry in entries], _spread(known.starts, factors))
+        point = {symbol: known.starts.of(symbol) * factors.get(symbol, 1.0) for symbol in refers}
+        values = evaluate([entry for *_, entry in entries], point)
         if not all(map(math.isfinite, values)):
             continue
         if not _gives_back(entries, values, len(torn), len(unknowns)):
             return False
     return True
-
-
-def _spread(starts: Mapping[Symbol, float], factors: Mapping[Symbol, float]) -> Value:
-    return lambda symbol: starts[symbol] * factors.get(symbol, 1.0)
 
 
 def _gives_back(entries: Sequence[tuple[int, int, Expression]], values: Sequence[float], torn: int, size: int) -> bool:

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 
 from dse.errors import DseError, Problem
 from dse.modelica.algebra.derivative import partial
-from dse.modelica.algebra.evaluate import evaluate
+from dse.modelica.algebra.evaluate import Values, evaluate
 from dse.modelica.algebra.expression import Expression
 from dse.modelica.algebra.symbol import Symbol
 from dse.modelica.algebra.traversal import smooth, symbols
@@ -119,7 +119,7 @@ class _Selection:
                 self._grades[column] = max(grade, self._grades.get(column, 0))
 
     def done(self) -> list[Symbol]:
-        picked = self._independent(self._starts)
+        picked = self._independent(self._starts.of)
         if picked is None:
             # The starting values may be all 0, where any constraint is flat: look at a point that is nothing special.
             at = symbols(*(entry for line in self.matrix for entry in line.values()))
@@ -140,7 +140,7 @@ class _Selection:
         chosen_ones = frozenset(picked)
         return any(grade == 2 and self._candidates[column] in chosen_ones for column, grade in self._grades.items())
 
-    def _independent(self, values: Mapping[Symbol, float]) -> list[int] | None:
+    def _independent(self, values: Values) -> list[int] | None:
         """Columns that are independent at *values*, the ones to be preferred as dummies first; by elimination."""
         rows = [_scaled(dict(zip(line, evaluate(line.values(), values), strict=True))) for line in self.matrix]
         rows_of: dict[int, dict[int, None]] = {}
