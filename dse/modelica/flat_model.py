@@ -156,7 +156,6 @@ class FlatModel:
     assignments: tuple[Assignment, ...] = ()
     reinitializations: tuple[Reinitialization, ...] = ()
     checks: tuple[Check, ...] = ()
-    description: str = ""
 
     def at_events(self) -> Iterator[tuple[Expression, Location | None]]:
         """What is looked at because of events, and where it stands: relations, new values, conditions of checks."""

@@ -43,8 +43,7 @@ class FmuVariable:
 
     Numbers are as the model has them: *unit* is the model's attribute ("" if it has none), an enumeration's values
     count from 1 in the order of *items*, a Boolean is 0 or 1. *start* is set for parameters, inputs and constants, and
-    for nothing else. *derivative_of* is the reference of the state whose time derivative it is. *is_state* marks the
-    continuous states, in the order of their references.
+    for nothing else. *derivative_of* is the reference of the state whose time derivative it is.
     """
 
     name: str
@@ -61,34 +60,28 @@ class FmuVariable:
     description: str = ""
     items: tuple[str, ...] = ()
     derivative_of: int | None = None
-    is_state: bool = False
     where: Location | None = None
 
-    @property
-    def is_settable(self) -> bool:
-        """Whether it can be given a value from outside."""
-        return self.causality in (Causality.PARAMETER, Causality.INPUT)
 
-
+_SETTABLE = (Causality.PARAMETER, Causality.INPUT)
 _INTERNAL = "$"
 
 
 def variables(solved: Solved, starts: Mapping[str, float] | None = None) -> tuple[FmuVariable, ...]:
     """The FMU's variables by reference: parameters, inputs, outputs, then states, derivatives of states and the others.
 
-    What the translation added for itself is left out.
-    *starts* are values for parameters and inputs instead of the model's own. A parameter that nobody can set
-    (structural, final or protected) is a constant. Raises DseError: a parameter without a value, a start of something
-    that cannot be set, a start that is no finite number.
+    What the translation added for itself is left out. *starts* are values for parameters and inputs instead of the
+    model's own. A parameter that nobody can set (structural, final or protected) is a constant. Raises DseError: a
+    parameter without a value, a start of something that cannot be set, a start that is no finite number.
     """
     given = dict(starts or {})
     memory = memory_layout(solved)
     free = _free_parameters(solved)
     values = _start_values(solved, free, given)
     listed = (declared for name, declared in solved.flat.variables.items() if not name.startswith(_INTERNAL))
-    found = [_declared(solved, memory, free, values, declared) for declared in listed]
+    found = [_declared(memory, free, values, declared) for declared in listed]
     _refuse_unusable(solved, found, given)
-    ordered = sorted([*found, *_derivatives(solved, memory)], key=_rank)
+    ordered = sorted([*found, *_derivatives(solved, memory)], key=lambda listed: _ORDER.index(listed.causality))
     references = {listed.name: reference for reference, listed in enumerate(ordered)}
     states = {str(state.derivative): references[str(state)] for state in solved.states}
     return tuple(
@@ -132,10 +125,10 @@ def _start_values(solved: Solved, free: frozenset[str], given: Mapping[str, floa
 
 
 def _declared(
-    solved: Solved, memory: MemoryLayout, free: frozenset[str], values: Callable[[Symbol], float], declared: Variable
+    memory: MemoryLayout, free: frozenset[str], values: Callable[[Symbol], float], declared: Variable
 ) -> FmuVariable:
     causality, variability = _role(declared, declared.name in free)
-    has_start = causality in (Causality.PARAMETER, Causality.INPUT) or variability is Variability.CONSTANT
+    has_start = causality in _SETTABLE or variability is Variability.CONSTANT
     return FmuVariable(
         name=declared.name,
         reference=0,
@@ -150,7 +143,6 @@ def _declared(
         unit=declared.unit,
         description=declared.description,
         items=declared.items,
-        is_state=Symbol(declared.name) in solved.states,
         where=declared.where,
     )
 
@@ -180,7 +172,6 @@ def _number(expression: Expression | None) -> float | None:
 def _derivatives(solved: Solved, memory: MemoryLayout) -> list[FmuVariable]:
     """The states' derivatives, and the states that are derivatives themselves."""
     found: dict[Symbol, FmuVariable] = {}
-    known = set(solved.states)
     for state in solved.states:
         for symbol in (state, state.derivative):
             if symbol.order > 0:
@@ -192,17 +183,12 @@ def _derivatives(solved: Solved, memory: MemoryLayout) -> list[FmuVariable]:
                     causality=Causality.LOCAL,
                     variability=Variability.CONTINUOUS,
                     description=f"time derivative of {Symbol(symbol.name, symbol.order - 1)}",
-                    is_state=symbol in known,
                 )
     return list(found.values())
 
 
+# What a user looks for first comes first; the sort is stable, so that the model's own order stays.
 _ORDER = (Causality.PARAMETER, Causality.INPUT, Causality.OUTPUT, Causality.LOCAL, Causality.CALCULATED_PARAMETER)
-
-
-def _rank(listed: FmuVariable) -> int:
-    """What a user looks for first comes first; the sort is stable, so that the model's own order stays."""
-    return _ORDER.index(listed.causality)
 
 
 def _refuse_unusable(solved: Solved, found: Iterable[FmuVariable], given: Mapping[str, float]) -> None:
@@ -216,7 +202,7 @@ def _refuse_unusable(solved: Solved, found: Iterable[FmuVariable], given: Mappin
         listed = by_name.get(name)
         if listed is None:
             problems.append(Problem(f"the model has no variable '{name}'", None, closest(name, by_name)))
-        elif not listed.is_settable and not solved.flat.variables[name].is_structural:
+        elif listed.causality not in _SETTABLE and not solved.flat.variables[name].is_structural:
             what = f"'{name}' cannot be given a start: it is not a parameter or input that can be set"
             problems.append(Problem(what, listed.where))
     if problems:

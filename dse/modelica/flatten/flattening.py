@@ -49,7 +49,6 @@ def flatten(result: FrontEndResult) -> FlatModel:
         assignments=tuple(model.assignments),
         reinitializations=tuple(discrete.reinitializations),
         checks=_distinct([*asserts, *discrete.checks]),
-        description=str(document.flat.get("model_description") or ""),
     )
     _check_balance(flat)
     return flat

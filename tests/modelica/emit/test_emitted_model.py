@@ -85,7 +85,6 @@ def test_the_table_of_variables_says_what_each_is() -> None:
     assert listed["a"].place == listed["der(x)"].place
     assert listed["a"].reference != listed["der(x)"].reference
     assert listed["der(x)"].derivative_of == listed["x"].reference
-    assert listed["der(x)"].is_state
     assert listed["der(der(x))"].derivative_of == listed["der(x)"].reference
     assert listed["minus"].place not in {each.place for each in listed.values() if each.name != "minus"}
 

@@ -38,8 +38,8 @@ class Clauses:
     def ordered(self, graph: Graph, items: Sequence[Item], kept: Expression) -> list[Assignment]:
         """The assignments of one target, of which the first active one holds; *kept* is the value where none gives one.
 
-        Their triggers are still numbers of conditions. A branch of a when-clause that leaves the target alone keeps it from later branches by a step of its own.
-        Raises DseError where the order cannot be told.
+        Their triggers are still numbers of conditions. A branch of a when-clause that leaves the target alone keeps it
+        from later branches by an assignment of its own. Raises DseError where the order cannot be told.
         """
         groups: dict[int | None, list[Item]] = {}
         for item in items:
