@@ -22,11 +22,11 @@ from dse.domain.bench import Judgement, Verdict
 from dse.domain.definition import DefinedConfiguration, StudyDefinition
 from dse.domain.run import Outcome, Run, RunRequest
 from dse.domain.study import DesignVariable, Keep, Study
-from dse.exploration.asking import first_ask
+from dse.exploration.asking import Asking
 from dse.exploration.executors.local import Local
-from dse.exploration.explore import explore
-from dse.exploration.job import Bench, MakeRunner
+from dse.exploration.loop import explore
 from dse.exploration.samplers.full_factorial import FullFactorial
+from dse.exploration.work import MakeRunner, Runnable
 from dse.loading.workspace import Workspace
 from dse.storage.folder import StudyFolder
 from dse.testbench.execute import Runner, make_runner
@@ -41,7 +41,7 @@ ROWS = 100_000
 def main() -> None:
     study = replace(Workspace.around(Path(__file__).parent).study("acc_gains"), keep=Keep.NEAR_BOUNDARY)
     planned = plan(study)
-    asked = first_ask(study, tuple(planned.prepared))
+    asked = first_ask(study, planned.definition)
     whole, kernel = [], []
     for _ in range(TURNS):
         kernel.append(kernel_alone(planned, asked))
@@ -58,11 +58,19 @@ def main() -> None:
         explored=("nothing",),
     )
     seconds = whole_study(bare, {"nothing": Nothing(definition)}, definition, make_nothing)
-    runs = len(first_ask(bare, ("nothing",)))
+    runs = len(first_ask(bare, definition))
     print(f"runs that take no time: {runs} in {seconds:.2f} s, {runs / seconds:.0f} runs/s")
 
 
-def whole_study(study: Study, prepared: Mapping[str, Bench], definition: StudyDefinition, make: MakeRunner) -> float:
+def first_ask(study: Study, definition: StudyDefinition) -> list[RunRequest]:
+    """The runs that a new *study* asks for first, numbered from 0."""
+    with tempfile.TemporaryDirectory() as scratch, StudyFolder.create(Path(scratch), definition) as folder:
+        asking = Asking(study, folder)
+        asking.ask()
+        return list(asking.requests.values())
+
+
+def whole_study(study: Study, prepared: Mapping[str, Runnable], definition: StudyDefinition, make: MakeRunner) -> float:
     """Seconds from the start of the workers to the last committed row."""
     with (
         tempfile.TemporaryDirectory(prefix="dse-bench-") as scratch,
@@ -115,7 +123,7 @@ class Nothing:
     thread_safe: bool = True
     most_runs: int | None = None
 
-    def describe_progress(self, block: bytes) -> str:  # noqa: ARG002  # as Bench has it
+    def describe_progress(self, block: bytes) -> str:  # noqa: ARG002  # as Runnable has it
         return ""
 
 

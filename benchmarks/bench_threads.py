@@ -11,18 +11,18 @@ import sys
 import tempfile
 import time
 from collections.abc import Sequence
-from dataclasses import replace
 from pathlib import Path
 from statistics import median
 
-from dse.exploration.asking import first_ask
-from dse.exploration.crew import simulate
-from dse.exploration.heartbeat import Heartbeat
-from dse.exploration.job import Batch, Setup
-from dse.exploration.plan import missing_runs
-from dse.exploration.seat import Seat, bench_file
+from bench_study import first_ask
+
+from dse.exploration.supervision.guarded_runner import GuardedRunner
+from dse.exploration.supervision.heartbeat import Heartbeat
+from dse.exploration.supervision.messages import Setup
+from dse.exploration.supervision.worker_threads import simulate
+from dse.exploration.work import Batch
 from dse.loading.workspace import Workspace
-from dse.storage.asks import Asks, blocks_of
+from dse.storage.rows import Measures
 from dse.testbench.execute import make_runner
 from dse.testbench.plan import plan
 
@@ -33,44 +33,39 @@ TURNS = 5
 def main() -> None:
     study = Workspace.around(Path(__file__).parent).study("acc_gains")
     planned = plan(study)
-    asked = first_ask(study, tuple(planned.prepared))
-    (batch,) = missing_runs([0], {0: asked[0]}, Asks(blocks_of(asked[:1], 0, 0)))
-    chosen = [r for r in asked if r.configuration == batch.configuration][:RUNS]
-    batch = replace(
-        batch,
-        numbers=tuple(r.number for r in chosen),
-        points=tuple(tuple(r.point[name] for name in batch.names) for r in chosen),
-    )
+    asked = first_ask(study, planned.definition)
+    name = asked[0].configuration
+    batch = Batch(0, name, tuple(request for request in asked if request.configuration == name)[:RUNS])
     prepared = planned.prepared[batch.configuration]
     assert prepared.thread_safe
     sys.setswitchinterval(1e-4)  # as a worker with threads does
     with tempfile.TemporaryDirectory(prefix="dse-bench-") as scratch:
         folder = Path(scratch)
-        setup = Setup(make_runner, folder, folder, tuple(m.name for m in study.bench.metrics), (), 2)
-        bench_file(setup, batch.configuration).write_bytes(pickle.dumps(prepared))
+        setup = Setup(make_runner, folder, folder, Measures(tuple(m.name for m in study.bench.metrics)), 2)
+        setup.file(batch.configuration).write_bytes(pickle.dumps(prepared))
         Heartbeat.lay_out(folder / "beat", 2)
-        seats = [Seat(setup, Heartbeat(folder / "beat", seat)) for seat in range(2)]
+        runners = [GuardedRunner(setup, Heartbeat(folder / "beat", thread)) for thread in range(2)]
         rates: dict[int, list[float]] = {1: [], 2: []}
         results = {}
         for threads in (1, 2):
             results[threads] = sorted(
-                (run.request.number, *run.metrics.values()) for run, _ in simulate(batch, seats[:threads])
+                (run.request.number, *run.metrics.values()) for run, _ in simulate(batch, runners[:threads])
             )
         assert repr(results[1]) == repr(results[2])
         for _ in range(TURNS):
             for threads, measured in rates.items():
-                measured.append(rate(batch, seats[:threads]))
+                measured.append(rate(batch, runners[:threads]))
     one, two = median(rates[1]), median(rates[2])
-    print(f"{len(batch.numbers)} runs of {prepared.simulation.steps} steps in one process, median of {TURNS}")
+    print(f"{len(batch.requests)} runs of {prepared.simulation.steps} steps in one process, median of {TURNS}")
     print(f"  one thread  {one:8.0f} runs/s")
     print(f"  two threads {two:8.0f} runs/s")
     print(f"  ratio       {two / one:8.2f}   (wanted: at least 1.8)")
 
 
-def rate(batch: Batch, seats: Sequence[Seat]) -> float:
+def rate(batch: Batch, runners: Sequence[GuardedRunner]) -> float:
     """Runs per second."""
     start = time.perf_counter()
-    done = sum(1 for _ in simulate(batch, seats))
+    done = sum(1 for _ in simulate(batch, runners))
     return done / (time.perf_counter() - start)
 
 

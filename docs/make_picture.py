@@ -9,9 +9,8 @@ from pathlib import Path
 
 from playwright.sync_api import sync_playwright
 
-from dse.report.figures import default_run
-from dse.report.study import read_content
-from dse.storage.folder import StudyFolder
+from dse.report.content.reading import read_content
+from dse.report.figures.waveforms import default_run
 
 ROOT = Path(__file__).resolve().parents[1]
 STUDY = ROOT / "out" / "acc_gains"
@@ -41,8 +40,7 @@ def main() -> None:
 
 
 def _table() -> str:
-    with StudyFolder.open(STUDY) as folder:
-        content = read_content(folder, shown_as="out/acc_gains")
+    content = read_content(STUDY)
     number = default_run(content)
     row = content.runs.numbers.tolist().index(number)
     columns = [*content.variables, *(m for m in content.metrics if m.name in _SHOWN)]

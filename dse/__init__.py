@@ -12,13 +12,13 @@ from importlib import import_module
 TYPE_CHECKING = False  # type checkers take it for true; importing typing would be most of ``import dse``
 
 if TYPE_CHECKING:
-    from dse.api.bench import Bench, Study
-    from dse.api.design import Design
-    from dse.api.explaining import Explanation
-    from dse.api.exploring import ExplorationInterruptedError, Progress
-    from dse.api.ranking import Ranking
-    from dse.api.results import Results, results
-    from dse.api.run import Run, Waveforms
+    from dse.api.spaces.design import Design
+    from dse.api.spaces.explaining import Explanation
+    from dse.api.spaces.ranking import Ranking
+    from dse.api.studies.bench import Bench, Study
+    from dse.api.studies.exploring import ExplorationInterruptedError, Progress
+    from dse.api.studies.results import Results, results
+    from dse.api.studies.run import Run, Waveforms
     from dse.api.workspace import Workspace
     from dse.api.workspace import open_workspace as open  # noqa: A004  # dse.open(".") reads as it should
     from dse.errors import DseError, Problem
@@ -47,22 +47,22 @@ __all__ = [
 ]
 
 _PLACES = {
-    "Bench": "api.bench:Bench",
-    "Design": "api.design:Design",
+    "Bench": "api.studies.bench:Bench",
+    "Design": "api.spaces.design:Design",
     "DseError": "errors:DseError",
-    "Explanation": "api.explaining:Explanation",
-    "ExplorationInterruptedError": "api.exploring:ExplorationInterruptedError",
+    "Explanation": "api.spaces.explaining:Explanation",
+    "ExplorationInterruptedError": "api.studies.exploring:ExplorationInterruptedError",
     "Problem": "errors:Problem",
-    "Progress": "api.exploring:Progress",
-    "Ranking": "api.ranking:Ranking",
-    "Results": "api.results:Results",
-    "Run": "api.run:Run",
-    "Study": "api.bench:Study",
+    "Progress": "api.studies.exploring:Progress",
+    "Ranking": "api.spaces.ranking:Ranking",
+    "Results": "api.studies.results:Results",
+    "Run": "api.studies.run:Run",
+    "Study": "api.studies.bench:Study",
     "Tally": "space.tally:Tally",
-    "Waveforms": "api.run:Waveforms",
+    "Waveforms": "api.studies.run:Waveforms",
     "Workspace": "api.workspace:Workspace",
     "open": "api.workspace:open_workspace",
-    "results": "api.results:results",
+    "results": "api.studies.results:results",
 }
 
 

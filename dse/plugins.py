@@ -11,31 +11,29 @@ from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from dse.domain.component import Component, CSource, Source
-    from dse.domain.sampler import Brief, Candidate, Outcomes
-    from dse.domain.study import DesignVariable
+    from dse.domain.sampler import Brief, Candidate, DesignVariable, Outcomes
     from dse.errors import DseError, Location, Problem, fail
-    from dse.exploration.job import Batch, Sink, Work
-    from dse.exploration.parcel import Carried, carry_out, hand_over, parcel
-    from dse.exploration.sampling import OnceSampler, scaled
+    from dse.exploration.once_sampler import OnceSampler, scaled
+    from dse.exploration.remote import Carried, carry_out, hand_over, parcel
+    from dse.exploration.work import Batch, Sink, Work
     from dse.kinds import ComponentKind, SourcePlace, SourceSection, build_generated
     from dse.loading.extensions import ExecutorSection, SamplerSection, Surroundings
     from dse.metrics.catalogue import Argument, Wants, metric_function, same
-    from dse.report.chart import Axis, Band, Bars, Chart, Line, Points, Rule, Steps
-    from dse.report.content import ReportContent
+    from dse.report.charts.chart import Axis, Band, Bars, Chart, Line, Points, Rule, Steps
+    from dse.report.content.nouns import ReportContent
 
 _PLACES = {
     "dse.domain.component": ("CSource", "Component", "Source"),
-    "dse.domain.sampler": ("Brief", "Candidate", "Outcomes"),
-    "dse.domain.study": ("DesignVariable",),
+    "dse.domain.sampler": ("Brief", "Candidate", "DesignVariable", "Outcomes"),
     "dse.errors": ("DseError", "Location", "Problem", "fail"),
-    "dse.exploration.job": ("Batch", "Sink", "Work"),
-    "dse.exploration.parcel": ("Carried", "carry_out", "hand_over", "parcel"),
-    "dse.exploration.sampling": ("OnceSampler", "scaled"),
+    "dse.exploration.work": ("Batch", "Sink", "Work"),
+    "dse.exploration.remote": ("Carried", "carry_out", "hand_over", "parcel"),
+    "dse.exploration.once_sampler": ("OnceSampler", "scaled"),
     "dse.kinds": ("ComponentKind", "SourcePlace", "SourceSection", "build_generated"),
     "dse.loading.extensions": ("ExecutorSection", "SamplerSection", "Surroundings"),
     "dse.metrics.catalogue": ("Argument", "Wants", "metric_function", "same"),
-    "dse.report.chart": ("Axis", "Band", "Bars", "Chart", "Line", "Points", "Rule", "Steps"),
-    "dse.report.content": ("ReportContent",),
+    "dse.report.charts.chart": ("Axis", "Band", "Bars", "Chart", "Line", "Points", "Rule", "Steps"),
+    "dse.report.content.nouns": ("ReportContent",),
 }
 _HOMES = {name: module for module, names in _PLACES.items() for name in names}
 

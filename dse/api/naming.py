@@ -1,17 +1,16 @@
-"""What a person names by its name or its file: workspaces, design spaces, conditions."""
+"""What a person names by its name or its file: workspaces and design spaces."""
 
 from __future__ import annotations
 
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from dse.errors import DseError, Location, fail
+from dse.errors import DseError, fail
 
 if TYPE_CHECKING:
     from collections.abc import Collection
 
     from dse.domain.design import DesignSpace
-    from dse.domain.expression import Expression
     from dse.loading.workspace import Workspace
 
 _NO_YAML = {
@@ -51,10 +50,3 @@ def space_of(
     if problems:
         raise DseError(*problems)
     return switched(space, on, off)
-
-
-def condition_of(text: str | None) -> Expression | None:
-    """The condition of ``--where``; its problems are located in the text of the option. Raises DseError."""
-    from dse.expression.parse import parse_expression
-
-    return None if text is None else parse_expression(text, Location("--where", 1, 1))

@@ -1,29 +1,31 @@
-"""SSP packages: opened, simulated once, and what came of it as the system's own connectors show it."""
+"""SSP packages: simulated once, and what came of it as the system's own connectors show it."""
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from dse.api.exploring import package_alone
-from dse.domain.run import Waveforms
-from dse.interchange.prepared import PreparedPackage, prepare_ssp
+from dse.domain.run import Run, Waveforms
+from dse.exploration.supervision.single_run import simulate_alone
+from dse.storage.rows import Measures
+from dse.testbench.execute import make_runner
 
 if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
+    from dse.interchange.prepared import PreparedPackage
     from dse.interchange.resolving.conversion import Carry
 
-__all__ = ["PreparedPackage", "prepare_ssp", "simulate_package"]
 
-
-def simulate_package(package: PreparedPackage) -> tuple[Waveforms | None, str]:
-    """The package's signals by name at its own point, or None and what was wrong."""
-    waveforms, problem = package_alone(package)
-    if waveforms is None:
-        return None, problem
-    signals = package.resolved.signals
-    return Waveforms(waveforms.time, {s.name: _carried(s.carry, waveforms.values[s.label]) for s in signals}), problem
+def simulate_package(package: PreparedPackage) -> Run:
+    """The run of the package at its own point; its waveforms are the package's signals by name."""
+    run = simulate_alone(package.bench, make_runner, "ssp", Measures())
+    if run.waveforms is None:
+        return run
+    recorded = run.waveforms
+    values = {s.name: _carried(s.carry, recorded.values[s.label]) for s in package.resolved.signals}
+    return replace(run, waveforms=Waveforms(recorded.time, values))
 
 
 def _carried(carry: Carry, values: NDArray[np.float64]) -> NDArray[np.float64]:

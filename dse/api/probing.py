@@ -6,7 +6,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from dse.cosim.probing.child import Limits
+from dse.cosim.probing.child import ProbeLimits
 from dse.cosim.probing.probe import probe
 from dse.fmu.build import build
 from dse.fmu.toolchain.platforms import this_platform
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from dse.domain.facts import FmuFacts, Question
     from dse.domain.fmu import FmuModel
 
-__all__ = ["as_data", "consequences", "find_out", "known_facts", "model_of"]
+__all__ = ["as_data", "consequences", "known_facts", "model_of", "probe_fmu"]
 
 
 def model_of(name: str, *, version: int = 2) -> FmuModel:
@@ -29,8 +29,8 @@ def model_of(name: str, *, version: int = 2) -> FmuModel:
     return open_fmu(build(Workspace.around(Path()).component(name), version=version))
 
 
-def find_out(model: FmuModel, *, timeout: float, tell: Callable[[Question], None]) -> FmuFacts:
+def probe_fmu(model: FmuModel, *, timeout: float, tell: Callable[[Question], None]) -> FmuFacts:
     """Make the experiments, each of at most *timeout* seconds, and keep what they show in the cache."""
-    facts = probe(model, this_platform().name, limits=Limits(time=timeout), tell=tell)
+    facts = probe(model, this_platform().name, limits=ProbeLimits(time=timeout), tell=tell)
     keep_facts(facts)
     return facts

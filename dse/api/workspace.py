@@ -5,11 +5,11 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from dse.api.bench import Bench, Study
-from dse.api.design import Design
-from dse.api.html import table
 from dse.api.named import Named
 from dse.api.naming import space_of
+from dse.api.showing.html import table
+from dse.api.spaces.design import Design
+from dse.api.studies.bench import Bench, Study
 from dse.loading.workspace import Workspace as Files
 
 if TYPE_CHECKING:

@@ -1,21 +1,15 @@
-"""The command line's frame: one typer application, problems shown the same way everywhere."""
+"""The command line's frame: one typer application."""
 
 from __future__ import annotations
 
-import math
 import os
 import sys
-import unicodedata
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import Annotated, Any
 
 import typer
 from typer.core import TyperGroup
 
-if TYPE_CHECKING:
-    from rich.console import Console
-    from rich.table import Table
-
-    from dse.errors import DseError
+from dse.cli.terminal import console
 
 DONE, WRONG_FILES, USAGE, RUNS_FAILED, INTERRUPTED = 0, 1, 2, 3, 130
 """Exit codes: done; the files are wrong; wrong usage; some runs failed, or a requirement under --gate; Ctrl-C."""
@@ -63,6 +57,8 @@ def _silence() -> None:
     os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
 
 
+_HELP = {"help_option_names": ["-h", "--help"]}
+
 app = typer.Typer(
     name="dse",
     cls=_Commands,
@@ -73,7 +69,7 @@ app = typer.Typer(
     add_completion=False,
     pretty_exceptions_enable=False,
     rich_markup_mode=None,
-    context_settings={"help_option_names": ["-h", "--help"]},
+    context_settings=_HELP,
 )
 
 
@@ -94,64 +90,9 @@ def _frame(
     pass
 
 
-def show_problems(error: DseError) -> None:
-    """Print every problem to standard error, then how many there are."""
-    from rich.text import Text
-
-    screen = console(stderr=True)
-    for problem in error.problems:
-        line = Text()
-        if problem.where:
-            line.append(plain(f"{problem.where}: "), style="bold")
-        line.append(plain(problem.what), style="red")
-        screen.print(line, soft_wrap=True)
-        if problem.hint:
-            screen.print(Text(plain(f"    hint: {problem.hint}")), soft_wrap=True)
-    if len(error.problems) > 1:
-        screen.print(Text(f"{len(error.problems)} problems"), soft_wrap=True)
-
-
-def plain(text: str) -> str:
-    """*text* without control characters: what an FMU logs or calls itself must not steer the terminal."""
-    return "".join("\N{REPLACEMENT CHARACTER}" if _steers(character) else character for character in text)
-
-
-def _steers(character: str) -> bool:
-    return character != "\n" and unicodedata.category(character) in ("Cc", "Cf", "Cs")
-
-
-def console(*, stderr: bool = False) -> Console:
-    """A rich console that never guesses at highlights or markup in the user's words."""
-    from rich.console import Console
-
-    class Screen(Console):
-        def on_broken_pipe(self) -> None:
-            raise BrokenPipeError
-
-    return Screen(stderr=stderr, highlight=False, markup=False, emoji=False)
-
-
-def print_table(table: Table) -> None:
-    """A table in full: a narrow terminal wraps its lines, nothing is cut off."""
-    screen = console()
-    screen.width = max(screen.width, screen.measure(table, options=screen.options.update(max_width=10_000)).maximum)
-    screen.print(table, soft_wrap=True)
-
-
-def print_json(data: object) -> None:
-    """One JSON document on standard output; NaN becomes null, infinities the strings "inf" and "-inf"."""
-    import json
-
-    # Large spaces have counts of more digits than the interpreter writes by itself.
-    sys.set_int_max_str_digits(0)
-    sys.stdout.write(json.dumps(_plain(data), ensure_ascii=False, indent=2, allow_nan=False) + "\n")
-
-
-def _plain(data: object) -> object:
-    if isinstance(data, float) and not math.isfinite(data):
-        return None if math.isnan(data) else str(data)
-    if isinstance(data, dict):
-        return {str(key): _plain(value) for key, value in data.items()}
-    if isinstance(data, list | tuple):
-        return [_plain(value) for value in data]
-    return data
+def group(name: str, about: str) -> typer.Typer:
+    """A group of commands in the application."""
+    made = typer.Typer(name=name, help=about, no_args_is_help=True, rich_markup_mode=None, context_settings=_HELP)
+    made.callback()(lambda: None)  # a group, also where only one of its commands was imported
+    app.add_typer(made)
+    return made

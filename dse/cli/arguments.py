@@ -59,3 +59,29 @@ Fuse = Annotated[
     bool, typer.Option("--fuse", help="Compile each configuration into one library first: same results, faster runs.")
 ]
 Gate = Annotated[bool, typer.Option("--gate", help="Exit with 3 also if a requirement failed, not only a run.")]
+
+On = Annotated[list[str], typer.Option("--on", metavar="SET", help="Switch a constraint set on.")]
+Off = Annotated[list[str], typer.Option("--off", metavar="SET", help="Switch a constraint set off.")]
+
+
+def _condition(text: str | None) -> str | None:
+    """Refuse an empty condition: a variable of a script may be unset."""
+    if text is not None and not text.strip():
+        raise typer.BadParameter("the condition is empty", param_hint="--where")
+    return text
+
+
+Where = Annotated[
+    str | None,
+    typer.Option(
+        "--where",
+        metavar="CONDITION",
+        callback=_condition,
+        help="Only those that meet it, as 'sensor is lidar_905nm'.",
+    ),
+]
+Choose = Annotated[
+    list[str],
+    typer.Option("--choose", metavar="PLACE=CHOICE", help="What is chosen where, as 'sensor=lidar_905nm'."),
+]
+Seed = Annotated[int, typer.Option("--seed", min=0, help="Where random draws start; the same seed, the same draws.")]

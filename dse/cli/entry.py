@@ -6,8 +6,9 @@ import gc
 import os
 import sys
 
-from dse.cli.app import WRONG_FILES, app, show_problems
+from dse.cli.app import WRONG_FILES, app
 from dse.cli.commands import register
+from dse.cli.terminal import show_problems
 from dse.errors import DseError, Location, fail
 
 _OUTPUT = "check that the folder exists, is a folder, has space and may be written"

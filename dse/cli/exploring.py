@@ -1,4 +1,4 @@
-"""What `run`, `explore`, `simulate` and `replay` share: telling the terminal how far it is, and what came of it."""
+"""What `run` and `explore` share: telling the terminal how far it is, and what came of it."""
 
 from __future__ import annotations
 
@@ -7,33 +7,34 @@ from typing import TYPE_CHECKING
 
 import typer
 
-from dse.cli.app import DONE, INTERRUPTED, RUNS_FAILED, console, plain
+from dse.cli.app import DONE, INTERRUPTED, RUNS_FAILED
+from dse.cli.terminal import console, plain, plain_table, print_table, say
 
 if TYPE_CHECKING:
-    from dse.api.exploring import Explored
-    from dse.api.results import Results, Summary
+    from dse.api.studies.exploring import Explored, ExploreOptions, Progress
+    from dse.api.studies.results import Results, Summary
     from dse.domain.study import Study
-    from dse.testbench.plan import Plan
 
 _MOST_PROBLEMS = 5
 
 
-def explore_into(
-    study: Study, folder: Path, *, workers: int, threads: int, version: int, fuse: bool, fresh: bool, gate: bool
-) -> None:
+def explore_into(study: Study, folder: Path, options: ExploreOptions, *, gate: bool) -> None:
     """Explore *study* into *folder* with a progress bar, say what came of it, and exit as it deserves."""
-    from dse.api import exploring
-    from dse.api.progress import progress_bar
-    from dse.api.results import Results
+    from dse.api.showing.progress import progress_bar
+    from dse.api.studies import exploring
+    from dse.api.studies.results import Results
 
-    planned = ready(study, version, fuse=fuse)
+    screen = console(stderr=True)
     try:
-        with progress_bar(console(stderr=True)) as show:
-            explored = exploring.explore_into(
-                planned, folder, workers=workers, threads=threads, fresh=fresh, on_progress=show
-            )
+        with screen.status("") as status, progress_bar(screen) as show:
+
+            def advance(progress: Progress) -> None:
+                status.stop()
+                show(progress)
+
+            explored = exploring.explore_into(study, folder, options, on_progress=advance, tell=status.update)
     except exploring.ExplorationInterruptedError as stop:
-        console(stderr=True).print(f"{folder}: {stop}", soft_wrap=True)
+        say(f"{folder}: {stop}", stderr=True)
         raise typer.Exit(INTERRUPTED) from None
     results = Results(folder, explored)
     summary = results.summary
@@ -42,18 +43,9 @@ def explore_into(
     raise typer.Exit(RUNS_FAILED if failed else DONE)
 
 
-def ready(study: Study, version: int, *, fuse: bool = False) -> Plan:
-    """*study* with all that has to be built for it, the terminal told what is going on. Raises DseError."""
-    from dse.api.exploring import ready as made_ready
-
-    with console(stderr=True).status("building FMUs, assembling configurations") as status:
-        return made_ready(study, version=version, fuse=fuse, tell=status.update)
-
-
 def _say(results: Results, summary: Summary, explored: Explored) -> None:
-    from rich.table import Table
 
-    from dse.api.described import labels
+    from dse.api.showing.described import requirement_labels
 
     screen, folder = console(), results.folder
     what = f"{summary.finished} runs, {explored.new} of them new"
@@ -65,14 +57,12 @@ def _say(results: Results, summary: Summary, explored: Explored) -> None:
         what += f"; the study was extended, its {explored.before} runs are kept"
     screen.print(f"{folder}: {what}", soft_wrap=True)
     if summary.verdicts:
-        named = labels(results.definition)
-        shown = Table(box=None, pad_edge=False, header_style="bold")
-        shown.add_column("requirement")
-        for verdict in next(iter(summary.verdicts.values())):
-            shown.add_column(verdict, justify="right")
+        named = requirement_labels(results.definition)
+        verdicts = tuple(next(iter(summary.verdicts.values())))
+        shown = plain_table("requirement", *verdicts, right=verdicts)
         for name, count in summary.verdicts.items():
             shown.add_row(named[name], *(str(number) for number in count.values()))
-        screen.print(shown)
+        print_table(shown)
     said: dict[str, str] = {}
     for number, problem in summary.problems.items():
         failed = "failed: " if number in summary.failures else ""

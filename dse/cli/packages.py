@@ -2,25 +2,25 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from enum import StrEnum
 from pathlib import Path
 from typing import TYPE_CHECKING, TypeVar
 
 import typer
 
-from dse.cli.app import DONE, RUNS_FAILED, console, plain, print_json, print_table
+from dse.cli.app import DONE, RUNS_FAILED
 from dse.cli.arguments import Output
+from dse.cli.terminal import console, plain, plain_table, print_json, print_table, say
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
     import numpy as np
     from numpy.typing import NDArray
-    from rich.table import Table
 
-    from dse.api.packages import PreparedPackage
     from dse.domain.method import Method
+    from dse.interchange.prepared import PreparedPackage
 
     Columns = Mapping[str, NDArray[np.float64]]
 
@@ -34,15 +34,15 @@ _TIMEOUT = 600.0
 class Wishes:
     """What a person asks of the simulation of a package, as typed; None for what is left to the package."""
 
-    variant: str | None = None
-    stop: str | None = None
-    step: str | None = None
-    settings: Mapping[str, str] = field(default_factory=dict)
-    record: tuple[str, ...] = ()
-    algorithm: str | None = None
-    coupling: str | None = None
-    extrapolation: str | None = None
-    timeout: str | None = None
+    variant: str | None
+    stop: str | None
+    step: str | None
+    settings: Mapping[str, str]
+    record: tuple[str, ...]
+    algorithm: str | None
+    coupling: str | None
+    extrapolation: str | None
+    timeout: str | None
 
 
 def is_package(name: str) -> bool:
@@ -61,8 +61,8 @@ def waveform_file(path: Path | None) -> Path | None:
 
 def simulate_package(path: Path, wishes: Wishes, target: Path | None, output: Output) -> None:
     """Simulate the package once, show or write its waveforms, and exit as it deserves."""
-    from dse.api.packages import prepare_ssp
     from dse.api.packages import simulate_package as simulated
+    from dse.interchange.prepared import prepare_ssp
 
     with console(stderr=True).status("opening FMUs"):
         prepared = prepare_ssp(
@@ -76,14 +76,14 @@ def simulate_package(path: Path, wishes: Wishes, target: Path | None, output: Ou
             timeout=seconds("--timeout", wishes.timeout) or _TIMEOUT,
         )
     _say_notes(prepared)
-    waveforms, problem = simulated(prepared)
-    if waveforms is None:
-        console(stderr=True).print(plain(f"{path.name} failed to run: {problem}"), style="bold red", soft_wrap=True)
+    run = simulated(prepared)
+    if run.waveforms is None:
+        say(f"{path.name} failed to run: {run.problem}", style="bold red", stderr=True)
         raise typer.Exit(RUNS_FAILED)
-    time, columns = waveforms.time, waveforms.values
+    time, columns = run.waveforms.time, run.waveforms.values
     if target is not None:
         _write(target, time, columns, prepared)
-        console().print(f"{target}: {len(columns)} waveforms of {len(time)} points", soft_wrap=True)
+        say(f"{target}: {len(columns)} waveforms of {len(time)} points")
     elif output is Output.JSON:
         print_json(_data(time, columns, prepared, whole=False))
     else:
@@ -133,11 +133,10 @@ def _word(words: type[W], text: str | None, option: str) -> W:
 
 def _say_notes(prepared: PreparedPackage) -> None:
     notes = prepared.resolved.notes
-    screen = console(stderr=True)
     for note in notes[:_MOST_NOTES]:
-        screen.print(plain(f"note: {note}"), soft_wrap=True)
+        say(f"note: {note}", stderr=True)
     if len(notes) > _MOST_NOTES:
-        screen.print(f"note: and {len(notes) - _MOST_NOTES} more of what is not used", soft_wrap=True)
+        say(f"note: and {len(notes) - _MOST_NOTES} more of what is not used", stderr=True)
 
 
 def _write(target: Path, time: NDArray[np.float64], columns: Columns, prepared: PreparedPackage) -> None:
@@ -197,18 +196,9 @@ def _show(path: Path, columns: Columns, prepared: PreparedPackage) -> None:
         f"{timing.stop:g} s ({timing.stop_said_by}) in steps of {timing.step:g} s ({timing.step_said_by})",
         soft_wrap=True,
     )
-    print_table(_table(columns, prepared))
-
-
-def _table(columns: Columns, prepared: PreparedPackage) -> Table:
-    from rich.table import Table
-
-    table = Table(box=None, pad_edge=False, header_style="bold")
-    table.add_column("signal")
-    for heading in ("at the start", "at the end", "least", "greatest"):
-        table.add_column(heading, justify="right")
-    table.add_column("unit")
+    numbered = ("at the start", "at the end", "least", "greatest")
+    table = plain_table("signal", *numbered, "unit", right=numbered)
     for signal in prepared.resolved.signals:
         numbers = _extremes(columns[signal.name]).values()
         table.add_row(plain(signal.name), *(f"{number:.6g}" for number in numbers), plain(signal.unit))
-    return table
+    print_table(table)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 
-from dse.cli.app import console, plain
+from dse.cli.terminal import console, plain
 
 _PATIENCE = 1.0
 """Seconds before a line says what is being waited for."""

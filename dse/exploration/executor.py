@@ -7,7 +7,7 @@ from contextlib import AbstractContextManager
 from typing import ClassVar, Protocol, cast
 
 from dse.domain.study import ExecutorChoice
-from dse.exploration.job import Batch, Sink, Work
+from dse.exploration.work import Batch, Sink, Work
 from dse.loading.extensions import EXECUTORS
 
 
@@ -38,7 +38,7 @@ class Executor(Protocol):
         """
 
 
-def chosen(choice: ExecutorChoice) -> Executor:
+def load_executor(choice: ExecutorChoice) -> Executor:
     """The executor of a study. Raises DseError if it is not installed here."""
     # What else an executor has to be, its protocol says and the suite over all of them checks.
     return cast(Executor, EXECUTORS.get(choice.name).model_validate(choice.options))

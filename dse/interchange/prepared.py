@@ -7,10 +7,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from dse.cosim.binding.layout import kernel as load_kernel
-from dse.cosim.clock import steps_in
-from dse.cosim.trust import refusals
-from dse.cosim.wiring.check import check_system
+from dse.cosim.feasibility import require_kernel, simulation_problems
 from dse.domain.bench import Simulation
 from dse.domain.design import Configuration
 from dse.domain.facts import FmuFacts
@@ -126,13 +123,8 @@ def _require_fit(
     system: SystemStructure, simulation: Simulation, facts: Mapping[str, FmuFacts], where: Location
 ) -> None:
     """Raise DseError, at *where*, with every reason why *system* cannot be simulated so."""
-    load_kernel()
-    problems = list(refusals(system, simulation.method, facts))
-    try:
-        steps_in(simulation.stop, simulation.step)
-        check_system(system, simulation.method)
-    except DseError as error:
-        problems += error.problems
+    require_kernel()
+    problems = simulation_problems(system, simulation.method, facts, stop=simulation.stop, step=simulation.step)
     raise_if_any(Problem(problem.what, problem.where or where, problem.hint) for problem in problems)
 
 

@@ -7,11 +7,13 @@ from dataclasses import replace
 from functools import lru_cache
 from pathlib import Path
 
+from dse.csolve import headers
 from dse.domain.component import Component, ModelicaCompiler, ModelicaSource
 from dse.errors import DseError, fail
 from dse.fmu.archive import pack
 from dse.fmu.cache import cache_folder, content_key, keep_file
 from dse.fmu.describe import describe_sources, identifier
+from dse.fmu.slot_table import SLOT_TABLE, SlotTable
 from dse.fmu.toolchain.compilation import (
     LANGUAGE_OPTIONS,
     MODEL_OPTIONS,
@@ -23,6 +25,7 @@ from dse.fmu.toolchain.compilation import (
 from dse.fmu.toolchain.compiler import Compiler, find_compiler
 from dse.fmu.toolchain.platforms import this_platform
 from dse.modelica.description import Described, describe_model, documentation
+from dse.modelica.emit.constant_data import slot_rows
 from dse.modelica.emit.model import DEFAULT_TOLERANCE, emit
 from dse.modelica.frontend.memory import Memory
 from dse.modelica.frontend.sources import ModelSources, library_contents, read_sources
@@ -157,9 +160,10 @@ def _contents(
         **{
             f"sources/runtime/{name}": content
             for name, content in _runtime().items()
-            if not name.startswith(_NOT_FOR[version])
+            if name in headers() or not name.startswith(_NOT_FOR[version])
         },
         **{f"sources/runtime/{name}": content for name, content in generated.items()},
+        f"sources/{SLOT_TABLE}": SlotTable("", slot_rows(translated.variables)).to_bytes(),
         "modelDescription.xml": describe_model(described, version),
     }
     settings = f"solver {source.solver.value}, relative tolerance {tolerance:g}"
@@ -214,7 +218,7 @@ def _identity(
 
 @lru_cache(maxsize=1)
 def _runtime() -> dict[str, bytes]:
-    return {path.name: path.read_bytes() for path in sorted(_RUNTIME.glob("*.[ch]"))}
+    return {**{path.name: path.read_bytes() for path in sorted(_RUNTIME.glob("*.[ch]"))}, **headers()}
 
 
 @lru_cache(maxsize=1)

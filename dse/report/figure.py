@@ -12,10 +12,10 @@ from typing import TYPE_CHECKING, Protocol, runtime_checkable
 
 from dse.errors import DseError, Problem, fail
 from dse.registry import Registry
-from dse.report.chart import Chart
-from dse.report.chart_problems import chart_problems
-from dse.report.content import ReportContent
-from dse.report.thinning import thinned
+from dse.report.charts.chart import Chart
+from dse.report.charts.problems import chart_problems
+from dse.report.charts.thinning import thinned
+from dse.report.content.nouns import ReportContent
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure as Sheet
@@ -102,7 +102,7 @@ def drawings(name: str, content: ReportContent, view: View) -> Iterator[tuple[st
     """The figure *name* for print: each drawing with the name of its file. Raises DseError as `charted` does."""
     figure = FIGURES.get(name)
     if not isinstance(figure, PrintedFigure):
-        from dse.report.draw_chart import draw_chart
+        from dse.report.drawing.chart import draw_chart
 
         yield from ((f"{name}_{chart.name}", draw_chart(chart)) for chart in charted(name, content).charts)
         return

@@ -7,7 +7,7 @@ from collections.abc import Iterable, Mapping
 from dse.domain.component import Causality, Interface, Type, same_signal
 from dse.domain.design import Alternative, Compound, Connection, DesignSpace, Node, Optional, Part, walk
 from dse.errors import DseError, Problem
-from dse.loading.design.interfaces import misfits
+from dse.loading.design.exchangeable import misfits
 from dse.space.language.evaluate import compile_in
 from dse.space.language.places import Places
 from dse.space.wiring import Place, PortOf, port_pairs, two_sources, with_bench

@@ -28,10 +28,11 @@ from dse.domain.expression import (
     Piece,
     Truth,
     Unary,
+    is_rollup,
 )
-from dse.expression.parse import children, descend, parse_expression
+from dse.expression.parse import parse_expression
 from dse.expression.text import show_expression
-from dse.loading.design.scope import is_rollup
+from dse.expression.tree import children, descend
 from dse.space.decisions import sites
 from dse.units import DIMENSIONLESS, Unit
 

@@ -16,7 +16,7 @@ _SECTIONS = {
 """What decides results in the entries of a definition; the rest is titles and units of display."""
 
 
-def differences(stored: Run, again: Run) -> list[str]:
+def changed_results(stored: Run, again: Run) -> list[str]:
     """In which results *again* is not *stored*; [] if they are the same bit for bit.
 
     Compared are outcome, problem, metrics, verdicts and margins, and waveforms if *stored* has them. NaN equals NaN;
@@ -34,7 +34,7 @@ def differences(stored: Run, again: Run) -> list[str]:
     return found + (_waveform_differences(stored.waveforms, again.waveforms) if stored.waveforms else [])
 
 
-def changes(stored: StudyDefinition, again: StudyDefinition, run: Run) -> list[str]:
+def changed_inputs(stored: StudyDefinition, again: StudyDefinition, run: Run) -> list[str]:
     """What decides the results of *run* and is not the same in the two definitions, its own point aside.
 
     *again* may hold just the configuration of *run*.

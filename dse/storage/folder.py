@@ -9,17 +9,27 @@ from dataclasses import replace
 from pathlib import Path
 from types import TracebackType
 
+from dse.domain.bench import VERDICTS
 from dse.domain.component import Value
 from dse.domain.definition import StudyDefinition
 from dse.domain.run import Outcome, Run, RunRequest, Waveforms
 from dse.errors import Location, fail
-from dse.storage.asks import Asks, blocks_of, write_asks
-from dse.storage.database import NAME, connect, damaged, lay_out, located, migrate, read_header, write_header
-from dse.storage.definition import unit_flaws
-from dse.storage.header import StudyHeader
-from dse.storage.rows import VERDICTS, RowBlock
-from dse.storage.schema import cell_of, columns
-from dse.storage.table import RunTable, read_table
+from dse.storage.database.asks import Asks, blocks_of, write_asks
+from dse.storage.database.connection import (
+    NAME,
+    connect,
+    damaged_study,
+    lay_out,
+    located,
+    migrate,
+    read_header,
+    write_header,
+)
+from dse.storage.database.definition import unit_flaws
+from dse.storage.database.header import StudyHeader
+from dse.storage.database.schema import cell_of, columns
+from dse.storage.database.table import RunTable, read_table
+from dse.storage.rows import RowBlock
 from dse.storage.waveforms import PART, is_file_name, read_waveforms
 
 WAVEFORMS = "waveforms"
@@ -137,7 +147,7 @@ class StudyFolder:
         """The study's definition, fit to be shown; DseError if it has units that nobody can read."""
         flaw = next(unit_flaws(self.header.definition), "")
         if flaw:
-            raise damaged(self.path, flaw)
+            raise damaged_study(self.path, flaw)
         return self.header.definition
 
     def ask(self, number: int, requests: Sequence[RunRequest], asked: int) -> None:
@@ -168,14 +178,12 @@ class StudyFolder:
             with located(self.path):
                 return read_table(self._connection, self.header, numbers)
         except (KeyError, ValueError, TypeError) as error:
-            raise damaged(self.path, str(error)) from error
+            raise damaged_study(self.path, str(error)) from error
 
     def run(self, number: int) -> Run:
         """Run *number* with its waveforms if they were kept; DseError if it has not been made."""
         for run in self.table((number,)).runs():
-            return Run(
-                run.request, run.outcome, run.metrics, run.judgements, run.problem, waveforms=self.waveforms(number)
-            )
+            return replace(run, waveforms=self.waveforms(number))
         raise fail(
             f"there is no run {number}", Location(str(self.path)), f"the study has runs 0 to {self.header.numbers - 1}"
         )
@@ -186,18 +194,13 @@ class StudyFolder:
             row = self._connection.execute("SELECT file FROM kept WHERE number = ?", (number,)).fetchone()
         return read_waveforms(self.waveform_folder / self._checked(row[0]), number) if row and row[0] else None
 
-    def timing(self) -> Mapping[int, float]:
-        """Wall time in seconds by run, of this machine and never exported; NaN where a worker died."""
-        with located(self.path):
-            rows = self._connection.execute("SELECT number, wall FROM timing ORDER BY number").fetchall()
-        return {number: float("nan") if wall is None else wall for number, wall in rows}
-
     def add(self, configuration: str, points: Sequence[Sequence[Value]], block: RowBlock) -> None:
         """Store *block*, all of one *configuration*; *points* (n, variables) in the header's order.
 
         A run that has a row already keeps it.
         """
         numbers = block.numbers.tolist()
+        cells = (column.tolist() for column in (block.done, block.metrics, block.verdicts, block.margins))
         rows = [
             (
                 number,
@@ -209,15 +212,7 @@ class StudyFolder:
                 *(str(VERDICTS[code]) for code in verdicts),
                 *margins,
             )
-            for number, done, point, metrics, verdicts, margins in zip(
-                numbers,
-                block.done.tolist(),
-                points,
-                block.metrics.tolist(),
-                block.verdicts.tolist(),
-                block.margins.tolist(),
-                strict=True,
-            )
+            for number, point, done, metrics, verdicts, margins in zip(numbers, points, *cells, strict=True)
         ]
         places = ", ".join("?" * len(columns(self.header)))
         with located(self.path):
@@ -309,7 +304,7 @@ class StudyFolder:
     def _checked(self, file: str | None) -> str:
         # The database may come from anywhere: what it names must lie in the folder of waveforms.
         if file and not is_file_name(file):
-            raise damaged(self.path, f"'{file}' is no file of waveforms")
+            raise damaged_study(self.path, f"'{file}' is no file of waveforms")
         return file or ""
 
     def _numbers(self, query: str) -> set[int]:

@@ -3,19 +3,24 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
-from dse.domain.bench import Verdict
-from dse.domain.run import Outcome, Run
-
-VERDICTS = tuple(Verdict)
-"""A verdict's code is its position here."""
+from dse.domain.bench import VERDICTS, Judgement, Verdict
+from dse.domain.run import Outcome, Run, RunRequest
 
 _CODES = {verdict: code for code, verdict in enumerate(VERDICTS)}
+
+
+@dataclass(frozen=True, slots=True)
+class Measures:
+    """What every run has to give, by name and in the study's order."""
+
+    metrics: tuple[str, ...] = ()
+    requirements: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -65,19 +70,35 @@ class RowBlock:
             dtype=np.bool_,
         )
 
+    def runs(self, requests: Iterable[RunRequest], measures: Measures) -> Iterator[Run]:
+        """The rows one by one as runs of *requests*, without waveforms."""
+        columns = (self.done, self.metrics, self.verdicts, self.margins)
+        for request, done, metrics, verdicts, margins in zip(requests, *(c.tolist() for c in columns), strict=True):
+            yield Run(
+                request,
+                Outcome.DONE if done else Outcome.FAILED,
+                dict(zip(measures.metrics, metrics, strict=True)) if done else {},
+                tuple(
+                    Judgement(name, VERDICTS[code], margin)
+                    for name, code, margin in zip(measures.requirements, verdicts, margins, strict=True)
+                ),
+                self.problems.get(request.number, ""),
+            )
 
-def block_of(
-    runs: Sequence[Run], wall: Sequence[float], metrics: Sequence[str], requirements: Sequence[str]
-) -> RowBlock:
-    """*runs* as a block; KeyError if a finished run lacks a metric or a requirement."""
+
+def block_of(runs: Sequence[Run], measures: Measures, wall: Sequence[float] | None = None) -> RowBlock:
+    """*runs* as a block, *wall* seconds each; KeyError if a finished run lacks a metric or a requirement."""
     n = len(runs)
+    judged = [_judged(run, measures.requirements) for run in runs]
+    metrics = [_metrics(run, measures.metrics) for run in runs]
+    shape = (n, len(measures.requirements))
     return RowBlock(
         np.array([run.request.number for run in runs], dtype=np.int64),
         np.array([run.outcome is Outcome.DONE for run in runs], dtype=np.bool_),
-        np.array([_metrics(run, metrics) for run in runs], dtype=np.float64).reshape(n, len(metrics)),
-        np.array([_verdicts(run, requirements) for run in runs], dtype=np.uint8).reshape(n, len(requirements)),
-        np.array([_margins(run, requirements) for run in runs], dtype=np.float64).reshape(n, len(requirements)),
-        np.array(wall, dtype=np.float64),
+        np.array(metrics, dtype=np.float64).reshape(n, len(measures.metrics)),
+        np.array([[_CODES[verdict] for verdict, _ in row] for row in judged], dtype=np.uint8).reshape(shape),
+        np.array([[margin for _, margin in row] for row in judged], dtype=np.float64).reshape(shape),
+        np.full(n, math.nan) if wall is None else np.array(wall, dtype=np.float64),
         {run.request.number: run.problem for run in runs if run.problem},
     )
 
@@ -88,17 +109,10 @@ def _metrics(run: Run, names: Sequence[str]) -> list[float]:
     return [run.metrics[name] for name in names]
 
 
-def _verdicts(run: Run, names: Sequence[str]) -> list[int]:
+def _judged(run: Run, names: Sequence[str]) -> list[tuple[Verdict, float]]:
     if run.outcome is Outcome.FAILED:
-        return [_CODES[Verdict.FAILED_TO_RUN]] * len(names)
-    by_name = {judgement.requirement: judgement.verdict for judgement in run.judgements}
-    return [_CODES[by_name[name]] for name in names]
-
-
-def _margins(run: Run, names: Sequence[str]) -> list[float]:
-    if run.outcome is Outcome.FAILED:
-        return [math.nan] * len(names)
-    by_name = {judgement.requirement: judgement.margin for judgement in run.judgements}
+        return [(Verdict.FAILED_TO_RUN, math.nan)] * len(names)
+    by_name = {judgement.requirement: (judgement.verdict, judgement.margin) for judgement in run.judgements}
     return [by_name[name] for name in names]
 
 

@@ -20,13 +20,13 @@ PART = ".part"
 _AGAIN = "delete the file if it is there: the same explore command makes its waveforms again"
 
 
-def file_name(first: int, last: int) -> str:
+def waveform_file(first: int, last: int) -> str:
     """Name of the file for the chunk of runs *first* to *last*, both included."""
     return f"runs-{first:08d}-{last:08d}.parquet"
 
 
 def is_file_name(text: str) -> bool:
-    """Whether *text* is a name that `file_name` gives, and so no path to somewhere else."""
+    """Whether *text* is a name that `waveform_file` gives, and so no path to somewhere else."""
     return re.fullmatch(r"runs-[0-9]{8,}-[0-9]{8,}\.parquet", text) is not None
 
 

@@ -13,9 +13,8 @@ from dse.domain.fmu import FmuModel, Variable
 from dse.errors import DseError
 from dse.expression.tokens import KEYWORDS
 from dse.loading.names import is_identifier
-from dse.loading.values import LARGEST_WHOLE
 from dse.system.binding import unit_of
-from dse.units import DIMENSIONLESS, LARGEST, Unit, coherent
+from dse.units import DIMENSIONLESS, LARGEST, LARGEST_WHOLE, Unit, coherent
 
 MOST_VALUES = 64
 """Arrays with more values than that are left out."""

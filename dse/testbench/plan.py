@@ -13,7 +13,7 @@ from dse.domain.design import Configuration
 from dse.domain.sampler import Nominal
 from dse.domain.study import Keep, Selection, Study
 from dse.errors import DseError, Location, Problem
-from dse.loading.bench.bench import setting
+from dse.loading.bench.bench import read_setting
 from dse.loading.values import Raw
 from dse.testbench.definition import define
 from dse.testbench.prepare import prepare
@@ -54,7 +54,7 @@ def with_settings(bench: TestBench, settings: Mapping[str, Raw], configuration: 
     for name, raw in settings.items():
         here = Location(f"--set {name}={raw}")
         try:
-            values[name] = setting(name, raw, components, here, here)
+            values[name] = read_setting(name, raw, components, here, here)
         except DseError as error:
             problems += error.problems
     if problems:

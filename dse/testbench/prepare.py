@@ -5,10 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 
-from dse.cosim.binding.layout import kernel as load_kernel
-from dse.cosim.trust import refusals
-from dse.cosim.wiring.check import check_system, own_steps
-from dse.domain.bench import Simulation, TestBench
+from dse.cosim.feasibility import require_kernel, simulation_problems
+from dse.domain.bench import TestBench
 from dse.domain.component import Causality, Component, Kind, Type, Value, as_number
 from dse.domain.design import Configuration, Connection, split_path, walk
 from dse.domain.fmu import FmuModel
@@ -31,7 +29,7 @@ def prepare(
     bench: TestBench, configurations: Sequence[Configuration], *, version: int = 2, cache: Path | None = None
 ) -> dict[str, PreparedBench]:
     """Make every configuration ready to run on *bench*, by configuration id. Raises DseError with all problems."""
-    load_kernel()
+    require_kernel()
     wired = {configuration.id: parts_and_wiring(bench, configuration) for configuration in configurations}
     components = {c.name: c for parts, _ in wired.values() for c in parts.values()}
     archives = build_all(components.values(), version=version, cache=cache)
@@ -120,10 +118,9 @@ def _prepare(
     system = assemble(configuration.id, parts, connections, models, values, sources, bench.where)
     settings, constants = _settings(parts, connected, values)
     facts = facts_of(system, cache=cache)
-    raise_if_any(
-        Problem(p.what, p.where or bench.simulation.where, p.hint)
-        for p in [*_crowded(system), *_unfit(bench.simulation, system, method), *refusals(system, method, facts)]
-    )
+    simulation = bench.simulation
+    unfit = simulation_problems(system, method, facts, stop=simulation.stop, step=simulation.step)
+    raise_if_any(Problem(p.what, p.where or simulation.where, p.hint) for p in [*_crowded(system), *unfit])
     return PreparedBench(
         configuration,
         system,
@@ -173,16 +170,6 @@ def _names(
         types[face] = types[source]
         signals.add(face)
     return types, frozenset(signals)
-
-
-def _unfit(simulation: Simulation, system: SystemStructure, method: Method) -> tuple[Problem, ...]:
-    """Why *system* cannot be simulated by *method*."""
-    try:
-        check_system(system, method)
-        own_steps(system, method, stop=simulation.stop, step=simulation.step)
-    except DseError as error:
-        return error.problems
-    return ()
 
 
 def _crowded(system: SystemStructure) -> list[Problem]:

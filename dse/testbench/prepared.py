@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
-from dse.cosim.trust import most_runs
+from dse.cosim.wear import most_runs
 from dse.domain.bench import Requirement, Simulation
 from dse.domain.component import Type
 from dse.domain.design import Configuration
@@ -69,6 +69,6 @@ class PreparedBench:
 
     def describe_progress(self, block: bytes) -> str:
         """The FMU, call and time a dead or hanging worker was at."""
-        from dse.cosim.failing.progress import describe
+        from dse.cosim.failing.progress import describe_progress
 
-        return describe(block, self.system, self.simulation.step)
+        return describe_progress(block, self.system, self.simulation.step)

@@ -9,7 +9,7 @@ from dataclasses import fields
 from pathlib import Path
 from typing import Any
 
-from dse.cosim.probing.probe import VERSION
+from dse.cosim.probing.probe import PROBE_VERSION
 from dse.domain.component import Component
 from dse.domain.facts import Answer, FmuFacts, Question
 from dse.domain.fmu import FmuModel
@@ -103,7 +103,7 @@ def _key(model: FmuModel) -> tuple[str, str]:
 
 
 def _file(content: str, platform: str, interface: str, cache: Path | None) -> Path:
-    return cache_folder(cache) / "facts" / f"{content[:32]}-{interface}-{platform}-{VERSION}.json"
+    return cache_folder(cache) / "facts" / f"{content[:32]}-{interface}-{platform}-{PROBE_VERSION}.json"
 
 
 def _bears_threads(model: FmuModel, facts: FmuFacts | None, component: Component | None, cache: Path | None) -> bool:

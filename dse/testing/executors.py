@@ -21,10 +21,10 @@ from dse.domain.bench import Judgement, Verdict
 from dse.domain.run import Outcome, Run, RunRequest, Waveforms
 from dse.errors import fail
 from dse.exploration.executor import Executor
-from dse.exploration.job import Batch, Work
-from dse.exploration.parcel import carry_out, hand_over, parcel
+from dse.exploration.remote import carry_out, hand_over, parcel
+from dse.exploration.work import Batch, Work
 from dse.loading.extensions import EXECUTORS, ExecutorSection
-from dse.storage.rows import RowBlock
+from dse.storage.rows import Measures, RowBlock
 
 _RUNS, _SIZE = 60, 7
 
@@ -43,7 +43,6 @@ class SmallBench:
     most_runs: int | None = None
 
     def describe_progress(self, block: bytes) -> str:
-        """Which run it was at."""
         (number,) = struct.unpack_from("=q", block)
         return f"run {number}"
 
@@ -75,7 +74,7 @@ class SmallRunner:
         return Run(request, Outcome.DONE, {"m": metric}, (judgement,), waveforms=waveforms)
 
     def close(self) -> None:
-        """Holds nothing."""
+        pass
 
 
 def make_small(bench: SmallBench, progress: memoryview) -> SmallRunner:
@@ -93,18 +92,15 @@ class Gathered:
         self._stops_after = stops_after
 
     def rows(self, batch: Batch, block: RowBlock) -> None:
-        """Remember the rows."""
         assert set(block.numbers.tolist()) <= set(batch.numbers)
         self.blocks.append(block)
 
     def ended(self, batch: Batch, kept: tuple[int, ...]) -> None:
-        """Remember the end."""
         self.ends.append(batch.identity)
         if batch.keep:
             self.kept[batch.file] = kept
 
     def tick(self) -> None:
-        """Interrupt if it is time."""
         if self._stops_after is not None and len(self.results()) >= self._stops_after:
             raise KeyboardInterrupt
 
@@ -128,20 +124,16 @@ class ExecutorSuite:
 
     @pytest.fixture
     def made(self, example: Mapping[str, Any]) -> Executor:
-        """The executor with the options of *example*."""
         return cast(Executor, self.executor.model_validate(example))
 
     def pytest_generate_tests(self, metafunc: pytest.Metafunc) -> None:
-        """Every test on every example."""
         if "example" in metafunc.fixturenames:
             metafunc.parametrize("example", self.executor.examples, ids=str)
 
     def test_it_is_found_by_its_name(self) -> None:
-        """The registry knows it by the name it has."""
         assert EXECUTORS.get(self.executor.name) is self.executor
 
     def test_its_options_are_plain_data(self, example: Mapping[str, Any]) -> None:
-        """They come back from where they are stored as they were."""
         options = self.executor.model_validate(example).options()
         assert json.loads(json.dumps(options, allow_nan=False)) == options
 
@@ -187,7 +179,7 @@ def work_in(folder: Path) -> Work:
         "breaking": SmallBench("breaking", breaks=(125,)),
         "missing": SmallBench("missing", loads=False),
     }
-    return Work(benches, make_small, folder, ("m",), ("R",))
+    return Work(benches, make_small, folder, Measures(("m",), ("R",)))
 
 
 def batches(*, keep: bool, first: int = 0) -> list[Batch]:
@@ -196,9 +188,9 @@ def batches(*, keep: bool, first: int = 0) -> list[Batch]:
     for index, name in enumerate(("plain", "failing", "breaking", "missing")):
         for start in range(0, _RUNS, _SIZE):
             numbers = tuple(first + index * _RUNS + n for n in range(start, min(start + _SIZE, _RUNS)))
-            points = tuple((number * 0.1,) for number in numbers)
             file = f"runs-{numbers[0]:08d}-{numbers[-1]:08d}.parquet" if keep else ""
-            found.append(Batch(numbers[0], name, ("x",), numbers, points, file))
+            requests = tuple(RunRequest(number, name, {"x": number * 0.1}) for number in numbers)
+            found.append(Batch(numbers[0], name, requests, file))
     return found
 
 

@@ -8,9 +8,9 @@ from dataclasses import fields, is_dataclass
 import numpy as np
 import pytest
 
-from dse.report.chart import Points
-from dse.report.chart_problems import chart_problems
-from dse.report.content import (
+from dse.report.charts.chart import Points
+from dse.report.charts.problems import chart_problems
+from dse.report.content.nouns import (
     ConfigurationEntry,
     MetricColumn,
     ReportContent,
@@ -70,7 +70,6 @@ class FigureSuite:
     figure: Figure
 
     def test_it_has_a_title(self) -> None:
-        """The page has a heading for it."""
         assert isinstance(self.figure.title, str)
         assert self.figure.title.strip(), "the title is empty"
 
@@ -110,7 +109,6 @@ class FigureSuite:
 
     @pytest.mark.parametrize("kind", STUDIES)
     def test_no_point_stands_for_a_run_that_failed(self, kind: str) -> None:
-        """A failed run has no value to draw."""
         content = study(kind)
         failed = set(content.runs.numbers[~content.runs.done].tolist())
         for chart in self.figure.charts(content):
@@ -120,7 +118,7 @@ class FigureSuite:
 
     def test_it_can_be_printed(self) -> None:
         """By the drawing of its charts, or by its own."""
-        from dse.report.draw_chart import draw_chart
+        from dse.report.drawing.chart import draw_chart
 
         content = study("ordinary")
         for chart in self.figure.charts(content):

@@ -16,8 +16,7 @@ import numpy as np
 import pytest
 
 from dse.domain.bench import Verdict
-from dse.domain.sampler import Brief, Candidate, Outcomes, Sampler
-from dse.domain.study import DesignVariable
+from dse.domain.sampler import Brief, Candidate, DesignVariable, Outcomes, Sampler
 from dse.formats.yaml import read_yaml
 from dse.loading.extensions import SAMPLERS, SamplerSection, Surroundings
 from dse.units import DIMENSIONLESS
@@ -44,25 +43,21 @@ class SamplerSuite:
         for name, text in self.sampler.example_files.items():
             (tmp_path / name).write_text(text, encoding="utf-8")
         (tmp_path / "study.pet.yaml").write_text("study: suite\n", encoding="utf-8")
-        document = read_yaml(tmp_path / "study.pet.yaml")
-        around = Surroundings(document, ("sampler",), frozenset(v.name for v in VARIABLES), VARIABLES, tmp_path)
+        entry = read_yaml(tmp_path / "study.pet.yaml").top["sampler"]
+        around = Surroundings(entry, frozenset(v.name for v in VARIABLES), VARIABLES, tmp_path)
         return cast(Sampler, self.sampler.model_validate(example).settled(around))
 
     def pytest_generate_tests(self, metafunc: pytest.Metafunc) -> None:
-        """Every test on every example."""
         if "example" in metafunc.fixturenames:
             metafunc.parametrize("example", self.sampler.examples, ids=str)
 
     def test_it_is_found_by_its_name(self) -> None:
-        """The registry knows it by the name it has."""
         assert SAMPLERS.get(self.sampler.name) is self.sampler
 
     def test_its_options_are_plain_data(self, settled: Sampler) -> None:
-        """They come back from where they are stored as they were."""
         assert json.loads(json.dumps(settled.options(), allow_nan=False)) == settled.options()
 
     def test_an_option_it_does_not_have_is_refused(self, example: Mapping[str, Any]) -> None:
-        """A misspelt option does not pass in silence."""
         with pytest.raises(ValueError, match="Extra inputs"):
             self.sampler.model_validate({**example, "not_an_option": 1})
 
@@ -77,7 +72,6 @@ class SamplerSuite:
             assert all(v.low <= value <= v.high for v, value in zip(VARIABLES, point, strict=True))
 
     def test_no_ask_wants_a_run_twice(self, settled: Sampler) -> None:
-        """Twice the same run tells nothing new."""
         assert all(len(set(ask)) == len(ask) for ask in asks(settled, brief()))
 
     def test_the_same_results_lead_to_the_same_asks(self, settled: Sampler) -> None:

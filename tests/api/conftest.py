@@ -7,23 +7,11 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
+from example_study import small_study
 
 import dse
 
 ROOT = Path(__file__).parents[2]
-STUDY = """\
-study: small
-testbench: acc_following
-configurations:
-  where: >-
-    sensor is radar_77ghz_mid and controller is pd_acc and brake is hydraulic_booster
-    and powertrain is bev_ideal and video is absent
-design_variables:
-  controller.kp_speed: {range: [0.5, 4.5], levels: 3, nominal: 1.2}
-  controller.kd_speed: {range: [0, 1], levels: 2, nominal: 0.5}
-sampler: full_factorial
-keep_waveforms: all
-"""
 
 
 @pytest.fixture(scope="session", autouse=True)
@@ -40,7 +28,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     place = tmp_path_factory.mktemp("example")
     for name in ("components", "designs", "testbenches"):
         shutil.copytree(ROOT / name, place / name)
-    (place / "testbenches" / "small.pet.yaml").write_text(STUDY, encoding="utf-8")
+    (place / "testbenches" / "small.pet.yaml").write_text(small_study(3, 2), encoding="utf-8")
     return place
 
 

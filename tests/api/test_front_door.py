@@ -35,7 +35,7 @@ def test_importing_it_imports_nothing_else():
 def test_asking_a_design_space_imports_nothing_that_simulates_or_draws(folder):
     code = (
         f"import sys, dse; ws = dse.open({str(folder)!r}); ws.designs['acc_vehicle'].count();"
-        "print([n for n in ('pandas', 'matplotlib', 'fmpy', 'pyarrow', 'dse.exploration.explore', 'dse.report.page')"
+        "print([n for n in ('pandas', 'matplotlib', 'fmpy', 'pyarrow', 'dse.exploration.loop', 'dse.report.page.html')"
         " if n in sys.modules])"
     )
     assert python(code) == "[]"

@@ -8,38 +8,22 @@ import sys
 
 import numpy as np
 import pytest
+from definitions import stored_definition
 
 import dse
-from dse.api.described import si_unit
-from dse.domain.definition import (
-    DefinedConfiguration,
-    DefinedDesign,
-    DefinedMetric,
-    DefinedSampler,
-    DefinedSimulation,
-    Named,
-    StudyDefinition,
-)
+from dse.api.showing.described import si_unit
+from dse.domain.definition import DefinedConfiguration, DefinedMetric
 from dse.domain.run import Outcome, RunRequest
 from dse.domain.run import Run as Record
 from dse.exploration.progress import Stage
 
-DEFINITION = StudyDefinition(
-    "study",
-    "<b>",
-    Named("bench"),
-    DefinedDesign("design"),
-    (),
-    DefinedSampler("nominal"),
-    0,
-    (
+DEFINITION = stored_definition(
+    [DefinedConfiguration("abc", {"a": "b"})],
+    title="<b>",
+    metrics=(
         DefinedMetric("end", "End", "km/h", "final(x)"),
         DefinedMetric("end.error", "End, error bar", "km/h", "final(x)", error_of="end"),
     ),
-    (),
-    DefinedSimulation(1.0, 0.1, 0.1),
-    (DefinedConfiguration("abc", {"a": "b"}),),
-    ("abc",),
 )
 
 

@@ -8,22 +8,9 @@ from pathlib import Path
 
 import pytest
 from command_line import run_dse
+from example_study import small_study
 
 Dse = Callable[..., "subprocess.CompletedProcess[str]"]
-
-STUDY = """\
-study: small
-testbench: acc_following
-configurations:
-  where: >-
-    sensor is radar_77ghz_mid and controller is pd_acc and brake is hydraulic_booster
-    and powertrain is bev_ideal and video is absent
-design_variables:
-  controller.kp_speed: {range: [0.5, 4.5], levels: 5, nominal: 1.2}
-  controller.kd_speed: {range: [0, 1], levels: 4, nominal: 0.5}
-sampler: full_factorial
-keep_waveforms: all
-"""
 
 
 @pytest.fixture(scope="session")
@@ -37,7 +24,7 @@ def example(tmp_path_factory: pytest.TempPathFactory, cache: Path) -> Path:
     folder = tmp_path_factory.mktemp("example") / "work"
     done = run_dse(folder.parent, "init", "work", cache=cache)
     assert done.returncode == 0, done.stderr
-    (folder / "testbenches" / "small.pet.yaml").write_text(STUDY, encoding="utf-8")
+    (folder / "testbenches" / "small.pet.yaml").write_text(small_study(5, 4), encoding="utf-8")
     return folder
 
 

@@ -10,6 +10,7 @@ import signal
 import subprocess
 import sys
 import time
+from dataclasses import replace
 
 import pytest
 from defusedxml import ElementTree
@@ -125,14 +126,10 @@ def test_one_worker_and_two_give_the_same_bytes(dse, explored, tmp_path):
     assert {p.name: p.read_bytes() for p in (alone / "waveforms").iterdir()} == {
         p.name: p.read_bytes() for p in (explored / "waveforms").iterdir()
     }
-    from dse.report.page import page_of
-    from dse.report.study import read_content
-    from dse.storage.folder import StudyFolder
+    from dse.report.content.reading import read_content
+    from dse.report.page.html import page_of
 
-    pages = []
-    for folder in (alone, explored):
-        with StudyFolder.open(folder) as store:
-            pages.append(page_of(read_content(store, shown_as="small")))
+    pages = [page_of(replace(read_content(folder), study_folder="small")) for folder in (alone, explored)]
     assert pages[0] == pages[1]
 
 

@@ -7,8 +7,8 @@ import asyncio
 import pytest
 from textual.widgets import OptionList, Static
 
-from dse.cli.interactive import choices_yaml, outcome
-from dse.cli.picker import Picker
+from dse.cli.picking.interactive import choices_yaml, outcome
+from dse.cli.picking.picker import Picker
 from dse.domain.component import Component, Interface
 from dse.domain.design import Alternative, Compound, Constraint, DesignSpace, Optional, Part
 from dse.expression.parse import parse_expression

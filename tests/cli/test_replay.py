@@ -11,9 +11,9 @@ from contextlib import closing
 import numpy as np
 import pytest
 
-from dse.cli.app import print_json
+from dse.cli.terminal import print_json
 from dse.domain.run import Waveforms
-from dse.report.study import read_content
+from dse.report.content.reading import read_content
 from dse.storage.folder import StudyFolder
 from dse.storage.waveforms import read_all_waveforms, write_waveforms
 
@@ -97,8 +97,7 @@ def test_another_waveform_is_not_the_same(dse, folder):
 @pytest.mark.thorough
 def test_lost_waveforms_are_left_out_of_the_report_and_made_again(dse, folder, explored, tmp_path):
     shutil.rmtree(folder / "waveforms")
-    with StudyFolder.open(folder) as store:
-        facts = dict(read_content(store, shown_as="small").facts)
+    facts = dict(read_content(folder).facts)
     assert facts["waveforms"] == (
         "kept of 0 runs; files of 20 runs are gone: the same explore command makes them again"
     )

@@ -5,7 +5,7 @@ from __future__ import annotations
 import shutil
 
 import pytest
-from cli.conftest import STUDY
+from example_study import small_study
 
 POINTS = "controller.kp_speed [1/s],controller.kd_speed\n0.75,0.25\n2.5,0.5\n"
 
@@ -27,7 +27,7 @@ def test_a_sampler_is_found_stored_resumed_reported_and_extended(dse_in, example
     (benches / "more.csv").write_text(POINTS + "1.5,0\n4.5,1\n", encoding="utf-8")
 
     def explore(sampler):
-        text = STUDY.replace("full_factorial", sampler)
+        text = small_study(5, 4).replace("full_factorial", sampler)
         (benches / "small.pet.yaml").write_text(text, encoding="utf-8")
         done = dse_in(root, "explore", "small", "-o", str(out), "--workers", "1")
         assert done.returncode == 0, done.stderr

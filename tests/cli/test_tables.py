@@ -5,18 +5,12 @@ from __future__ import annotations
 import math
 
 import pytest
+from definitions import stored_definition
 from rich.console import Console
 
-from dse.api.quantities import checked_quantity
-from dse.cli.tables import metric_table
-from dse.domain.definition import (
-    DefinedDesign,
-    DefinedMetric,
-    DefinedSampler,
-    DefinedSimulation,
-    Named,
-    StudyDefinition,
-)
+from dse.api.showing.quantities import checked_quantity
+from dse.cli.runs import metric_table
+from dse.domain.definition import DefinedMetric
 from dse.domain.run import Outcome, Run, RunRequest
 
 
@@ -43,10 +37,7 @@ def test_a_value_is_shown_to_the_last_digit_of_its_error_bar(value, bar, unit, s
 
 
 def test_without_requirements_there_is_nothing_but_metric_and_value():
-    metrics = (DefinedMetric("end", "End", "m", "final(x)"),)
-    simulation, sampler = DefinedSimulation(1.0, 0.1, 0.1), DefinedSampler("nominal")
-    design = DefinedDesign("design")
-    definition = StudyDefinition("study", "", Named("bench"), design, (), sampler, 0, metrics, (), simulation, (), ())
+    definition = stored_definition(metrics=(DefinedMetric("end", "End", "m", "final(x)"),))
     run = Run(RunRequest(0, "abc", {}), Outcome.DONE, {"end": 2.0}, ())
     screen = Console(width=80)
     with screen.capture() as shown:

@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from dse.api.design import Design
+from dse.api.spaces.design import Design
 
 TEXT = (Path(__file__).parents[2] / "docs" / "python.md").read_text(encoding="utf-8")
 BLOCK = re.compile(r"^```python\n(.*?)^```$", re.DOTALL | re.MULTILINE)

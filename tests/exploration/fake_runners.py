@@ -12,31 +12,20 @@ import threading
 import time
 from collections.abc import Callable, Mapping
 from contextlib import suppress
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+from definitions import at_most_one, metrics, stored_definition
 
 from dse.domain.bench import Judgement, Simulation, TestBench, Verdict
-from dse.domain.component import Value
-from dse.domain.definition import (
-    DefinedConfiguration,
-    DefinedDesign,
-    DefinedMetric,
-    DefinedRequirement,
-    DefinedSampler,
-    DefinedSimulation,
-    DefinedVariable,
-    Named,
-    StudyDefinition,
-)
+from dse.domain.definition import DefinedConfiguration, DefinedSampler, DefinedVariable, StudyDefinition
 from dse.domain.design import Compound, DesignSpace
 from dse.domain.run import Outcome, Run, RunRequest, Waveforms
-from dse.domain.sampler import Sampler
-from dse.domain.study import DesignVariable, Keep, Study
+from dse.domain.sampler import DesignVariable, Sampler
+from dse.domain.study import Keep, Study
 from dse.errors import fail
-from dse.exploration.asking import first_ask
 from dse.exploration.samplers.full_factorial import FullFactorial
 from dse.units import DIMENSIONLESS
 
@@ -208,26 +197,19 @@ def study_of(sampler: Sampler | None = None, levels: int = 5, variables: int = 2
 
 def definition_of(study: Study, configurations: tuple[str, ...] = ("a",), **facts: Any) -> StudyDefinition:
     """The definition of *study* on *configurations*; *facts* are other values of its fields."""
-    definition = StudyDefinition(
-        study.name,
-        "",
-        Named("bench"),
-        DefinedDesign("design"),
-        tuple(DefinedVariable(v.name, "", "", v.low, v.high, v.levels, v.nominal) for v in study.variables),
-        DefinedSampler(study.sampler.name, study.sampler.options(), study.sampler.grid),
-        study.seed,
-        tuple(DefinedMetric(name, "", "", "") for name in METRICS),
-        tuple(DefinedRequirement(name, "", METRICS[0], "", at_most=1.0) for name in REQUIREMENTS),
-        DefinedSimulation(1.0, 0.1, 0.1),
-        tuple(DefinedConfiguration(name, {"place": name}) for name in configurations),
-        configurations,
+    variables = (DefinedVariable(v.name, "", "", v.low, v.high, v.levels, v.nominal) for v in study.variables)
+    return stored_definition(
+        [DefinedConfiguration(name, {"place": name}) for name in configurations],
+        **{
+            "study": study.name,
+            "variables": tuple(variables),
+            "sampler": DefinedSampler(study.sampler.name, study.sampler.options(), study.sampler.grid),
+            "seed": study.seed,
+            "metrics": metrics(*METRICS),
+            "requirements": at_most_one(METRICS[0], *REQUIREMENTS),
+            **facts,
+        },
     )
-    return replace(definition, **facts)
-
-
-def points(study: Study) -> list[Mapping[str, Value]]:
-    """The points that a new *study* asks for."""
-    return [request.point for request in first_ask(study, ("a",))]
 
 
 def benches(*names: str, **settings: object) -> Mapping[str, FakeBench]:

@@ -4,17 +4,17 @@ from collections.abc import Callable
 
 import numpy as np
 from fake_runners import definition_of, study_of
+from first_asks import first_ask
 from hypothesis import given
 from hypothesis import strategies as st
 
 from dse.domain.study import Study
-from dse.exploration.asking import first_ask
 from dse.exploration.boundary import near_boundary as near_boundary_on
 from dse.exploration.samplers.full_factorial import FullFactorial
 from dse.exploration.samplers.latin_hypercube import LatinHypercube
-from dse.storage.header import StudyHeader
+from dse.storage.database.header import StudyHeader
+from dse.storage.database.table import RunTable
 from dse.storage.rows import RowBlock
-from dse.storage.table import RunTable
 
 Passes = Callable[..., bool]
 

@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import pickle
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import pytest
 
 from dse.domain.fmu import FmuModel
 from dse.errors import DseError
-from dse.exploration.parcel import packed, parcel
+from dse.exploration.remote import packed, parcel
 from dse.fmu.cache import cache_folder
 from dse.loading.extensions import EXECUTORS
 from dse.testing.executors import ExecutorSuite, SmallBench, batches, work_in
@@ -54,4 +54,4 @@ def test_a_file_that_only_this_machine_has_is_named_before_it_is_missed(tmp_path
     work = work_in(tmp_path)
     lonely = Filed("plain", file=tmp_path / "lead.csv")
     with pytest.raises(DseError, match=r"plain needs .*lead\.csv, which only this machine has"):
-        parcel(work.__class__({"plain": lonely}, work.make_runner, tmp_path, ("m",), ("R",)), batches(keep=False)[0])
+        parcel(replace(work, configurations={"plain": lonely}), batches(keep=False)[0])

@@ -16,11 +16,11 @@ from fake_runners import benches, definition_of, make_fake, study_of
 from dse.domain.study import Keep, Study
 from dse.exploration.boundary import near_boundary
 from dse.exploration.executors.local import Local
-from dse.exploration.explore import ExplorationInterruptedError, Summary, explore
+from dse.exploration.loop import ExplorationInterruptedError, Explored, explore
 from dse.exploration.progress import Progress, Stage
 from dse.exploration.samplers.full_factorial import FullFactorial
 from dse.exploration.samplers.latin_hypercube import LatinHypercube
-from dse.storage.export import to_csv
+from dse.storage.export.tables import to_csv
 from dse.storage.folder import StudyFolder
 
 NAMES = ("a", "b")
@@ -33,7 +33,7 @@ def run(
     workers: int = 1,
     tell: Callable[[Progress], None] = lambda progress: None,
     **mischief: Any,
-) -> Summary:
+) -> Explored:
     with StudyFolder.resume(path, definition_of(study, NAMES)) as folder:
         return explore(
             study,
@@ -74,7 +74,7 @@ def test_a_second_exploration_does_nothing_and_starts_no_worker(
     def refuse(*_: object) -> None:
         raise AssertionError("a worker was started")
 
-    monkeypatch.setattr("dse.exploration.supervisor.WorkerProcess", refuse)
+    monkeypatch.setattr("dse.exploration.supervision.supervisor.WorkerProcess", refuse)
     second = run(tmp_path, study)
     assert second.simulated == 0
     assert (second.runs, second.failed, second.kept) == (first.runs, first.failed, first.kept)
@@ -153,7 +153,7 @@ sys.path[:0] = {paths!r}
 from fake_runners import benches, definition_of, make_fake, study_of
 from dse.domain.study import Keep
 from dse.exploration.executors.local import Local
-from dse.exploration.explore import explore
+from dse.exploration.loop import explore
 from dse.storage.folder import StudyFolder
 
 signal.signal(signal.SIGINT, signal.default_int_handler)  # tests in the background of a shell are started without

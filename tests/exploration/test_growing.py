@@ -23,12 +23,12 @@ from dse.domain.sampler import Brief, Candidate
 from dse.domain.study import Keep, Study
 from dse.errors import DseError
 from dse.exploration.executors.local import Local
-from dse.exploration.explore import Summary, explore
+from dse.exploration.loop import Explored, explore
 from dse.exploration.samplers.full_factorial import FullFactorial
 from dse.exploration.samplers.latin_hypercube import LatinHypercube
 from dse.exploration.samplers.sobol import Sobol
 from dse.loading.extensions import SamplerSection
-from dse.storage.export import to_csv
+from dse.storage.export.tables import to_csv
 from dse.storage.folder import StudyFolder
 
 NAMES = ("a", "b")
@@ -45,7 +45,7 @@ def test_a_sampler_that_looks_at_results_closes_in_on_a_boundary(tmp_path: Path)
     assert x[passes].min() - x[~passes].max() <= 0.002 or x[~passes].min() - x[passes].max() <= 0.002
 
 
-def run(path: Path, study: Study, workers: int = 1, names: tuple[str, ...] = NAMES, **mischief: Any) -> Summary:
+def run(path: Path, study: Study, workers: int = 1, names: tuple[str, ...] = NAMES, **mischief: Any) -> Explored:
     with StudyFolder.resume(path, definition_of(study, names)) as folder:
         return explore(
             study, benches(*names, **mischief), folder, executor=Local(workers=workers), make_runner=make_fake
@@ -82,8 +82,8 @@ def test_a_finished_study_of_such_a_sampler_is_left_as_it_is(tmp_path: Path, mon
     def refuse(*_: object) -> None:
         raise AssertionError("a worker was started")
 
-    monkeypatch.setattr("dse.exploration.supervisor.WorkerProcess", refuse)
-    assert run(tmp_path, study) == replace(first, simulated=0)
+    monkeypatch.setattr("dse.exploration.supervision.supervisor.WorkerProcess", refuse)
+    assert run(tmp_path, study) == replace(first, before=first.runs, simulated=0)
     assert content(tmp_path) == before
 
 

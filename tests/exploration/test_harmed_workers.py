@@ -15,8 +15,8 @@ from test_worn_workers import explored
 from dse.domain.run import Outcome
 from dse.domain.study import Keep
 from dse.exploration.executors.local import Local
-from dse.exploration.explore import explore
-from dse.exploration.surroundings import Surroundings
+from dse.exploration.loop import explore
+from dse.exploration.supervision.process_state import ProcessState
 from dse.storage.folder import StudyFolder
 
 pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="forks, signals, limits")
@@ -118,7 +118,7 @@ def test_a_configuration_that_cannot_be_loaded_as_files_are_used_up_is_loaded_by
 def test_what_a_run_changes_for_new_files_is_put_back() -> None:
     before = os.umask(0o022)
     try:
-        surroundings = Surroundings()
+        surroundings = ProcessState()
         os.umask(0o777)
         surroundings.restore()
         assert os.umask(0o022) == 0o022
@@ -128,7 +128,7 @@ def test_what_a_run_changes_for_new_files_is_put_back() -> None:
 
 @pytest.mark.parametrize("timer", [signal.ITIMER_REAL, signal.ITIMER_VIRTUAL, signal.ITIMER_PROF])
 def test_an_alarm_does_not_outlast_the_run_that_set_it(timer: int) -> None:
-    surroundings = Surroundings()
+    surroundings = ProcessState()
     signal.setitimer(timer, 100.0, 100.0)
     surroundings.restore()
     assert signal.getitimer(timer) == (0.0, 0.0)

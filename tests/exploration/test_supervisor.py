@@ -15,16 +15,16 @@ from fake_runners import METRICS, benches, definition_of, make_fake, study_of
 from dse.domain.run import Outcome
 from dse.domain.study import Keep, Study
 from dse.errors import DseError
-from dse.exploration import supervisor
 from dse.exploration.executors.local import Local
-from dse.exploration.explore import Summary, explore
+from dse.exploration.loop import Explored, explore
+from dse.exploration.supervision import supervisor
+from dse.storage.database.table import RunTable
 from dse.storage.folder import StudyFolder
-from dse.storage.table import RunTable
 
 posix = pytest.mark.skipif(sys.platform == "win32", reason="signals")
 
 
-def explored(path: Path, study: Study, *, workers: int = 1, **mischief: Any) -> tuple[Summary, RunTable, StudyFolder]:
+def explored(path: Path, study: Study, *, workers: int = 1, **mischief: Any) -> tuple[Explored, RunTable, StudyFolder]:
     with StudyFolder.resume(path, definition_of(study)) as folder:
         summary = explore(
             study, benches("a", **mischief), folder, executor=Local(workers=workers), make_runner=make_fake
@@ -199,7 +199,7 @@ def test_no_worker_is_left_behind(tmp_path: Path) -> None:
 
 def test_a_worker_starts_without_the_heavy_libraries() -> None:
     heavy = "pandas, matplotlib, scipy, pint, pyarrow, fmpy, typer, ruamel"
-    look = f"import sys, dse.exploration.worker; print({{*{heavy.split(', ')!r}}} & {{*sys.modules}})"
+    look = f"import sys, dse.exploration.supervision.worker; print({{*{heavy.split(', ')!r}}} & {{*sys.modules}})"
     root = Path(__file__).parents[2]
     shown = subprocess.run([sys.executable, "-c", look], cwd=root, check=True, capture_output=True, encoding="utf-8")
     assert shown.stdout.strip() == "set()"

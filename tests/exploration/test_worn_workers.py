@@ -8,14 +8,14 @@ from pathlib import Path
 
 import pytest
 from fake_runners import FakeBench, definition_of, make_fake, study_of
+from first_asks import first_ask
 
 from dse.domain.run import Outcome
 from dse.domain.study import Keep, Study
-from dse.exploration.asking import first_ask
+from dse.exploration.batches import Chunks
 from dse.exploration.executors.local import Local
-from dse.exploration.explore import Summary, explore
-from dse.exploration.plan import missing_runs
-from dse.storage.asks import Asks, blocks_of
+from dse.exploration.loop import Explored, explore
+from dse.storage.database.asks import Asks, blocks_of
 from dse.storage.folder import StudyFolder
 
 BASELINE = 200e6  # a worker by itself, with room to spare
@@ -23,7 +23,7 @@ BASELINE = 200e6  # a worker by itself, with room to spare
 
 def explored(path: Path, study: Study, bench: FakeBench, *, runs: int = 25, threads: int = 1, workers: int = 1):
     with StudyFolder.create(path, definition_of(study)) as folder:
-        summary: Summary = explore(
+        summary: Explored = explore(
             study, {"a": bench}, folder, executor=Local(workers=workers, threads=threads), make_runner=make_fake
         )
         table = folder.table()
@@ -73,7 +73,7 @@ def test_no_process_makes_more_runs_than_it_bears(tmp_path: Path, keep: Keep) ->
 def test_a_chunk_is_no_larger_than_what_a_process_bears() -> None:
     asked = first_ask(study_of(levels=50), ("a", "b"))
     asks = Asks(blocks_of(asked, 0, 0))
-    batches = missing_runs(range(5000), dict(enumerate(asked)), asks, {"b": 5})
+    batches = Chunks(dict(enumerate(asked)), asks, {"b": 5}).runs(range(5000))
     sizes = {(batch.configuration, len(batch.numbers)) for batch in batches}
     assert sizes == {("a", 32), ("a", 2500 % 32), ("b", 5)}
 

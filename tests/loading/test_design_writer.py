@@ -14,7 +14,7 @@ from dse.domain.component import NO_INTERFACE, Component, CSource
 from dse.domain.design import Alternative, Compound, Constraint, DesignSpace, Optional, Part, walk
 from dse.errors import DseError
 from dse.expression.parse import parse_expression
-from dse.expression.text import same
+from dse.expression.tree import same
 from dse.kinds.fmu import FmuSource
 from dse.loading.design.design import read_design
 from dse.loading.uvl.reading import read_uvl_text

@@ -15,7 +15,8 @@ from dse.loading.uvl.reading import read_uvl, read_uvl_text
 from dse.loading.uvl.tokens import Source
 from dse.space.check import check
 from dse.space.decisions import sites
-from dse.space.language.evaluate import compile_rule
+from dse.space.language.evaluate import compile_in
+from dse.space.language.places import Places
 
 
 def read(text):
@@ -199,10 +200,11 @@ def test_a_chain_of_many_features_and_numbers_is_no_deep_tree():
     tree = "features\n R\n  optional\n" + "".join(f"   {name} {{x 1}}\n" for name in names)
     chains = [" | ".join(names), " & ".join(names), " + ".join(f"{name}.x" for name in names) + " > 3"]
     space = read(f"{tree}constraints\n" + "".join(f" {chain}\n" for chain in chains))
-    nothing = [compile_rule(constraint.rule, space).outcome({}) for constraint in space.constraints]
+    places = Places(space)
+    nothing = [compile_in(constraint.rule, places).outcome({}) for constraint in space.constraints]
     everything = {name: name for name in names}
     assert nothing == [False, False, False]
-    assert all(compile_rule(constraint.rule, space).outcome(everything) for constraint in space.constraints)
+    assert all(compile_in(constraint.rule, places).outcome(everything) for constraint in space.constraints)
 
 
 def test_a_tree_of_100_levels_is_a_design_space():

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from dse.report.content import (
+from dse.report.content.nouns import (
     ConfigurationEntry,
     FigureSpec,
     Floats,

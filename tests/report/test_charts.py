@@ -7,13 +7,13 @@ import dataclasses
 import numpy as np
 import pytest
 
-from dse.report.chart import Axis, Band, Bars, Chart, Line, Points, Rule, Steps, bulk, limits
-from dse.report.chart_problems import chart_problems
-from dse.report.content import ReportContent, RequirementRow
-from dse.report.draw import save
-from dse.report.draw_chart import draw_chart
+from dse.report.charts.chart import Axis, Band, Bars, Chart, Line, Points, Rule, Steps, bulk, limits
+from dse.report.charts.problems import chart_problems
+from dse.report.charts.thinning import MOST_POINTS, thinned
+from dse.report.content.nouns import ReportContent, RequirementRow
+from dse.report.drawing.chart import draw_chart
+from dse.report.drawing.style import save_drawing
 from dse.report.figure import charted
-from dse.report.thinning import MOST_POINTS, thinned
 from dse.report.verdicts import Mark
 from dse.testing.figures import study
 
@@ -186,7 +186,7 @@ def test_everything_that_is_right_can_be_drawn(axis, tmp_path):
     right = dataclasses.replace(EVERYTHING, x=axis, title="cost $x^{ and $" * 9, note="A long note $. " * 20)
     assert chart_problems(right, {1, 2}) == []
     for name in ("a.png", "b.png"):
-        save(draw_chart(right), tmp_path / name)
+        save_drawing(draw_chart(right), tmp_path / name)
     assert (tmp_path / "a.png").read_bytes() == (tmp_path / "b.png").read_bytes()
 
 

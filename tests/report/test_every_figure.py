@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from dse.report.chart import Axis, Chart, Line, Points
+from dse.report.charts.chart import Axis, Chart, Line, Points
 from dse.report.figure import FIGURES
 from dse.testing.figures import FigureSuite
 

@@ -8,14 +8,14 @@ from collections.abc import Callable, Iterator
 import pytest
 from installed_package import install
 
-from dse.report.content import ReportContent
+from dse.report.content.nouns import ReportContent
 from dse.report.figure import FIGURES, ShownFigure, View, charted, drawings, shown_figures
-from dse.report.page import page_of, write_report
-from dse.report.payload import payload_of
+from dse.report.page.html import page_of, write_report
+from dse.report.page.payload import payload_of
 
 SOURCE = """
 import numpy as np
-from dse.report.chart import Axis, Bars, Chart, Points
+from dse.report.charts.chart import Axis, Bars, Chart, Points
 
 class Counts:
     title = "Runs by configuration"

@@ -5,29 +5,18 @@ import dataclasses
 import numpy as np
 import pytest
 
-from dse.report.content import ReportContent, label
+from dse.report.content.nouns import ReportContent, label
 from dse.report.verdicts import Mark, marks_of, overall_marks
 
 
-def test_parts_that_do_not_fit_are_all_named_at_once(sliced: ReportContent) -> None:
-    short = dataclasses.replace(sliced.metrics[0], values=np.zeros(3))
-    lost = dataclasses.replace(sliced.requirements[0], metric="nowhere", at_most=None)
-    with pytest.raises(ValueError, match="has 3 values for 242 runs") as caught:
-        dataclasses.replace(sliced, metrics=(short, *sliced.metrics[1:]), requirements=(lost,))
-    assert "unknown metric 'nowhere'" in str(caught.value)
+def test_what_no_study_has_is_all_named_at_once(sliced: ReportContent) -> None:
+    narrow = dataclasses.replace(sliced.variables[0], high=sliced.variables[0].low)
+    boundless = dataclasses.replace(sliced.requirements[0], at_most=None, at_least=None)
+    odd = {"variables": (narrow, *sliced.variables[1:]), "requirements": (boundless,), "slices": (("v",),)}
+    with pytest.raises(ValueError, match="has an empty range") as caught:
+        dataclasses.replace(sliced, **odd)
     assert "'R1' has no bound" in str(caught.value)
-
-
-def test_a_waveform_of_the_wrong_length_is_refused(sliced: ReportContent) -> None:
-    figure = dataclasses.replace(sliced.figures[0], current=sliced.figures[0].current[:, :-1])
-    with pytest.raises(ValueError, match=r"figure 'gap': current is \(120, 600\), expected \(120, 601\)"):
-        dataclasses.replace(sliced, figures=(figure,))
-
-
-def test_runs_must_name_a_listed_configuration(sliced: ReportContent) -> None:
-    runs = dataclasses.replace(sliced.runs, configurations=("elsewhere",) * len(sliced.runs))
-    with pytest.raises(ValueError, match="not listed: elsewhere"):
-        dataclasses.replace(sliced, runs=runs)
+    assert "a slice names 'v', which is no variable" in str(caught.value)
 
 
 def test_a_plain_number_has_a_dash_for_its_unit() -> None:

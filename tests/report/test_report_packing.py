@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
-from dse.report.packing import MISSING, STEPS, Block, differences, quantise
+from dse.report.page.packing import MISSING, STEPS, Block, quantise, second_differences
 
 waveforms = arrays(
     np.float64, st.tuples(st.integers(1, 4), st.integers(1, 40)), elements=st.floats(-1e9, 1e9) | st.just(float("nan"))
@@ -27,7 +27,7 @@ def test_a_quantised_waveform_is_off_by_no_more_than_half_a_step(values: np.ndar
 
 @given(arrays(np.uint16, st.tuples(st.integers(1, 3), st.integers(1, 30))))
 def test_differences_can_be_summed_back(codes: np.ndarray) -> None:
-    once = np.cumsum(differences(codes), axis=1, dtype=np.uint16)
+    once = np.cumsum(second_differences(codes), axis=1, dtype=np.uint16)
     assert np.array_equal(np.cumsum(once, axis=1, dtype=np.uint16), codes)
 
 

@@ -11,11 +11,11 @@ import numpy as np
 import pytest
 
 from dse.errors import DseError
-from dse.report import page
-from dse.report.content import ReportContent
+from dse.report.content.nouns import ReportContent
 from dse.report.figure import shown_figures
-from dse.report.page import page_of, write_report
-from dse.report.payload import payload_of
+from dse.report.page import html as page
+from dse.report.page.html import page_of, write_report
+from dse.report.page.payload import payload_of
 
 HOSTILE = '</script><img src=x onerror="window.pwned=1"><!-- \'&amp;\u2028\u2029'
 

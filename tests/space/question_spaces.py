@@ -16,7 +16,8 @@ from dse.expression.parse import parse_expression
 from dse.space.decisions import sites
 from dse.space.engine import Engine
 from dse.space.flat import Rows
-from dse.space.language.evaluate import compile_rule
+from dse.space.language.evaluate import compile_in
+from dse.space.language.places import Places
 
 EXAMPLES = settings(deadline=None, max_examples=25, suppress_health_check=list(HealthCheck))
 SMALL = 200
@@ -50,7 +51,8 @@ def answers(space: DesignSpace) -> Answers:
         raise
     rows = rows_of(engine.flat)
     choices = [engine.flat.choices(row) for row in rows]
-    rules = [compile_rule(constraint.rule, space) for constraint in space.constraints]
+    places = Places(space)
+    rules = [compile_in(constraint.rule, places) for constraint in space.constraints]
     try:
         outcomes = [[rule.outcome(chosen) is not False for rule in rules] for chosen in choices]
     except DseError:
@@ -79,7 +81,7 @@ def related(draw: st.DrawFn) -> tuple[Answers, Answers]:
     for number, text in enumerate(texts):
         expression = parse_expression(text)
         try:
-            compile_rule(expression, bare)
+            compile_in(expression, Places(bare))
         except DseError:
             continue
         constraints.append(Constraint(f"d{number}", expression))

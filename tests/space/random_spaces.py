@@ -18,7 +18,8 @@ from dse.errors import DseError
 from dse.expression.parse import parse_expression
 from dse.space.decisions import Site, decisions, product_of, sites
 from dse.space.flat import NOTHING, Bools, Clause, FlatSpace, Fold, Gather, Linear, Rows, Rule, Table
-from dse.space.language.evaluate import compile_rule
+from dse.space.language.evaluate import compile_in
+from dse.space.language.places import Places
 from dse.units import parse_quantity
 
 ANY = Interface("any", ())
@@ -35,7 +36,7 @@ def design_spaces(draw: st.DrawFn, most_constraints: int = 3, most: int = MOST_C
     for number in range(draw(st.integers(1, most_constraints))):
         expression = parse_expression(condition(draw, bare))
         try:
-            compile_rule(expression, bare)
+            compile_in(expression, Places(bare))
         except DseError:
             continue
         constraints.append(Constraint(f"c{number}", expression))

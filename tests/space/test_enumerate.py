@@ -14,7 +14,8 @@ from dse.errors import DseError
 from dse.expression.parse import parse_expression
 from dse.space.enumerate import configurations, count, engine_of, find, total, violated
 from dse.space.identify import Identifier
-from dse.space.language.evaluate import compile_rule
+from dse.space.language.evaluate import compile_in
+from dse.space.language.places import Places
 from dse.space.resolve import identify, resolve
 from dse.space.tally import Tally
 from dse.units import parse_quantity
@@ -100,7 +101,7 @@ def test_a_condition_that_is_undefined_selects_nothing():
     assert [c["s"] for c in found] == ["a", "a", "b", "b"]
     both = parse_expression("s.cost < 3 EUR and t is d or sum(cost) > 9 EUR")
     listed = {c.id for c in configurations(space(parts), both)}
-    rule = compile_rule(both, space(parts))
+    rule = compile_in(both, Places(space(parts)))
     assert listed == {c.id for c in configurations(space(parts)) if rule.outcome(c.choices)}
 
 

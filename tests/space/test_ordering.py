@@ -8,7 +8,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from dse.space.flat import Clause, FlatSpace, Rule, Table, Variable
-from dse.space.mdd.diagram import TooWideError, compile_diagram, count
+from dse.space.mdd.diagram import compile_diagram, count
+from dse.space.mdd.growth import TooWideError
 from dse.space.mdd.ordering import compile_best, proposed
 
 

@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from dse.cli.tallies import number_text, tally_cell, tally_text
+from dse.cli.spaces import number_text, tally_cell, tally_text
 from dse.space.tally import Tally, significant
 
 

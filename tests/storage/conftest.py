@@ -7,24 +7,21 @@ from collections.abc import Callable
 from pathlib import Path
 
 import pytest
+from definitions import at_most_one, metrics, stored_definition
 
 from dse.domain.bench import Judgement, Verdict
 from dse.domain.component import Value
 from dse.domain.definition import (
+    DefinedBench,
     DefinedConfiguration,
     DefinedDesign,
-    DefinedMetric,
-    DefinedRequirement,
-    DefinedSampler,
-    DefinedSimulation,
+    DefinedTotal,
     DefinedVariable,
-    Named,
     StudyDefinition,
-    Total,
 )
 from dse.domain.run import Outcome, Run, RunRequest
 from dse.storage.folder import StudyFolder
-from dse.storage.rows import block_of
+from dse.storage.rows import Measures, block_of
 
 METRICS = ("overshoot", "rise_time")
 REQUIREMENTS = ("R1", "R2")
@@ -32,22 +29,18 @@ REQUIREMENTS = ("R1", "R2")
 
 @pytest.fixture
 def definition() -> StudyDefinition:
-    return StudyDefinition(
-        "gains",
-        "Gains",
-        Named("following"),
-        DefinedDesign("vehicle", "", ("sensor",)),
-        (DefinedVariable("controller.kp", "", "1/s", 0.0, 1.0, 3, 0.5),),
-        DefinedSampler("full_factorial", {"slices": []}, ()),
-        1,
-        tuple(DefinedMetric(name, name, "", f"final({name})") for name in METRICS),
-        tuple(DefinedRequirement(name, name, METRICS[0], "", at_most=1.0) for name in REQUIREMENTS),
-        DefinedSimulation(60.0, 0.01, 0.1),
+    return stored_definition(
         (
-            DefinedConfiguration("c1", {"sensor": "radar"}, totals={"cost": Total(45.0, "EUR")}),
+            DefinedConfiguration("c1", {"sensor": "radar"}, totals={"cost": DefinedTotal(45.0, "EUR")}),
             DefinedConfiguration("c2", {"sensor": "lidar <ä>"}),
         ),
-        ("c1", "c2"),
+        study="gains",
+        title="Gains",
+        bench=DefinedBench("following"),
+        design=DefinedDesign("vehicle", "", ("sensor",)),
+        variables=(DefinedVariable("controller.kp", "", "1/s", 0.0, 1.0, 3, 0.5),),
+        metrics=metrics(*METRICS),
+        requirements=at_most_one(METRICS[0], *REQUIREMENTS),
         fmus={"pd_acc": "0123"},
     )
 
@@ -86,7 +79,7 @@ def runs() -> list[Run]:
 def add() -> Callable[[StudyFolder, Run], None]:
     def add(folder: StudyFolder, run: Run) -> None:
         point = tuple(run.request.point.values())
-        folder.add(run.request.configuration, [point], block_of((run,), (0.5,), METRICS, REQUIREMENTS))
+        folder.add(run.request.configuration, [point], block_of((run,), Measures(METRICS, REQUIREMENTS), (0.5,)))
 
     return add
 

@@ -18,10 +18,10 @@ import pytest
 from dse.domain.definition import StudyDefinition
 from dse.domain.run import Run, Waveforms
 from dse.errors import DseError
-from dse.storage.definition import definition_from_json, definition_to_json, unit_flaws
-from dse.storage.export import EXPORTS
+from dse.storage.database.definition import definition_from_json, definition_to_json, unit_flaws
+from dse.storage.export.tables import EXPORTS
 from dse.storage.folder import StudyFolder
-from dse.storage.waveforms import file_name, read_all_waveforms, write_waveforms
+from dse.storage.waveforms import read_all_waveforms, waveform_file, write_waveforms
 
 Add = Callable[[StudyFolder, Run], None]
 
@@ -214,7 +214,7 @@ def test_waveforms_are_read_from_the_study_folder_only(stored: Path, definition:
 
 
 def test_going_on_forgets_waveforms_whose_file_is_gone(stored: Path, definition: StudyDefinition) -> None:
-    there, gone = file_name(0, 1), file_name(4, 5)
+    there, gone = waveform_file(0, 1), waveform_file(4, 5)
     wave = Waveforms(np.array([0.0]), {"world.gap": np.array([1.0])})
     with StudyFolder.resume(stored, definition) as folder:
         write_waveforms(folder.waveform_folder / there, [(0, wave), (1, wave)])

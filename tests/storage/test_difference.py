@@ -11,8 +11,8 @@ import pytest
 
 from dse.domain.bench import Judgement, Verdict
 from dse.domain.run import Outcome, Run, RunRequest, Waveforms
-from dse.storage.definition import definition_from_json
-from dse.storage.difference import changes, differences
+from dse.storage.database.definition import definition_from_json
+from dse.storage.difference import changed_inputs, changed_results
 
 RUN = Run(
     RunRequest(3, "c1", {"controller.kp": 1.0}),
@@ -54,7 +54,7 @@ def wave(gap: float) -> Waveforms:
 
 
 def test_a_run_is_the_same_as_itself_with_nan_and_all() -> None:
-    assert differences(RUN, replace(RUN, waveforms=wave(150.0))) == []
+    assert changed_results(RUN, replace(RUN, waveforms=wave(150.0))) == []
 
 
 @pytest.mark.parametrize(
@@ -74,21 +74,21 @@ def test_a_run_is_the_same_as_itself_with_nan_and_all() -> None:
     ],
 )
 def test_every_difference_is_named(changed: dict[str, Any], named: str) -> None:
-    assert differences(RUN, replace(RUN, **changed)) == [named]
+    assert changed_results(RUN, replace(RUN, **changed)) == [named]
 
 
 def test_waveforms_that_were_not_kept_are_not_compared() -> None:
-    assert differences(replace(RUN, waveforms=None), RUN) == []
+    assert changed_results(replace(RUN, waveforms=None), RUN) == []
 
 
 def test_two_failures_for_different_reasons_are_different() -> None:
     one, other = (Run(RUN.request, Outcome.FAILED, problem=problem) for problem in ("radar: NaN", "world: NaN"))
-    assert differences(one, one) == []
-    assert differences(one, other) == ["its problem, now 'world: NaN'"]
+    assert changed_results(one, one) == []
+    assert changed_results(one, other) == ["its problem, now 'world: NaN'"]
 
 
 def test_a_note_of_the_exploration_is_no_difference() -> None:
-    assert differences(replace(RUN, problem="not reproducible: simulated again it gave another result"), RUN) == []
+    assert changed_results(replace(RUN, problem="not reproducible: simulated again it gave another result"), RUN) == []
 
 
 def set_fmu(definition: dict[str, Any]) -> None:
@@ -134,7 +134,7 @@ def set_wires(definition: dict[str, Any]) -> None:
 def test_every_change_of_the_study_is_named(change: Callable[[dict[str, Any]], None], named: str) -> None:
     again = copy.deepcopy(DEFINITION)
     change(again)
-    assert changes(definition_from_json(DEFINITION), definition_from_json(again), RUN) == [named]
+    assert changed_inputs(definition_from_json(DEFINITION), definition_from_json(again), RUN) == [named]
 
 
 def test_titles_units_other_configurations_and_the_runs_own_point_are_no_change() -> None:
@@ -142,4 +142,4 @@ def test_titles_units_other_configurations_and_the_runs_own_point_are_no_change(
     again["metrics"][0] |= {"title": "Overshoot", "unit": "m"}
     again["configurations"][0]["constants"]["controller.kp"] = 2.0
     del again["fmus"]["radar"]
-    assert changes(definition_from_json(DEFINITION), definition_from_json(again), RUN) == []
+    assert changed_inputs(definition_from_json(DEFINITION), definition_from_json(again), RUN) == []

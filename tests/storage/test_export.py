@@ -16,9 +16,8 @@ import pytest
 
 from dse.domain.definition import StudyDefinition
 from dse.domain.run import Run, RunRequest
-from dse.storage.export import EXPORTS, to_csv, to_json, to_junit, to_parquet
+from dse.storage.export.tables import EXPORTS, to_csv, to_frame, to_json, to_junit, to_parquet
 from dse.storage.folder import StudyFolder
-from dse.storage.frame import to_frame
 
 
 @pytest.fixture
@@ -111,13 +110,13 @@ def test_junit_has_a_suite_per_configuration_and_a_case_per_requirement_and_run(
 def test_junit_of_a_bench_without_requirements_tells_which_runs_failed(
     tmp_path: Path, definition: StudyDefinition, runs: list[Run]
 ) -> None:
-    from dse.storage.rows import block_of
+    from dse.storage.rows import Measures, block_of
 
     bare = replace(definition, requirements=())
     with StudyFolder.create(tmp_path / "bare", bare) as folder:
         folder.ask(0, [RunRequest(n, "c1", {}) for n in range(3)] + [RunRequest(n, "c2", {}) for n in range(3, 6)], 6)
         for run in runs:
-            block = block_of((run,), (0.0,), ("overshoot", "rise_time"), ())
+            block = block_of((run,), Measures(("overshoot", "rise_time")))
             folder.add(run.request.configuration, [tuple(run.request.point.values())], block)
         root = ET.fromstring(to_junit(folder))  # noqa: S314  # our own bytes
     assert [suite.attrib["tests"] for suite in root] == ["3", "1"]

@@ -12,15 +12,15 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from dse.domain.bench import Verdict
+from dse.domain.bench import VERDICTS, Verdict
 from dse.domain.component import Value
 from dse.domain.definition import DefinedConfiguration, DefinedMetric, StudyDefinition
 from dse.domain.run import Outcome, Run, RunRequest, Waveforms
 from dse.errors import DseError
+from dse.storage.database.schema import cell_of, value_of
 from dse.storage.folder import StudyFolder
-from dse.storage.rows import VERDICTS, block_of
-from dse.storage.schema import cell_of, value_of
-from dse.storage.waveforms import file_name, write_waveforms
+from dse.storage.rows import Measures, block_of
+from dse.storage.waveforms import waveform_file, write_waveforms
 
 Add = Callable[[StudyFolder, Run], None]
 
@@ -101,7 +101,8 @@ def test_a_reader_cannot_write(stored: Path, runs: list[Run], add: Add) -> None:
 
 def test_wall_times_are_kept_apart(stored: Path) -> None:
     with StudyFolder.open(stored) as folder:
-        assert folder.timing() == {0: 0.5, 1: 0.5, 2: 0.5, 4: 0.5}
+        timing = folder._connection.execute("SELECT number, wall FROM timing ORDER BY number").fetchall()
+        assert timing == [(0, 0.5), (1, 0.5), (2, 0.5), (4, 0.5)]
 
 
 @given(
@@ -121,7 +122,7 @@ def test_a_point_value_comes_back_with_its_type(value: Value) -> None:
 def test_waveforms_come_back_through_the_folder(tmp_path: Path, definition: StudyDefinition) -> None:
     wave = Waveforms(np.array([0.0, 0.1]), {"world.gap": np.array([150.0, math.nan])})
     with StudyFolder.create(tmp_path, definition) as folder:
-        name = file_name(0, 31)
+        name = waveform_file(0, 31)
         write_waveforms(folder.waveform_folder / name, [(3, wave)])
         folder.add_kept((3,), name)
         folder.add_kept((4,), "")
@@ -273,7 +274,7 @@ def test_names_may_hold_any_character(tmp_path: Path, definition: StudyDefinitio
     run = Run(RunRequest(0, "c1", {odd: 0.5}), Outcome.DONE)
     with StudyFolder.create(tmp_path, named) as folder:
         folder.ask(0, [run.request], 1)
-        folder.add("c1", [(0.5,)], block_of((run,), (0.0,), (), ()))
+        folder.add("c1", [(0.5,)], block_of((run,), Measures(), (0.0,)))
         assert folder.run(0).request.point == {odd: 0.5}
 
 

@@ -9,7 +9,7 @@ import pytest
 
 from dse.domain.run import Waveforms
 from dse.errors import DseError
-from dse.storage.waveforms import file_name, read_waveforms, write_waveforms
+from dse.storage.waveforms import read_waveforms, waveform_file, write_waveforms
 
 
 def waves(seed: int, rows: int = 50) -> Waveforms:
@@ -20,7 +20,7 @@ def waves(seed: int, rows: int = 50) -> Waveforms:
 
 
 def test_every_run_of_a_chunk_is_read_back_exactly(tmp_path: Path) -> None:
-    file = tmp_path / file_name(0, 31)
+    file = tmp_path / waveform_file(0, 31)
     write_waveforms(file, [(number, waves(number)) for number in (0, 3, 31)])
     for number in (0, 3, 31):
         read, written = read_waveforms(file, number), waves(number)

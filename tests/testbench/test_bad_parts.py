@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from dse.exploration.executors.local import Local
-from dse.exploration.explore import explore
+from dse.exploration.loop import explore
 from dse.loading.workspace import Workspace
 from dse.storage.folder import StudyFolder
 from dse.testbench.execute import make_runner

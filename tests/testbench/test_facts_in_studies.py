@@ -11,7 +11,7 @@ from dse.domain.facts import Answer, FmuFacts, Question
 from dse.domain.study import Keep
 from dse.errors import DseError
 from dse.exploration.executors.local import Local
-from dse.exploration.explore import explore
+from dse.exploration.loop import explore
 from dse.fmu.toolchain.platforms import this_platform
 from dse.loading.workspace import Workspace
 from dse.storage.folder import StudyFolder

@@ -13,7 +13,7 @@ import pytest
 
 from dse.domain.run import Outcome, Run, Waveforms
 from dse.exploration.executors.local import Local
-from dse.exploration.explore import Summary, explore
+from dse.exploration.loop import Explored, explore
 from dse.storage.folder import StudyFolder
 from dse.testbench.execute import make_runner
 from dse.testbench.plan import plan
@@ -42,7 +42,7 @@ SOME = [
 class Visit:
     """A study of all animals: runs and waveforms by animal, in the order of the numbers, and the files it left."""
 
-    summary: Summary
+    summary: Explored
     runs: Mapping[str, list[Run]]
     waveforms: Mapping[str, list[Waveforms | None]]
     files: set[str]

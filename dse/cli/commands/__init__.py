@@ -12,15 +12,15 @@ COMMANDS = (
     "build",
     "probe",
     "enumerate_",
-    "space_count",
-    "space_constraints",
-    "space_choices",
-    "space_conflict",
-    "space_explain",
-    "space_best",
-    "space_compare",
-    "space_graph",
-    "space_refine",
+    "space.count",
+    "space.constraints",
+    "space.choices",
+    "space.conflict",
+    "space.explain",
+    "space.best",
+    "space.compare",
+    "space.graph",
+    "space.refine",
     "import_",
     "export",
     "simulate",
@@ -37,6 +37,6 @@ COMMANDS = (
 def register(words: Sequence[str] = ()) -> None:
     """Import the command that *words*, as they were typed, start with, which adds it to the application; else all."""
     first, second = (*words[:2], "", "")[:2]
-    asked = {first, f"{first}_", f"{first}_{second}"} & {*COMMANDS}
+    asked = {first, f"{first}_", f"{first}.{second}"} & {*COMMANDS}
     for name in asked or COMMANDS:
         import_module(f"{__name__}.{name}")

@@ -10,8 +10,9 @@ from typing import Annotated
 import typer
 
 from dse.api.naming import workspace_of
-from dse.cli.app import app, console
+from dse.cli.app import app
 from dse.cli.arguments import Configuration, FmiVersion
+from dse.cli.terminal import console, say
 from dse.errors import DseError, Location, Problem
 
 
@@ -46,14 +47,13 @@ def build(
         built = _fmus(names, version, workspace)
         if validate:
             _validate(built)
-    screen = console()
     for name, path in sorted(built.items()):
         target = path
         if folder is not None:
             folder.mkdir(parents=True, exist_ok=True)
             target = folder / f"{name}{path.suffix if bench else '.fmu'}"
             shutil.copyfile(path, target)
-        screen.print(f"{name}: {target}", soft_wrap=True)
+        say(f"{name}: {target}")
 
 
 def _fmus(names: list[str] | None, version: int, workspace: Path) -> dict[str, Path]:
@@ -69,12 +69,12 @@ def _fmus(names: list[str] | None, version: int, workspace: Path) -> dict[str, P
 
 
 def _fused(bench: str, configuration: str | None, version: int, workspace: Path) -> dict[str, Path]:
-    from dse.api.simulating import fused_libraries, selected
-    from dse.cli.exploring import ready
+    from dse.api.studies.single import fused_libraries
     from dse.loading.workspace import Workspace
 
     space = Workspace.around(workspace) if workspace != Path() else workspace_of(bench)
-    return fused_libraries(ready(selected(space.bench(bench), configuration), version, fuse=True))
+    with console(stderr=True).status("") as status:
+        return fused_libraries(space.bench(bench), configuration, version, tell=status.update)
 
 
 def _validate(archives: Mapping[str, Path]) -> None:

@@ -7,8 +7,9 @@ from typing import Annotated
 
 import typer
 
-from dse.cli.app import app, console
+from dse.cli.app import app
 from dse.cli.status import status_line
+from dse.cli.terminal import say
 from dse.errors import DseError
 
 
@@ -32,7 +33,4 @@ def check(
     if problems:
         raise DseError(*problems)
     plural = {"study": "studies", "test bench": "test benches"}
-    console().print(
-        "ok: " + ", ".join(f"{n} {what if n == 1 else plural.get(what, what + 's')}" for what, n in counts.items()),
-        soft_wrap=True,
-    )
+    say("ok: " + ", ".join(f"{n} {what if n == 1 else plural.get(what, what + 's')}" for what, n in counts.items()))

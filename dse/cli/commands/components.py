@@ -7,8 +7,9 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from dse.cli.app import app, console, print_json, print_table
+from dse.cli.app import app
 from dse.cli.arguments import Format, Output
+from dse.cli.terminal import plain_table, print_json, print_table, say
 
 if TYPE_CHECKING:
     from dse.domain.component import Component
@@ -38,11 +39,7 @@ def components(
     if output is Output.JSON:
         print_json([_data(component) for component in found])
         return
-    from rich.table import Table
-
-    table = Table(box=None, pad_edge=False, header_style="bold")
-    for heading in ("component", "interface", "source", "properties", "title"):
-        table.add_column(heading, overflow="fold", no_wrap=heading in ("component", "interface", "source"))
+    table = plain_table("component", "interface", "source", "properties", "title")
     for component in found:
         properties = ", ".join(f"{name} {quantity}" for name, quantity in component.properties.items())
         table.add_row(component.name, component.interface.name, _kind(component), properties, component.title)
@@ -56,7 +53,7 @@ def _draw(components: list[Component], folder: Path) -> None:
     for component in components:
         target = folder / f"{component.name}.svg"
         target.write_text(draw(component, pictured(component)), encoding="utf-8", newline="\n")
-        console().print(f"{target}: {component.title or component.name}", soft_wrap=True)
+        say(f"{target}: {component.title or component.name}")
 
 
 def _kind(component: Component) -> str:

@@ -8,8 +8,9 @@ from typing import Annotated
 
 import typer
 
-from dse.cli.app import app, console, print_table
+from dse.cli.app import app
 from dse.cli.content import content
+from dse.cli.terminal import console, plain_table, print_table
 from dse.errors import closest, fail
 
 
@@ -37,11 +38,7 @@ def docs(
 
 
 def _list(pages: dict[str, Path]) -> None:
-    from rich.table import Table
-
-    table = Table(box=None, pad_edge=False, header_style="bold")
-    table.add_column("page", no_wrap=True)
-    table.add_column("title", overflow="fold")
+    table = plain_table("page", "title")
     for name in sorted(pages, key=lambda name: (name.count("/"), name)):
         with pages[name].open(encoding="utf-8") as file:
             table.add_row(name, file.readline().lstrip("# ").rstrip())

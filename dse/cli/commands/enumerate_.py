@@ -10,11 +10,11 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from dse.api.asking import ask
 from dse.api.naming import space_of
-from dse.cli.app import app, console, plain, print_json, print_table
-from dse.cli.arguments import Design
-from dse.cli.space import Off, On, Seed, Where
+from dse.api.spaces.question import ask
+from dse.cli.app import app
+from dse.cli.arguments import Design, Off, On, Seed, Where
+from dse.cli.terminal import console, plain_table, print_json, print_table, say
 
 if TYPE_CHECKING:
     from dse.domain.design import DesignSpace
@@ -63,7 +63,7 @@ def enumerate_(
 
     A table shows the first 100 unless --limit says otherwise; CSV, JSON and files hold all.
     """
-    from dse.api.design import limited
+    from dse.api.spaces.design import first_rows
     from dse.space.output.sheet import Sheet
 
     if exact and not count:
@@ -81,15 +81,15 @@ def enumerate_(
     question = ask(space_of(design), (), where, on, off)
     space, engine = question.space, question.engine
     if interactive:
-        from dse.cli.interactive import choose
+        from dse.cli.picking.interactive import choose
 
         choose(space, engine, target)
     elif count:
         _count(space, engine, seed, output, where, exact=exact)
     elif target is not None:
-        _save(Sheet(space), _drawn(engine, sample, seed) if sample else limited(engine.blocks(), limit), target)
+        _save(Sheet(space), _drawn(engine, sample, seed) if sample else first_rows(engine.blocks(), limit), target)
     elif output is not Listing.TABLE:
-        _stream(Sheet(space), _drawn(engine, sample, seed) if sample else limited(engine.blocks(), limit), output)
+        _stream(Sheet(space), _drawn(engine, sample, seed) if sample else first_rows(engine.blocks(), limit), output)
     elif sample is not None:
         (rows,) = _drawn(engine, sample, seed)
         _table(Sheet(space), rows)
@@ -99,7 +99,7 @@ def enumerate_(
 
 
 def _count(space: DesignSpace, engine: Engine, seed: int, output: Listing, where: str | None, *, exact: bool) -> None:
-    from dse.cli.tallies import tally_data, tally_text
+    from dse.cli.spaces import tally_data, tally_text
     from dse.space.enumerate import total
     from dse.space.tally import Tally
 
@@ -120,12 +120,12 @@ def _count(space: DesignSpace, engine: Engine, seed: int, output: Listing, where
         raise typer.BadParameter("a count is one number: table, csv or json", param_hint="--format")
     else:
         said = _are_valid(tally_text(tally), numbers["total"], where)
-        console().print(plain(f"{space.name}: {said}"), soft_wrap=True)
+        say(f"{space.name}: {said}")
 
 
 def _are_valid(valid: str, total: int, where: str | None) -> str:
     """``2 of 135 configurations are valid``; under a condition that says too little."""
-    from dse.cli.tallies import number_text
+    from dse.cli.spaces import number_text
 
     verb, also = ("is", "meets") if valid == "1" else ("are", "meet")
     if where:
@@ -137,7 +137,7 @@ def _save(sheet: Sheet, blocks: Iterable[Rows], target: Path) -> None:
     from dse.space.output.export import save
 
     written = save(sheet, blocks, target)
-    console().print(f"{target}: {written:,} configuration{'' if written == 1 else 's'}", soft_wrap=True)
+    say(f"{target}: {written:,} configuration{'' if written == 1 else 's'}")
 
 
 def _stream(sheet: Sheet, blocks: Iterable[Rows], output: Listing) -> None:
@@ -149,7 +149,7 @@ def _stream(sheet: Sheet, blocks: Iterable[Rows], output: Listing) -> None:
 
 
 def _first(space: DesignSpace, engine: Engine, most: int, cut: bool, where: str | None) -> None:
-    from dse.cli.tallies import number_text
+    from dse.cli.spaces import number_text
     from dse.space.enumerate import total
     from dse.space.output.sheet import Sheet
 
@@ -158,24 +158,20 @@ def _first(space: DesignSpace, engine: Engine, most: int, cut: bool, where: str 
     _table(Sheet(space), rows[:most])
     every = total(space)
     if not more:
-        console().print(_are_valid(f"{len(rows):,}", every, where), soft_wrap=True)
+        say(_are_valid(f"{len(rows):,}", every, where))
         return
     before = "the static constraints and the condition" if where else "the static constraints"
-    console().print(f"the first {most}; {number_text(every)} in total before {before}", soft_wrap=True)
+    say(f"the first {most}; {number_text(every)} in total before {before}")
     if cut:
-        console().print("more: --limit N shows N, -o FILE writes all, --count says how many", soft_wrap=True)
+        say("more: --limit N shows N, -o FILE writes all, --count says how many")
 
 
 def _table(sheet: Sheet, rows: Rows) -> None:
     import math
 
-    from rich.table import Table
-
-    table = Table(box=None, pad_edge=False, header_style="bold")
-    for heading in ("id", *(place.path for place in sheet.places)):
-        table.add_column(heading, no_wrap=True)
+    table = plain_table("id", *(place.path for place in sheet.places))
     for total in sheet.totals:
-        table.add_column(total.name, justify="right", no_wrap=True)
+        table.add_column(total.name, justify="right")
     columns = [sheet.ids(rows)]
     columns += [[place.names[code] if code >= 0 else "–" for code in place.of(rows).tolist()] for place in sheet.places]
     for total in sheet.totals:

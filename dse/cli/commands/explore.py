@@ -22,7 +22,8 @@ def explore(
 
     Interrupted and started again it runs only what is missing; on a finished folder it does nothing.
     """
+    from dse.api.studies.exploring import ExploreOptions
     from dse.cli.exploring import explore_into
 
-    loaded = workspace_of(study).study(study)
-    explore_into(loaded, folder, workers=workers, threads=threads, version=version, fuse=fuse, fresh=fresh, gate=gate)
+    options = ExploreOptions(workers, threads, fuse, fresh, version)
+    explore_into(workspace_of(study).study(study), folder, options, gate=gate)

@@ -8,30 +8,18 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from dse.api.asking import ask
 from dse.api.naming import space_of, workspace_of
-from dse.cli.app import app, console
-from dse.cli.arguments import Bench, Configuration, Design, FmiVersion, Settings
-from dse.cli.space import Choose, Off, On, Where
+from dse.api.spaces.question import ask
+from dse.cli.app import group
+from dse.cli.arguments import Bench, Choose, Configuration, Design, FmiVersion, Off, On, Settings, Where
+from dse.cli.terminal import console, say
 
 if TYPE_CHECKING:
     from dse.domain.bench import TestBench
 
-export_app = typer.Typer(
-    name="export",
-    help="Write a design space, or a configuration on its bench, for another program.",
-    no_args_is_help=True,
-    rich_markup_mode=None,
-    context_settings={"help_option_names": ["-h", "--help"]},
-)
-app.add_typer(export_app)
+export_app = group("export", "Write a design space, or a configuration on its bench, for another program.")
 
 Target = Annotated[Path, typer.Option("--output", "-o", metavar="FILE", help="The file to write.")]
-
-
-@export_app.callback()
-def _frame() -> None:
-    pass
 
 
 @export_app.command("uvl")
@@ -49,7 +37,7 @@ def export_uvl(design: Design, target: Target, on: On = [], off: Off = []) -> No
         target.write_text(text, encoding="utf-8", newline="\n")
     except OSError as error:
         raise fail(f"cannot write '{target}': {error.strerror}") from error
-    console().print(f"{target}: {space.name}", soft_wrap=True)
+    say(f"{target}: {space.name}")
 
 
 @export_app.command("csv")
@@ -67,7 +55,7 @@ def export_csv(
         raise typer.BadParameter(f"'{target.name}' must end in .csv", param_hint="--output")
     question = ask(space_of(design), choose, where, on, off)
     written = save(Sheet(question.space), question.engine.blocks(), target)
-    console().print(f"{target}: {written:,} configuration{'' if written == 1 else 's'}", soft_wrap=True)
+    say(f"{target}: {written:,} configuration{'' if written == 1 else 's'}")
 
 
 @export_app.command("ssp")
@@ -84,18 +72,17 @@ def export_ssp(
 
     Takes the first valid configuration unless --configuration names another.
     """
-    from dse.api.simulating import single, write_package
+    from dse.api.studies.single import write_package
     from dse.cli.commands.simulate import read_settings
 
     if target.suffix.lower() != ".ssp":
         raise typer.BadParameter(f"'{target.name}' must end in .ssp", param_hint="--output")
-    study = single(workspace_of(bench).bench(bench), configuration, read_settings(settings))
-    with console(stderr=True).status("building FMUs"):
-        chosen, elements = write_package(study, target, version=version)
-    screen = console(stderr=True)
-    for what in _left_behind(study.bench):
+    tested, screen = workspace_of(bench).bench(bench), console(stderr=True)
+    with screen.status("building FMUs"):
+        chosen, elements = write_package(tested, configuration, read_settings(settings), target, fmi=version)
+    for what in _left_behind(tested):
         screen.print(f"note: {what}: SSP has no words for that", soft_wrap=True)
-    console().print(f"{target}: configuration {chosen.id} of {study.bench.name}, {elements} components", soft_wrap=True)
+    say(f"{target}: configuration {chosen.id} of {tested.name}, {elements} components")
 
 
 def _left_behind(bench: TestBench) -> Iterator[str]:

@@ -8,12 +8,13 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from dse.cli.app import app, console
+from dse.cli.app import app
 from dse.cli.arguments import Configuration, Folder
+from dse.cli.terminal import say
 from dse.errors import DseError, Location, Problem, fail, raise_if_any
 
 if TYPE_CHECKING:
-    from dse.report.content import ReportContent
+    from dse.report.content.nouns import ReportContent
 
 
 class Kind(StrEnum):
@@ -42,15 +43,13 @@ def figure(
     Without --x and --y one constraint plot is drawn for each slice of the study. Without --run the waveforms are those
     of the run nearest the bounds of all requirements among those that pass.
     """
-    from dse.report.draw import save
+    from dse.report.content.reading import read_content
+    from dse.report.drawing.style import save_drawing
     from dse.report.figure import FIGURES, View, drawings
-    from dse.report.study import read_content
-    from dse.storage.folder import StudyFolder
 
     if (x is None) != (y is None):
         raise typer.BadParameter("give both --x and --y, or neither", param_hint="--x/--y")
-    with StudyFolder.open(folder) as store:
-        content = read_content(store, shown_as=folder.as_posix())
+    content = read_content(folder)
     view = View(x, y, _configuration(content, configuration), number)
     place = target or folder / "figures"
     place.mkdir(parents=True, exist_ok=True)
@@ -60,13 +59,13 @@ def figure(
         try:
             for stem, sheet in drawings(name, content, view):
                 written.append(place / f"{stem}.{kind}")
-                save(sheet, written[-1])
-                console().print(str(written[-1]), soft_wrap=True)
+                save_drawing(sheet, written[-1])
+                say(str(written[-1]))
         except DseError as error:  # the other figures can be drawn all the same
             problems += error.problems
         else:
             if not written:
-                console(stderr=True).print(f"{name}: nothing to draw of this study", soft_wrap=True)
+                say(f"{name}: nothing to draw of this study", stderr=True)
     raise_if_any(problems)
 
 

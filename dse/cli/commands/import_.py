@@ -8,26 +8,15 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from dse.cli.app import app, console, plain
+from dse.cli.app import group
+from dse.cli.terminal import plain, say
 
 if TYPE_CHECKING:
     from collections.abc import Sized
 
     from dse.domain.design import DesignSpace
 
-import_app = typer.Typer(
-    name="import",
-    help="Read a design space, a component or a system from another program's file.",
-    no_args_is_help=True,
-    rich_markup_mode=None,
-    context_settings={"help_option_names": ["-h", "--help"]},
-)
-app.add_typer(import_app)
-
-
-@import_app.callback()
-def _frame() -> None:
-    pass
+import_app = group("import", "Read a design space, a component or a system from another program's file.")
 
 
 @import_app.command("uvl")
@@ -48,8 +37,8 @@ def import_uvl(
     for path, text in files.items():
         path.parent.mkdir(parents=True, exist_ok=True)
         path.write_text(text, encoding="utf-8", newline="\n")
-        console().print(str(path), soft_wrap=True)
-    console().print(f"next: dse space count {space.name}", soft_wrap=True)
+        say(str(path))
+    say(f"next: dse space count {space.name}")
 
 
 @import_app.command("fmu")
@@ -75,8 +64,8 @@ def import_fmu(
 
     What is neither a port nor a parameter is listed as left out.
     """
-    from dse.api.importing import import_component
-    from dse.loading.root import find_root
+    from dse.interchange.importing.component import import_component
+    from dse.loading.paths import find_root
 
     # Relative to this folder, so that the paths that are shown can be clicked and copied.
     target = folder or Path(os.path.relpath(find_root(Path()) or Path()))
@@ -87,16 +76,16 @@ def import_fmu(
         implements = "of its own" if written.has_own_interface else "of the workspace"
         component = written.component
         counts = f"{_counted(component.interface.ports, 'port')}, {_counted(component.parameters, 'parameter')}"
-        console().print(f"{written.path}: {counts}", soft_wrap=True)
-        console().print(f"  implements {component.interface.name}, an interface {implements}", soft_wrap=True)
+        say(f"{written.path}: {counts}")
+        say(f"  implements {component.interface.name}, an interface {implements}")
         if written.starts:
             starts = plain(", ".join(written.starts))
-            console().print(f"  inputs, with the values the FMU gives them itself: {starts}", soft_wrap=True)
+            say(f"  inputs, with the values the FMU gives them itself: {starts}")
         for what in written.told:
-            console().print(f"  {plain(what)}", soft_wrap=True)
+            say(f"  {plain(what)}")
         for what in written.left_out:
-            console().print(f"  left out: {plain(what)}", soft_wrap=True)
-    console().print("next: dse check", soft_wrap=True)
+            say(f"  left out: {plain(what)}")
+    say("next: dse check")
 
 
 @import_app.command("ssp")
@@ -111,18 +100,17 @@ def import_ssp(
     Its FMUs become components, its system a design space, and each of its variants a test bench with its parameter
     values. Where variants have different FMUs at a place, these are alternatives of the design.
     """
-    from dse.api.importing import import_ssp as make
     from dse.cli.packages import seconds
+    from dse.interchange.importing.ssp import import_ssp as make
 
     made = make(package, folder, stop=seconds("--stop", stop), step=seconds("--step", step))
-    screen = console()
     for path in made.files:
-        screen.print(str(path), soft_wrap=True)
+        say(str(path))
     for what in made.left_out:
-        screen.print(f"left out: {plain(what)}", soft_wrap=True)
+        say(f"left out: {plain(what)}")
     for bench in made.benches:
         more = f" --configuration {bench.configuration}" if bench.configuration else ""
-        screen.print(f"next: dse simulate {folder / 'testbenches' / bench.name}.yaml{more}", soft_wrap=True)
+        say(f"next: dse simulate {folder / 'testbenches' / bench.name}.yaml{more}")
 
 
 def _counted(things: Sized, what: str) -> str:

@@ -9,8 +9,9 @@ from typing import Annotated
 
 import typer
 
-from dse.cli.app import app, console
+from dse.cli.app import app
 from dse.cli.content import content
+from dse.cli.terminal import console, say
 from dse.errors import Location, fail
 
 _FOLDERS = ("components", "designs", "testbenches")
@@ -31,6 +32,4 @@ def init(
         shutil.copytree(source / name, folder / name)
     screen = console()
     screen.print(f"{folder}: {sum(path.is_file() for path in folder.rglob('*'))} files")
-    screen.print(
-        f"next: cd {shlex.quote(str(folder))}; dse check; dse explore acc_gains -o out; dse report out", soft_wrap=True
-    )
+    say(f"next: cd {shlex.quote(str(folder))}; dse check; dse explore acc_gains -o out; dse report out")

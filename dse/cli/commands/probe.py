@@ -7,8 +7,9 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from dse.cli.app import DONE, RUNS_FAILED, app, console, plain, print_json, print_table
+from dse.cli.app import DONE, RUNS_FAILED, app
 from dse.cli.arguments import FmiVersion, Format, Output
+from dse.cli.terminal import console, plain, plain_table, print_json, print_table, say
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -53,7 +54,7 @@ def probe(
 
     What was found is kept in the cache, and all simulations act on it: an FMU that lies about its reset is never reset.
     """
-    from dse.api.probing import as_data, find_out, known_facts, model_of
+    from dse.api.probing import as_data, known_facts, model_of, probe_fmu
     from dse.domain.facts import Answer, Question
 
     found: list[FmuFacts] = []
@@ -66,7 +67,7 @@ def probe(
                 def tell(question: Question) -> None:
                     status.update(plain(f"probing {name}: {_TITLES[str(question)]}?"))  # noqa: B023  # called at once
 
-                facts = find_out(model, timeout=timeout, tell=tell)
+                facts = probe_fmu(model, timeout=timeout, tell=tell)
         found.append(facts)
         if output is Output.TABLE:
             _show(name, model, facts)
@@ -77,7 +78,6 @@ def probe(
 
 
 def _show(name: str, model: FmuModel, facts: FmuFacts) -> None:
-    from rich.table import Table
     from rich.text import Text
 
     from dse.api.probing import consequences
@@ -87,9 +87,7 @@ def _show(name: str, model: FmuModel, facts: FmuFacts) -> None:
     if not math.isnan(facts.step):
         kind += f", {facts.steps} steps of {facts.step:.6g} s"
     console().print(Text.assemble((plain(name), "bold"), f"  {kind}"), soft_wrap=True)
-    table = Table(box=None, pad_edge=False, show_header=False)
-    for column in ("what", "answer", "detail"):
-        table.add_column(column, no_wrap=column != "detail", overflow="fold")
+    table = plain_table("what", "answer", "detail", header=False)
     for question in Question:
         if question not in facts.answers:
             continue
@@ -100,7 +98,7 @@ def _show(name: str, model: FmuModel, facts: FmuFacts) -> None:
         table.add_row(f"  {what}", "", number)
     print_table(table)
     for line in consequences(facts):
-        console().print(f"  → {line}", soft_wrap=True)
+        say(f"  → {line}")
 
 
 def _detail(facts: FmuFacts, question: Question) -> str:

@@ -7,8 +7,9 @@ from typing import Annotated
 
 import typer
 
-from dse.cli.app import DONE, RUNS_FAILED, app, console
+from dse.cli.app import DONE, RUNS_FAILED, app
 from dse.cli.arguments import FmiVersion, Folder, Format, Output, Plot
+from dse.cli.terminal import console, say
 
 
 @app.command()
@@ -28,17 +29,18 @@ def replay(
 
     Shows its metrics; with --plot draws its waveforms even if the study did not keep them.
     """
-    from dse.api.replaying import replay as replayed
-    from dse.api.results import Results
-    from dse.cli.exploring import ready
-    from dse.cli.showing import present_run
+    from dse.api.studies.replaying import replay as replayed
+    from dse.api.studies.results import Results
+    from dse.cli.runs import present_run
 
-    found = replayed(Results(folder), number, source=source, version=version, prepare=ready)
+    stored = Results(folder).run(number)
+    with console(stderr=True).status("") as status:
+        found = replayed(stored, source=source, fmi=version, tell=status.update)
     present_run(found.run, output, plot)
     problem = found.problem(str(folder))
     if problem:
         raise problem
     kept = found.stored.has_waveforms
     what = "metrics, verdicts and waveforms" if kept else "metrics and verdicts; no waveforms were kept"
-    console(stderr=True).print(f"run {number}: the same as in {folder}, bit for bit ({what})", soft_wrap=True)
+    say(f"run {number}: the same as in {folder}, bit for bit ({what})", stderr=True)
     raise typer.Exit(RUNS_FAILED if found.run.problem else DONE)

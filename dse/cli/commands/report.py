@@ -7,8 +7,9 @@ from typing import Annotated
 
 import typer
 
-from dse.cli.app import app, console, show_problems
+from dse.cli.app import app
 from dse.cli.arguments import Folder
+from dse.cli.terminal import say, show_problems
 
 ReportFile = Annotated[Path | None, typer.Option("--output", "-o", metavar="FILE", help="Default: DIR/report.html.")]
 MostWaveforms = Annotated[int, typer.Option("--waveforms", min=0, help="Most runs whose waveforms go into the page.")]
@@ -26,9 +27,9 @@ def report(
 
     Reads only the study folder; nothing is simulated.
     """
-    from dse.api.results import Results
+    from dse.api.studies.results import Results
     from dse.errors import DseError
 
     results = Results(folder)
     page = results.report(target, waveforms=waveforms, on_problems=lambda found: show_problems(DseError(*found)))
-    console().print(f"{page}: {len(results)} runs, {page.stat().st_size / 1e6:.1f} MB", soft_wrap=True)
+    say(f"{page}: {len(results)} runs, {page.stat().st_size / 1e6:.1f} MB")

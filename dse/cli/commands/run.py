@@ -22,8 +22,9 @@ def run(
 
     Interrupted and started again it goes on where it was.
     """
-    from dse.api.simulating import selected
+    from dse.api.studies.exploring import ExploreOptions
+    from dse.api.studies.single import study_of_bench
     from dse.cli.exploring import explore_into
 
-    study = selected(workspace_of(bench).bench(bench), None)
-    explore_into(study, folder, workers=workers, threads=threads, version=version, fuse=fuse, fresh=fresh, gate=gate)
+    options = ExploreOptions(workers, threads, fuse, fresh, version)
+    explore_into(study_of_bench(workspace_of(bench).bench(bench)), folder, options, gate=gate)

@@ -22,6 +22,7 @@ from dse.cli.arguments import (
     Settings,
 )
 from dse.cli.packages import Wishes, is_package, simulate_package, waveform_file
+from dse.cli.terminal import console
 
 Subject = Annotated[
     str, typer.Argument(metavar="BENCH", help="A test bench: its name, or its YAML file; or an SSP package (.ssp).")
@@ -83,15 +84,20 @@ def simulate(
     asked = {"--output": waveforms, "--variant": variant, "--stop": stop, "--step": step, "--record": record}
     words = {"--algorithm": algorithm, "--coupling": coupling, "--extrapolation": extrapolation, "--timeout": timeout}
     _refuse({**asked, **words}, "package")
-    from dse.api.exploring import alone
-    from dse.api.run import Run
-    from dse.api.simulating import single
-    from dse.cli.exploring import ready
-    from dse.cli.showing import present_run
+    from dse.api.studies.single import simulate_once
+    from dse.cli.runs import present_run
 
-    study = single(workspace_of(bench).bench(bench), configuration, wishes.settings, check_step=check_step)
-    planned = ready(study, version, fuse=fuse)
-    run = Run(alone(planned), planned.definition)
+    tested = workspace_of(bench).bench(bench)
+    with console(stderr=True).status("") as status:
+        run = simulate_once(
+            tested,
+            configuration,
+            wishes.settings,
+            check_step=check_step,
+            fuse=fuse,
+            fmi=version,
+            tell=status.update,
+        )
     present_run(run, output, plot)
     failed = not run.is_done or (gate and "fail" in run.verdicts.values())
     raise typer.Exit(RUNS_FAILED if failed else DONE)

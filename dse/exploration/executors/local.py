@@ -5,14 +5,13 @@ from __future__ import annotations
 import os
 from collections.abc import Mapping
 from contextlib import AbstractContextManager
-from pathlib import Path
 from typing import Any, ClassVar
 
 from pydantic import Field
 
 from dse.exploration.executor import Pool
-from dse.exploration.job import Setup, Sink, Work
-from dse.exploration.supervisor import Supervisor
+from dse.exploration.supervision.supervisor import Supervisor
+from dse.exploration.work import Sink, Work
 from dse.loading.extensions import ExecutorSection
 
 
@@ -30,9 +29,7 @@ class Local(ExecutorSection):
 
     def open(self, work: Work, sink: Sink) -> AbstractContextManager[Pool]:
         """A supervised pool: workers that die or hang cost the run they were in, and nothing else."""
-        setup = Setup(work.make_runner, Path(), work.waveforms, work.metrics, work.requirements, self.threads)
-        workers = self.workers or max(1, (os.cpu_count() or 1) // self.threads)
-        return Supervisor(setup, work.benches, sink, workers)
+        return Supervisor(work, sink, self.workers or max(1, (os.cpu_count() or 1) // self.threads), self.threads)
 
 
 EXECUTOR = Local

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 from pydantic import Field
 
 from dse.domain.sampler import Brief, Point
-from dse.exploration.sampling import MOST_RUNS, OnceSampler, scaled
+from dse.exploration.once_sampler import MOST_RUNS, OnceSampler, scaled
 
 if TYPE_CHECKING:
     import numpy as np

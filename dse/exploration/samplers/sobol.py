@@ -9,7 +9,7 @@ from typing import Any, ClassVar
 from pydantic import Field
 
 from dse.domain.sampler import Brief, Point
-from dse.exploration.sampling import MOST_RUNS, OnceSampler, scaled
+from dse.exploration.once_sampler import MOST_RUNS, OnceSampler, scaled
 
 
 class Sobol(OnceSampler):

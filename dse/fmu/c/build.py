@@ -10,11 +10,12 @@ from pathlib import Path
 from dse.domain.component import Component, CSource
 from dse.errors import DseError, Location, Problem
 from dse.fmu.archive import pack
-from dse.fmu.c.glue import Demand, glue
+from dse.fmu.c.glue import Demand, glue, slot_rows
 from dse.fmu.c.slots import slots
 from dse.fmu.c.staging import LIST_IT, StagedSources, stage
 from dse.fmu.cache import cache_folder, content_key, keep_file
 from dse.fmu.describe import Subject, describe, describe_sources, identifier
+from dse.fmu.slot_table import SLOT_TABLE, SlotTable
 from dse.fmu.toolchain.compilation import LANGUAGE_OPTIONS, CompilationError, Diagnostic, compile_library, options
 from dse.fmu.toolchain.compiler import Compiler, find_compiler
 from dse.fmu.toolchain.platforms import this_platform
@@ -57,6 +58,7 @@ def _contents(
     variables = slots(component)
     runtime = {f"sources/runtime/{name}": (_RUNTIME / name).read_bytes() for name in _RUNTIME_FILES[version]}
     user = {f"sources/component/{name}": content for name, content in staged.contents.items()}
+    user[f"sources/{SLOT_TABLE}"] = SlotTable(f"component/{staged.header}", slot_rows(variables)).to_bytes()
     subject = Subject(
         name=component.name,
         identifier=identifier(component.name),

@@ -96,7 +96,7 @@ def _library(
     system = wanted.system
     libraries = [element.model.library for element in system.elements]
     seats = [Seat(parts[library].prefix, parts[library].layout, sources[library].is_model) for library in libraries]
-    files = {name: runtime_file(name) for name in ("fused_values.h", "fused_abi.h")}
+    files = {name: runtime_file(name) for name in ("fused_values.h", "csolve/fused_abi.h")}
     files["loop.c"] = loop_text(system, wanted.record, seats).encode()
     platform = this_platform()
     keyed = [*sorted(files.items()), ("build", repr((compiler.identity, options(compiler), platform.name)).encode())]

@@ -11,7 +11,7 @@ from dse.errors import DseError, Location, Problem, fail
 from dse.fmu.reading.description import Description
 from dse.fmu.toolchain.platforms import this_platform
 from dse.formats.xml import XmlElement, read_xml_file
-from dse.formats.xml_values import flag, required, shortened
+from dse.formats.xml_values import shortened
 
 _FILE = "buildDescription.xml"
 _STANDARDS = {
@@ -90,7 +90,7 @@ def _from_build_description(root: XmlElement, description: Description, problems
         problems.append(Problem(f"nothing is compiled for '{description.identifier}'", chosen.where))
     libraries = []
     for library in chosen.all("Library"):
-        name = required(library, "name", problems)
+        name = library.required("name", problems)
         if name in _LINKED:
             libraries.append(name)
         elif name:
@@ -102,7 +102,7 @@ def _from_build_description(root: XmlElement, description: Description, problems
 def _units(group: XmlElement, problems: list[Problem]) -> Iterator[Unit]:
     options = tuple(_options(group, problems))
     for file in group.all("SourceFile"):
-        name = required(file, "name", problems)
+        name = file.required("name", problems)
         if name:
             yield Unit(str(PurePosixPath(name)), options, file.where)
 
@@ -121,15 +121,15 @@ def _options(group: XmlElement, problems: list[Problem]) -> Iterator[str]:
                 problems.append(Problem(f"the compiler option '{shortened(option)}' is not supported", group.where))
             yield option
     for definition in group.all("PreprocessorDefinition"):
-        name = required(definition, "name", problems)
-        if flag(definition, "optional", problems):
+        name = definition.required("name", problems)
+        if definition.flag("optional", problems):
             continue
         if name and not re.fullmatch(r"[A-Za-z_]\w*(?:\([\w, ]*\))?", name):
             problems.append(Problem(f"'{shortened(name)}' cannot be defined", definition.where))
         value = definition.attributes.get("value")
         yield f"-D{name}" if value is None else f"-D{name}={value}"
     for include in group.all("IncludeDirectory"):
-        name = required(include, "name", problems)
+        name = include.required("name", problems)
         if name and not _is_inside(name):
             problems.append(Problem(f"the folder '{shortened(name)}' is not in sources/", include.where))
         yield f"-I{name}"

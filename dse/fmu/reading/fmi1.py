@@ -21,7 +21,7 @@ from dse.fmu.reading.variables import (
     variable_elements,
 )
 from dse.formats.xml import XmlElement
-from dse.formats.xml_values import flag, required, shortened, word
+from dse.formats.xml_values import shortened
 
 _CAUSALITIES = ("input", "output", "internal", "none")
 _VARIABILITIES = ("constant", "parameter", "discrete", "continuous")
@@ -42,11 +42,11 @@ def read_implementation(root: XmlElement, problems: list[Problem]) -> Capabiliti
     if told is None:
         return Capabilities(needs_tool=needs_tool)
     return Capabilities(
-        can_handle_variable_step=flag(told, "canHandleVariableCommunicationStepSize", problems),
-        can_interpolate_inputs=flag(told, "canInterpolateInputs", problems),
+        can_handle_variable_step=told.flag("canHandleVariableCommunicationStepSize", problems),
+        can_interpolate_inputs=told.flag("canInterpolateInputs", problems),
         # Spelled like this in the standard.
-        can_run_asynchronously=flag(told, "canRunAsynchronuously", problems),
-        once_per_process=flag(told, "canBeInstantiatedOnlyOncePerProcess", problems),
+        can_run_asynchronously=told.flag("canRunAsynchronuously", problems),
+        once_per_process=told.flag("canBeInstantiatedOnlyOncePerProcess", problems),
         needs_tool=needs_tool,
     )
 
@@ -85,7 +85,7 @@ def direct_dependencies(listed: Sequence[Listed | None]) -> Structure:
 
 
 def _listed(element: XmlElement, types: Mapping[str, DeclaredType], problems: list[Problem]) -> Listed | None:
-    name, before = required(element, "name", problems), len(problems)
+    name, before = element.required("name", problems), len(problems)
     reference = reference_of(element, problems)
     typed = typed_element(element, 1, problems)
     if typed is None or reference is None or not name:
@@ -95,7 +95,7 @@ def _listed(element: XmlElement, types: Mapping[str, DeclaredType], problems: li
     fmi_type, kind = accessor(typed.tag, 1), KINDS[typed.tag]
     start = read_start(typed, fmi_type, 1, subject, problems)
     causality, variability = _words(element, kind, has_start=bool(start), problems=problems)
-    alias = word(element, "alias", _ALIASES, problems, "noAlias")
+    alias = element.word("alias", _ALIASES, problems, "noAlias")
     if alias == "negatedAlias" and kind in (Kind.ENUMERATION, None):
         problems.append(Problem(f"{subject} is a negated alias, but has no opposite", element.where))
     variable = Variable(
@@ -120,8 +120,8 @@ def _listed(element: XmlElement, types: Mapping[str, DeclaredType], problems: li
 
 def _words(element: XmlElement, kind: Kind | None, *, has_start: bool, problems: list[Problem]) -> tuple[str, str]:
     """Causality and variability as FMI 2.0 would call them."""
-    causality = word(element, "causality", _CAUSALITIES, problems, "internal")
-    variability = word(element, "variability", _VARIABILITIES, problems, "continuous")
+    causality = element.word("causality", _CAUSALITIES, problems, "internal")
+    variability = element.word("variability", _VARIABILITIES, problems, "continuous")
     if variability == "parameter":
         if causality == "output":
             return "output", "fixed"

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from dse.domain.fmu import Capabilities, Experiment, FmiInterface
 from dse.errors import DseError, Problem, fail
 from dse.formats.xml import XmlElement
-from dse.formats.xml_values import flag, real, shortened
+from dse.formats.xml_values import shortened
 
 _NEEDS_TOOL = "needsExecutionTool"
 _IN_WORDS = {FmiInterface.CO_SIMULATION: "co-simulation", FmiInterface.MODEL_EXCHANGE: "model exchange"}
@@ -38,7 +38,7 @@ def choose_interface(
     if not possible:
         raise _nothing_of_use(root, wanted, [kind for kind, _ in there])
     # Whether the tool is there shows when the FMU is instantiated: what wraps Python code says that it needs Python.
-    kind, element = min(possible, key=lambda pair: flag(pair[1], _NEEDS_TOOL, problems))
+    kind, element = min(possible, key=lambda pair: pair[1].flag(_NEEDS_TOOL, problems))
     identifier = read_identifier(element, problems)
     if kind is FmiInterface.MODEL_EXCHANGE:
         return Offered(
@@ -93,7 +93,7 @@ def _nothing_of_use(root: XmlElement, wanted: FmiInterface | None, there: list[F
 
 def _in_co_simulation(element: XmlElement, version: int, problems: list[Problem]) -> Capabilities:
     def says(name: str) -> bool:
-        return flag(element, name, problems)
+        return element.flag(name, problems)
 
     if version == 2:
         return Capabilities(
@@ -126,21 +126,21 @@ def _in_model_exchange(element: XmlElement, version: int, problems: list[Problem
     )
     return Capabilities(
         can_handle_variable_step=True,
-        can_save_state=flag(element, state, problems),
-        provides_directional_derivatives=flag(element, derivative, problems),
-        once_per_process=flag(element, "canBeInstantiatedOnlyOncePerProcess", problems),
-        needs_tool=flag(element, _NEEDS_TOOL, problems),
+        can_save_state=element.flag(state, problems),
+        provides_directional_derivatives=element.flag(derivative, problems),
+        once_per_process=element.flag("canBeInstantiatedOnlyOncePerProcess", problems),
+        needs_tool=element.flag(_NEEDS_TOOL, problems),
     )
 
 
 def _needs_completed_step(element: XmlElement, version: int, problems: list[Problem]) -> bool:
     if version == 2:
-        return not flag(element, "completedIntegratorStepNotNeeded", problems)
-    return flag(element, "needsCompletedIntegratorStep", problems)
+        return not element.flag("completedIntegratorStepNotNeeded", problems)
+    return element.flag("needsCompletedIntegratorStep", problems)
 
 
 def _finite(element: XmlElement, name: str, problems: list[Problem]) -> float | None:
-    value = real(element, name, problems)
+    value = element.real(name, problems)
     if value is not None and not abs(value) < float("inf"):
         problems.append(Problem(f"<{element.tag}>: '{name}' cannot be {value:g}", element.where))
         return None

@@ -10,7 +10,7 @@ from dse.domain.fmu import Exchange
 from dse.errors import Problem
 from dse.fmu.reading.variables import Listed
 from dse.formats.xml import XmlElement
-from dse.formats.xml_values import whole, whole_of
+from dse.formats.xml_values import whole_of
 
 _MOST_INDICATORS = 10_000_000
 
@@ -81,7 +81,7 @@ def read_exchange(
     pairs = list(_states(root, variables, problems))
     # FMI 2.0 only says how many there are.
     indicators = list(_indicators(root, variables, problems)) if variables.version == 3 else []
-    told = whole(root, "numberOfEventIndicators", problems, least=0, most=_MOST_INDICATORS)
+    told = root.whole("numberOfEventIndicators", problems, least=0, most=_MOST_INDICATORS)
     return Exchange(
         states=tuple(state.variable.reference for state, _ in pairs),
         derivatives=tuple(derivative.variable.reference for _, derivative in pairs),
@@ -131,7 +131,7 @@ def _named(element: XmlElement, variables: Catalog, problems: list[Problem]) -> 
     key = variables.key
     if key not in element.attributes:
         problems.append(Problem(f"<{element.tag}> has no '{key}'", element.where))
-    number = whole(element, key, problems, least=0)
+    number = element.whole(key, problems, least=0)
     found = variables.at(number) if number is not None else ()
     if number is not None and not found:
         problems.append(Problem(f"<{element.tag}>: there is no variable with the {key} {number}", element.where))

@@ -13,7 +13,7 @@ from dse.fmu.reading.declared_types import NUMBER_RANGES, DeclaredType, inherite
 from dse.fmu.reading.dimensions import Sizes, read_shape, sizes_told
 from dse.fmu.reading.starts import read_start
 from dse.formats.xml import XmlElement
-from dse.formats.xml_values import flag, required, shortened, whole, word
+from dse.formats.xml_values import shortened
 
 MOST_REFERENCES = 2**32
 KINDS: Mapping[str, Kind | None] = {
@@ -88,7 +88,7 @@ def reference_of(element: XmlElement, problems: list[Problem]) -> int | None:
     """A variable's value reference; None and a problem if there is none."""
     if "valueReference" not in element.attributes:
         problems.append(Problem(f"{_subject(element)} has no value reference", element.where))
-    return whole(element, "valueReference", problems, least=0, most=MOST_REFERENCES - 1)
+    return element.whole("valueReference", problems, least=0, most=MOST_REFERENCES - 1)
 
 
 def values_told(
@@ -115,14 +115,14 @@ def accessor(base: str, version: int) -> str:
 def _listed(
     element: XmlElement, version: int, types: Mapping[str, DeclaredType], sizes: Sizes, problems: list[Problem]
 ) -> Listed | None:
-    name, before = required(element, "name", problems), len(problems)
+    name, before = element.required("name", problems), len(problems)
     reference = reference_of(element, problems)
     typed = typed_element(element, version, problems)
     if typed is None or reference is None or not name:
         return None
     subject = f"variable '{shortened(name)}'"
     causalities = (*_CAUSALITIES, "structuralParameter") if version == 3 else _CAUSALITIES
-    causality = word(element, "causality", causalities, problems, "local")
+    causality = element.word("causality", causalities, problems, "local")
     # Some tools call what was a parameter in the model a constant parameter; nobody can set it.
     if causality == "parameter" and element.get("variability").strip() == "constant":
         causality = "local"
@@ -147,14 +147,14 @@ def _listed(
         description=element.get("description"),
         is_relative=bool(told.is_relative),
         is_clocked=bool(element.get("clocks").strip()),
-        is_intermediate=flag(element, "intermediateUpdate", problems),
+        is_intermediate=element.flag("intermediateUpdate", problems),
     )
     if len(problems) == before and len(variable.start) not in (0, 1, variable.size):
         of = f"{variable.size} elements" if variable.shape else "a single one"
         what = f"{subject} has {len(variable.start)} start values for {of}"
         problems.append(Problem(what, typed.where))
-    initial = word(element, "initial", _INITIALS, problems)
-    derivative = whole(typed, "derivative", problems, least=0)
+    initial = element.word("initial", _INITIALS, problems)
+    derivative = typed.whole("derivative", problems, least=0)
     return Listed(variable, element, derivative, initial) if len(problems) == before else None
 
 
@@ -165,7 +165,7 @@ def _subject(element: XmlElement) -> str:
 
 def _variability(element: XmlElement, causality: str, kind: Kind | None, problems: list[Problem]) -> str:
     """As it is said, or as the FMI documents say it is if nothing is said."""
-    said = word(element, "variability", _VARIABILITIES, problems)
+    said = element.word("variability", _VARIABILITIES, problems)
     if said == "constant" and causality in ("input", "structuralParameter"):
         what = f"{_subject(element)} is constant and {causality}, which excludes each other"
         problems.append(Problem(what, element.where))
@@ -179,7 +179,7 @@ def _variability(element: XmlElement, causality: str, kind: Kind | None, problem
 
 def _aliases(one: Listed, problems: list[Problem]) -> Iterator[Listed]:
     for alias in one.element.all("Alias"):
-        name = required(alias, "name", problems)
+        name = alias.required("name", problems)
         description = alias.get("description")
         yield replace(
             one, variable=replace(one.variable, name=name, description=description, alias_of=one.variable.name)

@@ -7,7 +7,7 @@ from pathlib import Path, PurePosixPath
 
 from dse.errors import DseError, Location, fail
 from dse.formats.xml import XmlElement, read_xml
-from dse.formats.xml_values import shortened, word
+from dse.formats.xml_values import shortened
 from dse.interchange.reading.common import Findings, expect
 from dse.interchange.reading.package import Package, follow, read_file
 from dse.interchange.reading.parameters import inline, read_mapping, read_parameters
@@ -70,7 +70,7 @@ def _require_type(element: XmlElement, expected: str, what: str) -> None:
 
 def _named(package: Package, file: PurePosixPath, element: XmlElement, fmu: Path | None, found: Findings) -> XmlElement:
     source = element.get("source")
-    if word(element, "sourceBase", _BASES, found.problems, "SSD") == "SSD":
+    if element.word("sourceBase", _BASES, found.problems, "SSD") == "SSD":
         return read_file(package, follow(package, file, source, element.where))
     if fmu is None:
         raise fail(f"'{shortened(source)}' is to lie in the component, which is no FMU", element.where)

@@ -10,7 +10,7 @@ from dataclasses import dataclass, field
 from dse.domain.fmu import UnitDefinition
 from dse.errors import Problem, closest, fail
 from dse.formats.xml import XmlElement
-from dse.formats.xml_values import real, required, shortened, whole
+from dse.formats.xml_values import shortened
 from dse.interchange.structure import NamedUnit, SignalType, Transformation
 
 SSC = "http://ssp-standard.org/SSP1/SystemStructureCommon"
@@ -110,7 +110,7 @@ def read_scope(root: XmlElement, found: Findings) -> Scope:
         expect(group, set(), {"Unit"}, found)
         for element in group.all("Unit"):
             expect(element, {"name"}, {"BaseUnit"}, found)
-            name = required(element, "name", found.problems)
+            name = element.required("name", found.problems)
             if name in units:
                 found.problems.append(Problem(f"the unit '{shortened(name)}' is there twice", element.where))
             base = element.child("BaseUnit")
@@ -123,7 +123,7 @@ def read_scope(root: XmlElement, found: Findings) -> Scope:
         expect(group, set(), {"Enumeration"}, found)
         for element in group.all("Enumeration"):
             expect(element, {"name"}, {"Item"}, found)
-            name = required(element, "name", found.problems)
+            name = element.required("name", found.problems)
             if name in enumerations:
                 found.problems.append(Problem(f"the enumeration '{shortened(name)}' is there twice", element.where))
             enumerations[name] = _items(element, found)
@@ -132,7 +132,7 @@ def read_scope(root: XmlElement, found: Findings) -> Scope:
 
 def _definition(base: XmlElement, found: Findings) -> UnitDefinition:
     expect(base, {*BASE_UNITS, "factor", "offset"}, set(), found)
-    exponents = {name: whole(base, name, found.problems, least=-99, most=99) or 0 for name in BASE_UNITS}
+    exponents = {name: base.whole(name, found.problems, least=-99, most=99) or 0 for name in BASE_UNITS}
     factor, offset = finite(base, "factor", found), finite(base, "offset", found)
     if factor == 0:
         found.problems.append(Problem("a unit's factor cannot be 0", base.where))
@@ -144,7 +144,7 @@ def _definition(base: XmlElement, found: Findings) -> UnitDefinition:
 
 def finite(element: XmlElement, name: str, found: Findings) -> float | None:
     """The attribute as a finite number; None if it is not there, and a problem if it is no such number."""
-    value = real(element, name, found.problems)
+    value = element.real(name, found.problems)
     if value is not None and not math.isfinite(value):
         found.problems.append(Problem(f"<{element.tag}>: '{name}' cannot be {value:g}", element.where))
         return None
@@ -155,8 +155,8 @@ def _items(element: XmlElement, found: Findings) -> dict[str, int]:
     items: dict[str, int] = {}
     for item in element.all("Item"):
         expect(item, {"name", "value"}, set(), found)
-        name = required(item, "name", found.problems)
-        value = whole(item, "value", found.problems)
+        name = item.required("name", found.problems)
+        value = item.whole("value", found.problems)
         if value is None and "value" not in item.attributes:
             found.problems.append(Problem("<Item> has no 'value'", item.where))
         if name in items:
@@ -184,7 +184,7 @@ def read_type(element: XmlElement, scope: Scope, found: Findings) -> SignalType 
     expect(child, {"unit", "name", "mime-type"}, set(), found)
     items = None
     if child.tag == "Enumeration":
-        name = required(child, "name", found.problems)
+        name = child.required("name", found.problems)
         items = scope.enumerations.get(name)
         if items is None and name:
             # Many tools leave it to the FMU to say what its items are.
@@ -197,7 +197,7 @@ def read_sizes(element: XmlElement, found: Findings) -> tuple[int | None, ...]:
     sizes = []
     for child in element.all("Dimension"):
         expect(child, {"size", "sizeConnector"}, set(), found)
-        sizes.append(whole(child, "size", found.problems, least=1, most=2**31))
+        sizes.append(child.whole("size", found.problems, least=1, most=2**31))
     return tuple(sizes)
 
 
@@ -217,7 +217,7 @@ def read_transformation(element: XmlElement, found: Findings) -> Transformation 
     entries: dict[str, str] = {}
     for entry in child.all("MapEntry"):
         expect(entry, {"source", "target"}, set(), found)
-        source, target = required(entry, "source", found.problems), required(entry, "target", found.problems)
+        source, target = entry.required("source", found.problems), entry.required("target", found.problems)
         if source in entries:
             found.problems.append(Problem(f"the source '{shortened(source)}' is there twice", entry.where))
         entries[source] = target

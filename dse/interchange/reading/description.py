@@ -7,7 +7,7 @@ from pathlib import PurePosixPath
 
 from dse.errors import DseError, Location, Problem, closest, fail
 from dse.formats.xml import XmlElement
-from dse.formats.xml_values import flag, required, shortened, whole_of, word
+from dse.formats.xml_values import shortened, whole_of
 from dse.interchange.reading.bindings import read_bindings
 from dse.interchange.reading.common import (
     META,
@@ -76,7 +76,7 @@ def read_description(package: Package, file: PurePosixPath, found: Findings, lev
         raise fail("there is no <System>", root.where)
     reader = _Reader(package, file, root, read_scope(root, found), found)
     return Description(
-        required(root, "name", found.problems),
+        root.required("name", found.problems),
         root.get("version"),
         reader.system(top, level),
         _experiment(root, top, found),
@@ -139,7 +139,7 @@ class _Reader:
                 except DseError as error:
                     self.found.problems += error.problems
         return System(
-            required(element, "name", self.found.problems),
+            element.required("name", self.found.problems),
             tuple(elements),
             tuple(self._connection(c) for c in element.below("Connections", "Connection")),
             self._connectors(element),
@@ -149,13 +149,13 @@ class _Reader:
         )
 
     def _element(self, element: XmlElement, level: int) -> list[Component | DictionaryReference | System]:
-        name = required(element, "name", self.found.problems)
+        name = element.required("name", self.found.problems)
         match element.tag:
             case "System":
                 return [self.system(element, level + 1)]
             case "SignalDictionaryReference":
                 expect(element, {"name", "dictionary"}, _ELEMENT, self.found)
-                named = required(element, "dictionary", self.found.problems)
+                named = element.required("dictionary", self.found.problems)
                 return [DictionaryReference(name, named, self._connectors(element), element.where)]
             case "Component":
                 return [self._component(name, element, level)]
@@ -174,8 +174,8 @@ class _Reader:
         target = follow(self.package, self.file, source, element.where)
         if type_ == FMU:
             bindings = read_bindings(self.package, self.file, element, target.path, self.found)
-            implementation = word(
-                element, "implementation", ("any", "CoSimulation", "ModelExchange"), self.found.problems, "any"
+            implementation = element.word(
+                "implementation", ("any", "CoSimulation", "ModelExchange"), self.found.problems, "any"
             )
             connectors = self._connectors(element)
             return Component(name, source, target.path, connectors, bindings, element.where, implementation)
@@ -203,8 +203,8 @@ class _Reader:
         connectors: dict[str, Connector] = {}
         for child in element.below("Connectors", "Connector"):
             expect(child, {"name", "kind"}, {*TYPES, "ConnectorGeometry", "Dimension"}, self.found)
-            name = required(child, "name", self.found.problems)
-            kind = word(child, "kind", _KINDS, self.found.problems)
+            name = child.required("name", self.found.problems)
+            kind = child.word("kind", _KINDS, self.found.problems)
             if "kind" not in child.attributes:
                 self.found.problems.append(Problem(f"connector '{shortened(name)}' has no 'kind'", child.where))
             if name in connectors:
@@ -218,12 +218,12 @@ class _Reader:
         expect(element, ends | {"suppressUnitConversion"}, {*TRANSFORMATIONS, "ConnectionGeometry"}, self.found)
         return Connection(
             element.get("startElement"),
-            required(element, "startConnector", self.found.problems),
+            element.required("startConnector", self.found.problems),
             element.get("endElement"),
-            required(element, "endConnector", self.found.problems),
+            element.required("endConnector", self.found.problems),
             element.where,
             read_transformation(element, self.found),
-            flag(element, "suppressUnitConversion", self.found.problems),
+            element.flag("suppressUnitConversion", self.found.problems),
             self._indices(element, "startIndices"),
             self._indices(element, "endIndices"),
         )
@@ -240,7 +240,7 @@ class _Reader:
         dictionaries: dict[str, dict[str, SignalType]] = {}
         for child in element.below("SignalDictionaries", "SignalDictionary"):
             expect(child, {"name", "type", "source"}, {"SignalDictionary"}, self.found)
-            name = required(child, "name", self.found.problems)
+            name = child.required("name", self.found.problems)
             type_, source = child.get("type", DICTIONARY), child.get("source")
             try:
                 if type_ != DICTIONARY:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dse.errors import Problem
 from dse.formats.xml import XmlElement
-from dse.formats.xml_values import required, shortened
+from dse.formats.xml_values import shortened
 from dse.interchange.reading.common import META, SSB, TYPES, Findings, expect, read_scope, read_type, require_root
 from dse.interchange.structure import SignalType
 
@@ -17,7 +17,7 @@ def read_dictionary(root: XmlElement, found: Findings) -> dict[str, SignalType]:
     entries: dict[str, SignalType] = {}
     for element in root.all("DictionaryEntry"):
         expect(element, {"name"}, {*TYPES, "Dimension"}, found)
-        name = required(element, "name", found.problems)
+        name = element.required("name", found.problems)
         if name in entries:
             found.problems.append(Problem(f"the entry '{shortened(name)}' is there twice", element.where))
         type_ = read_type(element, scope, found)

@@ -13,7 +13,7 @@ from dse.formats.xml import XmlElement, read_xml_file
 from dse.formats.xml_values import shortened
 from dse.formats.yaml import shown
 from dse.formats.zipped import unpacked
-from dse.loading.root import is_file
+from dse.loading.paths import is_file
 
 DEFAULT = "SystemStructure"
 """The variant that is meant if none is named."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dse.errors import Problem, fail
 from dse.formats.xml import XmlElement
-from dse.formats.xml_values import flag, required, shortened
+from dse.formats.xml_values import shortened
 from dse.interchange.reading.common import (
     META,
     SSM,
@@ -34,7 +34,7 @@ def read_parameters(root: XmlElement, found: Findings) -> tuple[ParameterValue, 
         expect(group, set(), {"Parameter"}, found)
         for element in group.all("Parameter"):
             expect(element, {"name"}, _VALUES | {"Dimension"}, found)
-            name = required(element, "name", found.problems)
+            name = element.required("name", found.problems)
             if name in values:
                 found.problems.append(Problem(f"the parameter '{shortened(name)}' is there twice", element.where))
             typed = [child for child in element.children if child.tag in _VALUES]
@@ -67,17 +67,17 @@ def read_mapping(root: XmlElement, found: Findings) -> tuple[MappingEntry, ...]:
     targets: set[str] = set()
     for element in root.all("MappingEntry"):
         expect(element, {"source", "target", "suppressUnitConversion"}, set(TRANSFORMATIONS), found)
-        target = required(element, "target", found.problems)
+        target = element.required("target", found.problems)
         if target in targets:
             found.problems.append(Problem(f"'{shortened(target)}' is the target of two entries", element.where))
         targets.add(target)
         entries.append(
             MappingEntry(
-                required(element, "source", found.problems),
+                element.required("source", found.problems),
                 target,
                 element.where,
                 read_transformation(element, found),
-                flag(element, "suppressUnitConversion", found.problems),
+                element.flag("suppressUnitConversion", found.problems),
             )
         )
     return tuple(entries)

@@ -3,66 +3,20 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
 from dse.errors import fail
-from dse.report.chart import Chart
-from dse.report.content import Floats, ReportContent, RequirementRow, Variable, label
+from dse.report.charts.chart import Chart
+from dse.report.content.nouns import Floats, ReportContent, RequirementRow, Variable, label
+from dse.report.drawing.constraint_plot import ConstraintPlotData, Line, RequirementLayer, draw_constraint_plot
 from dse.report.figure import View
-from dse.report.planes import Plane, plane_of
-from dse.report.verdicts import Marks, margins, outside, overall_marks
+from dse.report.interpolation.planes import Plane, plane_of
+from dse.report.verdicts import margins, outside, overall_marks
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure as Sheet
-
-Line = NDArray[np.float64]
-"""A polyline, (points, 2), in the units of the axes."""
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class RequirementLayer:
-    """One requirement over the grid: *margin* (ny, nx) is negative where it fails, *exercised* at least 0.5 where it
-    came into play; *boundary* are the lines of zero margin, exercised or not; *caption* says what makes it fail."""
-
-    title: str
-    caption: str
-    margin: Floats
-    exercised: Floats
-    boundary: tuple[Line, ...]
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class ConstraintPlotData:
-    """Figure 6: *xs* (nx,) and *ys* (ny,) span the grid of the *layers* and of *known*, which is below 0.5 where failed
-    runs leave a hole; without regions they are empty and *note* says why. *points* (n, 2) are the runs with their
-    *marks* (see Mark) and *strength*, 1 in the plane and less beside it.
-    """
-
-    title: str
-    x_label: str
-    y_label: str
-    x_range: tuple[float, float]
-    y_range: tuple[float, float]
-    xs: Floats
-    ys: Floats
-    layers: tuple[RequirementLayer, ...]
-    known: Floats
-    points: Floats
-    marks: Marks
-    strength: Floats
-    note: str
-
-    @property
-    def feasible(self) -> NDArray[np.bool_]:
-        """Where on the grid every requirement is met and exercised, (ny, nx)."""
-        met = self.known >= 0.5
-        for layer in self.layers:
-            met = met & (layer.margin >= 0) & (layer.exercised >= 0.5)
-        return met
 
 
 def constraint_plot_data(content: ReportContent, x: str, y: str, configuration: str) -> ConstraintPlotData:
@@ -91,20 +45,12 @@ def constraint_plot_data(content: ReportContent, x: str, y: str, configuration: 
     )
 
 
-def planes(content: ReportContent) -> list[tuple[str, str]]:
+def axis_pairs(content: ReportContent) -> list[tuple[str, str]]:
     """The pairs of design variables to draw constraint plots over: one for each slice, else the first two variables."""
     pairs = [(names[0], names[1]) for names in content.slices if len(names) > 1]
     if pairs or len(content.variables) < 2:
         return pairs
     return [(content.variables[0].name, content.variables[1].name)]
-
-
-def default_axes(content: ReportContent) -> tuple[str, str]:
-    """The variables a constraint plot shows unless told otherwise. Raises DseError if there are not two."""
-    pairs = planes(content)
-    if not pairs:
-        raise fail("a constraint plot needs two design variables", hint="use the waveform figure or the run table")
-    return pairs[0]
 
 
 def _variable(content: ReportContent, name: str) -> Variable:
@@ -143,9 +89,7 @@ class Constraints:
 
     def drawings(self, content: ReportContent, view: View) -> Iterator[tuple[str, Sheet]]:
         """Figure 6 over the axes asked for, else over each slice of the study. Raises DseError if it has no such."""
-        from dse.report.draw import draw_constraint_plot
-
-        pairs = [(view.x, view.y)] if view.x and view.y else planes(content)
+        pairs = [(view.x, view.y)] if view.x and view.y else axis_pairs(content)
         configuration = view.configuration or next((entry.id for entry in content.configurations), "")
         for x, y in pairs:
             data = constraint_plot_data(content, x, y, configuration)

@@ -3,40 +3,24 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
 
+from dse.domain.definition import StudyDefinition
+from dse.domain.run import Run
 from dse.errors import fail
-from dse.report.chart import Chart
-from dse.report.content import FigureSpec, Floats, ReportContent, label
+from dse.report.charts.chart import Chart
+from dse.report.content.nouns import FigureSpec, Floats, ReportContent, label
+from dse.report.content.reading import content_of_run
+from dse.report.drawing.style import save_drawing
+from dse.report.drawing.waveform_plot import WaveformData, WaveformPanel, draw_waveforms
 from dse.report.figure import View
 from dse.report.verdicts import Mark, overall_marks
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure as Sheet
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class WaveformPanel:
-    """One waveform of Figure 7 over *time* in seconds; *target* is None where the figure has none."""
-
-    title: str
-    y_label: str
-    time: Floats
-    current: Floats
-    current_label: str
-    target: Floats | None
-    target_label: str
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class WaveformData:
-    """Figure 7: the waveforms of one run, one above the other."""
-
-    title: str
-    panels: tuple[WaveformPanel, ...]
 
 
 def waveform_data(content: ReportContent, run: int) -> WaveformData:
@@ -50,6 +34,11 @@ def waveform_data(content: ReportContent, run: int) -> WaveformData:
             hint=f"simulate it again with: dse replay {content.study_folder} {run}",
         )
     return WaveformData(f"Run {run} \u2013 {content.title}", panels)
+
+
+def draw_run(run: Run, definition: StudyDefinition, target: Path) -> None:
+    """Draw the bench's figures for *run*, whose waveforms were kept, into the file *target*. Raises DseError."""
+    save_drawing(draw_waveforms(waveform_data(content_of_run(run, definition), run.request.number)), target)
 
 
 def default_run(content: ReportContent) -> int:
@@ -105,8 +94,6 @@ class Waveforms:
 
     def drawings(self, content: ReportContent, view: View) -> Iterator[tuple[str, Sheet]]:
         """Figure 7 of the run asked for, else of `default_run`. Raises DseError if it was not kept."""
-        from dse.report.draw import draw_waveforms
-
         if content.figures:
             run = default_run(content) if view.run is None else view.run
             yield f"waveforms_{run}", draw_waveforms(waveform_data(content, run))

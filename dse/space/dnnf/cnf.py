@@ -52,6 +52,8 @@ def encode(flat: FlatSpace) -> Cnf:
             case Table():
                 for box in boxes(flat, rule):
                     writer.say(tuple((number, ~mask) for number, mask in box), rule.owner)
+            case Linear(_, None, None):
+                pass
             case Linear():
                 cases = {number: writer.cases(number, weights.tolist()) for number, weights in rule.weights.items()}
                 encode_linear(rule, cases, writer.new, writer.add)
@@ -162,20 +164,13 @@ class _Writer:
 
 def _forms_of_optional(exists: int, taken: int, allowed: tuple[bool, bool, bool]) -> list[list[int]]:
     """The same for a part that may be left out; *allowed*: the part, leaving it out, absence."""
-    match allowed:
-        case True, True, True:
-            return []
-        case True, True, False:
-            return [[exists]]
-        case True, False, True:
-            return [[taken, exists ^ 1]]
-        case True, False, False:
-            return [[taken]]
-        case False, True, True:
-            return [[taken ^ 1]]
-        case False, True, False:
-            return [[exists], [taken ^ 1]]
-        case False, False, True:
-            return [[exists ^ 1]]
-        case _:
-            return [[]]
+    forms: dict[tuple[bool, ...], list[list[int]]] = {
+        (True, True, True): [],
+        (True, True, False): [[exists]],
+        (True, False, True): [[taken, exists ^ 1]],
+        (True, False, False): [[taken]],
+        (False, True, True): [[taken ^ 1]],
+        (False, True, False): [[exists], [taken ^ 1]],
+        (False, False, True): [[exists ^ 1]],
+    }
+    return forms.get(allowed, [[]])

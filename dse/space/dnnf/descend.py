@@ -1,93 +1,72 @@
-"""From the root of a graph down to rows: lots decide at every node which branch to take."""
+"""From the root of a graph down to rows: selections decide at every node which branch to take."""
 
 from __future__ import annotations
 
-from collections.abc import Container, Iterable
-from typing import TypeVar
+from typing import Generic
 
 import numpy as np
 
 from dse.space.dnnf.cnf import NO_LITERAL, TRUE
 from dse.space.dnnf.graph import Branch
-from dse.space.dnnf.lots import Chance, Rank
+from dse.space.dnnf.selection import SelectionT
 from dse.space.dnnf.weigh import Weighed
 from dse.space.flat import ABSENT, Bools, Rows
-
-LotT = TypeVar("LotT", Chance, Rank)
 
 _Choice = tuple[int, tuple[int, ...]]
 """A variable of the space, and the values it may take here."""
 
 
-def descend(weighed: Weighed, lot: LotT) -> Rows:
-    """The rows that a lot over all results of *weighed* stands for, shape (rows, variables)."""
+def descend(weighed: Weighed, selection: SelectionT) -> Rows:
+    """The rows that a selection among all results of *weighed* stands for, shape (rows, variables)."""
     cut = _cut_off(weighed)
     open_choices = _open_choices(weighed, cut)
-    holds, settled = _walk(weighed, lot, open_choices)
-    found = np.full((len(weighed.dnnf.flat.variables), len(lot.rows)), ABSENT, np.int16)
-    _write_kept(weighed, holds, found)
-    for literal, lots in settled.items():
-        for each in lots[0].together(lots):
-            _fill(weighed, each, open_choices[literal], cut, found)
+    descent = _Descent(weighed, open_choices, selection)
+    found = np.full((len(weighed.dnnf.flat.variables), len(selection.rows)), ABSENT, np.int16)
+    _write_kept(weighed, descent.holds, found)
+    for literal, selections in descent.settled.items():
+        _fill(weighed, selections[0].joined(selections), open_choices[literal], cut, found)
     return np.ascontiguousarray(found.T)
 
 
-def _walk(weighed: Weighed, lot: LotT, open_choices: Container[int]) -> tuple[Bools, dict[int, list[LotT]]]:
-    """Which Booleans hold, shape (Booleans, rows), and lots for what is left to be filled in where a literal holds."""
-    graph = weighed.dnnf.graph
-    holds = np.zeros((weighed.dnnf.booleans, len(lot.rows)), bool)
-    settled: dict[int, list[LotT]] = {}
-    reaching: dict[int, list[LotT]] = {}
-    outside = lot.part(weighed.outer)
-    settled[TRUE] = [digit for digit, _ in outside]
-    if graph.root is not None:
-        for _, rest in outside:
-            _take(weighed, graph.root, rest, open_choices, holds, settled, reaching)
-    for number in range(len(graph.nodes) - 1, -1, -1):
-        lots = reaching.pop(number, [])
-        for each in lots[0].together(lots) if lots else []:
-            for index, chosen in each.choose(weighed.branches[number]):
-                _take(weighed, graph.nodes[number][index], chosen, open_choices, holds, settled, reaching)
-    return holds, settled
+class _Descent(Generic[SelectionT]):
+    """Which Booleans hold, shape (Booleans, rows), and selections for what is still open where a literal holds."""
 
+    def __init__(self, weighed: Weighed, open_choices: dict[int, list[_Choice]], selection: SelectionT) -> None:
+        self.weighed = weighed
+        self.open_choices = open_choices
+        self.holds = np.zeros((weighed.dnnf.booleans, len(selection.rows)), bool)
+        self.settled: dict[int, list[SelectionT]] = {}
+        self._reaching: dict[int, list[SelectionT]] = {}
+        graph = weighed.dnnf.graph
+        outside, rest = selection.part(weighed.outer)
+        self.settled[TRUE] = [outside]
+        if graph.root is not None:
+            self._take(graph.root, rest)
+        for number in range(len(graph.nodes) - 1, -1, -1):
+            if number in self._reaching:
+                arrived = self._reaching.pop(number)
+                for index, chosen in arrived[0].joined(arrived).choose(weighed.branches[number]):
+                    self._take(graph.nodes[number][index], chosen)
 
-def _take(
-    weighed: Weighed,
-    branch: Branch,
-    lot: LotT,
-    open_choices: Container[int],
-    holds: Bools,
-    settled: dict[int, list[LotT]],
-    reaching: dict[int, list[LotT]],
-) -> None:
-    positive = [literal >> 1 for literal in branch.literals if not literal & 1]
-    if positive:
-        holds[np.array(positive)[:, None], lot.rows] = True
-    lots = [lot]
-    for literal in branch.literals:
-        if literal in open_choices:
-            lots = _divide(lots, weighed.literals[literal], settled.setdefault(literal, []))
-    for boolean in branch.free:
-        amounts = weighed.literals[2 * boolean], weighed.literals[2 * boolean + 1]
-        digits: list[LotT] = []
-        lots = _divide(lots, sum(amounts), digits)
-        for digit in digits:
-            for negative, chosen in digit.choose(amounts):
-                holds[boolean, chosen.rows] = not negative
-                if 2 * boolean + negative in open_choices:
-                    settled.setdefault(2 * boolean + negative, []).append(chosen)
-    for child in branch.children:
-        lots = _divide(lots, weighed.nodes[child], reaching.setdefault(child, []))
-
-
-def _divide(lots: Iterable[LotT], amount: int, digits: list[LotT]) -> list[LotT]:
-    """Take a factor out of lots: what decides it goes to *digits*, the rest is returned."""
-    rests: list[LotT] = []
-    for lot in lots:
-        for digit, rest in lot.part(amount):
-            digits.append(digit)
-            rests.append(rest)
-    return rests
+    def _take(self, branch: Branch, selection: SelectionT) -> None:
+        amounts = self.weighed.literals
+        positive = [literal >> 1 for literal in branch.literals if not literal & 1]
+        if positive:
+            self.holds[np.array(positive)[:, None], selection.rows] = True
+        for literal in branch.literals:
+            if literal in self.open_choices:
+                digit, selection = selection.part(amounts[literal])
+                self.settled.setdefault(literal, []).append(digit)
+        for boolean in branch.free:
+            both = amounts[2 * boolean], amounts[2 * boolean + 1]
+            digit, selection = selection.part(sum(both))
+            for negative, chosen in digit.choose(both):
+                self.holds[boolean, chosen.rows] = not negative
+                if 2 * boolean + negative in self.open_choices:
+                    self.settled.setdefault(2 * boolean + negative, []).append(chosen)
+        for child in branch.children:
+            digit, selection = selection.part(self.weighed.nodes[child])
+            self._reaching.setdefault(child, []).append(digit)
 
 
 def _write_kept(weighed: Weighed, holds: Bools, found: Rows) -> None:
@@ -132,22 +111,22 @@ def _open_choices(weighed: Weighed, cut: dict[tuple[int, int] | None, list[_Choi
 
 def _fill(
     weighed: Weighed,
-    lot: LotT,
+    selection: SelectionT,
     choices: list[_Choice],
     cut: dict[tuple[int, int] | None, list[_Choice]],
     found: Rows,
 ) -> None:
     """Make choices and all that hang below them."""
-    pending = [(lot, choices, 0)]
+    pending = [(selection, choices, 0)]
     while pending:
         each, several, at = pending.pop()
         if at == len(several):
             continue
         variable, values = several[at]
         amounts = [weighed.ways.below[variable][value] for value in values]
-        for digit, rest in each.part(sum(amounts)):
-            pending.append((rest, several, at + 1))
-            for index, chosen in digit.choose(amounts):
-                found[variable, chosen.rows] = values[index]
-                if (variable, values[index]) in cut:
-                    pending.append((chosen, cut[variable, values[index]], 0))
+        digit, rest = each.part(sum(amounts))
+        pending.append((rest, several, at + 1))
+        for index, chosen in digit.choose(amounts):
+            found[variable, chosen.rows] = values[index]
+            if (variable, values[index]) in cut:
+                pending.append((chosen, cut[variable, values[index]], 0))

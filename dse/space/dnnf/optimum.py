@@ -6,21 +6,17 @@ each came from (Kimmig, Van den Broeck and De Raedt, Algebraic model counting, 2
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from dataclasses import replace
+from collections.abc import Iterator, Mapping, Sequence
 from heapq import heappop, heappush
 
 import numpy as np
 
-from dse.space.dnnf.cnf import NO_LITERAL, TRUE, encode
-from dse.space.dnnf.compile import MOST_NODES, Dnnf
-from dse.space.dnnf.exhaust import compile_graph
+from dse.space.dnnf.cnf import NO_LITERAL, TRUE
+from dse.space.dnnf.compile import MOST_NODES, Dnnf, compile_dnnf
 from dse.space.dnnf.graph import Branch
-from dse.space.dnnf.order import arrange
-from dse.space.dnnf.rows import rows
-from dse.space.dnnf.simplify import FALSE, simplify
-from dse.space.dnnf.trim import trim
-from dse.space.flat import ABSENT, Bools, FlatSpace, Ints, Linear, Rows
+from dse.space.dnnf.rows import rows_of_model
+from dse.space.dnnf.simplify import FALSE
+from dse.space.flat import FlatSpace, Ints, Linear, Rows
 
 Ways = list[tuple[int, tuple[int, ...]]]
 """Sums, ascending, and which branch and which ways of its children make each; of a Boolean, the literal."""
@@ -32,28 +28,20 @@ def least(flat: FlatSpace, weights: Mapping[int, Ints], number: int, most_nodes:
     Weights are as in `Linear`. Ascending by the sum; rows of equal sums in an order that is always the same. Raises
     UnsupportedError and TooWideError as `compile_dnnf` does.
     """
-    dnnf = _compiled(flat, weights, most_nodes)
+    # A sum without bounds forbids nothing, and keeps values of different weights apart.
+    dnnf = compile_dnnf(flat.having(Linear(weights, None, None)), most_nodes)
     literals = _of_literals(dnnf, weights)
     ways, tops = _upward(dnnf, literals, number)
     found: list[Rows] = [np.zeros((0, len(flat.variables)), np.int16)]
     missing = number
     for rank in range(len(tops)):
         # Values that neither rules nor weights tell apart make several rows of one model.
-        for block in rows(dnnf, 0, _wanted(dnnf, _model(dnnf, literals, ways, tops, rank))):
+        for block in rows_of_model(dnnf, _model(dnnf, literals, ways, tops, rank)):
             found.append(block[:missing])
             missing -= len(found[-1])
             if not missing:
                 return np.concatenate(found)
     return np.concatenate(found)
-
-
-def _compiled(flat: FlatSpace, weights: Mapping[int, Ints], most_nodes: int) -> Dnnf:
-    """Like `compile_dnnf`, but values of different weights stay apart."""
-    trimmed = trim(flat.having(Linear(weights, None, None)))
-    cnf = encode(replace(trimmed.core, rules=trimmed.core.rules[:-1]))
-    simplified = arrange(simplify(cnf))
-    graph = compile_graph(simplified, most_nodes)
-    return Dnnf(trimmed, cnf, simplified.image, simplified.booleans, graph)
 
 
 def _of_literals(dnnf: Dnnf, weights: Mapping[int, Ints]) -> list[int]:
@@ -124,44 +112,15 @@ def _together(found: Ways, values: Sequence[int], number: int) -> Ways:
     return least_ways
 
 
-def _model(dnnf: Dnnf, literals: Sequence[int], ways: Sequence[Ways], tops: Ways, rank: int) -> Bools:
-    """Which Booleans hold in the way of that rank."""
-    holds = np.zeros(dnnf.booleans, np.bool_)
-    holds[TRUE >> 1] = True
+def _model(dnnf: Dnnf, literals: Sequence[int], ways: Sequence[Ways], tops: Ways, rank: int) -> Iterator[int]:
+    """The literals that hold in the way of that rank."""
     assert dnnf.graph.root is not None  # noqa: S101  # there is a way, so there is a root
     pending = [(dnnf.graph.root, tops[rank][1])]
     while pending:
         branch, ranks = pending.pop()
-        settled = [*branch.literals]
+        yield from branch.literals
         for boolean, place in zip(branch.free, ranks, strict=False):
-            settled += _of_boolean(boolean, literals)[place][1]
-        for literal in settled:
-            holds[literal >> 1] = not literal & 1
-        for child, place in zip(branch.children, ranks[len(branch.free) :], strict=True):
+            yield from _of_boolean(boolean, literals)[place][1]
+        for child, place in [*zip(branch.children, ranks[len(branch.free) :], strict=True)][::-1]:
             taken, *below = ways[child][place][1]
             pending.append((dnnf.graph.nodes[child][taken], tuple(below)))
-    return holds
-
-
-def _wanted(dnnf: Dnnf, holds: Bools) -> dict[int, Bools]:
-    """What each kept variable takes in a model, as masks over all its values."""
-    wanted = {}
-    for original, groups, literals, exists in zip(
-        dnnf.trimmed.kept, dnnf.trimmed.classes, dnnf.cnf.values, dnnf.cnf.exists, strict=True
-    ):
-        mask = np.zeros(len(dnnf.flat.variables[original].values) + 1, np.bool_)
-        taken = [group for group, literal in zip(groups, literals, strict=True) if _holds(dnnf, holds, literal)]
-        left_out = [group for group, literal in zip(groups, literals, strict=True) if literal == NO_LITERAL]
-        if not _holds(dnnf, holds, exists):
-            mask[ABSENT] = True
-        else:
-            mask[list((taken or left_out)[0])] = True
-        wanted[original] = mask
-    return wanted
-
-
-def _holds(dnnf: Dnnf, holds: Bools, literal: int) -> bool:
-    if literal == NO_LITERAL:
-        return False
-    image = dnnf.image[literal]
-    return bool(holds[image >> 1]) != bool(image & 1)

@@ -2,13 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-
 from dse.space.dnnf.cnf import NO_LITERAL, TRUE
 from dse.space.dnnf.compile import Dnnf
 from dse.space.dnnf.simplify import FALSE
 from dse.space.dnnf.weigh import Weighed, weigh
-from dse.space.flat import Bools
 
 
 def count(dnnf: Dnnf) -> int:
@@ -16,14 +13,14 @@ def count(dnnf: Dnnf) -> int:
     return weigh(dnnf).total
 
 
-def occurrences(dnnf: Dnnf, wanted: Mapping[int, Bools] | None = None) -> tuple[tuple[int, ...], ...]:
-    """By variable of the space: in how many (of the wanted) rows it takes each value; the last entry is absence.
+def occurrences(dnnf: Dnnf) -> tuple[tuple[int, ...], ...]:
+    """By variable of the space: in how many rows it takes each value; the last entry is absence.
 
     A pass from the root brings to each node the number of rows that reach it (Darwiche 2003, differentiation).
     """
-    weighed = weigh(dnnf, wanted)
+    weighed = weigh(dnnf)
     total = weighed.total
-    trimmed = weighed.dnnf.trimmed
+    trimmed = dnnf.trimmed
     holding = _holding(weighed)
     found: list[tuple[int, ...]] = []
     place = {number: at for at, number in enumerate(trimmed.kept)}
@@ -37,10 +34,10 @@ def occurrences(dnnf: Dnnf, wanted: Mapping[int, Bools] | None = None) -> tuple[
             shares = [0] * len(below)
             for group, whole, amount in zip(groups, sums, amounts, strict=True):
                 for value in group:
-                    shares[value] = amount * below[value] // whole if whole else 0
+                    shares[value] = amount * below[value] // whole
         else:
             whole = sum(below)
-            shares = [existing * part // whole if whole else 0 for part in below]
+            shares = [existing * part // whole for part in below]
         found.append((*shares, total - existing))
     return tuple(found)
 
@@ -49,7 +46,7 @@ def _holding(weighed: Weighed) -> list[int]:
     """In how many rows each literal of the graph holds."""
     holding = [0] * len(weighed.literals)
     graph = weighed.dnnf.graph
-    if graph.root is None or not weighed.total:
+    if graph.root is None:
         return holding
     # Rows that reach a node, over the rows it stands for itself.
     reaching = [0] * len(graph.nodes)
@@ -63,8 +60,6 @@ def _holding(weighed: Weighed) -> list[int]:
                 (branch, own, times) for branch, own in zip(graph.nodes[number], weighed.branches[number], strict=True)
             ]
         for branch, own, times in work:
-            if not own:
-                continue
             rows = own * times
             for literal in branch.literals:
                 holding[literal] += rows

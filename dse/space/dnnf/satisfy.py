@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Collection
 
-import numpy as np
-
-from dse.space.dnnf.cnf import NO_LITERAL, Cnf, encode
+from dse.space.dnnf.cnf import encode
+from dse.space.dnnf.compile import Dnnf
+from dse.space.dnnf.graph import Graph
+from dse.space.dnnf.rows import rows_of_model
 from dse.space.dnnf.solver import Solver
-from dse.space.dnnf.trim import Trimmed, trim
-from dse.space.flat import ABSENT, NOBODY, FlatSpace, Rows
+from dse.space.dnnf.trim import trim
+from dse.space.flat import NOBODY, FlatSpace, Rows
 
 
 def satisfiable(flat: FlatSpace) -> Rows | None:
@@ -20,7 +21,12 @@ def satisfiable(flat: FlatSpace) -> Rows | None:
     for clause in cnf.clauses:
         solver.add(clause)
     holds = solver.solve()
-    return None if holds is None else _row(trimmed, cnf, holds)
+    if holds is None:
+        return None
+    literals = [2 * boolean + (not holds[boolean]) for boolean in range(1, cnf.booleans)]
+    dnnf = Dnnf(trimmed, cnf, tuple(range(2 * cnf.booleans)), cnf.booleans, Graph((), None))
+    row: Rows = next(rows_of_model(dnnf, literals))[0]
+    return row
 
 
 def conflict(flat: FlatSpace) -> tuple[int, ...] | None:
@@ -53,24 +59,3 @@ def _fewest(solver: Solver, blamed: Collection[int], owner_of: dict[int, int]) -
         else:
             suspects = [literal for literal in suspects if literal in blamed_now]
     return sorted(owner_of[literal] for literal in needed)
-
-
-def _row(trimmed: Trimmed, cnf: Cnf, holds: tuple[bool, ...]) -> Rows:
-    """The row of a model; what no rule looks at takes its first value."""
-    row = np.full(len(trimmed.flat.variables), ABSENT, np.int16)
-    place = {number: at for at, number in enumerate(trimmed.kept)}
-    for number, variable in enumerate(trimmed.flat.variables):
-        if variable.parent is not None and row[variable.parent[0]] != variable.parent[1]:
-            continue
-        row[number] = 0
-        if number not in place:
-            continue
-        groups, literals = trimmed.classes[place[number]], cnf.values[place[number]]
-        left_out = [group[0] for group, literal in zip(groups, literals, strict=True) if literal == NO_LITERAL]
-        taken = [
-            group[0]
-            for group, literal in zip(groups, literals, strict=True)
-            if literal != NO_LITERAL and holds[literal >> 1] != bool(literal & 1)
-        ]
-        row[number] = (taken or left_out)[0]
-    return row

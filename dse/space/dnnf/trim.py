@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from dse.space.flat import Bools, Clause, FlatSpace, Linear, Rule, Table, Variable, Wide
+from dse.space.flat import Clause, FlatSpace, Linear, Rule, Table, Variable, Wide
 
 
 class UnsupportedError(Exception):
@@ -32,7 +32,7 @@ class Trimmed:
 class Ways:
     """In how many ways what was cut off can be filled in.
 
-    *below*[variable][value] of the whole space counts what hangs below a value, 0 if the value is not wanted;
+    *below*[variable][value] of the whole space counts what hangs below a value;
     *classes*[variable][value] of the core sums it over a class; *apart* belongs to the trees cut off as a whole.
     """
 
@@ -68,12 +68,10 @@ def trim(flat: FlatSpace) -> Trimmed:
     return Trimmed(flat, FlatSpace(flat.name, variables, flat.constraints, rules), kept, classes)
 
 
-def ways_of(trimmed: Trimmed, wanted: Mapping[int, Bools]) -> Ways:
-    """Ways to fill in, when variables of the whole space may take only what is *wanted*, by value; absence aside."""
+def ways_of(trimmed: Trimmed) -> Ways:
+    """Ways to fill in what was cut off."""
     variables = trimmed.flat.variables
     below = [[1] * len(variable.values) for variable in variables]
-    for number, mask in wanted.items():
-        below[number] = [int(allowed) for allowed in mask[:-1].tolist()]
     is_kept = set(trimmed.kept)
     apart = 1
     for number in reversed(range(len(variables))):

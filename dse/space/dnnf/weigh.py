@@ -2,17 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 
-import numpy as np
-
 from dse.space.dnnf.cnf import NO_LITERAL, TRUE
-from dse.space.dnnf.compile import MOST_NODES, Dnnf, compile_dnnf
+from dse.space.dnnf.compile import Dnnf
 from dse.space.dnnf.graph import Branch
 from dse.space.dnnf.simplify import FALSE
 from dse.space.dnnf.trim import Ways, ways_of
-from dse.space.flat import ABSENT, Bools, FlatSpace, single
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -36,40 +32,19 @@ class Weighed:
         return self.outer * self.root
 
 
-def weigh(dnnf: Dnnf, wanted: Mapping[int, Bools] | None = None, most_nodes: int = MOST_NODES) -> Weighed:
-    """The rows whose variables take only what is *wanted*, masks of shape (values + 1,) by variable; by default all.
-
-    A part that may be absent but not left out cannot be said in weights; then the space is compiled again with that
-    rule, which may raise TooWideError.
-    """
-    masks = _spread(dnnf.flat, wanted or {})
-    if masks is None:
-        return _weighed(dnnf, ways_of(dnnf.trimmed, {}), [0] * (2 * dnnf.booleans), 0)
-    ways = ways_of(dnnf.trimmed, masks)
+def weigh(dnnf: Dnnf) -> Weighed:
+    """The rows of a compiled space, counted upwards from the leaves of its graph."""
+    ways = ways_of(dnnf.trimmed)
     weights = [1] * (2 * dnnf.booleans)
     outer = ways.apart
-    for number, (literals, amounts) in enumerate(zip(dnnf.cnf.values, ways.classes, strict=True)):
+    for literals, amounts in zip(dnnf.cnf.values, ways.classes, strict=True):
         for literal, amount in zip(literals, amounts, strict=True):
-            if literal == NO_LITERAL:
-                if amount == 1:
-                    continue
-                # Left out is not wanted: the part must stand, which is one literal if there is always a place for it.
-                original = dnnf.trimmed.kept[number]
-                exists = dnnf.image[dnnf.cnf.exists[number]] == TRUE or not masks[original][ABSENT]
-                if not exists:
-                    rules = (single(each, mask) for each, mask in masks.items())
-                    return weigh(compile_dnnf(dnnf.flat.having(*rules), most_nodes))
-                image = dnnf.image[next(other for other in literals if other != NO_LITERAL)] ^ 1
-            else:
-                image = dnnf.image[literal]
+            # A part is left out in one way.
+            image = FALSE if literal == NO_LITERAL else dnnf.image[literal]
             if image == TRUE:
                 outer *= amount
             elif image != FALSE:
                 weights[image] *= amount
-    return _weighed(dnnf, ways, weights, outer)
-
-
-def _weighed(dnnf: Dnnf, ways: Ways, weights: list[int], outer: int) -> Weighed:
     nodes: list[int] = []
     branches: list[tuple[int, ...]] = []
     for node in dnnf.graph.nodes:
@@ -90,27 +65,3 @@ def _amount(branch: Branch, weights: list[int], nodes: list[int]) -> int:
     for child in branch.children:
         amount *= nodes[child]
     return amount
-
-
-def _spread(flat: FlatSpace, wanted: Mapping[int, Bools]) -> dict[int, Bools] | None:
-    """The masks with what they say about the parents said there too; None if a root cannot take any value."""
-    masks = {number: mask.copy() for number, mask in wanted.items()}
-    for number in range(len(flat.variables) - 1, -1, -1):
-        mask = masks.get(number)
-        if mask is None:
-            continue
-        parent = flat.variables[number].parent
-        if parent is None:
-            if not mask[:ABSENT].any():
-                return None
-            continue
-        above, value = parent
-        size = len(flat.variables[above].values) + 1
-        says = np.ones(size, bool)
-        if not mask[ABSENT]:
-            says = np.arange(size) == value
-        if not mask[:ABSENT].any():
-            says[value] = False
-        if not says.all():
-            masks[above] = masks.get(above, np.ones(size, bool)) & says
-    return masks

@@ -7,33 +7,40 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from math import prod
-from typing import Any
 
 import numpy as np
 
 from dse.space.budget import TooMuchError
 from dse.space.flat import Ints
-from dse.space.grid.limbs import LONGEST, Words, carry, limbs_for, split, word
-from dse.space.grid.shifts import Grid, Node, Swept
-from dse.space.grid.sweep import Shape, Step, Sweep
+from dse.space.grid.digits import LONGEST, Words, carry, digits_for, split, word
+from dse.space.grid.nodes import Grid, Node, Swept
+from dse.space.grid.sweep import Step, Sweep, cropped
 
 
 def run_levels(sweep: Sweep) -> Swept:
-    """All grids of a sweep, as `shifts.run` makes them; TooMuchError if more than 2^24 equal terms meet."""
+    """All grids of a sweep, as `nodes.run` makes them; TooMuchError if more than 2^24 equal terms meet."""
     start = np.zeros((1, prod(sweep.shapes[0])), np.uint16)
     start[0, 0] = 1
-    limbs, largest = [start], [1]
+    digits, largest = [start], [1]
     met: dict[Node, int] = {(0, 0): 1}
     for level, (step, paths) in enumerate(zip(sweep.steps, sweep.paths[1:], strict=True), 1):
         terms = int(np.bincount(step.target, step.times).max())
         if terms >= LONGEST:
             raise TooMuchError("too many equal terms")
-        gathered = prod(crop.first + 1 for crop in step.crops if crop.gathered)
-        bound = min(int(paths.max()), terms * gathered * max(largest))
-        limbs = _cropped(_added(limbs, step, len(paths), bound), step, sweep.shapes[level])
-        largest = limbs[0].max(axis=1).tolist() if len(limbs) == 1 else paths.tolist()
+        bound = min(int(paths.max()), terms * step.most_gathered() * max(largest))
+        sums = _added(digits, step, len(paths), bound)
+        boxes = cropped([total.reshape(len(total), *step.box) for total in sums], step.crops)
+        while len(boxes) > 1 and not boxes[-1].any():
+            boxes.pop()
+        digits = [np.zeros((len(paths), *sweep.shapes[level]), box.dtype) for box in boxes]
+        for stored, box in zip(digits, boxes, strict=True):
+            stored[(slice(None), *(slice(0, crop.length) for crop in step.crops))] = box
+        digits = [stored.reshape(len(paths), -1) for stored in digits]
+        largest = digits[0].max(axis=1).tolist() if len(digits) == 1 else paths.tolist()
         met.update(((level, node), number) for node, number in enumerate(largest))
-    grids = {node: Grid(tuple(limb[node] for limb in limbs), number) for node, number in enumerate(largest) if number}
+    grids = {
+        node: Grid(tuple(digit[node] for digit in digits), number) for node, number in enumerate(largest) if number
+    }
     return Swept(grids, met)
 
 
@@ -47,11 +54,11 @@ def memory_of_levels(sweep: Sweep, words: Sequence[int]) -> float:
     return most
 
 
-def _added(limbs: list[Words], step: Step, nodes: int, bound: int) -> list[Words]:
-    """Sums of the terms, shape (nodes, cells of the box) each limb; not carried."""
+def _added(digits: list[Words], step: Step, nodes: int, bound: int) -> list[Words]:
+    """Sums of the terms, shape (nodes, cells of the box) each digit; not carried."""
     kind, cells = word(bound) or np.uint64, prod(step.box)
-    sums: list[Words] = [np.zeros((nodes, cells), kind) for _ in range(limbs_for(bound))]
-    parts = split(limbs[0], len(sums)) if len(limbs) == 1 < len(sums) else limbs
+    sums: list[Words] = [np.zeros((nodes, cells), kind) for _ in range(digits_for(bound))]
+    parts = split(digits[0], len(sums)) if len(digits) == 1 < len(sums) else digits
     for chosen in _rounds(step):
         target, source, times = step.target[chosen], step.source[chosen], step.times[chosen]
         offset = int(step.offset[chosen[0]])
@@ -77,24 +84,3 @@ def _rounds(step: Step) -> list[Ints]:
     rank, offset = rank[by_round], offset[by_round]
     borders = np.flatnonzero((np.diff(rank) != 0) | (np.diff(offset) != 0)) + 1
     return np.split(order[by_round], borders)
-
-
-def _cropped(sums: list[Words], step: Step, shape: Shape) -> list[Words]:
-    """What stays of the box, stored in *shape*; without limbs that are 0."""
-    boxes = [total.reshape(len(total), *step.box) for total in sums]
-    for axis, crop in enumerate(step.crops, 1):
-        before: tuple[Any, ...] = (slice(None),) * axis
-        if crop.gathered and crop.first:
-            for box in boxes:
-                box[(*before, crop.first)] += box[(*before, slice(0, crop.first))].sum(axis=axis, dtype=box.dtype)
-            carry([box[(*before, crop.first)] for box in boxes])
-        boxes = [box[(*before, slice(crop.first, crop.first + crop.length))] for box in boxes]
-    while len(boxes) > 1 and not boxes[-1].any():
-        boxes.pop()
-    inner = tuple(slice(0, crop.length) for crop in step.crops)
-    stored: list[Words] = []
-    for box in boxes:
-        grids = np.zeros((len(box), *shape), box.dtype)
-        grids[(slice(None), *inner)] = box
-        stored.append(grids.reshape(len(box), -1))
-    return stored

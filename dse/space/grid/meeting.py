@@ -10,7 +10,7 @@ from math import prod
 import numpy as np
 
 from dse.space.grid.axes import Axis, Span
-from dse.space.grid.limbs import Limbs, running_sums, scalar_product
+from dse.space.grid.digits import Digits, running_sums, scalar_product
 
 
 @dataclass(frozen=True, slots=True)
@@ -25,27 +25,27 @@ class Side:
         return tuple(span.length for span in self.spans)
 
 
-def summed(grid: Limbs, side: Side, paths: int) -> Limbs:
+def summed(grid: Digits, side: Side, paths: int) -> Digits:
     """Ways to no more than each sum, along every axis; *paths* bounds their total."""
-    return running_sums(tuple(limb.reshape(side.shape) for limb in grid), paths)
+    return running_sums(tuple(digit.reshape(side.shape) for digit in grid), paths)
 
 
-def pairs(sums: Sequence[Axis], own: Limbs, side: Side, others: Limbs, other: Side, moved: Sequence[int]) -> int:
-    """Ways of *own* times ways of *others* whose sums and *moved*, added up, are within the bounds of every axis.
+def pairs(sums: Sequence[Axis], own: Digits, side: Side, others: Digits, other: Side) -> int:
+    """Ways of *own* times ways of *others* whose sums, added up, are within the bounds of every axis.
 
-    *others* as `summed` makes them; *moved* is one number for each axis.
+    *others* as `summed` makes them.
     """
-    grids = [limb.reshape(side.shape) for limb in own]
+    grids = [digit.reshape(side.shape) for digit in own]
     corners = [[(1, axis.high)] if axis.low is None else [(1, axis.high), (-1, axis.low - 1)] for axis in sums]
     total = 0
     for corner in product(*corners):
         kept, places = [], []
-        for (_, bound), span, opposite, extra in zip(corner, side.spans, other.spans, moved, strict=True):
-            place = bound - extra - span.low - np.arange(span.length) - opposite.low
+        for (_, bound), span, opposite in zip(corner, side.spans, other.spans, strict=True):
+            place = bound - span.low - np.arange(span.length) - opposite.low
             kept.append(slice(0, int((place >= 0).sum())))
             places.append(np.minimum(place[place >= 0], opposite.length - 1))
-        ours = tuple(limb[tuple(kept)] for limb in grids)
+        ours = tuple(digit[tuple(kept)] for digit in grids)
         total += prod(sign for sign, _ in corner) * scalar_product(
-            ours, tuple(limb[np.ix_(*places)] for limb in others)
+            ours, tuple(digit[np.ix_(*places)] for digit in others)
         )
     return total

@@ -19,8 +19,7 @@ from numpy.typing import NDArray
 
 from dse.space.flat import Ints
 from dse.space.grid.axes import Axis, Layers, Span
-
-Shape = tuple[int, ...]
+from dse.space.grid.digits import Words, carry
 
 _SAFE = 1 << 62
 
@@ -45,8 +44,12 @@ class Step:
     source: Ints
     offset: Ints
     times: Ints
-    box: Shape
+    box: tuple[int, ...]
     crops: tuple[Crop, ...]
+
+    def most_gathered(self) -> int:
+        """Cells that may go into one when they are cropped."""
+        return prod(crop.first + 1 for crop in self.crops if crop.gathered)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -57,7 +60,7 @@ class Sweep:
     """
 
     steps: tuple[Step, ...]
-    shapes: tuple[Shape, ...]
+    shapes: tuple[tuple[int, ...], ...]
     paths: tuple[NDArray[Any], ...]
 
 
@@ -77,6 +80,19 @@ def forward(layers: Layers, sums: Sequence[Axis], spans: Sequence[Sequence[Span]
 def backward(layers: Layers, sums: Sequence[Axis], spans: Sequence[Sequence[Span]], cut: int) -> Sweep:
     """From the terminal to level *cut*; spans[axis][level] of the sums after."""
     return _sweep(layers, sums, spans, list(range(len(layers), cut - 1, -1)))
+
+
+def cropped(boxes: Sequence[Words], crops: Sequence[Crop]) -> list[Words]:
+    """What stays of the digits of a box along its axes from the second on; *boxes* are overwritten."""
+    kept = list(boxes)
+    for axis, crop in enumerate(crops, 1):
+        before: tuple[Any, ...] = (slice(None),) * axis
+        if crop.gathered and crop.first:
+            for box in kept:
+                box[(*before, crop.first)] += box[(*before, slice(0, crop.first))].sum(axis=axis, dtype=box.dtype)
+            carry([box[(*before, crop.first)] for box in kept])
+        kept = [box[(*before, slice(crop.first, crop.first + crop.length))] for box in kept]
+    return kept
 
 
 def schedule(sweep: Sweep, sizes: Sequence[float]) -> Schedule:
@@ -108,12 +124,12 @@ def _sweep(layers: Layers, sums: Sequence[Axis], spans: Sequence[Sequence[Span]]
     return Sweep(tuple(steps), (*shapes, lengths[-1]), tuple(paths))
 
 
-def strides(shape: Shape) -> list[int]:
+def strides(shape: tuple[int, ...]) -> list[int]:
     """Cells from one place to the next along each axis."""
     return [prod(shape[axis + 1 :]) for axis in range(len(shape))]
 
 
-def _step(target: Ints, source: Ints, offset: Ints, box: Shape, crops: tuple[Crop, ...]) -> Step:
+def _step(target: Ints, source: Ints, offset: Ints, box: tuple[int, ...], crops: tuple[Crop, ...]) -> Step:
     order = np.lexsort((offset, source, target))
     target, source, offset = target[order], source[order], offset[order]
     new = np.ones(len(order), np.bool_)

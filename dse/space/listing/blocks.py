@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 
 from dse.space.flat import FlatSpace, Linear, Rows, Rule, Wide
-from dse.space.listing.bounds import Cut, cuts_of, fits, least, overall, surrogates, tightest
+from dse.space.listing.bounds import Cut, cuts_of, fits, least, overall, stacked, surrogates, tightest
 from dse.space.listing.recheck import Recheck, recheck
 from dse.space.listing.walk import BLOCK, Rounds, Walk
 from dse.space.mdd.diagram import Diagram
@@ -79,8 +79,8 @@ def cannot_be(diagram: Diagram) -> bool:
         return False
     cuts = tightest(cuts_of([linear for linear in diagram.flat.linears() if fits(linear)]))
     cuts += overall(diagram.flat, cuts)
-    low = least(diagram, [cut.weights for cut in cuts])[0][:, 0]
-    return any(int(reached) > cut.high for reached, cut in zip(low, cuts, strict=True))
+    low = least(diagram, stacked(diagram, [cut.weights for cut in cuts]))[0]
+    return any(int(reached[0]) > cut.high for reached, cut in zip(low, cuts, strict=False))
 
 
 def _parted(diagram: Diagram, wides: Sequence[Wide]) -> tuple[list[Rule], list[Rule]]:

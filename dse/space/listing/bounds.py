@@ -114,22 +114,26 @@ def combined(cuts: Sequence[Cut], multipliers: Mapping[int, float]) -> Cut | Non
     return Cut(weights, sum(m * cuts[number].high for number, m in whole.items()), whole)
 
 
-def least(diagram: Diagram, sums: Sequence[Mapping[int, Ints]]) -> list[Ints]:
-    """The least of each sum over all completions: per layer, the end included, shape (sums, nodes)."""
-    reached = [np.zeros((len(sums), 1), np.int64)]
-    for depth in range(len(diagram.order) - 1, -1, -1):
-        child = diagram.layers[depth]
-        weights = stacked(sums, diagram.order[depth], child.shape[1])
-        through = reached[-1][:, child] + weights[:, None, :]
+def least(diagram: Diagram, weights: Sequence[Ints]) -> list[Ints]:
+    """The least of each sum over all completions: per layer, the end included, shape (sums, nodes).
+
+    *weights* as `stacked` makes them.
+    """
+    reached = [np.zeros((len(weights[0]) if weights else 0, 1), np.int64)]
+    for child, of_layer in zip(reversed(diagram.layers), reversed(weights), strict=True):
+        through = reached[-1][:, child] + of_layer[:, None, :]
         through[:, child < 0] = np.iinfo(np.int64).max
         reached.append(through.min(axis=2))
     return reached[::-1]
 
 
-def stacked(sums: Sequence[Mapping[int, Ints]], variable: int, length: int) -> Ints:
-    """The weights of one variable in every sum, shape (sums, values + 1)."""
-    nothing = np.zeros(length, np.int64)
-    found: Ints = np.array([weights.get(variable, nothing) for weights in sums], np.int64).reshape(len(sums), length)
+def stacked(diagram: Diagram, sums: Sequence[Mapping[int, Ints]]) -> list[Ints]:
+    """The weights of every sum by layer, shape (sums, values + 1)."""
+    found = []
+    for variable, layer in zip(diagram.order, diagram.layers, strict=True):
+        nothing = np.zeros(layer.shape[1], np.int64)
+        rows = [weights.get(variable, nothing) for weights in sums]
+        found.append(np.array(rows, np.int64).reshape(len(sums), layer.shape[1]))
     return found
 
 

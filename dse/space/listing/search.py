@@ -13,7 +13,7 @@ import numpy as np
 
 from dse.space.budget import TooMuchError
 from dse.space.flat import ABSENT, FlatSpace, Rows
-from dse.space.listing.propagation import Propagator, propagators
+from dse.space.listing.propagators import Propagator, propagators
 from dse.space.listing.recheck import recheck
 
 _BLOCK = 256

@@ -58,7 +58,8 @@ def slack_of(
     be spent is kept.
     """
     number = len(cuts)
-    both = least(diagram, [cut.weights for cut in cuts] + [{v: -w for v, w in cut.weights.items()} for cut in cuts])
+    weights = stacked(diagram, [cut.weights for cut in cuts])
+    both = least(diagram, [np.concatenate((part, -part)) for part in weights])
     low = [part[:number] for part in both]
     spread = [-part[number:] - part[:number] for part in both]
     slack = [cut.high - int(low[0][place, 0]) for place, cut in enumerate(cuts)]
@@ -73,10 +74,9 @@ def slack_of(
     empty = Slack(words, shifts, sizes, tuple(_signed(guard) for guard in guards), None, (), ())
     root = empty.packed([min(amount, field) for amount, field in zip(slack, fields, strict=True)])
     costs: list[tuple[Ints, ...]] = []
-    for depth, (children, variable) in enumerate(zip(diagram.layers, diagram.order, strict=True)):
+    for depth, children in enumerate(diagram.layers):
         child = children[:, columns[depth]]
-        weights = stacked([cut.weights for cut in cuts], variable, children.shape[1])[:, columns[depth]]
-        cost = weights[:, None, :] + low[depth + 1][:, child] - low[depth][:, :, None]
+        cost = weights[depth][:, None, columns[depth]] + low[depth + 1][:, child] - low[depth][:, :, None]
         packed = _packed(cost, words, shifts, used)
         costs.append(tuple(np.where(child < 0, guard, part) for guard, part in zip(empty.guards, packed, strict=True)))
     return Slack(

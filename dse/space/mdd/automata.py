@@ -35,7 +35,7 @@ class Automaton:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Reading:
+class RuleAutomata:
     """The rules of a space along an order: a mask of the values of each layer, and automata over two layers or more."""
 
     masks: tuple[Bools, ...]
@@ -43,7 +43,7 @@ class Reading:
     contradiction: bool
 
 
-def read(flat: FlatSpace, order: Sequence[int]) -> Reading:
+def read(flat: FlatSpace, order: Sequence[int]) -> RuleAutomata:
     """Hierarchy, tables and clauses of *flat* along *order*; ValueError unless it is a permutation, parents first."""
     variables = flat.variables
     layer_of = {variable: layer for layer, variable in enumerate(order)}
@@ -86,7 +86,7 @@ def read(flat: FlatSpace, order: Sequence[int]) -> Reading:
     automata = [_of_parent(flat, layer_of, parent, below) for parent, below in children.items()]
     automata += [_of_table(layer_of, scope, _possible(flat, masks, scope, ok)) for scope, ok in tables.items()]
     automata += [_of_clause(layer_of, clause) for clause in long_clauses]
-    return Reading(tuple(masks[variable] for variable in order), tuple(automata), contradiction)
+    return RuleAutomata(tuple(masks[variable] for variable in order), tuple(automata), contradiction)
 
 
 def _by_length(clauses: Sequence[Clause]) -> list[Clause]:

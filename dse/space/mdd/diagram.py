@@ -16,25 +16,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from dse.space.flat import Bools, FlatSpace, Ints, Rows
+from dse.space.flat import Bools, FlatSpace, Ints
 from dse.space.mdd.automata import read
 from dse.space.mdd.distinct import distinct_rows
-from dse.space.mdd.growth import Growth, TooWideError
+from dse.space.mdd.growth import Growth
 from dse.space.mdd.packing import Field, pack
-
-__all__ = [
-    "MOST_NODES",
-    "Diagram",
-    "TooWideError",
-    "compile_diagram",
-    "completions",
-    "contains",
-    "count",
-    "extremes",
-    "occurrences",
-    "reduced",
-    "restrict",
-]
 
 MOST_NODES = 500_000
 """Nodes before reduction that a diagram may have unless told otherwise."""
@@ -56,10 +42,6 @@ class Diagram:
     layers: tuple[NDArray[np.int32], ...]
     empty: bool
     expanded: bool
-
-    def nodes(self) -> int:
-        """How many nodes all layers have together, the terminal aside."""
-        return sum(len(layer) for layer in self.layers)
 
 
 def compile_diagram(flat: FlatSpace, order: Sequence[int] | None = None, most_nodes: int = MOST_NODES) -> Diagram:
@@ -122,18 +104,6 @@ def restrict(diagram: Diagram, masks: Mapping[int, Bools]) -> Diagram:
         if not reached.any():
             return reduced(diagram.flat, diagram.order, None, expanded=diagram.expanded)
     return reduced(diagram.flat, diagram.order, layers, expanded=diagram.expanded)
-
-
-def contains(diagram: Diagram, row: Rows) -> bool:
-    """Whether a row of shape (variables,) is a path of the diagram."""
-    if diagram.empty:
-        return False
-    node = 0
-    for variable, layer in zip(diagram.order, diagram.layers, strict=True):
-        node = int(layer[node, int(row[variable])])
-        if node < 0:
-            return False
-    return True
 
 
 def completions(diagram: Diagram) -> list[NDArray[Any]]:

@@ -1,23 +1,20 @@
 """Orders of the decisions in which a diagram may be narrower than in the order of the file.
 
 Rules are the edges of a hypergraph over the variables. What a diagram must remember at a layer are the edges cut
-there, so orders are sought in which few edges are open at a time: by moving variables to the centre of gravity of
-their edges (FORCE: Aloul, Markov and Sakallah 2003) and by closing edges greedily from one end (as in the
+there, so orders are sought in which few edges are open at a time, by closing edges greedily from one end (as in the
 bandwidth reduction of Cuthill and McKee 1969). Parents always come before their children.
 """
 
 from __future__ import annotations
 
-import heapq
 from collections.abc import Sequence
 
 import numpy as np
 
-from dse.space.flat import FlatSpace, Floats, Ints
+from dse.space.flat import FlatSpace
 from dse.space.mdd.diagram import MOST_NODES, Diagram, compile_diagram
 from dse.space.mdd.growth import TooWideError
 
-_ROUNDS = 60
 _CANDIDATES = 24
 """Variables looked at for each place of a greedy order."""
 
@@ -41,13 +38,8 @@ def proposed(flat: FlatSpace) -> list[tuple[int, ...]]:
     edges = _edges(flat)
     if not edges:
         return [tuple(range(len(flat.variables)))]
-    start = np.arange(len(flat.variables), dtype=np.float64)
-    found = [_force(flat, edges, start)]
-    for first in _far_ends(flat, edges):
-        greedy = _greedy(flat, edges, first)
-        found += [greedy, _force(flat, edges, _places(greedy))]
-    unique = list(dict.fromkeys(found))
-    return sorted(unique, key=lambda order: _width(flat, edges, order))
+    found = dict.fromkeys(_greedy(flat, edges, first) for first in _far_ends(flat, edges))
+    return sorted(found, key=lambda order: _width(flat, edges, order))
 
 
 def _edges(flat: FlatSpace) -> list[tuple[int, ...]]:
@@ -59,56 +51,6 @@ def _edges(flat: FlatSpace) -> list[tuple[int, ...]]:
         if variable.parent is not None:
             families.setdefault(variable.parent[0], [variable.parent[0]]).append(number)
     return list(dict.fromkeys(scope for scope in (*scopes, *map(tuple, families.values())) if len(scope) > 1))
-
-
-def _places(order: Sequence[int]) -> Floats:
-    places = np.empty(len(order))
-    places[list(order)] = np.arange(len(order))
-    return places
-
-
-def _parents_first(flat: FlatSpace, wanted: Floats) -> tuple[int, ...]:
-    """By ascending place wanted, a child never before its parent."""
-    children: list[list[int]] = [[] for _ in flat.variables]
-    ready: list[tuple[float, int]] = []
-    for number, variable in enumerate(flat.variables):
-        if variable.parent is None:
-            ready.append((float(wanted[number]), number))
-        else:
-            children[variable.parent[0]].append(number)
-    heapq.heapify(ready)
-    order: list[int] = []
-    while ready:
-        _, number = heapq.heappop(ready)
-        order.append(number)
-        for child in children[number]:
-            heapq.heappush(ready, (float(wanted[child]), child))
-    return tuple(order)
-
-
-def _force(flat: FlatSpace, edges: Sequence[tuple[int, ...]], places: Floats) -> tuple[int, ...]:
-    """The order of least total edge length met while every variable moves to the mean centre of its edges."""
-    members = np.concatenate([np.array(edge) for edge in edges])
-    owner = np.repeat(np.arange(len(edges)), [len(edge) for edge in edges])
-    sizes = np.bincount(owner)
-    degree = np.bincount(members, minlength=len(places))
-    best, least = _parents_first(flat, places), np.inf
-    for _ in range(_ROUNDS):
-        order = _parents_first(flat, places)
-        places = _places(order)
-        length = _total_length(places[members], owner)
-        if length >= least:
-            break
-        best, least = order, length
-        centres = np.bincount(owner, weights=places[members]) / sizes
-        pulled = np.bincount(members, weights=centres[owner], minlength=len(places))
-        places = np.where(degree > 0, pulled / np.maximum(degree, 1), places)
-    return best
-
-
-def _total_length(places: Floats, owner: Ints) -> float:
-    starts = np.flatnonzero(np.diff(owner, prepend=-1))
-    return float((np.maximum.reduceat(places, starts) - np.minimum.reduceat(places, starts)).sum())
 
 
 def _far_ends(flat: FlatSpace, edges: Sequence[tuple[int, ...]]) -> list[int]:
@@ -182,7 +124,8 @@ def _touching(variables: int, edges: Sequence[tuple[int, ...]]) -> list[list[int
 
 def _width(flat: FlatSpace, edges: Sequence[tuple[int, ...]], order: tuple[int, ...]) -> float:
     """The most bits of variables that open edges still need, over all layers."""
-    places = _places(order).astype(np.int64)
+    places = np.empty(len(order), np.int64)
+    places[list(order)] = np.arange(len(order))
     until = places.copy()
     for edge in edges:
         of_edge = places[list(edge)]

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from dse.space.flat import ABSENT, Ints, Rows
+from dse.space.listing.bounds import least
 from dse.space.optimum.relaxation import Relaxation
 
 WIDTH = 256
@@ -23,8 +24,8 @@ def beam(relaxation: Relaxation, factors: Sequence[int], highs: Sequence[int | N
     toward = np.array(factors, np.int64)
     bounded = [place for place, high in enumerate(highs) if high is not None]
     limits = np.array([high for high in highs if high is not None], np.int64)[:, None]
-    remaining = [part[bounded] for part in relaxation.remaining()]
-    ahead = _ahead(relaxation, toward)
+    remaining = [part[bounded] for part in relaxation.remaining]
+    ahead = least(diagram, [(toward @ weights)[None, :] for weights in relaxation.weights])
     nodes = np.zeros(1, np.int32)
     totals = np.zeros((len(bounded), 1), np.int64)
     scores = np.zeros(1, np.int64)
@@ -35,7 +36,7 @@ def beam(relaxation: Relaxation, factors: Sequence[int], highs: Sequence[int | N
         grown = totals[:, parents] + weights[bounded][:, values]
         keep = np.flatnonzero((grown + remaining[depth + 1][:, children] <= limits).all(axis=0))
         gained = scores[parents[keep]] + (toward @ weights)[values[keep]]
-        order = np.argsort(gained + ahead[depth + 1][children[keep]], kind="stable")[:width]
+        order = np.argsort(gained + ahead[depth + 1][0, children[keep]], kind="stable")[:width]
         keep = keep[order]
         nodes, totals, scores = children[keep], grown[:, keep], gained[order]
         trail.append((parents[keep], values[keep]))
@@ -47,12 +48,3 @@ def beam(relaxation: Relaxation, factors: Sequence[int], highs: Sequence[int | N
         columns[diagram.order[depth]] = np.where(column == diagram.layers[depth].shape[1] - 1, ABSENT, column)
         places = parents[places]
     return np.ascontiguousarray(columns.T)
-
-
-def _ahead(relaxation: Relaxation, toward: Ints) -> list[Ints]:
-    """The least that each node's completions add: per layer, the end included, shape (nodes,)."""
-    found = [np.zeros(1, np.int64)]
-    for layer, weights in zip(reversed(relaxation.diagram.layers), reversed(relaxation.weights), strict=True):
-        through = found[-1][layer] + toward @ weights
-        found.append(np.min(through, axis=1, where=layer >= 0, initial=np.iinfo(np.int64).max))
-    return found[::-1]

@@ -7,17 +7,17 @@ Lacour and Vanderpooten, On the representation of the search region in multi-obj
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from dse.errors import fail
 from dse.space.budget import TooMuchError
-from dse.space.flat import Ints, Rows
+from dse.space.flat import Rows
 from dse.space.listing.walk import Rounds
 from dse.space.mdd.diagram import Diagram
-from dse.space.optimum.optimizer import Optimizer, Ranking, sums
+from dse.space.optimum.optimizer import Optimizer, Ranking, Weights, sums
 
 MOST_POINTS = 2_000
 
@@ -27,7 +27,6 @@ MOST_ROUNDS = 10_000
 _LARGEST = 1 << 58
 """What an objective may come to when it is put together with others."""
 
-Weights = Mapping[int, Ints]
 Point = tuple[int, ...]
 
 

@@ -21,7 +21,7 @@ from dse.space.flat import NOTHING, Bools, Floats, Fold, Gather, Ints, Linear, R
 from dse.space.listing.bounds import fits
 from dse.space.listing.walk import Rounds
 from dse.space.mdd.diagram import Diagram, restrict
-from dse.space.mdd.folds import fold_rows, interval, is_bounded, rests
+from dse.space.mdd.folds import fold_rows, interval, rests
 from dse.space.optimum.optimizer import Optimizer, Ranking
 
 _TRIAL = 24
@@ -34,7 +34,7 @@ Ends = tuple[int, int]
 
 
 class Valued(Protocol):
-    """A nonlinear objective over folds."""
+    """A nonlinear objective over folds that 64 bits hold."""
 
     @property
     def folds(self) -> tuple[Fold, ...]:
@@ -112,12 +112,9 @@ class _Search:
         return best
 
     def _root(self) -> _Region:
-        folds = self.objective.folds
-        if not is_bounded(Wide(folds, _Better(self, ()))):
-            return _Region(self._optimizer(self.diagram), ())
         start = np.zeros(1, np.int32)
         ends = []
-        for fold in folds:
+        for fold in self.objective.folds:
             low, high = interval(fold.gather, np.full(1, fold.start), rests(self.diagram, fold)[0], start)
             ends.append((int(low[0]), int(high[0])))
         return _Region(self._optimizer(self.diagram), tuple(ends))
@@ -132,8 +129,6 @@ class _Search:
         optimizer = region.optimizer
         if optimizer.diagram.empty:
             return None
-        if not region.ends:
-            return region
         ends = list(region.ends)
         for number, place in enumerate(self.sums):
             start = self.objective.folds[place].start
@@ -148,18 +143,18 @@ class _Search:
 
     def _highs(self, ends: Sequence[Ends]) -> list[int | None]:
         highs: list[int | None] = []
-        for place in self.sums if ends else ():
+        for place in self.sums:
             start = self.objective.folds[place].start
             highs += [ends[place][1] - start, start - ends[place][0]]
-        return highs or [None] * (2 * len(self.sums))
+        return highs
 
     def _bound(self, region: _Region) -> float:
         """What the objective is at least in the region."""
-        return self._ends(region.ends)[0] if region.ends else -inf
+        return self._ends(region.ends)[0]
 
     def _ends(self, ends: Sequence[Ends]) -> tuple[float, float]:
         low, high = ([np.array([end[side]], np.int64) for end in ends] for side in (0, 1))
-        below, above = (float(part[0]) for part in self.objective.bounds(low, high))
+        below, above = (float(np.ravel(part)[0]) for part in self.objective.bounds(low, high))
         return (-above, -below) if self.largest else (below, above)
 
     def _is_beaten(self, bound: float) -> bool:
@@ -167,15 +162,13 @@ class _Search:
 
     def _promising(self, region: _Region) -> Rows:
         """Rows that are good in the direction in which the objective falls from the middle of the region."""
-        if not self.sums or not region.ends:
-            return region.optimizer.some([0] * (2 * len(self.sums)), self._highs(region.ends))
         middle = [((low + high) // 2,) * 2 for low, high in region.ends]
         slopes = []
         for place in self.sums:
             low, high = region.ends[place]
             at = [self._ends([*middle[:place], (end, end), *middle[place + 1 :]])[0] for end in (low, high)]
             slopes.append((at[1] - at[0]) / max(high - low, 1) if np.isfinite(at).all() else 0.0)
-        steepest = max(map(abs, slopes)) or 1.0
+        steepest = max(map(abs, slopes), default=0.0) or 1.0
         factors = [factor for slope in slopes for factor in (round(slope / steepest * _DIGITS), 0)]
         return region.optimizer.some(factors, self._highs(region.ends))
 
@@ -274,17 +267,16 @@ class _Better:
 
     def bounds(self, low: Sequence[Ints], high: Sequence[Ints]) -> tuple[Bools, Bools]:
         inside = np.ones(len(low[0]) if low else 1, np.bool_)
-        if self.ends:
-            # What a partial row could reach by itself, other bounds of the region may forbid.
-            low = [np.maximum(part, end[0]) for part, end in zip(low, self.ends, strict=True)]
-            high = [np.minimum(part, end[1]) for part, end in zip(high, self.ends, strict=True)]
-            for below, above in zip(low, high, strict=True):
-                inside &= below <= above
-            low = [np.where(inside, part, end[0]) for part, end in zip(low, self.ends, strict=True)]
-            high = [np.where(inside, part, end[1]) for part, end in zip(high, self.ends, strict=True)]
-            if all(least == most for least, most in self.ends):
-                # Ends that are rounded outwards do not tell what is as good as the best from what is better.
-                return inside & self.holds([least for least, _ in self.ends]), inside
+        # What a partial row could reach by itself, other bounds of the region may forbid.
+        low = [np.maximum(part, end[0]) for part, end in zip(low, self.ends, strict=True)]
+        high = [np.minimum(part, end[1]) for part, end in zip(high, self.ends, strict=True)]
+        for below, above in zip(low, high, strict=True):
+            inside &= below <= above
+        low = [np.where(inside, part, end[0]) for part, end in zip(low, self.ends, strict=True)]
+        high = [np.where(inside, part, end[1]) for part, end in zip(high, self.ends, strict=True)]
+        if all(least == most for least, most in self.ends):
+            # Ends that are rounded outwards do not tell what is as good as the best from what is better.
+            return inside & self.holds([least for least, _ in self.ends]), inside
         ends = self.search.objective.bounds(low, high)
         least = -ends[1] if self.search.largest else ends[0]
         may_hold = inside

@@ -10,11 +10,12 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
 from dse.space.flat import Floats, Ints
-from dse.space.listing.bounds import stacked
+from dse.space.listing.bounds import least, stacked
 from dse.space.mdd.diagram import Diagram
 
 _PATHS = 60
@@ -50,13 +51,8 @@ class Relaxation:
 
     def __init__(self, diagram: Diagram, sums: Sequence[Mapping[int, Ints]]) -> None:
         self.diagram = diagram
-        self.weights = [
-            stacked(sums, variable, layer.shape[1])
-            for variable, layer in zip(diagram.order, diagram.layers, strict=True)
-        ]
-        """Of each layer those of every sum, shape (sums, values + 1)."""
+        self.weights = stacked(diagram, sums)
         self._reach = np.array([sum(int(np.abs(part).max()) for part in weights.values()) for weights in sums], object)
-        self._remaining: list[Ints] | None = None
         self._paths: list[tuple[int, ...]] = []
         for place in range(len(sums)):
             toward = [int(place == other) for other in range(len(sums))]
@@ -91,18 +87,10 @@ class Relaxation:
         self._paths = [*self._paths[: 2 * len(highs)], *dict.fromkeys(self._paths[2 * len(highs) :][-_KEPT:])]
         return found
 
+    @cached_property
     def remaining(self) -> list[Ints]:
         """The least of each sum over the completions of each node: per layer, the end included, shape (sums, nodes)."""
-        if self._remaining is None:
-            reached = np.zeros((self.weights[0].shape[0] if self.weights else 0, 1), np.int64)
-            found = [reached]
-            for layer, weights in zip(reversed(self.diagram.layers), reversed(self.weights), strict=True):
-                through = reached[:, layer] + weights[:, None, :]
-                through[:, layer < 0] = np.iinfo(np.int64).max
-                reached = through.min(axis=2)
-                found.append(reached)
-            self._remaining = found[::-1]
-        return self._remaining
+        return least(self.diagram, self.weights)
 
     def _proof(self, factors: Sequence[int], highs: Sequence[int | None], multipliers: Sequence[float]) -> Relaxed:
         """What rounded multipliers prove; the path that limits it is remembered."""

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 
 from dse.domain.design import Constraint, DesignSpace
 from dse.domain.expression import Between, Binary, Call, Chosen, Expression, Name, Node, Number
-from dse.expression.parse import children, descend
 from dse.expression.sorts import Form
+from dse.expression.tree import children, descend
 from dse.space.decisions import Choices, sites
 from dse.space.language.evaluate import Evaluate, compile_in, compile_value
 from dse.space.language.interpret import interpret

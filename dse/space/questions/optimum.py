@@ -10,7 +10,8 @@ from fractions import Fraction
 from dse.domain.design import DesignSpace
 from dse.domain.expression import Expression, Number
 from dse.errors import DseError, Location, fail
-from dse.expression.parse import descend, parse_expression
+from dse.expression.parse import parse_expression
+from dse.expression.tree import descend
 from dse.space.budget import TooMuchError
 from dse.space.decisions import Choices, sites
 from dse.space.dnnf.trim import UnsupportedError

@@ -3,8 +3,8 @@
 A walk takes every branch with a probability that is a whole number out of 2^63, so the probability of a row is known
 exactly, whatever rounding went into the tables. A valid row is kept with a probability inversely proportional to it.
 Two valid rows thus differ in probability only by what rounding the product of the factors, one for each variable,
-leaves: less than (variables + 4) * 2^-51 relative, 2^-40 for two thousand variables. The lot that decides has 63 bits,
-which adds 2^-63 over the probability of being kept. The generator, PCG64, is taken to be random.
+leaves: less than (variables + 4) * 2^-51 relative, 2^-40 for two thousand variables. What decides has 63 bits, which
+adds 2^-63 over the probability of being kept. The generator, PCG64, is taken to be random.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from dse.space.listing.recheck import recheck
 from dse.space.mdd.diagram import Diagram
 from dse.space.mdd.folds import fold_rows, judged
 from dse.space.sampling.tilt import Tilt, TooRareError, branches, tilt
-from dse.space.sampling.uniform import BITS, Table, bits, draw, generator, tabulate
+from dse.space.sampling.uniform import BITS, BranchTable, bits, draw, generator, tabulate
 
 MOST_DRAWS = 20_000_000
 """Rows drawn before `sample` gives up."""
@@ -45,7 +45,7 @@ class Walks:
     """
 
     diagram: Diagram
-    tables: tuple[Table, ...]
+    tables: tuple[BranchTable, ...]
     below: tuple[NDArray[np.int32], ...]
     log_floor: float
     linears: tuple[Linear, ...]
@@ -54,12 +54,12 @@ class Walks:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Walked:
-    """Rows, and the probability of each: mantissa * 2^exponent. *lots* are further bits, for the decision to keep."""
+    """Rows, and the probability of each: mantissa * 2^exponent. *acceptance*: bits that decide what is kept."""
 
     rows: Rows
     mantissa: Floats
     exponent: Ints
-    lots: NDArray[np.uint64]
+    acceptance: NDArray[np.uint64]
 
 
 def sample(diagram: Diagram, number: int, seed: int, most_draws: int = MOST_DRAWS) -> Rows:
@@ -93,7 +93,7 @@ def rows_at_once(diagram: Diagram) -> int:
 
 def tilted_walks(diagram: Diagram, tilted: Tilt) -> Walks:
     """The walks that take every row with a probability proportional to its weight under the tilt."""
-    tables: list[Table] = []
+    tables: list[BranchTable] = []
     below: list[NDArray[np.int32]] = []
     for layer, energy, masses in zip(diagram.layers, tilted.energies, tilted.masses[1:], strict=True):
         shares, _ = branches(layer, energy, masses)
@@ -127,10 +127,10 @@ def walk(walks: Walks, random: np.random.Generator, number: int) -> Walked:
 
 
 def kept(walks: Walks, walked: Walked) -> NDArray[np.intp]:
-    """Which rows to keep, for all valid rows to be equally likely: those that meet the rules and win the lot."""
+    """Which rows to keep, for all valid rows to be equally likely: those that meet the rules and are accepted."""
     floor = floor_share(walks, walked)
-    won = walked.lots.astype(np.float64) < np.ldexp(floor, BITS)
-    places = np.flatnonzero(won)
+    accepted = walked.acceptance.astype(np.float64) < np.ldexp(floor, BITS)
+    places = np.flatnonzero(accepted)
     places = places[meets(walks, walked.rows[places])]
     if (floor[places] > 1).any():
         raise RuntimeError("internal error: a valid row is less likely than the tilt promised")

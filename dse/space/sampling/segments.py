@@ -19,10 +19,10 @@ from numpy.typing import NDArray
 from dse.space.flat import Floats, Ints
 from dse.space.listing.bounds import stacked
 from dse.space.mdd.diagram import Diagram
+from dse.space.mdd.distinct import distinct
 from dse.space.sampling.tilt import Masses, Tilt, slopes
 
 MOST_ENTRIES = 50_000
-_PACKED = 1 << 62
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -87,10 +87,7 @@ def draw(
 def _segments(diagram: Diagram, tilted: Tilt, run: tuple[int, int], most_entries: int) -> Segments:
     """A run of layers in segments of at most *most_entries*, or of one layer where that is not enough."""
     depth, end = run
-    weights = [
-        stacked([linear.weights for linear in tilted.linears], variable, layer.shape[1])
-        for variable, layer in zip(diagram.order, diagram.layers, strict=True)
-    ]
+    weights = stacked(diagram, [linear.weights for linear in tilted.linears])
     found: list[Segment] = []
     while depth < end:
         paths = _longest(diagram.layers[depth:end], weights[depth:end], most_entries)
@@ -123,17 +120,8 @@ def _longest(layers: Sequence[NDArray[np.int32]], weights: Sequence[Ints], most_
 
 def _merged(paths: _Paths) -> _Paths:
     """Paths that start, end and add alike as one, sorted by where they start."""
-    columns = [paths.source, paths.node.astype(np.int64), *paths.sums]
-    key = np.zeros(len(paths.node), np.int64)
-    size = 1
-    for column in columns:
-        low, high = int(column.min()), int(column.max())
-        size *= high - low + 1
-        if size >= _PACKED:
-            return paths
-        key = key * (high - low + 1) + (column - low)
-    _, first, inverse = np.unique(key, return_index=True, return_inverse=True)
-    ways: Floats = np.bincount(inverse, paths.ways).astype(np.float64)
+    first, classes = distinct([paths.source, paths.node.astype(np.int64), *paths.sums], len(paths.node))
+    ways: Floats = np.bincount(classes, paths.ways).astype(np.float64)
     return _Paths(paths.source[first], paths.node[first], paths.sums[:, first], ways)
 
 

@@ -81,16 +81,13 @@ def tilt(diagram: Diagram) -> Tilt:
         raise EmptyError
     linears = _breakable(diagram)
     cuts = tuple(cuts_of(linears))
-    weights = tuple(
-        stacked([cut.weights for cut in cuts], variable, layer.shape[1]).T.astype(np.float64)
-        for variable, layer in zip(diagram.order, diagram.layers, strict=True)
-    )
+    weights = tuple(part.T.astype(np.float64) for part in stacked(diagram, [cut.weights for cut in cuts]))
     problem = _Problem(diagram, weights, np.array([float(cut.high) for cut in cuts]))
     multipliers = _solved(problem)
-    masses = node_masses(diagram, _energies(problem, multipliers))
+    energies = tuple(_energies(problem, multipliers))
+    masses = tuple(node_masses(diagram, energies))
     log_bound = log_mass(masses[0]) + float(multipliers @ problem.bounds)
-    return Tilt(linears, cuts, multipliers, tuple(_energies(problem, multipliers)), tuple(masses), log_bound,
-                _rounding(problem, multipliers))  # fmt: skip
+    return Tilt(linears, cuts, multipliers, energies, masses, log_bound, _rounding(problem, multipliers))
 
 
 def slopes(tilted: Tilt) -> Floats:

@@ -23,7 +23,7 @@ _Entry = TypeVar("_Entry", bound=np.generic)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Table:
+class BranchTable:
     """For every node, branches in ascending order; arrays of shape (nodes, width), padded on the right.
 
     Branch j is drawn for bits in [starts[j], starts[j + 1]); *values* is its column among the shares, *chances* its
@@ -45,7 +45,7 @@ def bits(random: np.random.Generator, shape: tuple[int, ...]) -> Bits:
     return random.integers(0, 1 << BITS, size=shape, dtype=np.uint64)
 
 
-def tabulate(shares: Floats) -> Table:
+def tabulate(shares: Floats) -> BranchTable:
     """Branches drawn in proportion to *shares* >= 0, shape (nodes, columns), at least one positive in each row.
 
     Probabilities differ from the shares by rounding; none is less than its share by more than rounding.
@@ -63,12 +63,12 @@ def tabulate(shares: Floats) -> Table:
     starts = np.full((len(parts), width), 1 << BITS, np.uint64)
     starts[:, 0] = 0
     np.cumsum(parts[:, :-1], axis=1, out=starts[:, 1:most])
-    return Table(
+    return BranchTable(
         starts, _widened(columns.astype(np.int16), width), _widened(np.ldexp(parts.astype(float), -BITS), width)
     )
 
 
-def draw(table: Table, node: NDArray[np.int32], drawn: Bits) -> NDArray[np.int64]:
+def draw(table: BranchTable, node: NDArray[np.int32], drawn: Bits) -> NDArray[np.int64]:
     """What *drawn* picks at each *node*, both of shape (rows,): places in the ravelled arrays of the table."""
     width = table.starts.shape[1]
     starts = table.starts.ravel()

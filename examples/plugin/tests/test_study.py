@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 import dse
-from dse.api.results import Results
+from dse.api.studies.results import Results
 
 WORKSPACE = Path(__file__).parents[1] / "workspace"
 

@@ -1,4 +1,4 @@
-// Charts as dse/report/chart.py describes them: two axes and what is drawn between them.
+// Charts as dse/report/charts/chart.py describes them: two axes and what is drawn between them.
 import type { Numbers } from "./packing";
 import type { Mark } from "./verdicts";
 

@@ -38,7 +38,7 @@ export interface Configuration {
   radial: Radial | null;
 }
 
-/** Interpolation weights made by dse/report/radial.py; `weights` holds one row of `centres.length + 1` per field.
+/** Interpolation weights made by dse/report/interpolation/radial.py; `weights` holds one row of `centres.length + 1` per field.
  * Metrics come first, each as asinh((value - middle) / spread). */
 export interface Radial {
   centres: Int32Array;

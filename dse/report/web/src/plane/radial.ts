@@ -1,4 +1,4 @@
-// Scattered runs: radial interpolation with the weights computed by dse/report/radial.py.
+// Scattered runs: radial interpolation with the weights computed by dse/report/interpolation/radial.py.
 import type { Radial, Study } from "../study";
 import { even, remember, type Fields } from "./fields";
 

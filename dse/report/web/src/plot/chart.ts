@@ -1,4 +1,4 @@
-// Paints any chart on a canvas, as dse/report/draw_chart.py does in print.
+// Paints any chart on a canvas, as dse/report/drawing/chart.py does in print.
 import { scaleLinear, scaleLog } from "d3-scale";
 import type { Chart, ChartAxis, Drawn } from "../chart";
 import { fit } from "../dom";

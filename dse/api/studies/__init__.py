@@ -1,0 +1,1 @@
+"""Benches and studies, and the runs that are made of them."""

@@ -1,0 +1,152 @@
+"""Test benches and studies: what is simulated."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING, Generic, Protocol, TypedDict, TypeVar
+
+from dse.api.showing.html import table
+from dse.domain import study as nouns
+from dse.domain.bench import TestBench
+
+if TYPE_CHECKING:
+    from typing import Unpack
+
+    from dse.api.spaces.design import Design
+    from dse.api.studies.results import Results
+    from dse.api.studies.run import Run
+    from dse.domain.design import Configuration
+    from dse.exploration.progress import Progress
+    from dse.loading.values import Raw
+
+
+class Exploring(TypedDict, total=False):
+    """How a study is explored: see `Study.explore`."""
+
+    workers: int
+    threads: int
+    fuse: bool
+    fresh: bool
+    fmi: int
+    progress: Callable[[Progress], None] | bool | None
+
+
+class _HasName(Protocol):
+    @property
+    def name(self) -> str: ...
+
+
+N = TypeVar("N", bound=_HasName)
+
+
+class _Named(Generic[N]):
+    """What has a file of its own; *noun* is what this says."""
+
+    def __init__(self, noun: N) -> None:
+        self.noun = noun
+
+    @property
+    def name(self) -> str:
+        """Its name."""
+        return self.noun.name
+
+
+class Bench(_Named[TestBench]):
+    """A test bench; *noun* is what its file says."""
+
+    @property
+    def design(self) -> Design:
+        """The design space it tests."""
+        from dse.api.spaces.design import Design
+
+        return Design(self.noun.design)
+
+    def simulate(
+        self,
+        configuration: str | Configuration | None = None,
+        set: Mapping[str, Raw] | None = None,  # noqa: A002  # the command line's word
+        *,
+        check_step: bool = False,
+        fuse: bool = False,
+        fmi: int = 2,
+    ) -> Run:
+        """Simulate one configuration once, in a process of its own, and keep its waveforms.
+
+        It is the first valid one unless *configuration* is another, or the start of its id. *set* gives parameters
+        other values: ``{"controller.kp_speed": 1.2}`` in the parameter's unit, or ``"1.2 1/s"``. With *check_step*
+        every metric has an error bar beside it (``NAME.error``); with *fuse* the configuration is one library.
+        Raises DseError if something cannot be built; a run that fails is a result.
+        """
+        from dse.api.studies.single import simulate_once
+
+        wanted = configuration if configuration is None or isinstance(configuration, str) else configuration.id
+        return simulate_once(self.noun, wanted, set or {}, check_step=check_step, fuse=fuse, fmi=fmi)
+
+    def run(self, folder: str | Path, **options: Unpack[Exploring]) -> Results:
+        """Run the bench on every valid configuration, into a study folder; see `Study.explore`."""
+        from dse.testbench.plan import bench_study
+
+        return Study(bench_study(self.noun)).explore(folder, **options)
+
+    def __repr__(self) -> str:
+        noun = self.noun
+        counts = f"{len(noun.metrics)} metrics, {len(noun.requirements)} requirements"
+        return f"<Bench {self.name} of {noun.design.name}: {noun.simulation.stop:g} s, {counts}>"
+
+    def _repr_html_(self) -> str:
+        noun = self.noun
+        required = {entry.metric: entry.name for entry in noun.requirements}
+        rows = [(m.name, m.title, m.expression.text, m.unit.symbol, required.get(m.name, "")) for m in noun.metrics]
+        headings = ("metric", "title", "expression", "unit", "requirement")
+        return table(f"{self.name}: {noun.title or noun.design.name}", headings, rows)
+
+
+class Study(_Named[nouns.Study]):
+    """Design variables explored on a test bench (PET); *noun* is what its file says."""
+
+    @property
+    def bench(self) -> Bench:
+        """The test bench it runs on."""
+        return Bench(self.noun.bench)
+
+    def explore(
+        self,
+        folder: str | Path,
+        *,
+        workers: int = 0,
+        threads: int = 1,
+        fuse: bool = False,
+        fresh: bool = False,
+        fmi: int = 2,
+        progress: Callable[[Progress], None] | bool | None = None,
+    ) -> Results:
+        """Make the runs that *folder* does not have yet, and return what is in it.
+
+        *workers* processes (0: one for each processor) make *threads* runs at once each. *fuse* links each
+        configuration into one library first, *fresh* throws away what the folder holds. *progress* is called with how
+        far it has come; True shows a bar on standard error. Results do not depend on any of that.
+
+        Raises DseError with everything that is wrong, and ExplorationInterruptedError, a KeyboardInterrupt, on Ctrl-C:
+        what was finished is stored, and the same call goes on from there.
+        """
+        from dse.api.showing.progress import telling
+        from dse.api.studies.exploring import ExploreOptions, explore_into
+        from dse.api.studies.results import Results
+
+        options = ExploreOptions(workers, threads, fuse, fresh, fmi)
+        with telling(progress) as tell:
+            explored = explore_into(self.noun, Path(folder), options, on_progress=tell)
+        return Results(Path(folder), explored)
+
+    def __repr__(self) -> str:
+        names = ", ".join(variable.name for variable in self.noun.variables)
+        return f"<Study {self.name} on {self.noun.bench.name}: {names}>"
+
+    def _repr_html_(self) -> str:
+        rows = [
+            (v.name, v.title, *(f"{v.unit.from_si(value):g}" for value in (v.low, v.high, v.nominal)), v.unit.symbol)
+            for v in self.noun.variables
+        ]
+        headings = ("design variable", "title", "low", "high", "nominal", "unit")
+        return table(f"{self.name}: {self.noun.title or self.noun.bench.name}", headings, rows)

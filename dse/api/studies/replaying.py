@@ -1,0 +1,74 @@
+"""Simulating a run of a study again."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from dse.api.naming import workspace_of
+from dse.api.studies.run import Run
+from dse.errors import DseError, Location, fail
+
+if TYPE_CHECKING:
+    from dse.api.studies.exploring import Tell
+    from dse.domain.bench import TestBench
+    from dse.domain.definition import StudyDefinition
+
+
+@dataclass(frozen=True, slots=True)
+class Replay:
+    """*run* was simulated from what the workspace has now, with the number and point it is *stored* with.
+
+    *different* are the results that are not the same bit for bit, *changed* the inputs that changed since.
+    """
+
+    run: Run
+    stored: Run
+    different: tuple[str, ...]
+    changed: tuple[str, ...]
+
+    @property
+    def is_same(self) -> bool:
+        """Whether the same came of the same."""
+        return not (self.different or self.changed)
+
+    def problem(self, where: str) -> DseError | None:
+        """What is wrong, of a study that is called *where*; None if nothing is."""
+        number, causes = self.run.number, ", ".join(self.changed)
+        if self.different:
+            why = f"changed since: {causes}" if causes else "dse or this machine have changed since"
+            what = f"run {number} did not give the same again: {', '.join(self.different)}"
+            return fail(what, Location(where), f"{why}; explore again")
+        if self.changed:
+            what = f"run {number} gave the same, but not from the same: {causes} changed since"
+            hint = "explore again, or replay with the --fmi the study was explored with"
+            return fail(what, Location(where), hint)
+        return None
+
+
+def replay(stored: Run, *, source: str | Path | None = None, fmi: int = 2, tell: Tell | None = None) -> Replay:
+    """Simulate *stored* again and compare; its study is found in the workspace here, or in the file *source*."""
+    from dse.api.studies.exploring import alone
+    from dse.domain.study import Selection
+    from dse.storage.difference import changed_inputs, changed_results
+    from dse.testbench.plan import bench_study, with_values
+
+    bench = with_values(_bench(stored.definition, source), stored.point)
+    made, planned = alone(bench_study(bench, Selection((stored.configuration,))), fmi, tell=tell)
+    # Alone it has number 0 and its point is the bench's own.
+    again = replace(made, request=stored.noun.request)
+    return Replay(
+        Run(again, planned.definition),
+        stored,
+        tuple(changed_results(stored.noun, again)),
+        tuple(changed_inputs(stored.definition, planned.definition, stored.noun)),
+    )
+
+
+def _bench(definition: StudyDefinition, source: str | Path | None) -> TestBench:
+    """The bench of the study, found by its name in the workspace around the current folder, or in *source*."""
+    is_bench = not definition.variables
+    name = str(source) if source else definition.bench.name if is_bench else definition.study
+    workspace = workspace_of(name)
+    return workspace.bench(name) if is_bench else workspace.study(name).bench

@@ -1,0 +1,160 @@
+"""The results of a study, read from its folder."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, TypeVar
+
+from dse.api.showing import described
+from dse.api.showing.html import table
+from dse.api.studies.run import Run
+
+if TYPE_CHECKING:
+    import pandas as pd
+    import pyarrow as pa
+
+    from dse.api.studies.replaying import Replay
+    from dse.domain.definition import StudyDefinition
+    from dse.errors import Problem
+    from dse.exploration.loop import Explored
+    from dse.storage.database.table import RunTable
+    from dse.storage.folder import StudyFolder
+
+T = TypeVar("T")
+
+
+def results(folder: str | Path) -> Results:
+    """The results in a study folder, finished or not. Raises DseError if it is none, or is damaged."""
+    return Results(Path(folder))
+
+
+@dataclass(frozen=True, slots=True)
+class Summary:
+    """*finished* of the study's *runs* are there; *failed* of them failed to run.
+
+    *verdicts* counts each verdict by requirement. *problems* is what runs have to say of themselves, by number.
+    """
+
+    runs: int
+    finished: int
+    failed: int
+    verdicts: Mapping[str, Mapping[str, int]]
+    problems: Mapping[int, str]
+    failures: frozenset[int]
+    """Numbers of the runs that failed to run."""
+
+    @property
+    def is_passed(self) -> bool:
+        """Whether no run failed to run and no requirement failed."""
+        return not self.failed and not any(counts["fail"] for counts in self.verdicts.values())
+
+
+class Results:
+    """The runs in *folder*; each question reads the folder anew. *explored* is what made them, if it was done here."""
+
+    def __init__(self, folder: Path, explored: Explored | None = None) -> None:
+        self.folder = folder
+        self.explored = explored
+        self.definition: StudyDefinition = self._read(lambda store: store.require_definition())
+
+    @property
+    def summary(self) -> Summary:
+        """How many runs there are, and what came of them."""
+        return self._read(lambda store: _summary(store.table()))
+
+    def run(self, number: int) -> Run:
+        """The run with this number, with its waveforms if they were kept."""
+        return Run(self._read(lambda store: store.run(number)), self.definition)
+
+    def to_pandas(self) -> pd.DataFrame:
+        """One row per run by number: point, metrics, verdicts and margins. Values are SI.
+
+        ``frame.attrs["units"]`` has the unit of each column that has one.
+        """
+        from dse.api.showing.frames import runs_frame
+
+        return self._read(runs_frame)
+
+    def to_arrow(self) -> pa.Table:
+        """The same as an Arrow table; a field's unit is in its metadata, as ``b"unit"``."""
+        from dse.api.showing.frames import runs_table
+
+        return self._read(runs_table)
+
+    def export(self, kind: str) -> bytes:
+        """The table of runs as ``csv``, ``json``, ``parquet`` or ``junit``."""
+        from dse.errors import closest, fail
+        from dse.storage.export.tables import EXPORTS
+
+        if kind not in EXPORTS:
+            raise fail(f"results cannot be written as '{kind}'", None, closest(kind, EXPORTS))
+        return self._read(EXPORTS[kind])
+
+    def report(
+        self,
+        target: str | Path | None = None,
+        *,
+        waveforms: int = 4000,
+        on_problems: Callable[[Sequence[Problem]], None] | None = None,
+    ) -> Path:
+        """Write the HTML report to *target* (``report.html`` in the folder) and return its path.
+
+        It holds the waveforms of at most so many runs. Nothing is simulated. *on_problems* is told of figures that
+        could not be drawn; by default they are warnings.
+        """
+        from dse.report.content.reading import read_content
+        from dse.report.page.html import write_report
+
+        page = Path(target) if target is not None else self.folder / "report.html"
+        content = read_content(self.folder, waveforms)
+        if problems := write_report(content, page):
+            (on_problems or _warn)(problems)
+        return page
+
+    def replay(self, number: int, *, source: str | Path | None = None, fmi: int = 2) -> Replay:
+        """Simulate a run again and compare; its study is found in the workspace here, or in the file *source*."""
+        from dse.api.studies.replaying import replay
+
+        return replay(self.run(number), source=source, fmi=fmi)
+
+    def __len__(self) -> int:
+        return len(self._read(lambda store: store.finished()))
+
+    def __repr__(self) -> str:
+        summary = self.summary
+        failed = f", {summary.failed} failed" if summary.failed else ""
+        return f"<Results in {self.folder}: {summary.finished} of {summary.runs} runs{failed}>"
+
+    def _repr_html_(self) -> str:
+        summary, labels = self.summary, described.requirement_labels(self.definition)
+        heads = dict.fromkeys(verdict for counts in summary.verdicts.values() for verdict in counts)
+        rows = [(labels[name], *counts.values()) for name, counts in summary.verdicts.items()]
+        what = f"{self.definition.title}: {summary.finished} of {summary.runs} runs, {summary.failed} failed"
+        return table(what, ("requirement", *heads) if rows else (), rows)
+
+    def _read(self, question: Callable[[StudyFolder], T]) -> T:
+        from dse.storage.folder import StudyFolder
+
+        with StudyFolder.open(self.folder) as store:
+            return question(store)
+
+
+def _summary(runs: RunTable) -> Summary:
+    from dse.domain.bench import VERDICTS
+
+    verdicts = {
+        name: {str(verdict): int((runs.verdicts(name) == code).sum()) for code, verdict in enumerate(VERDICTS)}
+        for name in runs.header.requirements
+    }
+    problems = {n: problem for n, problem in zip(runs.numbers.tolist(), runs.problems, strict=True) if problem}
+    failures = frozenset(runs.numbers[~runs.done].tolist())
+    return Summary(runs.header.runs, len(runs), len(failures), verdicts, problems, failures)
+
+
+def _warn(problems: Sequence[Problem]) -> None:
+    import warnings
+
+    for problem in problems:
+        warnings.warn(str(problem), stacklevel=3)

@@ -1,0 +1,135 @@
+"""A run: one configuration simulated once, and what came of it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from typing import TYPE_CHECKING
+
+from dse.api.showing import described
+from dse.api.showing.html import table
+from dse.domain.run import Outcome
+from dse.errors import fail
+
+if TYPE_CHECKING:
+    import numpy as np
+    import pandas as pd
+    from numpy.typing import NDArray
+
+    from dse.domain import run as nouns
+    from dse.domain.bench import Verdict
+    from dse.domain.component import Value
+    from dse.domain.definition import StudyDefinition
+
+
+class Waveforms(Mapping[str, "NDArray[np.float64]"]):
+    """Recorded variables by name, each an array over *time* (s), in SI; *units* names those units that are known."""
+
+    def __init__(self, noun: nouns.Waveforms, units: Mapping[str, str]) -> None:
+        self.time = noun.time
+        self.units = {name: units[name] for name in noun.values if name in units}
+        self._values = noun.values
+
+    def __getitem__(self, name: str) -> NDArray[np.float64]:
+        return self._values[name]
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._values)
+
+    def __len__(self) -> int:
+        return len(self._values)
+
+    def to_pandas(self) -> pd.DataFrame:
+        """A column for each variable over ``time``; ``frame.attrs["units"]`` has the units that are known."""
+        import pandas as pd
+
+        frame = pd.DataFrame(dict(self._values), pd.Index(self.time, name="time"))
+        frame.attrs["units"] = {"time": "s", **self.units}
+        return frame
+
+    def __repr__(self) -> str:
+        return f"<Waveforms of {len(self.time)} points: {', '.join(self)}>"
+
+
+class Run:
+    """One simulation; *noun* is the record behind it, *definition* says what was measured.
+
+    All numbers are SI; `units` names the units. A failed run has a `problem` and no metrics.
+    """
+
+    def __init__(self, noun: nouns.Run, definition: StudyDefinition, units: Mapping[str, str] | None = None) -> None:
+        self.noun = noun
+        self.definition = definition
+        self.units: Mapping[str, str] = {**described.units(definition), **(units or {})}
+        """SI unit by name, of metrics, margins (``R1.margin``), design variables and waveforms."""
+
+    @property
+    def number(self) -> int:
+        """Its number in the study; 0 outside of one."""
+        return self.noun.request.number
+
+    @property
+    def configuration(self) -> str:
+        """The id of the configuration."""
+        return self.noun.request.configuration
+
+    @property
+    def choices(self) -> Mapping[str, str]:
+        """What the configuration has chosen where."""
+        return self.definition.configuration(self.configuration).choices
+
+    @property
+    def point(self) -> Mapping[str, Value]:
+        """What differs from the bench, by ``part.parameter``."""
+        return self.noun.request.point
+
+    @property
+    def is_done(self) -> bool:
+        """Whether the simulation came to its end."""
+        return self.noun.outcome is Outcome.DONE
+
+    @property
+    def problem(self) -> str:
+        """What the run has to say of itself, above all why it failed; "" if nothing."""
+        return self.noun.problem
+
+    @property
+    def metrics(self) -> Mapping[str, float]:
+        """The metrics by name; NaN where one is undefined."""
+        return self.noun.metrics
+
+    @property
+    def verdicts(self) -> Mapping[str, Verdict]:
+        """The verdict on each requirement: ``pass``, ``fail``, ``not exercised``, ``failed to run``."""
+        return {entry.requirement: entry.verdict for entry in self.noun.judgements}
+
+    @property
+    def margins(self) -> Mapping[str, float]:
+        """By how much each requirement is met, negative where it is not, NaN where that is undefined."""
+        return {entry.requirement: entry.margin for entry in self.noun.judgements}
+
+    @property
+    def has_waveforms(self) -> bool:
+        """Whether its waveforms were kept."""
+        return self.noun.waveforms is not None
+
+    @property
+    def waveforms(self) -> Waveforms:
+        """What was recorded over time. Raises DseError if nothing was kept."""
+        if self.noun.waveforms is None:
+            hint = "replay the run: Results.replay, or dse replay" if self.is_done else "it failed to run"
+            raise fail(f"run {self.number} has no waveforms", None, hint)
+        return Waveforms(self.noun.waveforms, self.units)
+
+    def __repr__(self) -> str:
+        if not self.is_done:
+            return f"<Run {self.number} of {self.configuration} failed: {self.problem}>"
+        said = ", ".join(f"{name} {verdict}" for name, verdict in self.verdicts.items())
+        return f"<Run {self.number} of {self.configuration}: {said or f'{len(self.metrics)} metrics'}>"
+
+    def _repr_html_(self) -> str:
+        rows = described.metric_rows(self.noun, self.definition)
+        cells = [(r.title, r.value, r.requirement, r.bound, r.margin, r.verdict) for r in rows]
+        headings = ("metric", "value", "requirement", "bound", "margin", "verdict")
+        shown = f"{self.definition.title}, configuration {self.configuration}"
+        failed = "" if self.is_done else f": failed to run: {self.problem}"
+        return table(shown + failed, headings, cells)

@@ -1,0 +1,101 @@
+"""One configuration on its bench, with other parameter values."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from dse.api.showing.described import si_unit
+from dse.api.studies.exploring import Tell, alone, ready
+from dse.api.studies.run import Run
+from dse.domain.study import Selection
+from dse.testbench.plan import bench_study, with_settings
+from dse.testbench.select import one
+
+if TYPE_CHECKING:
+    from dse.domain.bench import TestBench
+    from dse.domain.design import Configuration
+    from dse.domain.study import Study
+    from dse.loading.values import Raw
+    from dse.testbench.plan import Plan
+
+
+def simulate_once(
+    bench: TestBench,
+    configuration: str | None,
+    settings: Mapping[str, Raw],
+    *,
+    check_step: bool = False,
+    fuse: bool = False,
+    fmi: int = 2,
+    tell: Tell | None = None,
+) -> Run:
+    """The run of the configuration whose id starts so, or the first, with values as users write them.
+
+    Raises DseError if there is no such configuration or parameter, or a value does not fit it.
+    """
+    study = _single(bench, configuration, settings)
+    if check_step:
+        simulation = replace(study.bench.simulation, check_step=True)
+        study = replace(study, bench=replace(study.bench, simulation=simulation))
+    run, planned = alone(study, fmi, fuse=fuse, tell=tell)
+    return Run(run, planned.definition, recorded_units(planned))
+
+
+def study_of_bench(bench: TestBench, configuration: str | None = None) -> Study:
+    """The study of *bench* on the configuration whose id starts so, or on every valid one."""
+    return bench_study(bench, None if configuration is None else Selection((one(bench.design, configuration).id,)))
+
+
+def fused_libraries(
+    bench: TestBench, configuration: str | None, fmi: int = 2, *, tell: Tell | None = None
+) -> dict[str, Path]:
+    """The fused library of each configuration of `study_of_bench`, by its id."""
+    planned = ready(study_of_bench(bench, configuration), fmi, fuse=True, tell=tell)
+    return {name: bench.fused.path for name, bench in planned.prepared.items() if bench.fused is not None}
+
+
+def write_package(
+    bench: TestBench, configuration: str | None, settings: Mapping[str, Raw], target: Path, *, fmi: int = 2
+) -> tuple[Configuration, int]:
+    """Write the configuration as `simulate_once` has it as an SSP package; returns it and how many elements it has."""
+    from dse.interchange.structure import ExperimentSettings
+    from dse.interchange.writing.write import write_ssp
+    from dse.testbench.prepare import prepare
+
+    study = _single(bench, configuration, settings)
+    chosen = one(bench.design, *study.selection.ids)
+    prepared = prepare(study.bench, [chosen], version=fmi)[chosen.id]
+    simulation = prepared.simulation
+    times = ExperimentSettings(0.0, simulation.stop, simulation.step, simulation.record_every)
+    write_ssp(target, bench.name, prepared.system, times)
+    return chosen, len(prepared.system.elements)
+
+
+def recorded_units(planned: Plan) -> dict[str, str]:
+    """The SI unit of each waveform that is kept of the study's runs."""
+    from dse.domain.component import Kind
+    from dse.domain.method import BONDS
+    from dse.space.wiring import faces
+    from dse.testbench.prepare import parts_and_wiring
+
+    bench = planned.study.bench
+    kept: dict[str, str] = {}
+    for prepared in planned.prepared.values():
+        found = {f"{BONDS}.{bond.name}": "J" for bond in bench.simulation.method.bonds}
+        parts, _ = parts_and_wiring(bench, prepared.configuration)
+        for path, component in parts.items():
+            for port in component.interface.ports:
+                is_number = port.type.kind is Kind.REAL
+                found[f"{path}.{port.name}"] = si_unit(port.type.unit.symbol) if is_number else ""
+        behind = faces(bench.design, prepared.configuration.choices)
+        found |= {face: found[source] for face, source in behind.items()}
+        kept |= {name: found[name] for name in prepared.kept}
+    return kept
+
+
+def _single(bench: TestBench, configuration: str | None, settings: Mapping[str, Raw]) -> Study:
+    chosen = one(bench.design, configuration)
+    return bench_study(with_settings(bench, settings, chosen), Selection((chosen.id,)))

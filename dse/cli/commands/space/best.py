@@ -1,0 +1,123 @@
+"""``dse space best`` and ``dse space pareto``."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from dse.api.naming import space_of
+from dse.api.spaces.question import ask
+from dse.api.spaces.ranking import Ranking
+from dse.cli.arguments import Choose, Design, Format, Off, On, Output, Where
+from dse.cli.commands.space import space_app
+from dse.cli.terminal import plain_table, print_json, print_table, say
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from dse.space.questions.optimum import Aim, Ranked
+
+Minimize = Annotated[
+    list[str] | None,
+    typer.Option("--minimize", metavar="VALUE", help="What to make small, as 'sum(cost)'."),
+]
+Maximize = Annotated[
+    list[str] | None,
+    typer.Option("--maximize", metavar="VALUE", help="What to make large, as 'sum(power) / sum(mass)'."),
+]
+
+
+_PLACES = 6
+"""Places in which the configurations differ that a table has room for."""
+
+
+@space_app.command("best")
+def space_best(
+    design: Design,
+    minimize: Minimize = None,
+    maximize: Maximize = None,
+    number: Annotated[int, typer.Option("--number", "-n", min=1, help="How many.")] = 10,
+    choose: Choose = [],
+    where: Where = None,
+    on: On = [],
+    off: Off = [],
+    output: Format = Output.TABLE,
+) -> None:
+    """List the best valid configurations under one objective.
+
+    Exact and complete: there is none better than those listed.
+    """
+    from dse.space.questions.optimum import aims, best_configurations
+
+    wanted = aims(minimize or [], maximize or [])
+    if len(wanted) != 1:
+        raise typer.BadParameter("give one objective; for several ask 'dse space pareto'", param_hint="--minimize")
+    question = ask(space_of(design), choose, where, on, off)
+    found = best_configurations(question.space, question.engine, wanted[0], number)
+    _show(Ranking(question, wanted, found), output)
+
+
+@space_app.command("pareto")
+def space_pareto(
+    design: Design,
+    minimize: Minimize = None,
+    maximize: Maximize = None,
+    choose: Choose = [],
+    where: Where = None,
+    on: On = [],
+    off: Off = [],
+    output: Format = Output.TABLE,
+) -> None:
+    """List the configurations that no other one beats in every objective.
+
+    The complete Pareto set over sums of properties, with one configuration for each of its points.
+    """
+    from dse.space.questions.optimum import aims, pareto_set
+
+    wanted = aims(minimize or [], maximize or [])
+    if len(wanted) < 2:
+        raise typer.BadParameter("give two objectives or more", param_hint="--minimize, --maximize")
+    question = ask(space_of(design), choose, where, on, off)
+    _show(Ranking(question, wanted, pareto_set(question.space, question.engine, wanted)), output)
+
+
+def _show(ranking: Ranking, output: Output) -> None:
+    question, values = ranking.question, ranking.shown()
+    if output is Output.JSON:
+        aims = [
+            {"value": str(aim), "aim": "greatest" if aim.largest else "least", "unit": unit.symbol}
+            for aim, unit in zip(ranking.aims, ranking.units, strict=True)
+        ]
+        configurations = [
+            {"id": entry.id, "values": row, "choices": dict(entry.choices)}
+            for entry, row in zip(ranking, values, strict=True)
+        ]
+        print_json({**question.data(), "aims": aims, "configurations": configurations})
+        return
+    if not ranking:
+        what = "no configuration is valid, or the objective is undefined for all that are"
+        say(f"{question.title()}: {what}")
+        return
+    _print_ranking(ranking.aims, ranking, ranking.texts())
+
+
+def _print_ranking(wanted: Sequence[Aim], found: Sequence[Ranked], cells: Sequence[Sequence[str]]) -> None:
+    """The choices in which they differ as columns, as far as there is room; those they share below."""
+
+    paths = list(dict.fromkeys(path for entry in found for path in entry.choices))
+    differing = [path for path in paths if len({entry.choices.get(path) for entry in found}) > 1]
+    shown = differing[:_PLACES]
+    aims = [f"{'greatest' if aim.largest else 'least'} {aim}" for aim in wanted]
+    table = plain_table("id", *aims, *shown, right=aims)
+    for entry, row in zip(found, cells, strict=True):
+        table.add_row(entry.id, *row, *(entry.choices.get(path, "–") for path in shown))
+    print_table(table)
+    if len(differing) > len(shown):
+        more = len(differing) - len(shown)
+        say(f"they differ in {more} more places; --format json tells all")
+    same = {path: found[0].choices[path] for path in paths if path not in differing}
+    if same:
+        has = "all have" if len(found) > 1 else "it has"
+        listed = ", ".join(f"{path}={choice}" for path, choice in same.items())
+        say(f"{has} {listed}")

@@ -1,0 +1,79 @@
+"""``dse space compare``."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from dse.api.naming import space_of
+from dse.cli.arguments import Design, Format, Off, On, Output, Seed
+from dse.cli.commands.space import space_app
+from dse.cli.spaces import number_text, tally_data, tally_text
+from dse.cli.terminal import print_json, say
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+
+    from dse.space.questions.difference import Difference
+    from dse.space.tally import Tally
+
+
+@space_app.command("compare")
+def space_compare(
+    before: Design,
+    after: Annotated[str, typer.Argument(metavar="OTHER", help="The design space to compare it with.")],
+    on: On = [],
+    off: Off = [],
+    seed: Seed = 0,
+    output: Format = Output.TABLE,
+) -> None:
+    """Tell how two design spaces differ.
+
+    Alternatives and constraints that came or went, and how many configurations both have, and only one of them.
+    """
+    from dse.space.questions.difference import difference
+
+    found = difference(space_of(before, on, off), space_of(after, on, off), seed)
+    if output is Output.JSON:
+        print_json({"before": before, "after": after, **_data(found)})
+        return
+    lines = [
+        *(f"- {entry}" for entry in _alternatives(found.removed)),
+        *(f"+ {entry}" for entry in _alternatives(found.added)),
+        *(f"- constraint {name}" for name in found.constraints_removed),
+        *(f"+ constraint {name}" for name in found.constraints_added),
+        *(f"~ constraint {name}" for name in found.changed),
+    ]
+    lines = lines or ["the same alternatives and constraints"]
+    for name, tally in ((before, found.before), (after, found.after)):
+        lines.append(f"{name}: {tally_text(tally)} valid{_alone(tally, found.common)}")
+    lines.append(f"in both: {tally_text(found.common)}")
+    for line in lines:
+        say(line)
+
+
+def _alone(tally: Tally, common: Tally) -> str:
+    # The difference of two estimates says little where the spaces are nearly the same.
+    return f", {number_text(tally.value - common.value)} of them only here" if tally.exact and common.exact else ""
+
+
+def _data(found: Difference) -> dict[str, object]:
+    return {
+        "alternatives_removed": _entries(found.removed),
+        "alternatives_added": _entries(found.added),
+        "constraints_removed": list(found.constraints_removed),
+        "constraints_added": list(found.constraints_added),
+        "constraints_changed": list(found.changed),
+        "valid_before": tally_data(found.before),
+        "valid_after": tally_data(found.after),
+        "common": tally_data(found.common),
+    }
+
+
+def _entries(entries: Iterable[tuple[str, str | None]]) -> list[dict[str, str | None]]:
+    return [{"place": path, "choice": choice} for path, choice in entries]
+
+
+def _alternatives(entries: Iterable[tuple[str, str | None]]) -> list[str]:
+    return [f"{path}={choice or 'absent'}" for path, choice in entries]

@@ -1,0 +1,45 @@
+"""``dse space conflict``."""
+
+from __future__ import annotations
+
+from dse.api.naming import space_of
+from dse.api.spaces.question import ask
+from dse.cli.arguments import Choose, Design, Format, Off, On, Output, Where
+from dse.cli.commands.space import space_app
+from dse.cli.spaces import constraint_data, show_constraints
+from dse.cli.terminal import console, plain, print_json, say
+
+
+@space_app.command("conflict")
+def space_conflict(
+    design: Design,
+    choose: Choose = [],
+    where: Where = None,
+    on: On = [],
+    off: Off = [],
+    output: Format = Output.TABLE,
+) -> None:
+    """Tell why nothing is left.
+
+    Names a smallest set of constraints that cannot be met together: dropping any one of them helps.
+    """
+    from dse.space.questions.conflict import conflict
+
+    question = ask(space_of(design), choose, where, on, off)
+    if not question.engine.is_empty():
+        if output is Output.JSON:
+            print_json({**question.data(), "empty": False, "conflict": []})
+        else:
+            console().print(plain(f"{question.title()}: there are valid configurations, nothing conflicts"))
+        return
+    found = conflict(question.engine)
+    if output is Output.JSON:
+        print_json(
+            {**question.data(), "empty": True, "conflict": [constraint_data(constraint) for constraint in found]}
+        )
+        return
+    what = f"these {len(found)} constraints cannot all be met; without any one of them the others can"
+    if len(found) < 2:
+        what = "this constraint excludes everything" if found else "the choices exclude each other without constraints"
+    say(f"{question.title()}: {what}")
+    show_constraints(found)

@@ -1,0 +1,69 @@
+"""``dse space constraints``."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from dse.api.naming import space_of
+from dse.api.spaces.question import ask
+from dse.cli.arguments import Choose, Design, Format, Off, On, Output, Seed, Where
+from dse.cli.commands.space import space_app
+from dse.cli.spaces import constraint_data, tally_cell, tally_data, tally_text
+from dse.cli.terminal import plain_table, print_json, print_table, say
+
+if TYPE_CHECKING:
+    from dse.space.questions.impact import Impact
+
+
+@space_app.command("constraints")
+def space_constraints(
+    design: Design,
+    constraint: Annotated[
+        list[str], typer.Option("--constraint", metavar="NAME", help="Only this constraint; may be repeated.")
+    ] = [],
+    choose: Choose = [],
+    where: Where = None,
+    on: On = [],
+    off: Off = [],
+    seed: Seed = 0,
+    output: Format = Output.TABLE,
+) -> None:
+    """Tell what each constraint does.
+
+    How many configurations are left after it and those before it; how many combinations it excludes alone; how
+    many configurations would become valid if it were dropped. A redundant one excludes nothing that others do not.
+    """
+
+    from dse.space.questions.impact import impact
+
+    question = ask(space_of(design), choose, where, on, off)
+    found = impact(question.engine, seed, constraint)
+    total = question.engine.only(()).count(seed)
+    if output is Output.JSON:
+        constraints = [_data(entry) for entry in found]
+        print_json({**question.data(), "total": tally_data(total), "constraints": constraints})
+        return
+    counted = ("left after it", "removes alone", "frees if dropped")
+    table = plain_table("constraint", *counted, "", right=counted)
+    for entry in found:
+        numbers = [tally_cell(tally) for tally in (entry.after, entry.removes, entry.frees)]
+        table.add_row(entry.constraint.name, *numbers, "redundant" if entry.is_redundant else "")
+    if found:
+        print_table(table)
+    else:
+        say(f"{question.space.name} has no constraints that are on")
+    estimated = any(not tally.exact for entry in found for tally in (entry.after, entry.removes, entry.frees))
+    note = "; ≈ is an estimate, ± its 95 % interval" if estimated else ""
+    say(f"{tally_text(total)} combinations before the constraints{note}")
+
+
+def _data(entry: Impact) -> dict[str, object]:
+    return {
+        **constraint_data(entry.constraint),
+        "after": tally_data(entry.after),
+        "removes_alone": tally_data(entry.removes),
+        "frees_if_dropped": tally_data(entry.frees),
+        "redundant": entry.is_redundant,
+    }

@@ -1,0 +1,41 @@
+"""``dse space count``."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+import typer
+
+from dse.api.naming import space_of
+from dse.api.spaces.question import ask
+from dse.cli.arguments import Choose, Design, Format, Off, On, Output, Seed, Where
+from dse.cli.commands.space import space_app
+from dse.cli.spaces import number_text, tally_data, tally_text
+from dse.cli.terminal import print_json, say
+
+
+@space_app.command("count")
+def space_count(
+    design: Design,
+    choose: Choose = [],
+    where: Where = None,
+    exact: Annotated[bool, typer.Option("--exact", help="No estimate, however long it takes.")] = False,
+    on: On = [],
+    off: Off = [],
+    seed: Seed = 0,
+    output: Format = Output.TABLE,
+) -> None:
+    """Count the valid configurations.
+
+    Exact where that takes seconds; otherwise an estimate that says so, with its 95 % interval.
+    """
+    from dse.space.tally import Tally
+
+    question = ask(space_of(design), choose, where, on, off)
+    total = question.engine.total(question.space)
+    tally = Tally(question.engine.exactly()) if exact else question.engine.count(seed)
+    if output is Output.JSON:
+        print_json({**question.data(), "total": total, **tally_data(tally)})
+        return
+    shown = f"{question.title()}: {tally_text(tally)} of {number_text(total)} configurations are valid"
+    say(shown)

@@ -1,0 +1,79 @@
+"""``dse space refine``."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from dse.api.naming import space_of
+from dse.cli.arguments import Choose, Design
+from dse.cli.commands.space import space_app
+from dse.cli.spaces import number_text
+from dse.cli.terminal import say
+
+if TYPE_CHECKING:
+    from dse.domain.design import DesignSpace
+
+Keep = Annotated[
+    list[str], typer.Option("--keep", metavar="PLACE=A,B", help="Keep only these alternatives; 'absent' is left out.")
+]
+Drop = Annotated[list[str], typer.Option("--drop", metavar="PLACE=C", help="Take these alternatives out.")]
+
+
+@space_app.command("refine")
+def space_refine(
+    design: Design,
+    keep: Keep = [],
+    drop: Drop = [],
+    choose: Choose = [],
+    ids: Annotated[
+        str | None, typer.Option("--ids", metavar="ID,ID", help="Keep what occurs in these configurations.")
+    ] = None,
+    target: Annotated[
+        Path | None, typer.Option("--output", "-o", metavar="FILE", help="The design to write, as designs/new.yaml.")
+    ] = None,
+) -> None:
+    """Write a design space with fewer alternatives.
+
+    Its configurations are those of the design that choose nothing else, with the same ids. Without -o it is printed.
+    """
+    from dse.loading.writing.design import write_design
+    from dse.space.choosing import kept_choices
+    from dse.space.decisions import decisions, product_of
+    from dse.space.refine import refine
+
+    _check(design, target, asked=bool(keep or drop or choose or ids))
+    space = space_of(design, [], [])
+    subset = kept_choices(space, [*keep, *choose], drop, _occurring(space, ids))
+    name = target.stem if target else f"{space.name}_refined"
+    refined = replace(refine(space, subset), name=name)
+    text = write_design(refined)
+    if target is None:
+        typer.echo(text, nl=False)
+        return
+    target.parent.mkdir(parents=True, exist_ok=True)
+    target.write_text(text, encoding="utf-8", newline="\n")
+    left, total = product_of(decisions(refined)), product_of(decisions(space))
+    say(f"{target}: {number_text(left)} of {number_text(total)} combinations are left")
+
+
+def _check(design: str, target: Path | None, *, asked: bool) -> None:
+    if not asked:
+        raise typer.BadParameter("say what to keep, drop or choose", param_hint="--keep")
+    if target is not None and target.suffix != ".yaml":
+        raise typer.BadParameter(f"'{target.name}' must end in .yaml", param_hint="--output")
+    if Path(design).suffix.lower() == ".uvl":
+        raise typer.BadParameter("import it first: dse import uvl", param_hint="DESIGN")
+
+
+def _occurring(space: DesignSpace, ids: str | None) -> dict[str, frozenset[str | None]]:
+    from dse.space.enumerate import find
+    from dse.space.refine import spanned
+
+    if ids is None:
+        return {}
+    names = [name.strip() for name in ids.split(",") if name.strip()]
+    return spanned(space, [find(space, name).choices for name in names])

@@ -1,0 +1,72 @@
+"""One run on the terminal, and its figures as a file."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from dse.cli.arguments import Output
+from dse.cli.terminal import plain_table, print_json, print_table, say
+
+if TYPE_CHECKING:
+    from rich.table import Table
+
+    from dse.api.studies.run import Run
+    from dse.domain import run as nouns
+    from dse.domain.definition import StudyDefinition
+
+_STYLES = {"": "", "pass": "green", "fail": "red", "not exercised": "yellow", "failed to run": "bold red"}
+
+
+def present_run(run: Run, output: Output, plot: Path | None) -> None:
+    """Print the run for a person or for a program, and draw its figures if a file for them is given."""
+    if output is Output.JSON:
+        print_json(_data(run.noun))
+    else:
+        _show(run)
+    if plot is not None and not run.has_waveforms:
+        say(f"{plot}: not drawn, the run has no waveforms", stderr=True)
+    elif plot is not None:
+        from dse.report.figures.waveforms import draw_run
+
+        draw_run(run.noun, run.definition, plot)
+        say(f"figures: {plot}")
+
+
+def metric_table(run: nouns.Run, definition: StudyDefinition) -> Table:
+    """Every metric in its unit, with its error bar if it was checked, and the requirements if there are any."""
+    from rich.text import Text
+
+    from dse.api.showing.described import metric_rows
+
+    judged = bool(definition.requirements)
+    more = ("requirement", "bound", "margin", "verdict") if judged else ()
+    table = plain_table("metric", "value", *more, right=("value", "bound", "margin"))
+    for row in metric_rows(run, definition):
+        verdict = Text(row.verdict, style=_STYLES[row.verdict])
+        table.add_row(row.title, row.value, *((row.requirement, row.bound, row.margin, verdict) if judged else ()))
+    return table
+
+
+def _show(run: Run) -> None:
+    """The configuration, the point, and every metric with its verdicts."""
+    chosen = ", ".join(f"{place} {choice}" for place, choice in run.choices.items())
+    say(run.definition.title, style="bold")
+    say(f"configuration {run.configuration}{f': {chosen}' if chosen else ''}")
+    if run.problem and not run.is_done:
+        say(f"failed to run: {run.problem}", style="bold red")
+    elif run.problem:
+        say(run.problem, style="yellow")
+    print_table(metric_table(run.noun, run.definition))
+
+
+def _data(run: nouns.Run) -> dict[str, Any]:
+    """Metrics in SI, verdicts with their margins; numbers may be NaN or infinite."""
+    return {
+        "configuration": run.request.configuration,
+        "point": dict(run.request.point),
+        "outcome": str(run.outcome),
+        "problem": run.problem,
+        "metrics": dict(run.metrics),
+        "requirements": {j.requirement: {"verdict": str(j.verdict), "margin": j.margin} for j in run.judgements},
+    }

@@ -1,0 +1,93 @@
+"""What commands print with: problems, lines, tables and JSON, shown the same way everywhere."""
+
+from __future__ import annotations
+
+import math
+import sys
+import unicodedata
+from collections.abc import Collection
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from rich.console import Console
+    from rich.table import Table
+
+    from dse.errors import DseError
+
+
+def show_problems(error: DseError) -> None:
+    """Print every problem to standard error, then how many there are."""
+    from rich.text import Text
+
+    screen = console(stderr=True)
+    for problem in error.problems:
+        line = Text()
+        if problem.where:
+            line.append(plain(f"{problem.where}: "), style="bold")
+        line.append(plain(problem.what), style="red")
+        screen.print(line, soft_wrap=True)
+        if problem.hint:
+            screen.print(Text(plain(f"    hint: {problem.hint}")), soft_wrap=True)
+    if len(error.problems) > 1:
+        screen.print(Text(f"{len(error.problems)} problems"), soft_wrap=True)
+
+
+def plain(text: str) -> str:
+    """*text* without control characters: what an FMU logs or calls itself must not steer the terminal."""
+    return "".join("\N{REPLACEMENT CHARACTER}" if _steers(character) else character for character in text)
+
+
+def _steers(character: str) -> bool:
+    return character != "\n" and unicodedata.category(character) in ("Cc", "Cf", "Cs")
+
+
+def console(*, stderr: bool = False) -> Console:
+    """A rich console that never guesses at highlights or markup in the user's words."""
+    from rich.console import Console
+
+    class Screen(Console):
+        def on_broken_pipe(self) -> None:
+            raise BrokenPipeError
+
+    return Screen(stderr=stderr, highlight=False, markup=False, emoji=False)
+
+
+def say(text: str, *, style: str | None = None, stderr: bool = False) -> None:
+    """A line as it is, however narrow the terminal; control characters in it are shown as such."""
+    console(stderr=stderr).print(plain(text), style=style, soft_wrap=True)
+
+
+def plain_table(*headings: str, right: Collection[str] = (), header: bool = True) -> Table:
+    """A table without lines; the columns of the headings *right* are aligned to that side."""
+    from rich.table import Table
+
+    table = Table(box=None, pad_edge=False, show_header=header, header_style="bold")
+    for heading in headings:
+        table.add_column(heading, justify="right" if heading in right else "left")
+    return table
+
+
+def print_table(table: Table) -> None:
+    """A table in full: a narrow terminal wraps its lines, nothing is cut off."""
+    screen = console()
+    screen.width = max(screen.width, screen.measure(table, options=screen.options.update(max_width=10_000)).maximum)
+    screen.print(table, soft_wrap=True)
+
+
+def print_json(data: object) -> None:
+    """One JSON document on standard output; NaN becomes null, infinities the strings "inf" and "-inf"."""
+    import json
+
+    # Large spaces have counts of more digits than the interpreter writes by itself.
+    sys.set_int_max_str_digits(0)
+    sys.stdout.write(json.dumps(_plain(data), ensure_ascii=False, indent=2, allow_nan=False) + "\n")
+
+
+def _plain(data: object) -> object:
+    if isinstance(data, float) and not math.isfinite(data):
+        return None if math.isnan(data) else str(data)
+    if isinstance(data, dict):
+        return {str(key): _plain(value) for key, value in data.items()}
+    if isinstance(data, list | tuple):
+        return [_plain(value) for value in data]
+    return data

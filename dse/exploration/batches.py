@@ -1,0 +1,54 @@
+"""What is still to be done of a study, cut into batches.
+
+Where a chunk starts and ends, and so the name and the bytes of a waveform file, follows from what was asked for and
+from what is known of the FMUs: not from the number of workers, nor from how often the exploration was stopped.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass
+from itertools import groupby
+
+from dse.domain.run import RunRequest
+from dse.exploration.work import Batch
+from dse.storage.database.asks import Asks
+from dse.storage.waveforms import waveform_file
+
+
+@dataclass(frozen=True, slots=True)
+class Chunks:
+    """How the runs that were asked for, *requests* by number, are cut.
+
+    *most* is how many runs of a configuration a process can make, where that is limited.
+    """
+
+    requests: Mapping[int, RunRequest]
+    asks: Asks
+    most: Mapping[str, int]
+
+    def runs(self, missing: Iterable[int]) -> Iterator[Batch]:
+        """Batches for the *missing* runs, without waveforms."""
+        for (first, _), numbers in self._cut(missing):
+            yield self._batch(first, numbers, "")
+
+    def waveforms(self, missing: Iterable[int], kept: Mapping[int, str]) -> Iterator[Batch]:
+        """Batches for the runs whose waveforms are *missing*.
+
+        The file of a chunk is written as a whole: runs whose waveforms are *kept* in it already are simulated with
+        them.
+        """
+        for (first, last), numbers in self._cut(missing):
+            wanted = set(numbers)
+            todo = (n for n in range(first, last + 1) if n in self.requests and (n in wanted or kept.get(n)))
+            yield self._batch(first, todo, waveform_file(first, last))
+
+    def _cut(self, missing: Iterable[int]) -> Iterator[tuple[tuple[int, int], Iterator[int]]]:
+        def chunk(number: int) -> tuple[int, int]:
+            return self.asks.chunk(number, self.most.get(self.requests[number].configuration))
+
+        return groupby(sorted(missing), chunk)
+
+    def _batch(self, identity: int, numbers: Iterable[int], file: str) -> Batch:
+        requests = tuple(self.requests[number] for number in numbers)
+        return Batch(identity, requests[0].configuration, requests, file)

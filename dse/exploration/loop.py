@@ -1,0 +1,206 @@
+"""The loop of an exploration: a sampler is asked, what its folder does not have yet is made, the sampler is told."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Set as AbstractSet
+from dataclasses import dataclass
+
+import numpy as np
+
+from dse.domain.study import Keep, Study
+from dse.exploration.asking import Asking
+from dse.exploration.batches import Chunks
+from dse.exploration.boundary import near_boundary
+from dse.exploration.executor import Executor
+from dse.exploration.progress import Meter, Progress, Stage
+from dse.exploration.work import Batch, MakeRunner, Runnable, Work
+from dse.storage.folder import StudyFolder
+from dse.storage.rows import RowBlock
+from dse.testbench.execute import make_runner
+
+_TELL_EVERY = 0.1
+
+
+@dataclass(frozen=True, slots=True)
+class Explored:
+    """What an exploration did.
+
+    *before* is how many runs the folder had, *runs* how many it has now, of which *failed*; with *extended* the study
+    asks for other runs than before. *simulated* were made by this call, for the first time or again for their
+    waveforms. *kept* have waveforms. *retried* were tried twice because their worker was killed from outside or grew
+    too large over several runs, *irreproducible* gave another result the second time.
+    """
+
+    before: int
+    runs: int
+    failed: int
+    simulated: int
+    kept: int
+    retried: int
+    irreproducible: int
+    extended: bool
+
+    @property
+    def new(self) -> int:
+        """How many runs were added."""
+        return self.runs - self.before
+
+    @property
+    def again(self) -> int:
+        """How many were simulated again for their waveforms."""
+        return max(0, self.simulated - self.new)
+
+
+class ExplorationInterruptedError(KeyboardInterrupt):
+    """The user stopped the exploration; what was finished is stored. The message says so, and how to go on."""
+
+    def __init__(self, finished: int, runs: int) -> None:
+        super().__init__(
+            f"stopped after {finished} of {runs} runs; they are stored: the same command goes on from there"
+        )
+        self.finished = finished
+        self.runs = runs
+
+
+def explore(
+    study: Study,
+    prepared: Mapping[str, Runnable],
+    folder: StudyFolder,
+    *,
+    executor: Executor,
+    on_progress: Callable[[Progress], None] | None = None,
+    make_runner: MakeRunner = make_runner,
+) -> Explored:
+    """Have *executor* simulate what is missing in *folder*; *prepared* are the configurations by id.
+
+    The study's sampler is asked, and asked again when the runs it wanted are there, until it wants no more. Waveforms
+    are kept with the runs (`Keep.ALL`) or, for the runs near a boundary, by simulating these again, which must give the
+    same bits. A finished folder is left as it is and no worker is started. The results are the same with any executor,
+    bit for bit.
+
+    Raises DseError if workers cannot work at all, ExplorationInterruptedError on Ctrl-C.
+    """
+    work = Work(prepared, make_runner, folder.waveform_folder, folder.header.measures)
+    sink = _Sink(folder, on_progress)
+    before = len(sink.finished)
+    try:
+        asking = Asking(study, folder)
+        limits = {name: each.most_runs for name, each in prepared.items() if each.most_runs is not None}
+        chunks = Chunks(asking.requests, folder.asks, limits)
+        with executor.open(work, sink) as pool:
+            while asking.ask():
+                asked = set(asking.asked)
+                if study.keep is Keep.ALL:
+                    there = asked & sink.finished & (sink.failed | sink.kept.keys())
+                    sink.begin(Stage.RUNS, asked, there)
+                    pool.work_off(chunks.waveforms(asked - there, sink.kept))
+                else:
+                    sink.begin(Stage.RUNS, asked, asked & sink.finished)
+                    pool.work_off(chunks.runs(asked - sink.finished))
+                asking.tell()
+            if study.keep is Keep.NEAR_BOUNDARY:
+                near = _near(study, folder, prepared)
+                sink.begin(Stage.WAVEFORMS, near, near & sink.kept.keys())
+                pool.work_off(chunks.waveforms(near - sink.kept.keys(), sink.kept))
+    except KeyboardInterrupt:
+        raise ExplorationInterruptedError(len(folder.finished()), folder.header.runs) from None
+    finally:
+        folder.commit()
+    sink.tell()
+    return Explored(
+        before,
+        len(sink.finished),
+        len(sink.failed),
+        sink.simulated,
+        sum(bool(file) for file in sink.kept.values()),
+        pool.retried,
+        len(sink.irreproducible),
+        folder.is_extended,
+    )
+
+
+def _near(study: Study, folder: StudyFolder, prepared: Mapping[str, Runnable]) -> frozenset[int]:
+    """Runs near a boundary that can be simulated: an extended study may have some of configurations it left."""
+    table = folder.table()
+    here = np.array([name in prepared for name in table.configurations], dtype=np.bool_)
+    return near_boundary(study, table, folder.header.slices) & frozenset(table.numbers[here].tolist())
+
+
+class _Sink:
+    """Stores results, compares those that were there before, and counts."""
+
+    def __init__(self, folder: StudyFolder, on_progress: Callable[[Progress], None] | None) -> None:
+        self.finished = folder.finished()
+        self.failed = folder.failed()
+        self.kept = dict(folder.kept())
+        self.simulated = 0
+        self.irreproducible: set[int] = set()
+        self._folder = folder
+        self._on_progress = on_progress
+        self._stage: Stage | None = None
+
+    def begin(self, stage: Stage, wanted: AbstractSet[int], there: AbstractSet[int]) -> None:
+        """Count what comes as *stage*, of whose *wanted* runs some are *there* already; more of a stage adds to it."""
+        if stage is not self._stage:
+            self._stage, self._meter, self._told = stage, Meter(self.simulated), 0.0
+            self._wanted: set[int] = set()
+            self._there: set[int] = set()
+        self._wanted |= wanted
+        self._there |= there
+
+    def rows(self, batch: Batch, block: RowBlock) -> None:
+        """Store the runs of *block* that are new, compare the others with what is stored."""
+        numbers = block.numbers.tolist()
+        fresh = np.array([number not in self.finished for number in numbers], dtype=np.bool_)
+        if fresh.all():
+            self._store(batch, block)
+        else:
+            self._store(batch, block.part(np.flatnonzero(fresh)))
+            self._compare(block.part(np.flatnonzero(~fresh)))
+        self.simulated += len(block)
+        self._there.update(self._wanted.intersection(numbers))
+
+    def ended(self, batch: Batch, kept: tuple[int, ...]) -> None:
+        """Note which waveforms are there, and of which runs none ever will be."""
+        if batch.keep:
+            self._keep(kept, batch.file)
+            self._keep([n for n in batch.numbers if n not in kept and n not in self.failed], "")
+
+    def tick(self) -> None:
+        """Commit and tell, each when it is time."""
+        self._folder.commit_if_due()
+        if time.monotonic() - self._told >= _TELL_EVERY:
+            self.tell()
+
+    def tell(self) -> None:
+        """Tell how far it has come."""
+        if self._stage is None or self._on_progress is None:
+            return
+        self._told = time.monotonic()
+        done, rate = len(self._there), self._meter.rate(self.simulated)
+        self._on_progress(Progress(self._stage, done, len(self._wanted), len(self.failed), rate))
+
+    def _keep(self, numbers: Sequence[int], file: str) -> None:
+        self._folder.add_kept(numbers, file)
+        self.kept |= dict.fromkeys(numbers, file)
+
+    def _store(self, batch: Batch, block: RowBlock) -> None:
+        numbers = block.numbers.tolist()
+        points = {request.number: request.point for request in batch.requests}
+        names = self._folder.header.variables
+        self._folder.add(batch.configuration, [[points[n][name] for name in names] for n in numbers], block)
+        self.finished.update(numbers)
+        self.failed.update(block.numbers[~block.done].tolist())
+
+    def _compare(self, again: RowBlock) -> None:
+        numbers = again.numbers.tolist()
+        stored = self._folder.table(numbers).block
+        for row in np.flatnonzero(again.differs_from(stored)).tolist():
+            number = numbers[row]
+            why = again.problems.get(number, "") if not again.done[row] else "another result"
+            self._folder.set_problem(number, f"not reproducible: simulated again it gave {why}")
+            self.irreproducible.add(number)
+            if not again.done[row]:
+                self._keep((number,), "")

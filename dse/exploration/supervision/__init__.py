@@ -1,0 +1,1 @@
+"""Worker processes on this machine, watched: no finished run is lost, whatever an FMU does."""

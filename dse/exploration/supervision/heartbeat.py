@@ -1,0 +1,84 @@
+"""A small file that a worker and its supervisor have both mapped: it tells what the worker does even after it died."""
+
+from __future__ import annotations
+
+import mmap
+import os
+import struct
+from dataclasses import dataclass
+from enum import IntEnum
+from pathlib import Path
+
+from dse.exploration.work import PROGRESS_BYTES
+
+_STATE = struct.Struct("=5q")
+_SIZE = PROGRESS_BYTES + _STATE.size
+
+
+class Phase(IntEnum):
+    """What a worker is doing."""
+
+    STARTING = 0
+    WAITING = 1
+    LOADING = 2
+    RUNNING = 3
+    WRITING = 4
+    LEAVING = 5
+    """The configuration before is freed."""
+
+
+_PHASES = frozenset(Phase)
+
+
+@dataclass(frozen=True, slots=True)
+class State:
+    """*beats* counts the changes of state; *batch* and *number* name the run at hand, if there is one.
+
+    *printed* is how many bytes of output there were before.
+    """
+
+    beats: int
+    phase: Phase
+    batch: int
+    number: int
+    printed: int
+
+
+class Heartbeat:
+    """One thread's place in a worker's file: its simulation's progress block, then its state."""
+
+    def __init__(self, file: Path, thread: int = 0) -> None:
+        with file.open("r+b") as stream:
+            self._map = mmap.mmap(stream.fileno(), 0)
+        self._begin = thread * _SIZE
+        self._beats = 0
+
+    @staticmethod
+    def lay_out(file: Path, threads: int = 1) -> None:
+        """Make the file, all zero."""
+        file.write_bytes(bytes(threads * _SIZE))
+
+    @property
+    def block(self) -> memoryview:
+        """The progress block, to be written by the simulation; the file stays mapped as long as this view lives."""
+        return memoryview(self._map)[self._begin : self._begin + PROGRESS_BYTES]
+
+    def beat(self, phase: Phase, batch: int = -1, number: int = -1) -> None:
+        """Tell that the thread is in *phase* now."""
+        self._beats += 1
+        printed = os.fstat(2).st_size
+        _STATE.pack_into(self._map, self._begin + PROGRESS_BYTES, self._beats, phase, batch, number, printed)
+
+    def state(self) -> State:
+        """What was told last."""
+        beats, phase, *rest = _STATE.unpack_from(self._map, self._begin + PROGRESS_BYTES)
+        # The file is open in the worker: an FMU may have written into it.
+        return State(beats, Phase(phase) if phase in _PHASES else Phase.STARTING, *rest)
+
+    def progress(self) -> bytes:
+        """A copy of the progress block."""
+        return self._map[self._begin : self._begin + PROGRESS_BYTES]
+
+    def close(self) -> None:
+        """Unmap the file; BufferError while a view of the block is alive."""
+        self._map.close()

@@ -1,0 +1,45 @@
+"""What a supervisor and its workers tell each other, beside batches."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+from dse.exploration.work import MakeRunner
+from dse.storage.rows import Measures, RowBlock
+
+
+@dataclass(frozen=True, slots=True)
+class Setup:
+    """What every worker needs; the folder *configurations* holds each as a pickle.
+
+    A worker makes *threads* runs at a time.
+    """
+
+    make_runner: MakeRunner
+    configurations: Path
+    waveforms: Path
+    measures: Measures
+    threads: int = 1
+
+    def file(self, configuration: str) -> Path:
+        """Where *configuration* lies; an id may hold what a file name may not."""
+        return self.configurations / f"{configuration.encode().hex()[:200]}.pickle"
+
+
+@dataclass(frozen=True, slots=True)
+class Report:
+    """From a worker: runs of the batch *identity* that are finished.
+
+    *ended* with the last of them; then *kept* are the numbers whose waveforms are in the batch's file. *retired*
+    comes last: the process is worn out and leaves, runs that are still to be made go to another. *broken* says why the
+    worker cannot go on at all, as when the disk is full; *hurt* why this process cannot, which a run has harmed.
+    """
+
+    identity: int
+    block: RowBlock | None = None
+    ended: bool = False
+    kept: tuple[int, ...] = ()
+    retired: bool = False
+    broken: str = ""
+    hurt: str = ""

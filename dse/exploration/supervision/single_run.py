@@ -1,0 +1,49 @@
+"""One run in a process of its own, outside of any study: whatever an FMU does, it does not happen here."""
+
+from __future__ import annotations
+
+import tempfile
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+from dse.domain.run import Run, RunRequest
+from dse.exploration.supervision.supervisor import Supervisor
+from dse.exploration.work import Batch, MakeRunner, Runnable, Work
+from dse.storage.rows import Measures, RowBlock
+from dse.storage.waveforms import read_waveforms, waveform_file
+
+
+@dataclass(slots=True)
+class _Kept:
+    """Keeps what comes of the run."""
+
+    block: RowBlock | None = None
+    waveforms: tuple[int, ...] = ()
+
+    def rows(self, _batch: Batch, block: RowBlock) -> None:
+        self.block = block
+
+    def ended(self, _batch: Batch, kept: tuple[int, ...]) -> None:
+        self.waveforms = kept
+
+    def tick(self) -> None:
+        pass
+
+
+def simulate_alone(prepared: Runnable, make_runner: MakeRunner, configuration: str, measures: Measures) -> Run:
+    """The run of *prepared* at its own point, with its waveforms unless it failed; its number is 0.
+
+    Raises DseError if the worker cannot even start.
+    """
+    request, kept = RunRequest(0, configuration, {}), _Kept()
+    with tempfile.TemporaryDirectory(prefix="dse-") as scratch:
+        folder = Path(scratch)
+        work = Work({configuration: prepared}, make_runner, folder, measures)
+        batch = Batch(0, configuration, (request,), waveform_file(0, 0))
+        with Supervisor(work, kept, workers=1) as supervisor:
+            supervisor.work_off([batch])
+        assert kept.block is not None  # noqa: S101  # a supervisor gives a row for every run
+        # As a study folder has it, where a zero has no sign.
+        block = replace(kept.block, metrics=kept.block.metrics + 0.0, margins=kept.block.margins + 0.0)
+        (run,) = block.runs([request], measures)
+        return replace(run, waveforms=read_waveforms(folder / batch.file, 0)) if kept.waveforms else run

@@ -1,0 +1,110 @@
+"""What an executor is given to do, and what it gives back."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from collections.abc import Set as AbstractSet
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any, Protocol
+
+from dse.domain.run import Run, RunRequest
+from dse.storage.rows import Measures, RowBlock
+
+PROGRESS_BYTES = 64
+"""Size of the block that a simulation notes in where it is."""
+
+
+class Runnable(Protocol):
+    """A configuration ready to be simulated; picklable."""
+
+    @property
+    def timeout(self) -> float:
+        """Seconds a single run may take."""
+
+    @property
+    def memory(self) -> float:
+        """Bytes a worker may be resident with."""
+
+    @property
+    def thread_safe(self) -> bool:
+        """Whether several runs may be simulated at once in threads of one process."""
+
+    @property
+    def most_runs(self) -> int | None:
+        """How many runs one process may make; None for any number."""
+
+    def describe_progress(self, block: bytes) -> str:
+        """Where a simulation was, from the progress block it left."""
+
+
+class Runner(Protocol):
+    """Simulates one configuration again and again in a worker process."""
+
+    @property
+    def runs_left(self) -> int | None:
+        """How many more runs this process may make of the configuration; None for any number."""
+
+    def run(self, request: RunRequest, *, keep: bool) -> Run:
+        """The run of *request*, with waveforms only if *keep*; a run that fails is a result."""
+
+    def close(self) -> None:
+        """Free what the simulation holds."""
+
+
+MakeRunner = Callable[[Any, memoryview], Runner]
+"""Makes a runner from a `Runnable` and a progress block; a function that can be imported by name."""
+
+
+@dataclass(frozen=True, slots=True)
+class Batch:
+    """Runs of one configuration that go to one worker together, sorted by number.
+
+    If *file* is not "", waveforms are kept in the file of that name. *alone* has its runs made one at a time.
+    """
+
+    identity: int
+    configuration: str
+    requests: tuple[RunRequest, ...]
+    file: str = ""
+    alone: bool = False
+
+    @property
+    def numbers(self) -> tuple[int, ...]:
+        """The numbers of its runs."""
+        return tuple(request.number for request in self.requests)
+
+    @property
+    def keep(self) -> bool:
+        """Whether waveforms are kept."""
+        return bool(self.file)
+
+    def without(self, numbers: AbstractSet[int]) -> Batch:
+        """The same batch less *numbers*."""
+        return replace(self, requests=tuple(request for request in self.requests if request.number not in numbers))
+
+
+class Sink(Protocol):
+    """Takes the results as they come."""
+
+    def rows(self, batch: Batch, block: RowBlock) -> None:
+        """Some runs of *batch* are finished."""
+
+    def ended(self, batch: Batch, kept: tuple[int, ...]) -> None:
+        """All of *batch* is; the waveforms of *kept* are in its file, which lies in the study's folder of waveforms."""
+
+    def tick(self) -> None:
+        """Called at least some times a second."""
+
+
+@dataclass(frozen=True, slots=True)
+class Work:
+    """What a study's runs are made from: its configurations by id, who simulates them, and what every run has to give.
+
+    Files of waveforms go into the folder *waveforms*.
+    """
+
+    configurations: Mapping[str, Runnable]
+    make_runner: MakeRunner
+    waveforms: Path
+    measures: Measures

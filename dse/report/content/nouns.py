@@ -1,0 +1,173 @@
+"""What the report shows: plain values in display units, and nothing about where they came from."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass, fields
+from enum import StrEnum
+from typing import Any, TypeVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+Floats = NDArray[np.float64]
+Flags = NDArray[np.bool_]
+
+
+class SamplerKind(StrEnum):
+    """How the runs lie in the space of the design variables."""
+
+    FULL_FACTORIAL = "full_factorial"
+    SLICED = "sliced"
+    SCATTERED = "scattered"
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Variable:
+    """A design variable; *values* holds one number per run, in the unit shown (as do all bounds)."""
+
+    name: str
+    title: str
+    unit_symbol: str
+    low: float
+    high: float
+    levels: int | None
+    nominal: float
+    values: Floats
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class MetricColumn:
+    """A metric; *values* holds one number per run in the unit shown, NaN where it is undefined.
+
+    *error* is what each changes with half the step, if the study checked that.
+    """
+
+    name: str
+    title: str
+    unit_symbol: str
+    values: Floats
+    error: Floats | None = None
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class RequirementRow:
+    """Bounds on *metric*, in its unit; *exercised* says for each run whether the requirement came into play."""
+
+    name: str
+    title: str
+    metric: str
+    at_most: float | None
+    at_least: float | None
+    exercised: Flags
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class FigureSpec:
+    """A waveform against its target, in the unit shown.
+
+    *time* has n_t values in seconds. *kept* holds the numbers of the n_k runs whose waveforms are there;
+    *current* is (n_k, n_t). *target* is absent, one constant per kept run (n_k,), or a waveform (n_k, n_t).
+    """
+
+    name: str
+    title: str
+    unit_symbol: str
+    current_label: str
+    target_label: str | None
+    time: Floats
+    kept: NDArray[np.int64]
+    current: NDArray[np.floating]
+    target: NDArray[np.floating] | None = None
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Runs:
+    """One entry per run: its number, its configuration's id, whether it came to its end, and why not ("" if it did)."""
+
+    numbers: NDArray[np.int64]
+    configurations: tuple[str, ...]
+    done: Flags
+    problems: tuple[str, ...]
+
+    def __len__(self) -> int:
+        return len(self.numbers)
+
+
+@dataclass(frozen=True, slots=True)
+class ConfigurationEntry:
+    """A configuration: *choices* by path in the design, *properties* as ``number unit``."""
+
+    id: str
+    choices: Mapping[str, str]
+    properties: Mapping[str, str]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class ReportContent:
+    """Everything the page and the figures are made from.
+
+    *slices* are names of variables that were varied together, for a sliced study. *study_folder* is what the
+    reader types in ``dse replay``. *facts* are shown as they stand, in order. Raises ValueError for what no study has.
+    From here on the arrays cannot be written to, as many figures read them.
+    """
+
+    title: str
+    sampler: SamplerKind
+    study_folder: str
+    runs: Runs
+    configurations: tuple[ConfigurationEntry, ...]
+    variables: tuple[Variable, ...] = ()
+    metrics: tuple[MetricColumn, ...] = ()
+    requirements: tuple[RequirementRow, ...] = ()
+    figures: tuple[FigureSpec, ...] = ()
+    slices: tuple[tuple[str, ...], ...] = ()
+    facts: tuple[tuple[str, str], ...] = ()
+
+    def __post_init__(self) -> None:
+        if flaws := [*_flaws(self)]:
+            raise ValueError("; ".join(flaws))
+        nouns: list[Any] = [self.runs, *self.variables, *self.metrics, *self.requirements, *self.figures]
+        for value in (getattr(noun, field.name) for noun in nouns for field in fields(noun)):
+            if isinstance(value, np.ndarray):
+                value.flags.writeable = False
+
+    def variable(self, name: str) -> Variable:
+        """The variable called *name*; KeyError if there is none."""
+        return _named(self.variables, name)
+
+    def metric(self, name: str) -> MetricColumn:
+        """The metric called *name*; KeyError if there is none."""
+        return _named(self.metrics, name)
+
+    def rows_of(self, configuration: str) -> NDArray[np.intp]:
+        """Positions of the runs of one configuration."""
+        return np.flatnonzero(np.array([name == configuration for name in self.runs.configurations], dtype=np.bool_))
+
+
+_Noun = TypeVar("_Noun", "Variable", "MetricColumn")
+
+
+def label(title: str, unit_symbol: str) -> str:
+    """*title* with its unit as an axis carries it: ``gap [m]``; a plain number reads ``[–]``."""
+    return f"{title} [{unit_symbol or '–'}]"
+
+
+def _named(nouns: Iterable[_Noun], name: str) -> _Noun:
+    for noun in nouns:
+        if noun.name == name:
+            return noun
+    raise KeyError(name)
+
+
+def _flaws(content: ReportContent) -> Iterator[str]:
+    """What a stored definition may hold that nothing can be drawn of; all else its reading refuses."""
+    for variable in content.variables:
+        if not variable.low < variable.high:
+            yield f"variable '{variable.name}' has an empty range {variable.low} … {variable.high}"
+    for requirement in content.requirements:
+        if requirement.at_most is None and requirement.at_least is None:
+            yield f"requirement '{requirement.name}' has no bound"
+    known = {variable.name for variable in content.variables}
+    for name in sorted({name for names in content.slices for name in names} - known):
+        yield f"a slice names '{name}', which is no variable of the study"

@@ -1,0 +1,237 @@
+"""A study folder → what the report shows: display units, waveforms against their targets, facts."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from dse.domain.bench import VERDICTS, Verdict
+from dse.domain.definition import (
+    DefinedConfiguration,
+    DefinedMetric,
+    DefinedRequirement,
+    DefinedVariable,
+    StudyDefinition,
+)
+from dse.domain.run import Outcome, Run, Waveforms
+from dse.domain.sampler import Grid
+from dse.report.content.nouns import (
+    ConfigurationEntry,
+    FigureSpec,
+    Floats,
+    MetricColumn,
+    ReportContent,
+    RequirementRow,
+    Runs,
+    SamplerKind,
+    Variable,
+)
+from dse.storage.database.connection import damaged_study
+from dse.storage.database.table import RunTable
+from dse.storage.folder import StudyFolder
+from dse.storage.waveforms import read_all_waveforms
+from dse.units import Unit, parse_unit
+
+MAX_WAVEFORMS = 4000
+"""Runs whose waveforms a page carries at most; more would make it too large to open at ease."""
+
+
+def read_content(path: Path, most: int = MAX_WAVEFORMS) -> ReportContent:
+    """Everything the page needs, from the study folder *path* alone.
+
+    With more than *most* kept waveforms an evenly spread choice is taken; waveforms whose file is gone are left
+    out. The facts say so. DseError if the folder is damaged.
+    """
+    with StudyFolder.open(path) as folder:
+        return _read(folder, most)
+
+
+def content_of_run(run: Run, definition: StudyDefinition) -> ReportContent:
+    """One run on its own, with its waveforms, as the figures need it."""
+    entry = definition.configuration(run.request.configuration)
+    waveforms = {run.request.number: run.waveforms} if run.waveforms else {}
+    numbers = np.asarray([run.request.number], dtype=np.int64)
+    done = np.asarray([run.outcome is Outcome.DONE])
+    rows = _Rows(numbers, (run.request.configuration,), {}, {entry.id: entry.constants})
+    return ReportContent(
+        definition.title,
+        SamplerKind.FULL_FACTORIAL,
+        "",
+        Runs(numbers, (run.request.configuration,), done, (run.problem,)),
+        (_configuration(entry, definition),),
+        figures=_figures(definition, rows, waveforms),
+    )
+
+
+def _read(folder: StudyFolder, most: int) -> ReportContent:
+    folder.require_definition()
+    table = folder.table()
+    lost = folder.lost()
+    kept = sorted(number for number, file in folder.kept().items() if file and number not in lost)
+    chosen = kept if len(kept) <= most else [kept[i] for i in np.linspace(0, len(kept) - 1, most).astype(int)]
+    strangers = set(kept) - set(table.numbers.tolist())
+    if strangers:
+        raise damaged_study(folder.path, f"waveforms were kept of run {min(strangers)}, which is not there")
+    try:
+        return _content(folder, table, chosen, _waveform_facts(len(kept), len(chosen), len(lost)))
+    except ValueError as error:
+        raise damaged_study(folder.path, str(error)) from error
+
+
+def _content(folder: StudyFolder, table: RunTable, chosen: list[int], waveforms: str) -> ReportContent:
+    """ValueError if the parts of the study do not fit each other."""
+    definition = folder.header.definition
+    units = {metric.name: parse_unit(metric.unit) for metric in definition.metrics}
+    constants = {entry.id: entry.constants for entry in definition.configurations}
+    rows = _Rows(table.numbers, table.configurations, table.points, constants)
+    figures = _figures(definition, rows, _waveforms(folder, chosen) if definition.figures else {})
+    return ReportContent(
+        definition.title,
+        _layout(folder.header.slices),
+        folder.path.as_posix(),
+        Runs(table.numbers, table.configurations, table.done, table.problems),
+        tuple(_configuration(entry, definition) for entry in definition.configurations),
+        tuple(_variable(entry, table) for entry in definition.variables),
+        tuple(_metric(m, definition, table) for m in definition.metrics if not m.error_of),
+        tuple(_requirement(entry, table, units[entry.metric]) for entry in definition.requirements),
+        figures,
+        folder.header.slices or (),
+        _facts(folder, table, waveforms),
+    )
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Rows:
+    """What targets of figures are looked up in: points by run, constants by configuration."""
+
+    numbers: NDArray[np.int64]
+    configurations: tuple[str, ...]
+    points: Mapping[str, NDArray[Any]]
+    constants: Mapping[str, Mapping[str, float]]
+
+    def value(self, name: str, number: int) -> float:
+        """Value (SI) of the parameter *name* in run *number*; NaN if it has none."""
+        row = int(np.searchsorted(self.numbers, number))
+        if name in self.points:
+            return float(self.points[name][row])
+        return self.constants[self.configurations[row]].get(name, float("nan"))
+
+
+def _layout(slices: Grid | None) -> SamplerKind:
+    if slices is None:
+        return SamplerKind.SCATTERED
+    return SamplerKind.SLICED if slices else SamplerKind.FULL_FACTORIAL
+
+
+def _metric(entry: DefinedMetric, definition: StudyDefinition, table: RunTable) -> MetricColumn:
+    unit = parse_unit(entry.unit)
+    bars = [other.name for other in definition.metrics if other.error_of == entry.name]
+    # A difference has no offset: 20 K apart are 20 degC apart.
+    error = table.metric(bars[0]) / float(unit.factor) if bars else None
+    return MetricColumn(entry.name, entry.title, entry.unit, _shown(table.metric(entry.name), unit), error)
+
+
+def _shown(values: NDArray[np.float64], unit: Unit) -> Floats:
+    """SI *values* in *unit*."""
+    return (values - float(unit.offset)) / float(unit.factor)
+
+
+def _bound(value: float | None, unit: Unit) -> float | None:
+    # Converted like the values it is compared with, so that a value on its bound stays there.
+    return None if value is None else float(_shown(np.asarray(value), unit))
+
+
+def _configuration(entry: DefinedConfiguration, definition: StudyDefinition) -> ConfigurationEntry:
+    choices = {place: entry.choices[place] for place in definition.design.places if place in entry.choices}
+    properties = {name: f"{total.value:g} {total.unit}".rstrip() for name, total in entry.totals.items()}
+    return ConfigurationEntry(entry.id, choices, properties)
+
+
+def _variable(entry: DefinedVariable, table: RunTable) -> Variable:
+    unit = parse_unit(entry.unit)
+    values = _shown(np.asarray(table.points[entry.name], dtype=np.float64), unit)
+    low, high, nominal = (unit.from_si(value) for value in (entry.low, entry.high, entry.nominal))
+    return Variable(entry.name, entry.title, entry.unit, low, high, entry.levels or None, nominal, values)
+
+
+def _requirement(entry: DefinedRequirement, table: RunTable, unit: Unit) -> RequirementRow:
+    skipped = VERDICTS.index(Verdict.NOT_EXERCISED)
+    exercised = table.done & (table.verdicts(entry.name) != skipped)
+    low, high = _bound(entry.at_least, unit), _bound(entry.at_most, unit)
+    return RequirementRow(entry.name, entry.title, entry.metric, high, low, exercised)
+
+
+def _figures(definition: StudyDefinition, rows: _Rows, waveforms: Mapping[int, Waveforms]) -> tuple[FigureSpec, ...]:
+    figures = []
+    for entry in definition.figures:
+        unit = parse_unit(entry.unit)
+        numbers = [number for number, recorded in waveforms.items() if entry.current in recorded.values]
+        if not numbers:
+            continue
+        current = np.stack([waveforms[number].values[entry.current] for number in numbers])
+        target = None
+        if entry.target:
+            target = _shown(_target(entry.target, numbers, rows, waveforms, current.shape[1]), unit)
+        figures.append(
+            FigureSpec(
+                entry.name,
+                entry.title,
+                entry.unit,
+                entry.current,
+                entry.target,
+                waveforms[numbers[0]].time,
+                np.asarray(numbers, dtype=np.int64),
+                _shown(current, unit),
+                target,
+            )
+        )
+    return tuple(figures)
+
+
+def _target(
+    name: str, numbers: list[int], rows: _Rows, waveforms: Mapping[int, Waveforms], length: int
+) -> NDArray[np.float64]:
+    """The target of each run: one value each (n,) if it is a parameter everywhere, else waveforms (n, *length*)."""
+    if not any(name in waveforms[number].values for number in numbers):
+        return np.asarray([rows.value(name, number) for number in numbers])
+    lines = [waveforms[number].values.get(name, np.full(length, rows.value(name, number))) for number in numbers]
+    return np.stack(lines)
+
+
+def _waveforms(folder: StudyFolder, chosen: list[int]) -> dict[int, Waveforms]:
+    wanted, kept = set(chosen), folder.kept()
+    files = sorted({kept[number] for number in chosen})
+    read = (entry for file in files for entry in read_all_waveforms(folder.waveform_folder / file))
+    return dict(sorted((number, waveforms) for number, waveforms in read if number in wanted))
+
+
+def _waveform_facts(kept: int, chosen: int, lost: int) -> str:
+    text = f"kept of {kept} runs" + (f", {chosen} of them here" if chosen < kept else "")
+    return text + (f"; files of {lost} runs are gone: the same explore command makes them again" if lost else "")
+
+
+def _facts(folder: StudyFolder, table: RunTable, waveforms: str) -> tuple[tuple[str, str], ...]:
+    header, definition = folder.header, folder.header.definition
+    simulation = definition.simulation
+    extended = f", {header.earlier} of them before it was extended" if header.era else ""
+    facts = [
+        ("study", definition.study),
+        ("test bench", definition.bench.name),
+        ("design space", definition.design.name),
+        ("configurations", str(len(definition.configurations))),
+        ("runs", f"{len(table)} of {header.runs}{extended}"),
+        ("failed runs", str(int(np.count_nonzero(~table.done)))),
+        ("sampler", definition.sampler.kind.replace("_", " ")),
+        ("seed", str(definition.seed)),
+        ("simulation", f"{simulation.stop:g} s in steps of {simulation.step:g} s"),
+        ("waveforms", waveforms),
+        ("fingerprint", header.fingerprint),
+        ("dse", definition.dse),
+    ]
+    facts += [(f"FMU {name}", digest) for name, digest in definition.fmus.items()]
+    return tuple((name, value) for name, value in facts if value)

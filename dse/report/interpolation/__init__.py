@@ -1,0 +1,1 @@
+"""Fields between the runs: of a grid, and of runs that lie anywhere."""

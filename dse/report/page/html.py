@@ -1,0 +1,95 @@
+"""One offline HTML file from ReportContent: no network, no inline code but its own, by hash."""
+
+from __future__ import annotations
+
+import base64
+import hashlib
+import html
+from collections.abc import Sequence
+from importlib.resources import files
+from pathlib import Path
+
+from dse.errors import Problem, fail
+from dse.report.content.nouns import ReportContent
+from dse.report.figure import ShownFigure, shown_figures
+from dse.report.page.payload import payload_of
+
+_PAGE = """<!doctype html>
+<html lang="en">
+<head>
+<meta charset="utf-8">
+<meta http-equiv="Content-Security-Policy" content="{policy}">
+<meta name="viewport" content="width=device-width, initial-scale=1">
+<meta name="generator" content="dse">
+<title>{title}</title>
+<link rel="icon" href="{icon}">
+<style>{style}</style>
+</head>
+<body>
+<div id="page"><noscript>This report draws itself with JavaScript, which is switched off.</noscript></div>
+<script type="application/json" id="document">{document}</script>
+<script type="application/octet-stream;base64" id="columns">{columns}</script>
+<script type="application/octet-stream;base64" id="waveforms">{waveforms}</script>
+<script>{script}</script>
+</body>
+</html>
+"""
+
+_ICON = "data:image/svg+xml;base64," + base64.b64encode(
+    b'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 16 16"><rect width="16" height="16" rx="3" fill="#1f4e9e"/>'
+    b'<path d="M3 13 Q8 11 13 4" stroke="#fff" stroke-width="2" fill="none"/></svg>'
+).decode("ascii")
+
+
+def write_report(content: ReportContent, target: Path) -> tuple[Problem, ...]:
+    """Write the page to *target*, whole or not at all. Raises DseError if the file or the bundle cannot be used.
+
+    Returns the problems of figures that could not be drawn; the page names them in their place.
+    """
+    shown = shown_figures(content)
+    text = page_of(content, shown)
+    scratch = target.with_name(f".{target.name}.part")
+    try:
+        scratch.write_bytes(text.encode("utf-8"))
+        scratch.replace(target)
+    except OSError as error:
+        scratch.unlink(missing_ok=True)
+        raise fail(f"cannot write {target}: {error.strerror}", hint="choose another place with -o FILE") from error
+    return tuple(figure.problem for figure in shown if figure.problem)
+
+
+def page_of(content: ReportContent, shown: Sequence[ShownFigure] = ()) -> str:
+    """The page as text, with the figures *shown*; the same content gives the same text."""
+    script, style = _bundle("report.js"), _bundle("report.css")
+    payload = payload_of(content, shown)
+    policy = (
+        f"default-src 'none'; script-src '{_hash(script)}'; style-src '{_hash(style)}'; "
+        "img-src data:; base-uri 'none'; form-action 'none'"
+    )
+    return _PAGE.format(
+        policy=policy,
+        title=html.escape(content.title),
+        icon=_ICON,
+        style=style,
+        document=payload.document,
+        columns=payload.columns,
+        waveforms=payload.waveforms,
+        script=script,
+    )
+
+
+def _bundle(name: str) -> str:
+    source = files("dse.report").joinpath("web", "dist", name)
+    try:
+        text = source.read_text(encoding="utf-8")
+    except OSError as error:
+        raise fail(
+            f"the report's web bundle is missing ({name})",
+            hint="install the package again, or run 'npm ci' and 'npm run build' in dse/report/web",
+        ) from error
+    # The hash in the policy is over what the browser reads, and browsers read CR LF as LF.
+    return text.replace("\r\n", "\n")
+
+
+def _hash(text: str) -> str:
+    return "sha256-" + base64.b64encode(hashlib.sha256(text.encode("utf-8")).digest()).decode("ascii")

@@ -1,0 +1,1 @@
+"""`study.sqlite`: its tables, and what stands in them as nouns."""

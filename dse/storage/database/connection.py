@@ -1,0 +1,174 @@
+"""Opening `study.sqlite`, and turning what can go wrong with it into problems a user can act on."""
+
+from __future__ import annotations
+
+import json
+import os
+import sqlite3
+from collections.abc import Iterator, Mapping
+from contextlib import closing, contextmanager
+from pathlib import Path
+from typing import Any
+
+from dse.domain.definition import StudyDefinition, to_json
+from dse.errors import DseError, Location, fail
+from dse.storage.database.asks import Asks, Block, read_asks, write_asks
+from dse.storage.database.definition import definition_from_json, definition_to_json
+from dse.storage.database.header import StudyHeader
+from dse.storage.database.schema import APPLICATION_ID, ASKS, VERSION, statements
+
+NAME = "study.sqlite"
+
+_BUSY_SECONDS = 30.0
+
+_BROKEN = (sqlite3.SQLITE_ERROR, sqlite3.SQLITE_CORRUPT, sqlite3.SQLITE_NOTADB, sqlite3.SQLITE_MISMATCH)
+"""SQLite's codes for a table or column that is gone, and for bytes that are no database."""
+
+_WHICH = "name the folder given to explore or run with -o"
+
+
+@contextmanager
+def located(path: Path) -> Iterator[None]:
+    """SQLite's errors inside the block become a DseError that names the study folder *path*."""
+    try:
+        yield
+    except sqlite3.OperationalError as error:
+        # Text that is no UTF-8 has no code: Python itself refuses it.
+        if getattr(error, "sqlite_errorcode", sqlite3.SQLITE_ERROR) & 0xFF in _BROKEN:
+            raise damaged_study(path, str(error)) from error
+        raise fail(
+            f"{NAME} cannot be used: {error}", Location(str(path)), "look at the disk's space, the rights and the locks"
+        ) from error
+    except sqlite3.DatabaseError as error:
+        raise damaged_study(path, str(error)) from error
+
+
+def damaged_study(path: Path, why: str) -> DseError:
+    """The problem of a study folder *path* whose database holds what this program never wrote."""
+    return fail(f"{NAME} is damaged: {why}", Location(str(path)), "explore again into another folder, or with --fresh")
+
+
+def lay_out(path: Path, header: StudyHeader) -> None:
+    """Write an empty `study.sqlite` into *path*, all of it or nothing. DseError if *header* cannot be stored."""
+    try:
+        definition_from_json(json.loads(_json(definition_to_json(header.definition))))
+    except (ValueError, RecursionError) as error:
+        raise fail(f"the study cannot be stored: {error}", Location(str(path))) from error
+    aside = path / f"{NAME}.part"
+    aside.unlink(missing_ok=True)
+    with located(path), closing(sqlite3.connect(aside, isolation_level=None)) as connection:
+        connection.execute("BEGIN")
+        for statement in statements(header):
+            connection.execute(statement)
+        write_header(connection, header)
+        connection.execute("COMMIT")
+    aside.replace(path / NAME)
+
+
+def connect(path: Path, *, write: bool) -> sqlite3.Connection:
+    """A connection to the study in *path*; DseError if there is none or this program cannot read it."""
+    file = path / NAME
+    if not path.is_dir():
+        what = "is not a study folder" if path.exists() else "there is no such folder"
+        raise fail(what, Location(str(path)), _WHICH)
+    if not file.is_file():
+        raise fail(f"is not a study folder: there is no {NAME} in it", Location(str(path)), _WHICH)
+    with located(path):
+        connection = sqlite3.connect(_address(file), uri=True, isolation_level=None, timeout=_BUSY_SECONDS)
+    try:
+        with located(path):
+            _check_version(path, connection)
+            if write:
+                connection.execute("PRAGMA journal_mode = WAL")
+                # In WAL mode this survives a killed process; only a power cut may cost the last commits.
+                connection.execute("PRAGMA synchronous = NORMAL")
+            else:
+                connection.execute("PRAGMA query_only = ON")
+    except DseError:
+        connection.close()
+        raise
+    return connection
+
+
+def write_header(connection: sqlite3.Connection, header: StudyHeader) -> None:
+    """Store *header* in place of what was there; the caller has a transaction open."""
+    facts = {key: getattr(header, key) for key in _COUNTS} | {"definition": definition_to_json(header.definition)}
+    connection.executemany(
+        "INSERT OR REPLACE INTO facts VALUES (?, ?)", [(key, _json(value)) for key, value in facts.items()]
+    )
+    connection.executemany(
+        "INSERT OR REPLACE INTO configurations VALUES (?, ?, ?)",
+        [
+            (configuration.id, _json(to_json(configuration.choices)), _json(to_json(configuration.totals)))
+            for configuration in header.definition.configurations
+        ],
+    )
+
+
+def read_header(connection: sqlite3.Connection, path: Path) -> tuple[StudyHeader, Asks]:
+    """What `write_header` stored, in this version's tables or earlier ones, and the asks; DseError if it is none."""
+    try:
+        facts = {key: json.loads(value) for key, value in connection.execute("SELECT key, value FROM facts")}
+        definition = definition_from_json(facts["definition"])
+        if _version(connection) == 1:
+            facts = _of_first_version(facts)
+        counts = {key: facts[key] for key in _COUNTS}
+        for key, count in counts.items():
+            if type(count) is not int or count < 0:
+                raise ValueError(f"the number '{key}' is {json.dumps(count)[:40]}")
+        asks = _first_asks(definition, counts["runs"]) if _version(connection) == 1 else read_asks(connection)
+    except (ValueError, KeyError, TypeError, RecursionError) as error:
+        raise damaged_study(path, f"its facts cannot be read ({error})") from error
+    return StudyHeader(definition, numbers=asks.numbers, **counts), asks
+
+
+def migrate(connection: sqlite3.Connection, header: StudyHeader, asks: Asks) -> None:
+    """Bring the tables of an earlier version up to this one; the caller has a transaction open."""
+    if _version(connection) < VERSION:
+        connection.execute(ASKS)
+        write_asks(connection, asks.blocks)
+        connection.execute("DELETE FROM facts")
+        write_header(connection, header)
+        connection.execute(f"PRAGMA user_version = {VERSION}")
+
+
+_COUNTS = ("runs", "asked", "era", "base", "earlier")
+
+
+def _of_first_version(facts: Mapping[str, Any]) -> dict[str, Any]:
+    """Facts of version 1, in which a study was asked for as a whole."""
+    return {"runs": facts["runs"], "asked": facts["runs"], "era": 0, "base": 0, "earlier": 0}
+
+
+def _first_asks(definition: StudyDefinition, runs: int) -> Asks:
+    names = definition.explored
+    each = runs // len(names) if names else 0
+    return Asks(Block(index * each, each, name, 0, 0) for index, name in enumerate(names) if each)
+
+
+def _version(connection: sqlite3.Connection) -> int:
+    (version,) = connection.execute("PRAGMA user_version").fetchone()
+    return int(version)
+
+
+def _check_version(path: Path, connection: sqlite3.Connection) -> None:
+    (application,) = connection.execute("PRAGMA application_id").fetchone()
+    version = _version(connection)
+    if application != APPLICATION_ID:
+        raise fail(f"is not a study folder: {NAME} was written by another program", Location(str(path)), _WHICH)
+    if version > VERSION:
+        raise fail(
+            f"the study was written by a newer dse (tables of version {version}, this one knows {VERSION})",
+            Location(str(path)),
+            "update dse, or explore again into another folder",
+        )
+
+
+def _address(file: Path) -> str:
+    # Without the right to write, SQLite cannot make the index that WAL readers share; such a file does not change.
+    mode = "mode=rw" if os.access(file, os.W_OK) and os.access(file.parent, os.W_OK) else "mode=ro&immutable=1"
+    return f"{file.resolve().as_uri()}?{mode}"
+
+
+def _json(value: object) -> str:
+    return json.dumps(value, sort_keys=True, ensure_ascii=False, separators=(",", ":"))

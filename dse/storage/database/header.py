@@ -1,0 +1,62 @@
+"""What a study folder is about: its definition, and the runs that were asked for so far."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+from dse.domain.definition import StudyDefinition
+from dse.storage.database.definition import fingerprint
+from dse.storage.rows import Measures
+
+
+@dataclass(frozen=True)
+class StudyHeader:
+    """*runs* were asked for so far, those of an extended study's earlier eras among them.
+
+    *asked* of them are what the present definition asks for, *earlier* were there when the present *era* began;
+    numbers from *base* on belong to it. *numbers* is one more than the largest number of a run.
+    """
+
+    definition: StudyDefinition
+    runs: int = 0
+    asked: int = 0
+    era: int = 0
+    base: int = 0
+    earlier: int = 0
+    numbers: int = 0
+
+    @cached_property
+    def fingerprint(self) -> str:
+        """Studies with equal fingerprints ask for the same runs and results."""
+        return fingerprint(self.definition)
+
+    @property
+    def variables(self) -> tuple[str, ...]:
+        """Names of the design variables, in order."""
+        return tuple(variable.name for variable in self.definition.variables)
+
+    @property
+    def metrics(self) -> tuple[str, ...]:
+        """Names of the metrics, in order."""
+        return tuple(metric.name for metric in self.definition.metrics)
+
+    @property
+    def requirements(self) -> tuple[str, ...]:
+        """Names of the requirements, in order."""
+        return tuple(requirement.name for requirement in self.definition.requirements)
+
+    @property
+    def measures(self) -> Measures:
+        """What every run gives."""
+        return Measures(self.metrics, self.requirements)
+
+    @property
+    def configurations(self) -> tuple[str, ...]:
+        """Ids of the configurations of which there may be runs."""
+        return tuple(configuration.id for configuration in self.definition.configurations)
+
+    @property
+    def slices(self) -> tuple[tuple[str, ...], ...] | None:
+        """Variables that were varied together, if the runs lie on their grid; None if they lie anywhere."""
+        return self.definition.sampler.slices if self.asked == self.runs else None

@@ -1,0 +1,89 @@
+"""The tables of `study.sqlite`, and how values are stored in their cells."""
+
+from __future__ import annotations
+
+import json
+from collections import Counter
+from collections.abc import Sequence
+
+from dse.domain.component import Value
+from dse.errors import fail
+from dse.storage.database.header import StudyHeader
+
+APPLICATION_ID = 0x44534553
+"""Marks an SQLite file as a study ("DSES")."""
+
+VERSION = 2
+"""Version of these tables, stored as user_version. Version 1 had no table of asks."""
+
+ASKS = """CREATE TABLE asks (
+    first INTEGER PRIMARY KEY, count INTEGER NOT NULL, configuration TEXT NOT NULL, ask INTEGER NOT NULL,
+    era INTEGER NOT NULL) STRICT"""
+
+_FIXED = ("number", "configuration", "outcome", "problem")
+
+
+def columns(header: StudyHeader) -> tuple[str, ...]:
+    """Columns of the table of runs, in order: fixed ones, ``p:`` variables, ``m:`` metrics, verdicts, margins."""
+    return (
+        *_FIXED,
+        *(f"p:{name}" for name in header.variables),
+        *(f"m:{name}" for name in header.metrics),
+        *(f"verdict:{name}" for name in header.requirements),
+        *(f"margin:{name}" for name in header.requirements),
+    )
+
+
+def statements(header: StudyHeader) -> tuple[str, ...]:
+    """The SQL that lays out an empty study. DseError if two names differ only in case, which SQLite cannot tell."""
+    _refuse_twins(columns(header))
+    return (
+        "CREATE TABLE facts (key TEXT PRIMARY KEY, value TEXT NOT NULL) STRICT",
+        "CREATE TABLE configurations (id TEXT PRIMARY KEY, choices TEXT NOT NULL, properties TEXT NOT NULL) STRICT",
+        f"CREATE TABLE runs ({', '.join(_column(name) for name in columns(header))}) STRICT",
+        "CREATE TABLE timing (number INTEGER PRIMARY KEY, wall REAL) STRICT",
+        "CREATE TABLE kept (number INTEGER PRIMARY KEY, file TEXT) STRICT",
+        ASKS,
+        f"PRAGMA application_id = {APPLICATION_ID}",
+        f"PRAGMA user_version = {VERSION}",
+    )
+
+
+def quoted(name: str) -> str:
+    """*name* as an SQL identifier."""
+    return '"' + name.replace('"', '""') + '"'
+
+
+def cell_of(value: Value) -> float | str:
+    """A point's value as stored: a float as it is; anything else as JSON text, so that its type comes back."""
+    return value if type(value) is float else json.dumps(value, ensure_ascii=False)
+
+
+def value_of(cell: float | str) -> Value:
+    """The value behind a cell written by `cell_of`."""
+    if isinstance(cell, str):
+        value: Value = json.loads(cell)
+        return value
+    return cell
+
+
+def _column(name: str) -> str:
+    kinds = {
+        "number": "INTEGER PRIMARY KEY",
+        "configuration": "TEXT NOT NULL",
+        "outcome": "TEXT NOT NULL",
+        "problem": "TEXT NOT NULL",
+        "p": "ANY NOT NULL",
+        "m": "REAL",
+        "verdict": "TEXT NOT NULL",
+        "margin": "REAL",
+    }
+    return f"{quoted(name)} {kinds[name.partition(':')[0]]}"
+
+
+def _refuse_twins(names: Sequence[str]) -> None:
+    counts = Counter(name.lower() for name in names)
+    twins = [name for name in names if counts[name.lower()] > 1]
+    if twins:
+        shown = " and ".join(f"'{name.partition(':')[2]}'" for name in twins[:2])
+        raise fail(f"{shown} cannot both be stored", hint="give them names that differ in more than case")

@@ -1,0 +1,172 @@
+"""All runs of a study as columns."""
+
+from __future__ import annotations
+
+import math
+import sqlite3
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import suppress
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from dse.domain.bench import VERDICTS
+from dse.domain.component import Value
+from dse.domain.run import Outcome, Run, RunRequest
+from dse.domain.sampler import Outcomes
+from dse.storage.database.header import StudyHeader
+from dse.storage.database.schema import columns, quoted, value_of
+from dse.storage.rows import RowBlock
+
+_CODES = {str(verdict): code for code, verdict in enumerate(VERDICTS)}
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class RunTable:
+    """The n finished runs of a study, sorted by number; metrics, margins and points in SI.
+
+    *block* holds outcome, metrics, verdicts and margins; *configurations* n ids; *points* one column of n values
+    per design variable (float64, or objects where a variable is no number). *block.wall* is not read (NaN).
+    """
+
+    header: StudyHeader
+    block: RowBlock
+    configurations: tuple[str, ...]
+    points: Mapping[str, NDArray[Any]]
+
+    def __len__(self) -> int:
+        return len(self.block)
+
+    @property
+    def numbers(self) -> NDArray[np.int64]:
+        """Numbers of the runs, (n,)."""
+        return self.block.numbers
+
+    @property
+    def done(self) -> NDArray[np.bool_]:
+        """Whether each run came to its end, (n,)."""
+        return self.block.done
+
+    @property
+    def problems(self) -> tuple[str, ...]:
+        """What each run has to say of itself, "" if nothing."""
+        return tuple(self.block.problems.get(number, "") for number in self.numbers.tolist())
+
+    def metric(self, name: str) -> NDArray[np.float64]:
+        """Values of the metric *name*, (n,), NaN where undefined; ValueError if there is none."""
+        return self.block.metrics[:, self.header.metrics.index(name)]
+
+    def verdicts(self, requirement: str) -> NDArray[np.uint8]:
+        """Verdicts on *requirement* as positions in `VERDICTS`, (n,); ValueError if there is none."""
+        return self.block.verdicts[:, self.header.requirements.index(requirement)]
+
+    def margins(self, requirement: str) -> NDArray[np.float64]:
+        """Margins of *requirement*, (n,), NaN where undefined; ValueError if there is none."""
+        return self.block.margins[:, self.header.requirements.index(requirement)]
+
+    def requests(self) -> Iterator[RunRequest]:
+        """What was asked for, run by run."""
+        names = self.header.variables
+        points = zip(*(self.points[name].tolist() for name in names), strict=True) if names else [()] * len(self)
+        for number, configuration, point in zip(self.numbers.tolist(), self.configurations, points, strict=True):
+            yield RunRequest(number, configuration, dict(zip(names, point, strict=True)))
+
+    def runs(self) -> Iterator[Run]:
+        """The runs one by one, without waveforms."""
+        return self.block.runs(self.requests(), self.header.measures)
+
+    def outcomes(self, numbers: Sequence[int]) -> Outcomes:
+        """What came of the runs of *numbers*, in this order, as a sampler is told it."""
+        rows = np.searchsorted(self.numbers, numbers) if len(self) else np.zeros(0, dtype=np.intp)
+        header = self.header
+        verdicts = {name: self.verdicts(name)[rows].tolist() for name in header.requirements}
+        return Outcomes(
+            tuple(self.configurations[row] for row in rows.tolist()),
+            {name: np.asarray(self.points[name], dtype=np.float64)[rows] for name in header.variables},
+            self.done[rows],
+            {name: self.metric(name)[rows] for name in header.metrics},
+            {name: self.margins(name)[rows] for name in header.requirements},
+            {name: tuple(VERDICTS[code] for code in codes) for name, codes in verdicts.items()},
+        )
+
+
+def read_table(connection: sqlite3.Connection, header: StudyHeader, numbers: Sequence[int] = ()) -> RunTable:
+    """The runs of *numbers* that are stored, or all of them if *numbers* is empty.
+
+    ValueError if a row holds what no study of *header* can have.
+    """
+    names = columns(header)
+    choice = ", ".join(quoted(name) for name in names)
+    where = f" WHERE number IN ({', '.join(str(int(number)) for number in numbers)})" if numbers else ""
+    rows = connection.execute(f"SELECT {choice} FROM runs{where} ORDER BY number").fetchall()  # noqa: S608  # quoted
+    cells = dict(zip(names, zip(*rows, strict=True) if rows else ((),) * len(names), strict=True))
+    n = len(rows)
+    _refuse_strangers(cells, header)
+    block = RowBlock(
+        np.array(cells["number"], dtype=np.int64),
+        np.array([entry == Outcome.DONE for entry in cells["outcome"]], dtype=np.bool_),
+        _matrix(cells, n, "m", header.metrics),
+        np.array(
+            [[_CODES[entry] for entry in cells[f"verdict:{name}"]] for name in header.requirements], dtype=np.uint8
+        )
+        .reshape(len(header.requirements), n)
+        .T,
+        _matrix(cells, n, "margin", header.requirements),
+        np.full(n, np.nan),
+        {number: text for number, text in zip(cells["number"], cells["problem"], strict=True) if text},
+    )
+    return RunTable(header, block, cells["configuration"], _points(cells, header))
+
+
+def _refuse_strangers(cells: Mapping[str, Any], header: StudyHeader) -> None:
+    """ValueError for a number, configuration, outcome or verdict that the study does not have."""
+    known: list[tuple[str, set[Any], Any]] = [
+        ("configuration", set(header.configurations), cells["configuration"]),
+        ("outcome", {str(outcome) for outcome in Outcome}, cells["outcome"]),
+        *((f"verdict on {name}", set(_CODES), cells[f"verdict:{name}"]) for name in header.requirements),
+    ]
+    for what, those, column in known:
+        strange = set(column) - those
+        if strange:
+            raise ValueError(f"a run has the unknown {what} '{min(strange)}'")
+    # They are sorted.
+    if cells["number"] and not 0 <= cells["number"][0] <= cells["number"][-1] < header.numbers:
+        first, last = cells["number"][0], cells["number"][-1]
+        raise ValueError(f"there are runs {first} to {last} in a study of {header.numbers}")
+
+
+def _matrix(cells: Mapping[str, Any], n: int, kind: str, names: Sequence[str]) -> NDArray[np.float64]:
+    # NULL comes as None, which numpy reads as NaN.
+    return np.array([cells[f"{kind}:{name}"] for name in names], dtype=np.float64).reshape(len(names), n).T
+
+
+def _points(cells: Mapping[str, Any], header: StudyHeader) -> dict[str, NDArray[Any]]:
+    points = {name: _point(name, cells[f"p:{name}"]) for name in header.variables}
+    for name, column in points.items():
+        if not all(type(value) in (int, float) for value in column.tolist()):
+            raise ValueError(f"a run has no number for {name}")
+    return points
+
+
+def _point(name: str, cells: tuple[float | str, ...]) -> NDArray[Any]:
+    if all(type(cell) is float for cell in cells):
+        numbers = np.array(cells, dtype=np.float64)
+        if not np.isfinite(numbers).all():
+            raise ValueError(f"a run has an infinite {name}")
+        return numbers
+    values: list[Value] = [_value(name, cell) for cell in cells]
+    column = np.empty(len(values), dtype=object)
+    column[:] = values
+    return column
+
+
+def _value(name: str, cell: object) -> Value:
+    value = None
+    if isinstance(cell, float | str):
+        with suppress(ValueError, RecursionError):
+            value = value_of(cell)
+    if not isinstance(value, bool | int | float | str) or (isinstance(value, float) and not math.isfinite(value)):
+        raise ValueError(f"a run has an unreadable {name}: {str(cell)[:40]}")
+    return value

@@ -1,0 +1,79 @@
+"""A study as JUnit XML, so that a build server shows a broken requirement like a broken test."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator, Sequence
+from html import escape
+
+from dse.domain.bench import Judgement, Verdict
+from dse.domain.run import Outcome, Run
+from dse.storage.database.table import RunTable
+
+_FORBIDDEN = re.compile("[^\t\n\r\x20-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
+
+
+def junit(table: RunTable) -> bytes:
+    """A test suite per configuration and a test case per requirement and run.
+
+    A failed requirement is a failure with its margin, a run that failed is an error, a requirement that was not
+    exercised is skipped. On a bench without requirements every run is a test case that fails by not running.
+    """
+    by_configuration: dict[str, list[_Case]] = {name: [] for name in table.header.configurations}
+    for run in table.runs():
+        by_configuration.setdefault(run.request.configuration, []).extend(_cases(run))
+    lines = ['<?xml version="1.0" encoding="UTF-8"?>', "<testsuites>"]
+    for name, cases in by_configuration.items():
+        if cases:
+            lines += _suite(name, cases)
+    return "\n".join([*lines, "</testsuites>", ""]).encode()
+
+
+class _Case:
+    """One test case; *element* is how it went wrong: failure, error, skipped, or "" if it did not."""
+
+    def __init__(self, run: Run, name: str, element: str, message: str) -> None:
+        point = ", ".join(f"{key} = {value}" for key, value in run.request.point.items())
+        self.name = f"{name} run {run.request.number}" + (f" ({point})" if point else "")
+        self.element = element
+        self.message = message
+
+
+def _cases(run: Run) -> Iterator[_Case]:
+    names = [judgement.requirement for judgement in run.judgements]
+    if run.outcome is Outcome.FAILED:
+        yield from (_Case(run, name, "error", run.problem) for name in names or ["simulation"])
+    elif not names:
+        yield _Case(run, "simulation", "", "")
+    for judgement in run.judgements if run.outcome is Outcome.DONE else ():
+        yield _Case(run, judgement.requirement, *_result(judgement))
+
+
+def _result(judgement: Judgement) -> tuple[str, str]:
+    match judgement.verdict:
+        case Verdict.PASS:
+            return "", ""
+        case Verdict.FAIL:
+            return "failure", f"margin {judgement.margin!r}"
+        case Verdict.NOT_EXERCISED:
+            return "skipped", "not exercised"
+        case Verdict.FAILED_TO_RUN:
+            return "error", "failed to run"
+
+
+def _suite(name: str, cases: Sequence[_Case]) -> Iterator[str]:
+    counts = [sum(case.element == kind for case in cases) for kind in ("failure", "error", "skipped")]
+    totals = 'tests="{}" failures="{}" errors="{}" skipped="{}"'.format(len(cases), *counts)
+    yield f'<testsuite name="{_text(name)}" {totals}>'
+    for case in cases:
+        head = f'  <testcase classname="{_text(name)}" name="{_text(case.name)}"'
+        if case.element:
+            yield f'{head}><{case.element} message="{_text(case.message)}"/></testcase>'
+        else:
+            yield f"{head}/>"
+    yield "</testsuite>"
+
+
+def _text(text: str) -> str:
+    # Characters XML has no way to write, as a library's message may hold, become question marks.
+    return escape(_FORBIDDEN.sub("?", text)).replace("\n", "&#10;")

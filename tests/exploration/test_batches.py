@@ -1,0 +1,57 @@
+from __future__ import annotations
+
+from fake_runners import study_of
+from first_asks import first_ask
+from hypothesis import given
+from hypothesis import strategies as st
+
+from dse.exploration.batches import Chunks
+from dse.storage.database.asks import Asks, Block, blocks_of
+
+
+def asked(levels: int, variables: int, names: tuple[str, ...] = ("a",)) -> Chunks:
+    made = first_ask(study_of(levels=levels, variables=variables), names)
+    return Chunks(dict(enumerate(made)), Asks(blocks_of(made, 0, 0)), {})
+
+
+@given(st.integers(1, 80), st.integers(1, 40))
+def test_chunks_hold_every_run_once_and_one_configuration_each(points: int, configurations: int) -> None:
+    chunks = asked(points, 1, tuple(f"c{i}" for i in range(configurations)))
+    made = chunks.requests
+    cut = list(chunks.runs(made))
+    assert [request for batch in cut for request in batch.requests] == list(made.values())
+    assert all(made[number].configuration == batch.configuration for batch in cut for number in batch.numbers)
+    assert all(len(batch.numbers) <= 32 for batch in cut)
+
+
+def test_a_small_study_is_cut_fine_enough_for_many_workers() -> None:
+    chunks = asked(25, 2)
+    assert len(list(chunks.runs(chunks.requests))) >= 64
+
+
+def test_what_is_finished_is_not_planned_again_and_chunks_stay_where_they_were() -> None:
+    chunks = asked(64, 2)
+    every = {batch.identity: set(batch.numbers) for batch in chunks.runs(chunks.requests)}
+    finished = set(range(0, 4096, 2)) | set(range(32, 64))
+    for batch in chunks.runs(set(chunks.requests) - finished):
+        assert set(batch.numbers) == every[batch.identity] - finished
+        assert not batch.keep
+    assert 32 not in {batch.identity for batch in chunks.runs(set(chunks.requests) - finished)}
+    assert list(chunks.runs(set())) == []
+
+
+def test_a_waveform_file_is_named_after_its_chunk_and_written_whole() -> None:
+    chunks = asked(64, 2)
+    (batch,) = chunks.waveforms({40}, {33: "runs-00000032-00000063.parquet", 41: ""})
+    assert batch.file == "runs-00000032-00000063.parquet"
+    assert batch.numbers == (33, 40)
+    assert list(chunks.waveforms(set(), {33: "runs-00000032-00000063.parquet"})) == []
+
+
+def test_a_later_ask_has_chunks_of_its_own_whatever_came_before() -> None:
+    asks = Asks([Block(0, 2048, "a", 0, 0), Block(2048, 100, "a", 1, 0), Block(2148, 50, "b", 1, 0)])
+    assert asks.chunk(2047) == (2016, 2047)
+    # The second ask is of 150 runs: two to a chunk, and a configuration begins a new one.
+    assert asks.chunk(2048) == (2048, 2049)
+    assert asks.chunk(2149) == (2148, 2149)
+    assert asks.chunk(2197) == (2196, 2197)
