@@ -38,7 +38,7 @@ class Hoisted:
 
 def hoisted(solved: Solved, layout: MemoryLayout) -> Hoisted:
     """Take out of *solved* what depends on parameters only and costs more than reading a value."""
-    known = _parameters(solved)
+    known = _known_parameters(solved)
     moved = _moved(solved, known)
     fixed = known | {assignment.unknown for assignment in moved}
     kept = _without(solved, fixed)
@@ -54,7 +54,7 @@ def hoisted(solved: Solved, layout: MemoryLayout) -> Hoisted:
     gathered, size = _gathered(_hot(lean), {**layout.places, **places}, fixed | set(own))
     lean = replace(lean, event=_with_same(kept.event, lean.event, kept, lean))
     initial = None
-    if len(known) == len(_named(solved)):
+    if len(known) == len(_parameters(solved)):
         still = [block for block in solved.initial if not (isinstance(block, Explicit) and block in moved)]
         initial = _with_same(still, still, kept, lean)
     return Hoisted(lean, assignments, places, gathered, size, initial)
@@ -87,20 +87,18 @@ def _with_same(
     return tuple(same.get(key(block), other) for block, other in zip(blocks, others, strict=True))
 
 
-def _parameters(solved: Solved) -> frozenset[Symbol]:
+def _known_parameters(solved: Solved) -> frozenset[Symbol]:
     """Parameters that are known before the initialization."""
     unknown = set(targets(solved.initial))
     for assignment in solved.parameters:
         if not unknown.isdisjoint(symbols(assignment.value)):
             unknown.add(assignment.unknown)
-    return frozenset(symbol for symbol in _named(solved) if symbol not in unknown)
+    return frozenset(_parameters(solved)) - unknown
 
 
-def _named(solved: Solved) -> list[Symbol]:
-    """All parameters."""
-    declared = solved.flat.variables.values()
-    names = [each.name for each in declared if each.role is Role.PARAMETER and each.name not in solved.aliases]
-    return [Symbol(name) for name in names]
+def _parameters(solved: Solved) -> list[Symbol]:
+    variables = solved.flat.variables.items()
+    return [Symbol(name) for name, one in variables if one.role is Role.PARAMETER and name not in solved.aliases]
 
 
 def _moved(solved: Solved, known: frozenset[Symbol]) -> list[Explicit]:

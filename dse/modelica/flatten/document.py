@@ -176,22 +176,27 @@ def _check_references(document: Document) -> None:
 
 def check_calls(document: Document) -> None:
     """Raise DseError if a call means another function than the one that was kept under its name."""
-    functions = document.flat["functions"]
-    stack: list[Any] = [document.flat]
+    for record in records(document.flat):
+        call = record.get("FunctionCall")
+        if isinstance(call, dict):
+            called = call.get("name") or call["comp"]
+            name, parts = called["name"], called["component_ref"]["parts"]
+            kept = document.flat["functions"].get(name)
+            if kept is not None and kept["def_id"] != parts[-1]["def_id"]:
+                what = f"'{name}', a function with the name of another one used in this model, is not supported"
+                raise fail(what, document.where(call), "give the functions different names")
+
+
+def records(tree: Any) -> Iterator[Record]:
+    """Every record in *tree* of the front-end's, in no order to rely on."""
+    stack = [tree]
     while stack:
         item = stack.pop()
+        if isinstance(item, dict):
+            yield item
+            item = list(item.values())
         if isinstance(item, list):
             stack += item
-        elif isinstance(item, dict):
-            call = item.get("FunctionCall")
-            if isinstance(call, dict):
-                called = call.get("name") or call["comp"]
-                name, parts = called["name"], called["component_ref"]["parts"]
-                kept = functions.get(name)
-                if kept is not None and kept["def_id"] != parts[-1]["def_id"]:
-                    what = f"'{name}', a function with the name of another one used in this model, is not supported"
-                    raise fail(what, document.where(call), "give the functions different names")
-            stack += [value for value in item.values() if isinstance(value, dict | list)]
 
 
 _MOST_POINTS = 1_000_000

@@ -10,7 +10,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
-from dse.modelica.flatten.document import Document, Record
+from dse.modelica.flatten.document import Document, Record, records
 
 Span = tuple[int, int, int]
 
@@ -97,17 +97,11 @@ def _whens(algorithms: Any) -> Iterator[Any]:
 
 def _targets(equations: Any) -> Iterator[str]:
     """Names assigned anywhere in *equations* or statements, in if-equations too."""
-    stack = [equations]
-    while stack:
-        item = stack.pop()
-        if isinstance(item, list):
-            stack += item
-        elif isinstance(item, dict):
-            for key, name in (("Assign", "target"), ("Reinit", "state")):
-                if isinstance(item.get(key), dict) and name in item[key]:
-                    yield str(item[key][name])
-            for key in ("Assignment", "Reinit"):
-                reference = item[key].get("comp") if isinstance(item.get(key), dict) else None
-                if isinstance(reference, dict) and "parts" in reference:
-                    yield ".".join(part["ident"] for part in reference["parts"])
-            stack += [value for value in item.values() if isinstance(value, dict | list)]
+    for record in records(equations):
+        for key, name in (("Assign", "target"), ("Reinit", "state")):
+            if isinstance(record.get(key), dict) and name in record[key]:
+                yield str(record[key][name])
+        for key in ("Assignment", "Reinit"):
+            reference = record[key].get("comp") if isinstance(record.get(key), dict) else None
+            if isinstance(reference, dict) and "parts" in reference:
+                yield ".".join(part["ident"] for part in reference["parts"])

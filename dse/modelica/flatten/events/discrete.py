@@ -14,7 +14,7 @@ from dse.modelica.flatten.document import Record, fields, shape, single
 from dse.modelica.flatten.evaluation.context import Frame, implies
 from dse.modelica.flatten.evaluation.evaluation import Evaluation
 from dse.modelica.flatten.evaluation.values import Text
-from dse.modelica.flatten.events.chains import Span, read_chains, span
+from dse.modelica.flatten.events.chains import Chains, Span, read_chains, span
 from dse.modelica.flatten.events.clauses import Clauses, Item
 from dse.modelica.flatten.events.conditions import Conditions
 
@@ -25,6 +25,7 @@ class Discrete:
 
     evaluation: Evaluation
     conditions: Conditions
+    chains: Chains
     items: dict[str, list[Item]] = field(default_factory=dict)
     checking: list[int] = field(default_factory=list)
     reinitialized: dict[str, list[Item]] = field(default_factory=dict)
@@ -34,7 +35,7 @@ class Discrete:
 
 def read_discrete(evaluation: Evaluation, conditions: Conditions) -> Discrete:
     """Everything discrete of the document; triggers and assignments are entered into the model."""
-    discrete = Discrete(evaluation, conditions)
+    discrete = Discrete(evaluation, conditions, read_chains(evaluation.document))
     lists = evaluation.document.lists
     for record in lists["discrete_real_equations"]:
         _real_equation(discrete, record)
@@ -188,7 +189,7 @@ def _action(discrete: Discrete, record: Record) -> None:
 
 def _check_first(discrete: Discrete, trigger: int, kind: str, where: Location | None) -> None:
     """An assert or terminate may stand in a when-clause's first branch only: see `chains`."""
-    chains, place = read_chains(discrete.evaluation.document), _span(discrete, trigger)
+    chains, place = discrete.chains, _span(discrete, trigger)
     discrete.checking.append(trigger)
     found = chains.find(place, frozenset())
     if chains.may_follow(place) and (found is None or found.branch > 0):
@@ -229,16 +230,15 @@ def _finish(discrete: Discrete) -> None:
 
 def _clauses(discrete: Discrete) -> Clauses:
     """The when-clauses, and which trigger belongs to which of their branches."""
-    chains = read_chains(discrete.evaluation.document)
     every = [item for items in (*discrete.items.values(), *discrete.reinitialized.values()) for item in items]
     owners = [(item.trigger, frozenset({item.owner})) for item in every if item.trigger is not None]
     owners += [(trigger, frozenset[str]()) for trigger in discrete.checking]
     triggers = {}
     for trigger, targets in owners:
-        place = chains.find(_span(discrete, trigger), targets)
+        place = discrete.chains.find(_span(discrete, trigger), targets)
         if place is not None:
             triggers[place] = trigger
-    return Clauses(chains, {trigger: _span(discrete, trigger) for trigger, _ in owners}, triggers)
+    return Clauses(discrete.chains, {trigger: _span(discrete, trigger) for trigger, _ in owners}, triggers)
 
 
 def _span(discrete: Discrete, trigger: int) -> Span | None:
