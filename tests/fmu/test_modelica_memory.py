@@ -13,7 +13,7 @@ from dse.domain.component import NO_INTERFACE, Component, Kind, ModelicaSource, 
 from dse.fmu.building import build
 from dse.fmu.unpack import open_fmu
 from dse.modelica.frontend import process
-from dse.modelica.frontend.remembered import Memory
+from dse.modelica.frontend.memory import Memory
 from dse.modelica.frontend.sources import ModelSources, read_sources
 
 LAG = """within Lib;
