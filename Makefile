@@ -19,7 +19,7 @@ EXTRA := $(shell command -v $${CC:-cc} >/dev/null 2>&1 || command -v gcc >/dev/n
 
 setup: $(VENV)/.ready
 
-SOURCES := $(wildcard dse/cosim/kernel/*.c dse/cosim/kernel/*.h dse/fmu/runtime/*.h dse/report/web/src/* dse/report/web/src/*/*)
+SOURCES := $(wildcard dse/cosim/kernel/*.c dse/cosim/kernel/*.h dse/csolve/*.h dse/report/web/src/* dse/report/web/src/*/*)
 
 $(VENV)/.ready: pyproject.toml hatch_build.py dse/report/web/package-lock.json $(SOURCES)
 	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11))' || { echo "dse needs Python 3.11 or newer; set PYTHON=python3.11"; exit 1; }

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import runpy
 import shutil
 import subprocess
 import sys
@@ -54,17 +55,20 @@ def _machine_compiler() -> list[str] | None:
 
 def _compile_kernel(folder: Path) -> None:
     target = folder / f"_kernel{_SUFFIX}"
-    sources = [folder / "kernel" / "kernel.c"]
-    shared = (folder.parent / "fmu" / "runtime").glob("*.h")
-    if not _is_stale(target, [*(folder / "kernel").glob("*.c"), *(folder / "kernel").glob("*.h"), *shared]):
+    folders = (folder / "kernel", folder.parent / "csolve")
+    if not _is_stale(target, [path for each in folders for path in each.glob("*.[ch]")]):
         return
+    made_of = runpy.run_path(str(folder.parent / "csolve" / "__init__.py"))["fingerprint"](folders)
     compiler = _machine_compiler() or [sys.executable, "-m", "ziglang", "cc"]
     scratch = target.with_suffix(".tmp")
-    flags = ["-std=c11", "-O2", "-ffp-contract=off", "-shared", "-Wall", "-Wextra", "-Werror"]
+    flags = ["-std=c11", "-O2", "-ffp-contract=off", "-shared", "-Wall", "-Wextra", "-Werror", f"-I{folder.parent}"]
+    flags.append(f'-DDSE_SOURCES="{made_of}"')
     if sys.platform != "win32":
         flags += ["-fPIC", "-fvisibility=hidden"]
     mathematics = [] if sys.platform == "win32" else ["-lm"]
-    subprocess.run([*compiler, *flags, *map(str, sources), "-o", str(scratch), *mathematics], check=True)
+    subprocess.run(
+        [*compiler, *flags, str(folder / "kernel" / "kernel.c"), "-o", str(scratch), *mathematics], check=True
+    )
     scratch.replace(target)
 
 

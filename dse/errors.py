@@ -53,6 +53,25 @@ class FreshProcessNeeded(DseError):  # noqa: N818  # says what is wanted; nothin
     """What was asked for is possible, but not after what this process has done before."""
 
 
+class Problems(list[Problem]):
+    """What is wrong so far, so that all of it is told at once.
+
+    ``with problems:`` ends at a DseError inside, adds its problems, and what stands behind goes on.
+    """
+
+    def add(self, what: str, where: Location | None = None, hint: str = "") -> None:
+        """One problem more."""
+        self.append(Problem(what, where, hint))
+
+    def __enter__(self) -> None:
+        pass
+
+    def __exit__(self, kind: object, error: BaseException | None, trace: object) -> bool:
+        if isinstance(error, DseError):
+            self += error.problems
+        return isinstance(error, DseError)
+
+
 def raise_if_any(problems: Iterable[Problem]) -> None:
     """Raise one DseError that carries all of *problems*; return if there are none."""
     found = tuple(problems)

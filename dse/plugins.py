@@ -11,8 +11,7 @@ from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from dse.domain.component import Component, CSource, Source
-    from dse.domain.sampler import Brief, Candidate, Outcomes
-    from dse.domain.study import DesignVariable
+    from dse.domain.sampler import Brief, Candidate, DesignVariable, Outcomes
     from dse.errors import DseError, Location, Problem, fail
     from dse.exploration.once_sampler import OnceSampler, scaled
     from dse.exploration.remote import Carried, carry_out, hand_over, parcel
@@ -25,8 +24,7 @@ if TYPE_CHECKING:
 
 _PLACES = {
     "dse.domain.component": ("CSource", "Component", "Source"),
-    "dse.domain.sampler": ("Brief", "Candidate", "Outcomes"),
-    "dse.domain.study": ("DesignVariable",),
+    "dse.domain.sampler": ("Brief", "Candidate", "DesignVariable", "Outcomes"),
     "dse.errors": ("DseError", "Location", "Problem", "fail"),
     "dse.exploration.work": ("Batch", "Sink", "Work"),
     "dse.exploration.remote": ("Carried", "carry_out", "hand_over", "parcel"),

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 import re
+from collections.abc import Callable
 from dataclasses import dataclass
 from decimal import Decimal
 from fractions import Fraction
@@ -67,6 +68,9 @@ class Unit:
 LARGEST = 10**308
 """The largest number, in SI, that is taken; floating point ends a little above."""
 
+LARGEST_WHOLE = 2**53
+"""The largest whole number that is taken; a double holds all up to it."""
+
 DIMENSIONLESS = Unit("", Fraction(1), Fraction(0), ())
 
 
@@ -109,9 +113,18 @@ def describe(dimension: Dimension) -> str:
     """A dimension in words for a message, as ``length/time`` or ``a plain number``."""
     if not dimension:
         return "a plain number"
-    over = [_factor_text(name, n) for name, n in dimension if n > 0]
-    under = [_factor_text(name, -n) for name, n in dimension if n < 0]
-    return "*".join(over or ["1"]) + "".join(f"/{text}" for text in under)
+    return _quotient(dimension, lambda name, exponent: name if exponent == 1 else f"{name}^{exponent}")
+
+
+def si_unit(dimension: Dimension) -> Unit:
+    """The SI unit of a dimension, by its own name where it has a well-known one."""
+    if not dimension:
+        return DIMENSIONLESS
+    named = next((unit for unit in map(parse_unit, _NAMED) if unit.dimension == dimension), None)
+    return named or Unit(_quotient(dimension, _symbol_power), Fraction(1), Fraction(0), dimension)
+
+
+_NAMED = ("N", "J", "W", "N/m", "V", "Pa")
 
 
 def counts_otherwise(a: str, b: str) -> bool:
@@ -192,15 +205,11 @@ _Meaning = tuple[Fraction, Fraction, Dimension]
 
 def _read(text: str) -> _Meaning:
     """Factor, offset and dimension of a unit, by pint."""
-    import pint
-
     registry: Any = _registry()
     try:
         parsed = registry.parse_units(_pint_spelling(text))
         zero = registry.Quantity(Fraction(0), parsed).to_base_units()
         one = registry.Quantity(Fraction(1), parsed).to_base_units()
-    except (pint.errors.PintError, ValueError, TypeError, AttributeError, SyntaxError) as error:
-        raise UnitError(f"unknown unit '{text}'") from error
     except Exception as error:  # pint's tokenizer leaks library errors for malformed text
         raise UnitError(f"unknown unit '{text}'") from error
     offset = Fraction(str(zero.magnitude))
@@ -308,15 +317,13 @@ def _shelf() -> tuple[Path, str]:
     spec = find_spec("pint")
     site = Path(spec.origin).parents[1] if spec and spec.origin else Path()
     # importlib.metadata would say the same in a hundred times the time.
-    versions = ",".join(sorted(path.name for path in site.glob("pint-*.dist-info"))) or _version("pint")
+    versions = ",".join(sorted(path.name for path in site.glob("pint-*.dist-info")))
+    if not versions:
+        from importlib.metadata import version
+
+        versions = version("pint")
     key = sha256(versions.encode() + Path(__file__).read_bytes()).hexdigest()[:32]
     return cache_folder() / "units" / key, key
-
-
-def _version(package: str) -> str:
-    from importlib.metadata import version
-
-    return version(package)
 
 
 def _as_float(value: Fraction) -> float:
@@ -334,8 +341,15 @@ def _combine(a: Dimension, b: Dimension, sign: int) -> Dimension:
     return tuple(sorted((name, n) for name, n in powers.items() if n))
 
 
-def _factor_text(name: str, exponent: Fraction) -> str:
-    return name if exponent == 1 else f"{name}^{exponent}"
+def _quotient(dimension: Dimension, written: Callable[[str, Fraction], str]) -> str:
+    over = [written(name, n) for name, n in dimension if n > 0]
+    under = [written(name, -n) for name, n in dimension if n < 0]
+    return "*".join(over or ["1"]) + "".join(f"/{text}" for text in under)
+
+
+def _symbol_power(name: str, exponent: Fraction) -> str:
+    symbol = {**SI_SYMBOLS, "currency": "EUR"}.get(name, name)
+    return symbol if exponent == 1 else f"{symbol}^{float(exponent):g}"
 
 
 def _symbol(dimension: Dimension) -> str:

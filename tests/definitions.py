@@ -7,20 +7,20 @@ from dataclasses import replace
 from typing import Any
 
 from dse.domain.definition import (
+    DefinedBench,
     DefinedConfiguration,
     DefinedDesign,
     DefinedMetric,
     DefinedRequirement,
     DefinedSampler,
     DefinedSimulation,
-    Named,
     StudyDefinition,
 )
 
 _PLAIN = StudyDefinition(
     "study",
     "",
-    Named("bench"),
+    DefinedBench("bench"),
     DefinedDesign("design"),
     (),
     DefinedSampler("full_factorial", {"slices": []}, ()),

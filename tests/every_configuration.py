@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from dse.space.decisions import decisions
-from dse.space.language.evaluate import compile_rule
+from dse.space.language.evaluate import compile_in
+from dse.space.language.places import Places
 
 
 def every_way(tree):
@@ -20,6 +21,7 @@ def every_way(tree):
 
 def valid(space):
     """The choices that meet all constraints, in the order of the file."""
-    rules = [compile_rule(constraint.rule, space) for constraint in space.constraints]
+    places = Places(space)
+    rules = [compile_in(constraint.rule, places) for constraint in space.constraints]
     ways = every_way(decisions(space))
     return [choices for choices in ways if all(rule.outcome(choices) is not False for rule in rules)]

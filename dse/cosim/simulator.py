@@ -11,17 +11,19 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dse.cosim.binding import layout
+from dse.cosim.binding.fused import fitted, loop_of
 from dse.cosim.binding.library import occupy, vacate
 from dse.cosim.clock import end_of, steps_in
-from dse.cosim.failing.diagnosis import Kind, diagnose
+from dse.cosim.failing.diagnosis import diagnose
 from dse.cosim.failing.failure import RunFailed
-from dse.cosim.failing.plan_failure import MISLED
-from dse.cosim.fused import fitted, loop_of
-from dse.cosim.plan import Plan, columns_of
+from dse.cosim.failing.reason import StopReason
+from dse.cosim.feasibility import refusals
+from dse.cosim.tables.method import CompiledMethod, columns_of
 from dse.cosim.tables.tables import Tables
-from dse.cosim.trust import NOTHING_KNOWN, Facts, Wear, never_reset, refusals
+from dse.cosim.wear import Wear
 from dse.cosim.wiring.check import check_wired, is_plain, own_steps
 from dse.cosim.wiring.wiring import wire_up
+from dse.domain.facts import FmuFacts, Question
 from dse.domain.fused import FusedLibrary
 from dse.domain.method import PLAIN, Method
 from dse.domain.system import SystemStructure
@@ -30,6 +32,7 @@ from dse.errors import fail, raise_if_any
 __all__ = ["RunFailed", "Simulator"]
 
 _NO_START: Mapping[str, float] = MappingProxyType({})
+_NOTHING_KNOWN: Mapping[str, FmuFacts] = MappingProxyType({})
 
 
 class _Run(NamedTuple):
@@ -61,8 +64,8 @@ class Simulator:
     ``bonds.NAME``. A run that diverges fails: if a wired output is not finite at a communication point, or larger at
     the end than 2^53 times the nominal value that its FMU declares and its first one.
 
-    *facts* tell what is known of FMUs: those that lie about their reset are never reset, and *runs_left* counts down
-    where a process bears only so many instances.
+    *facts* tell what is known of elements: those that lie about their reset are never reset, and *runs_left* counts
+    down where a process bears only so many instances.
 
     *fused* is the library that `dse.fmu.fusion` compiled for this system, record and the plain method: it takes the
     place of the FMUs and of the loop over FMI calls, with the same results and failures.
@@ -78,23 +81,23 @@ class Simulator:
         *,
         method: Method = PLAIN,
         progress: memoryview | None = None,
-        facts: Facts = NOTHING_KNOWN,
+        facts: Mapping[str, FmuFacts] = _NOTHING_KNOWN,
         fused: FusedLibrary | None = None,
     ) -> None:
         raise_if_any(refusals(system, method, facts))
         self.system = system = system if fused is None else fitted(fused, system, record, method)
         self.method = method
-        self.reset_differs = never_reset(facts)
+        self.reset_differs = tuple(name for name, known in facts.items() if known.denies(Question.RESETS))
         self.reset_is_trusted: bool | None = False if self.reset_differs else None
         self._wear = Wear(system, facts)
         wiring = wire_up(system)
         check_wired(wiring, method)
-        positions, bond_columns = columns_of(wiring, method, record)
+        positions, energies = columns_of(wiring, method, record)
         self._record = np.array(positions, np.int32)
         self._kernel = layout.kernel()
         self._tables = Tables(wiring, progress, plain=is_plain(method))
-        self._plan = Plan(self._tables, method, bond_columns)
-        self._tables.system.plan = ctypes.addressof(self._plan.structure)
+        self._compiled = CompiledMethod(self._tables, method, energies)
+        self._tables.system.plan = ctypes.addressof(self._compiled.structure)
         self._tables.system.fused = None if fused is None else loop_of(fused)
         self._system = ctypes.byref(self._tables.system)
         self._request = layout.Request(record=self._record.ctypes.data, n_record=self._record.size)
@@ -127,13 +130,13 @@ class Simulator:
             raise self._lost
         steps = steps_in(stop, step)
         if (stop, step) != self._fitted:
-            self._plan.fit(own_steps(self.system, self.method, stop=stop, step=step))
+            self._compiled.fit(own_steps(self.system, self.method, stop=stop, step=step))
             self._fitted = (stop, step)
         out = self._rows(steps, out)
         starts = self._tables.starts
         if not starts.covers(start):
             own = {f"{element.name}.{name}" for element in self.system.elements for name in element.start}
-            self._tables.add_starts(sorted(start.keys() - own))
+            self._tables.set_starts(sorted(start.keys() - own))
             starts = self._tables.starts
             # The proof of a reset says nothing about what this run leaves at the FMU's own value and others have set.
             self._can_reset = self._can_reset and self._given <= starts.extra
@@ -143,7 +146,7 @@ class Simulator:
             return self._make(run)
         except _Misled:
             # Rare, and the order that believes no FMU takes its time to find: only where it is needed.
-            self._plan.believe_nobody()
+            self._compiled.believe_nobody()
             return self._make(run)
 
     def _make(self, run: _Run) -> NDArray[np.float64]:
@@ -202,10 +205,10 @@ class Simulator:
         request.digests = None if digests is None else digests.ctypes.data
         self._can_reset = False
         failed = self._call_kernel()
-        if failed and self._tables.system.failure.kind == Kind.FLOATING_CHANGED:
+        if failed and self._tables.system.failure.kind == StopReason.FLOATING_CHANGED:
             # The loop looks once, at the end of a run: which FMU it was shows when each step is looked at.
             failed = self._simulate_watched()
-        if failed and self._tables.system.failure.kind == MISLED:
+        if failed and self._tables.system.failure.kind == StopReason.MISLED:
             raise _Misled
         if failed:
             raise self._failure(run.step)
@@ -269,7 +272,7 @@ class Simulator:
                 f"{', '.join(names)}: the outputs of two fresh instances differ: what it computes depends on what was "
                 f"simulated before in this process, or on chance; `dse probe` finds out, and gives each run a process"
             )
-            self._lost = RunFailed(names[0], "", None, (), what)
+            self._lost = RunFailed(names[0], what)
             raise self._lost
 
     def _differing(self, a: NDArray[np.uint64], b: NDArray[np.uint64]) -> tuple[str, ...]:
@@ -279,7 +282,7 @@ class Simulator:
         return tuple(element.name for element, differ in zip(self.system.elements, first, strict=True) if differ)
 
     def _failure(self, step: float) -> RunFailed:
-        failure = self._plan.failure(step) or diagnose(self._tables, step)
+        failure = diagnose(self._tables, self._compiled.loops, step)
         if failure.fatal:
             self._abandon(failure)
         return failure
@@ -288,6 +291,6 @@ class Simulator:
         """After a fatal error no function of that library may be called any more, not even to free an instance."""
         self._lost = failure
         library = self.system.element(failure.element).model.library
-        for element, structure in zip(self.system.elements, self._tables.elements, strict=True):
+        for element, structure in zip(self.system.elements, self._tables.elements.structures, strict=True):
             if element.model.library == library:
                 structure.instance = None

@@ -122,6 +122,10 @@ class Verdict(StrEnum):
     FAILED_TO_RUN = "failed to run"
 
 
+VERDICTS = tuple(Verdict)
+"""Verdicts by the number that stands for them in tables."""
+
+
 @dataclass(frozen=True, slots=True)
 class Judgement:
     """A verdict and by how much: *margin* in SI, positive inside the bound, NaN where the metric is undefined."""

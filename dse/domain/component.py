@@ -202,9 +202,12 @@ class ModelicaSource(Source):
     tolerance: float | None = None
 
 
+PLANNED_KINDS = ("python", "udp")
+
+
 @dataclass(frozen=True, slots=True)
 class UnsupportedSource(Source):
-    """A kind of source this version can list and enumerate but not build."""
+    """A kind of source, one of `PLANNED_KINDS`, that this version can list and enumerate but not build."""
 
     kind: str
 

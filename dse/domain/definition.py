@@ -14,7 +14,7 @@ Json = Any
 
 
 @dataclass(frozen=True, slots=True)
-class Named:
+class DefinedBench:
     """A bench by its name and title."""
 
     name: str
@@ -102,7 +102,7 @@ class DefinedSimulation:
 
 
 @dataclass(frozen=True, slots=True)
-class Total:
+class DefinedTotal:
     """A sum of properties in a unit."""
 
     value: float
@@ -120,7 +120,7 @@ class DefinedConfiguration:
     id: str
     choices: Mapping[str, str] = field(default_factory=dict)
     components: Mapping[str, str] = field(default_factory=dict)
-    totals: Mapping[str, Total] = field(default_factory=dict)
+    totals: Mapping[str, DefinedTotal] = field(default_factory=dict)
     constants: Mapping[str, float] = field(default_factory=dict)
     start: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
     inside: Mapping[str, Json] = field(default_factory=dict)
@@ -138,7 +138,7 @@ class StudyDefinition:
 
     study: str
     title: str
-    bench: Named
+    bench: DefinedBench
     design: DefinedDesign
     variables: tuple[DefinedVariable, ...]
     sampler: DefinedSampler

@@ -170,6 +170,15 @@ def split_path(name: str, places: Container[str]) -> tuple[str, str] | None:
     return None
 
 
+def candidates(root: Compound) -> dict[str, list[Component]]:
+    """The components that can stand at each place below *root*, by its path."""
+    found: dict[str, list[Component]] = {}
+    for path, node in walk(root):
+        if isinstance(node, Part):
+            found.setdefault(path, []).append(node.component)
+    return found
+
+
 def walk(node: Node, path: str = "") -> Iterator[tuple[str, Node]]:
     """Every node below and including *node* with its path, parents first; options share their container's path."""
     yield path, node

@@ -146,6 +146,13 @@ class Chosen:
 Node = Number | Truth | Name | Call | Unary | Binary | Conditional | Between | Chosen
 
 
+def is_rollup(function: str, first: Node) -> bool:
+    """Whether a call with that first argument rolls up a property; ``min`` and ``max`` also compare values."""
+    return function in ROLLUPS and (
+        function not in ("min", "max") or (isinstance(first, Name) and "." not in first.path)
+    )
+
+
 @dataclass(frozen=True, slots=True)
 class Expression:
     """A parsed expression with its text and where that starts in the user's file.

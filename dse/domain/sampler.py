@@ -11,13 +11,32 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from dse.domain.bench import Verdict
-    from dse.domain.study import DesignVariable
+    from dse.errors import Location
+    from dse.units import Unit
 
 Point = tuple[float, ...]
 """A value (SI) for each design variable, in their order."""
 
 Grid = tuple[tuple[str, ...], ...]
 """Variables that are varied together, slice by slice, the others at their nominal values; () for all at once."""
+
+
+@dataclass(frozen=True, slots=True)
+class DesignVariable:
+    """A parameter that is varied between *low* and *high* (SI).
+
+    *levels* is the number of equidistant values a factorial takes; *nominal* is the value the variable has
+    where a slice varies others.
+    """
+
+    name: str
+    low: float
+    high: float
+    levels: int
+    nominal: float
+    unit: Unit
+    title: str = ""
+    where: Location | None = None
 
 
 class Candidate(NamedTuple):

@@ -9,27 +9,8 @@ from typing import Any
 
 from dse.domain.bench import TestBench
 from dse.domain.expression import Expression
-from dse.domain.sampler import Sampler
+from dse.domain.sampler import DesignVariable, Sampler
 from dse.errors import Location
-from dse.units import Unit
-
-
-@dataclass(frozen=True, slots=True)
-class DesignVariable:
-    """A parameter that is varied between *low* and *high* (SI).
-
-    *levels* is the number of equidistant values a factorial takes; *nominal* is the value the variable has
-    where a slice varies others.
-    """
-
-    name: str
-    low: float
-    high: float
-    levels: int
-    nominal: float
-    unit: Unit
-    title: str = ""
-    where: Location | None = None
 
 
 class Keep(StrEnum):

@@ -6,8 +6,7 @@ from abc import abstractmethod
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, ClassVar
 
-from dse.domain.sampler import Brief, Grid, Once, Point, Search
-from dse.domain.study import DesignVariable
+from dse.domain.sampler import Brief, DesignVariable, Grid, Once, Point, Search
 from dse.errors import Location, fail
 from dse.loading.extensions import SamplerSection
 

@@ -22,8 +22,6 @@ How a unit is told from what follows: `dse.expression.tokens`.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-
 from dse.domain.expression import (
     Between,
     Binary,
@@ -41,9 +39,7 @@ from dse.domain.expression import (
 )
 from dse.errors import DseError
 from dse.expression.tokens import Token, TokenKind, error_at, tokenize
-
-DEEPEST = 200
-"""Levels a tree may have, so that whoever walks it can recurse."""
+from dse.expression.tree import DEEPEST, balanced, too_deep
 
 
 def parse_expression(text: str, where: Origin = None) -> Expression:
@@ -54,43 +50,12 @@ def parse_expression(text: str, where: Origin = None) -> Expression:
     """
     parser = _Parser(text, where)
     root = parser.whole()
-    stack = [(root, 1)]
-    while stack:
-        node, level = stack.pop()
-        if level > DEEPEST:
-            raise error_at(
-                text, node.span, f"more than {DEEPEST} levels deep", where, "group with brackets, or split it"
-            )
-        stack += [(child, level + 1) for child in children(node)]
+    deep = too_deep(root)
+    if deep is not None:
+        raise error_at(text, deep.span, f"more than {DEEPEST} levels deep", where, "group with brackets, or split it")
     if isinstance(where, tuple):
         return Expression(text, root, where[0].where, where)
     return Expression(text, root, where)
-
-
-def children(node: Node) -> tuple[Node, ...]:
-    """The expressions directly below *node*, in the order they are written."""
-    match node:
-        case Number() | Truth() | Name() | Chosen():
-            return ()
-        case Call():
-            return (*node.arguments, *(value for _, value in node.options))
-        case Unary():
-            return (node.operand,)
-        case Binary():
-            return (node.left, node.right)
-        case Conditional():
-            return (node.condition, node.yes, node.no)
-        case Between():
-            return (node.value, node.low, node.high)
-
-
-def descend(node: Node) -> Iterator[Node]:
-    """*node* and every expression below it."""
-    stack = [node]
-    while stack:
-        node = stack.pop()
-        yield node
-        stack.extend(reversed(children(node)))
 
 
 _NESTING = 100
@@ -169,7 +134,7 @@ class _Parser:
                 break
             self.take()
         if len(terms) > _LONG:
-            return _balanced(operator, terms)
+            return balanced(operator, terms)
         node, span = terms[0]
         for right, (_, end) in terms[1:]:
             node = Binary(operator, node, right, (span[0], end))
@@ -311,16 +276,6 @@ class _Parser:
 
     def error(self, what: str, span: Span, advice: str) -> DseError:
         return error_at(self.text, span, what, self.where, advice)
-
-
-def _balanced(operator: str, terms: list[tuple[Node, Span]]) -> Node:
-    """The terms, each with where it stands, brackets included, as a tree of few levels."""
-    while len(terms) > 1:
-        pairs = zip(terms[::2], terms[1::2], strict=False)
-        spans = [(left, right, (at[0], till[1])) for (left, at), (right, till) in pairs]
-        joined: list[tuple[Node, Span]] = [(Binary(operator, left, right, span), span) for left, right, span in spans]
-        terms = [*joined, terms[-1]] if len(terms) % 2 else joined
-    return terms[0][0]
 
 
 def _number(token: Token, sign: int, span: Span) -> Number:

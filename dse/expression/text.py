@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import fields
 from fractions import Fraction
 
 from dse.domain.expression import (
@@ -20,8 +19,9 @@ from dse.domain.expression import (
 )
 from dse.errors import DseError
 from dse.expression.parse import parse_expression
+from dse.expression.tree import same
 
-_CONDITIONAL, _COMPARE, _SUM, _NEGATIVE, _ATOM = 0, 7, 8, 10, 12
+_COMPARE, _SUM, _NEGATIVE, _ATOM = 7, 8, 10, 12
 _STRENGTH = {"iff": 1, "implies": 2, "or": 3, "xor": 4, "and": 5, "not": 6, "+": _SUM, "-": _SUM, "*": 9, "/": 9}
 _STRENGTH |= {"^": 11, **dict.fromkeys(("<", "<=", ">", ">=", "==", "!="), _COMPARE)}
 
@@ -71,25 +71,6 @@ def text_of(expression: Expression) -> str:
     return show_expression(expression.root)
 
 
-def same(a: Node, b: Node) -> bool:
-    """Whether two trees are equal wherever they stand."""
-    stack: list[tuple[object, object]] = [(a, b)]
-    while stack:
-        left, right = stack.pop()
-        if type(left) is not type(right):
-            return False
-        if isinstance(left, tuple) and isinstance(right, tuple):
-            if len(left) != len(right):
-                return False
-            stack += zip(left, right, strict=True)
-        elif isinstance(left, Node):
-            compared = (field.name for field in fields(left) if field.compare and field.name != "span")
-            stack += [(getattr(left, name), getattr(right, name)) for name in compared]
-        elif left != right:
-            return False
-    return True
-
-
 def decimal(value: Fraction) -> str | None:
     """*value* written out exactly; None if its decimals never end."""
     rest, twos, fives = value.denominator, 0, 0
@@ -132,8 +113,6 @@ def _strength(node: Node) -> int:
             return _STRENGTH["not"] if node.operator == "not" else _NEGATIVE
         case Chosen() | Between():
             return _COMPARE
-        case Conditional():
-            return _CONDITIONAL
         case Number():
             return _NEGATIVE if node.si < 0 else _ATOM
     return _ATOM

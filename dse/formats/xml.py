@@ -5,12 +5,15 @@ Document types and entities are refused, so nothing is fetched and nothing is ex
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Collection, Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
-from dse.errors import Location, fail
+from dse.errors import Location, Problem, closest, fail
+from dse.formats.xml_values import flag_of, real_of, shortened, whole_of
+
+V = TypeVar("V")
 
 _MOST_BYTES = 128 * 2**20
 _MOST_LEVELS = 100
@@ -61,6 +64,54 @@ class XmlElement:
         yield self
         for child in self.children:
             yield from child.walk()
+
+    def required(self, name: str, problems: list[Problem]) -> str:
+        """The attribute's text; "" and a problem if it is not there or empty."""
+        text = self.get(name)
+        if not text:
+            problems.append(Problem(f"<{self.tag}> has no '{name}'", self.where))
+        return text
+
+    def real(self, name: str, problems: list[Problem]) -> float | None:
+        """The attribute as a number; None if it is not there, and a problem if it is no number."""
+        return self._read(name, real_of, "a number", problems)
+
+    def whole(
+        self, name: str, problems: list[Problem], *, least: int | None = None, most: int | None = None
+    ) -> int | None:
+        """The attribute as a whole number from *least* to *most*; None if not there, and a problem if not one."""
+        value = self._read(name, whole_of, "a whole number", problems)
+        if value is not None and least is not None and value < least:
+            problems.append(self._unfit(name, str(value), f"at least {least}"))
+            return None
+        if value is not None and most is not None and value > most:
+            problems.append(self._unfit(name, str(value), f"at most {most}"))
+            return None
+        return value
+
+    def flag(self, name: str, problems: list[Problem], *, default: bool = False) -> bool:
+        """The attribute as a truth value; *default* if it is not there, and a problem if it is none."""
+        value = self._read(name, flag_of, "true or false", problems)
+        return default if value is None else value
+
+    def word(self, name: str, words: Collection[str], problems: list[Problem], default: str = "") -> str:
+        """The attribute as one of *words*; *default* if it is not there, and a problem if it is another."""
+        text = self.get(name, default).strip()
+        if name not in self.attributes or text in words:
+            return text
+        what = f"<{self.tag}>: '{name}' cannot be '{shortened(self.get(name))}'"
+        problems.append(Problem(what, self.where, closest(self.get(name), words)))
+        return default
+
+    def _read(self, name: str, read: Callable[[str], V | None], expected: str, problems: list[Problem]) -> V | None:
+        text = self.attributes.get(name)
+        value = None if text is None else read(text)
+        if text is not None and value is None:
+            problems.append(self._unfit(name, text, expected))
+        return value
+
+    def _unfit(self, name: str, text: str, expected: str) -> Problem:
+        return Problem(f"<{self.tag}>: '{name}' is '{shortened(text)}', not {expected}", self.where)
 
 
 def read_xml_file(path: Path, file: str) -> XmlElement:

@@ -46,28 +46,12 @@ class Document:
     mark: Mark
     pieces: Mapping[Path_, tuple[Piece, ...]] = field(default_factory=dict)
 
-    def place(self, path: Path_) -> Location:
-        """Where the value at *path* stands; the nearest value around it if it is absent."""
-        file, mark, _ = self._along(path)
-        return Location(file, mark[0], mark[1])
+    @property
+    def top(self) -> Entry:
+        """All of it."""
+        return Entry(self, ())
 
-    def key(self, path: Path_) -> Location:
-        """Where the key at the end of *path* stands; the nearest value around it if it is absent."""
-        file, mark, steps = self._along(path)
-        if steps < len(path) or not isinstance(path[-1] if path else 0, str):
-            return Location(file, mark[0], mark[1])
-        line, column, _ = self._along(path[:-1])[1][2][path[-1]]
-        return Location(file, line, column)
-
-    def has(self, path: Path_) -> bool:
-        """Whether a value stands at *path*."""
-        return self._along(path)[2] == len(path)
-
-    def origin(self, path: Path_) -> Location | tuple[Piece, ...]:
-        """Where the text at *path* stands, character by character."""
-        return self.pieces.get(path) or self.place(path)
-
-    def _along(self, path: Path_) -> tuple[str, Mark, int]:
+    def along(self, path: Path_) -> tuple[str, Mark, int]:
         """The file and the mark of the value that as many steps of *path* lead to as there are, and their number."""
         file, mark, steps = self.file, self.mark, 0
         for step in path:
@@ -79,6 +63,55 @@ class Document:
             file = file if len(mark) < 4 else mark[3]
             steps += 1
         return file, mark, steps
+
+
+@dataclass(frozen=True, slots=True)
+class Entry:
+    """What stands at *path* in a document, if anything does."""
+
+    document: Document
+    path: Path_
+
+    def __getitem__(self, step: str | int) -> Entry:
+        return Entry(self.document, (*self.path, step))
+
+    @property
+    def name(self) -> str:
+        """The key, or number, under which it stands."""
+        return str(self.path[-1])
+
+    @property
+    def data(self) -> Any:
+        """The value, which must be there."""
+        data: Any = self.document.data
+        for step in self.path:
+            data = data[step]
+        return data
+
+    @property
+    def where(self) -> Location:
+        """Where the value stands; the nearest value around it if it is absent."""
+        file, mark, _ = self.document.along(self.path)
+        return Location(file, mark[0], mark[1])
+
+    @property
+    def key(self) -> Location:
+        """Where the key stands; the nearest value around it if it is absent."""
+        file, mark, steps = self.document.along(self.path)
+        if steps < len(self.path) or not isinstance(self.path[-1] if self.path else 0, str):
+            return Location(file, mark[0], mark[1])
+        line, column, _ = self.document.along(self.path[:-1])[1][2][self.path[-1]]
+        return Location(file, line, column)
+
+    @property
+    def is_there(self) -> bool:
+        """Whether a value stands there."""
+        return self.document.along(self.path)[2] == len(self.path)
+
+    @property
+    def origin(self) -> Location | tuple[Piece, ...]:
+        """Where the text stands, character by character."""
+        return self.document.pieces.get(self.path) or self.where
 
 
 def shown(path: Path) -> str:

@@ -1,11 +1,13 @@
-"""Names, texts, values and parameters as YAML that reads back as the same."""
+"""Names, texts, values and parameters as YAML that reads back as the same, and mappings of them."""
 
 from __future__ import annotations
 
 import json
 import math
 import re
+from collections.abc import Iterator, Mapping
 from fractions import Fraction
+from typing import Any
 
 from dse.domain.component import Kind, Parameter
 from dse.errors import Location, fail
@@ -18,25 +20,50 @@ _OTHERS = frozenset({"null", "true", "false"})
 _ENDS_OF_LINES = {0x85: "\\N", 0x2028: "\\L", 0x2029: "\\P", 0xFEFF: "\\uFEFF"}
 
 
+def write_file(data: Mapping[str, Any]) -> str:
+    """A file with *data*: mappings and lists of what is written already, one entry a line."""
+    return "\n".join(_block(data, 0)) + "\n"
+
+
+def _block(data: Mapping[str, Any], level: int) -> Iterator[str]:
+    pad = "  " * level
+    for key, value in data.items():
+        head = f"{pad}{write_name(key)}:"
+        if isinstance(value, str) or not value:
+            yield f"{head} {value or '{}'}"
+            continue
+        yield head
+        if isinstance(value, Mapping):
+            yield from _block(value, level + 1)
+            continue
+        for entry in value:
+            first, *rest = [f"{pad}    {entry}"] if isinstance(entry, str) else _block(entry, level + 2)
+            yield f"{pad}  - {first.lstrip()}"
+            yield from rest
+
+
+def write_flow(data: Mapping[str, str]) -> str:
+    """A mapping in one line, of what is written already."""
+    return f"{{{', '.join(f'{write_name(key)}: {value}' for key, value in data.items())}}}"
+
+
 def write_parameter(parameter: Parameter) -> str:
     """A parameter as one mapping. Raises DseError for a value that its unit cannot say."""
-    type_ = parameter.type
-    start = parameter.start
-    entries = [f"start: {write_value(start, type_.unit, parameter.where)}"]
-    for key, bound in (("min", parameter.minimum), ("max", parameter.maximum)):
-        if bound is not None:
-            entries.append(f"{key}: {write_value(bound, type_.unit, parameter.where)}")
-    if type_.kind is Kind.ENUMERATION:
-        entries.append(f"enum: [{', '.join(map(write_name, type_.items))}]")
-    elif type_.kind is Kind.REAL:
-        entries.append(f"unit: {write_text(type_.unit.symbol or '1')}")
-    else:
-        entries.append(f"type: {type_.kind}")
+    unit, where = parameter.type.unit, parameter.where
+    stated = {"start": parameter.start, "min": parameter.minimum, "max": parameter.maximum}
+    entries = {key: write_value(value, unit, where) for key, value in stated.items() if value is not None}
+    match parameter.type.kind:
+        case Kind.ENUMERATION:
+            entries["enum"] = f"[{', '.join(map(write_name, parameter.type.items))}]"
+        case Kind.REAL:
+            entries["unit"] = write_text(unit.symbol or "1")
+        case kind:
+            entries["type"] = str(kind)
     if not parameter.tunable:
-        entries.append("tunable: false")
+        entries["tunable"] = "false"
     if parameter.title:
-        entries.append(f"title: {write_text(parameter.title)}")
-    return f"{{{', '.join(entries)}}}"
+        entries["title"] = write_text(parameter.title)
+    return write_flow(entries)
 
 
 def write_value(value: float | int | bool | str, unit: Unit, where: Location | None) -> str:

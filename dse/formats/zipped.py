@@ -14,6 +14,7 @@ import zlib
 from collections.abc import Iterator, Mapping
 from pathlib import Path, PurePosixPath
 
+from dse.cache import rename
 from dse.errors import DseError, Location, Problem, fail
 
 _MAXIMUM_ENTRIES = 20_000
@@ -95,21 +96,12 @@ def unpacked(archive: Path, into: Path, where: Location, what: str) -> Path:
         aside = Path(tempfile.mkdtemp(prefix=".", suffix=".tmp", dir=into))
         try:
             unpack_zip(archive, aside, where, what)
-            _rename(aside, target)
+            rename(aside, target)
         finally:
             shutil.rmtree(aside, ignore_errors=True)
     except OSError as error:
         raise fail(f"the folder {into} cannot be written: {error.strerror or error}") from error
     return target
-
-
-def _rename(aside: Path, target: Path) -> None:
-    # Another process may have been first: the same files are there.
-    try:
-        aside.replace(target)
-    except OSError:
-        if not target.is_dir():
-            raise
 
 
 def _dangers(entries: list[zipfile.ZipInfo], what: str) -> Iterator[str]:

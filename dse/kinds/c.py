@@ -7,9 +7,8 @@ from pathlib import Path
 from dse.domain.component import Component, CSource
 from dse.errors import Location, fail
 from dse.loading.component.kind import ComponentKind, SourcePlace, SourceSection
-from dse.loading.fields import Plain
 from dse.loading.names import is_identifier
-from dse.loading.values import read_number, read_unit
+from dse.loading.sections import Plain
 
 
 class CSection(SourceSection):
@@ -37,10 +36,9 @@ class CKind(ComponentKind[CSection, CSource]):
         struct = section.struct or place.component
         step = None
         if section.step is not None:
-            where = place.at("step")
-            step = read_number(section.step, read_unit("s", where), where)
+            step = place.number(section.step, "s", "step")
             if step <= 0:
-                raise fail(f"the step must be positive, not {section.step}", where)
+                raise fail(f"the step must be positive, not {section.step}", place.at("step"))
         return CSource(
             tuple(files),
             place.file(header, (".h",), "header"),

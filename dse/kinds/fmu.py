@@ -8,8 +8,7 @@ from pathlib import Path
 from dse.domain.component import Component, Source
 from dse.errors import fail
 from dse.formats.yaml import shown
-from dse.loading.component.kind import ComponentKind, SourcePlace, SourceSection, existing
-from dse.loading.root import followed
+from dse.loading.component.kind import ComponentKind, SourcePlace, SourceSection
 
 
 class FmuSection(SourceSection):
@@ -39,8 +38,7 @@ class FmuKind(ComponentKind[FmuSection, FmuSource]):
         """The archive; known by its content, so that it may lie anywhere."""
         if section.file is None:
             raise place.missing("file", "file: my_part.fmu")
-        where = place.at("file")
-        return FmuSource(existing(followed(place.folder, section.file, where), where))
+        return FmuSource(place.existing(place.path(section.file, "file"), "file"))
 
     def build(self, component: Component, source: FmuSource, *, version: int, cache: Path | None) -> Path:
         """The archive itself. Raises DseError if it is gone."""
@@ -51,7 +49,7 @@ class FmuKind(ComponentKind[FmuSection, FmuSource]):
     def check(self, component: Component, source: FmuSource) -> None:
         """Raise DseError unless the FMU opens and has the component's ports and parameters."""
         from dse.fmu.unpack import open_fmu
-        from dse.system.assemble import check_fmu
+        from dse.system.assembly import check_fmu
 
         check_fmu(component, open_fmu(source.file))
 

@@ -11,10 +11,8 @@ from dse.domain.component import Component, ModelicaCompiler, ModelicaSource, So
 from dse.errors import Location, closest, fail
 from dse.formats.yaml import shown
 from dse.loading.component.kind import ComponentKind, SourcePlace, SourceSection
-from dse.loading.fields import Plain
-from dse.loading.root import followed, is_file
-from dse.loading.values import read_number
-from dse.units import DIMENSIONLESS
+from dse.loading.paths import is_file
+from dse.loading.sections import Plain
 
 if TYPE_CHECKING:
     from dse.domain.diagram import Diagram
@@ -49,10 +47,10 @@ class ModelicaKind(ComponentKind[ModelicaSection, ModelicaSource]):
         roots = [_library(name, place, i) for i, name in enumerate(section.modelica_path)]
         tolerance = None
         if section.tolerance is not None:
-            where = place.at("tolerance")
-            tolerance = read_number(section.tolerance, DIMENSIONLESS, where)
+            tolerance = place.number(section.tolerance, "", "tolerance")
             if not _FINEST <= tolerance <= _COARSEST:
-                raise fail(f"the tolerance must lie in {_FINEST:g} … {_COARSEST:g}, not {section.tolerance}", where)
+                what = f"the tolerance must lie in {_FINEST:g} … {_COARSEST:g}, not {section.tolerance}"
+                raise fail(what, place.at("tolerance"))
         return ModelicaSource(
             section.model,
             tuple(files),
@@ -76,12 +74,9 @@ class ModelicaKind(ComponentKind[ModelicaSection, ModelicaSource]):
 
     def diagram(self, component: Component, source: ModelicaSource) -> Diagram:
         """The model's parts and connections."""
-        from dse.domain.diagram import diagram
-        from dse.modelica.frontend.compile import compile_model
-        from dse.modelica.frontend.sources import read_sources
+        from dse.modelica.diagram import read_diagram
 
-        sources = read_sources(component.name, source.model, source.files, source.roots, component.where)
-        return diagram(compile_model(sources).flat)
+        return read_diagram(component, source)
 
 
 _CLASS = re.compile(r"[A-Za-z_]\w*(\.[A-Za-z_]\w*)*", re.ASCII)
@@ -102,7 +97,7 @@ def _one_of(words: type[W], written: str | None, where: Location) -> W:
 
 def _file(name: str, place: SourcePlace, number: int) -> Path:
     where = place.at("files", number)
-    path = followed(place.folder, name, where)
+    path = place.path(name, "files", number)
     if is_file(path):
         return place.file(name, (".mo",), "files", number)
     if not path.is_relative_to(place.inside.resolve()):
@@ -116,7 +111,7 @@ def _file(name: str, place: SourcePlace, number: int) -> Path:
 def _library(name: str, place: SourcePlace, number: int) -> Path:
     """A folder of libraries; on this machine, so that it may lie anywhere."""
     where = place.at("modelica_path", number)
-    path = followed(place.folder, os.path.expandvars(name), where)
+    path = place.path(os.path.expandvars(name), "modelica_path", number)
     if not path.is_dir():
         hint = "modelica_path: [/path/to/libraries]; $VARIABLES are replaced"
         raise fail(f"no such folder: {shown(path)}", where, hint)

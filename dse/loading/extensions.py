@@ -5,34 +5,33 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, ClassVar, Self, TypeVar
+from typing import Any, ClassVar, Generic, Self, TypeVar
 
 from pydantic import ValidationError
 
-from dse.domain.study import DesignVariable
+from dse.domain.sampler import DesignVariable
 from dse.errors import Location, closest, fail
-from dse.formats.yaml import Document, Path_
-from dse.loading.fields import Section, read_section
+from dse.formats.yaml import Entry
+from dse.loading.sections import Section, read_section
 from dse.registry import Registry
 
 
 @dataclass(frozen=True, slots=True)
 class Surroundings:
-    """What stands around a section: the *document* and place *at* which it stands, and what it may speak of.
+    """What stands around a section: the *entry* with its options, and what it may speak of.
 
     *names* are the design variables of the file, *variables* those of them that could be read. Files it names lie in
     *inside*.
     """
 
-    document: Document
-    at: Path_
+    entry: Entry
     names: frozenset[str]
     variables: tuple[DesignVariable, ...]
     inside: Path
 
     def place(self, *path: str | int) -> Location:
         """Where the value at *path* of the section stands; the nearest around it if it is absent."""
-        return self.document.place((*self.at, *path))
+        return Entry(self.entry.document, (*self.entry.path, *path)).where
 
 
 class Extension(Section):
@@ -72,26 +71,31 @@ EXECUTORS: Registry[type[ExecutorSection]] = Registry(
 E = TypeVar("E", bound=Extension)
 
 
-def read_extension(
-    document: Document, key: str, written: str | Mapping[str, Any], registry: Registry[type[E]]
-) -> tuple[E, Path_]:
-    """What stands under *key* as NAME or {NAME: {option: …}}, and where its options stand. Raises DseError."""
-    where = document.place((key,))
+@dataclass(frozen=True, slots=True)
+class Found(Generic[E]):
+    """A *section*, and where its options stand."""
+
+    section: E
+    entry: Entry
+
+
+def read_extension(entry: Entry, written: str | Mapping[str, Any], registry: Registry[type[E]]) -> Found[E]:
+    """What stands at *entry* as NAME or {NAME: {option: …}}. Raises DseError."""
     if isinstance(written, str):
-        shape = registry.get(written, where)
+        shape = registry.get(written, entry.where)
         try:
-            return shape(), (key,)
+            return Found(shape(), entry)
         except ValidationError as error:
-            lacking = " and ".join(f"'{'.'.join(map(str, entry['loc']))}'" for entry in error.errors())
-            raise fail(f"'{written}' needs {lacking}", where, f"{key}: {_shown(shape)}") from None
+            lacking = " and ".join(f"'{'.'.join(map(str, finding['loc']))}'" for finding in error.errors())
+            raise fail(f"'{written}' needs {lacking}", entry.where, f"{entry.name}: {_shown(shape)}") from None
     if len(written) != 1:
-        raise fail(f"give exactly one {registry.word}", where, closest("", registry.names()))
+        raise fail(f"give exactly one {registry.word}", entry.where, closest("", registry.names()))
     ((name, options),) = written.items()
-    shape = registry.get(name, document.key((key, name)))
+    shape = registry.get(name, entry[name].key)
     if not isinstance(options, Mapping):
-        what = f"'{key}.{name}': expected its options"
-        raise fail(what, document.place((key, name)), f"{key}: {_shown(shape)}")
-    return read_section(document, shape, (key, name)), (key, name)
+        what = f"'{entry.name}.{name}': expected its options"
+        raise fail(what, entry[name].where, f"{entry.name}: {_shown(shape)}")
+    return Found(read_section(entry[name], shape), entry[name])
 
 
 def _shown(shape: type[Extension]) -> str:

@@ -6,23 +6,23 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from dse.errors import DseError, Location, Problem, fail
+from dse.errors import DseError, Location, Problem, Problems, fail, raise_if_any
 from dse.formats.kept import read_kept
-from dse.formats.yaml import Document, Mark, Path_, shown
-from dse.loading.root import named_file, root_of
+from dse.formats.yaml import Document, Entry, Mark, Path_, shown
+from dse.loading.paths import named_file
 
 _DEEPEST = 20
 _MOST = 200
 
 
-def read_document(path: Path, inside: Path | None = None) -> Document:
-    """Read *path* and what it includes, relative to the including file.
+def read_document(path: Path, inside: Path) -> Entry:
+    """All of *path* and of what it includes, relative to the including file.
 
     Mappings at the top level are joined key by key, lists are appended; a key that stands in both files is
-    a problem. Included files must lie in the folder *inside*, by default the workspace around *path*. Raises
-    DseError, also when files include each other in a circle, too deeply or too often.
+    a problem. Included files must lie in the workspace *inside*. Raises DseError, also when files include each other in
+    a circle, too deeply or too often.
     """
-    return _read(path, (), inside or root_of(path), [])
+    return _read(path, (), inside, []).top
 
 
 def _read(path: Path, chain: tuple[Path, ...], inside: Path, seen: list[Path]) -> Document:
@@ -32,13 +32,14 @@ def _read(path: Path, chain: tuple[Path, ...], inside: Path, seen: list[Path]) -
     included = document.data.get("include")
     if included is None:
         return document
-    if not isinstance(included, list) or not all(isinstance(entry, str) for entry in included):
-        raise fail("'include' must be a list of files", document.place(("include",)), "include: [common.yaml]")
+    entry = document.top["include"]
+    if not isinstance(included, list) or not all(isinstance(name, str) for name in included):
+        raise fail("'include' must be a list of files", entry.where, "include: [common.yaml]")
     joined = _without_include(document)
-    problems: list[Problem] = []
-    for number, entry in enumerate(included):
-        where = document.place(("include", number))
-        target = named_file(path.parent, entry, inside, (".yaml", ".yml"), where)
+    problems = Problems()
+    for number, name in enumerate(included):
+        where = entry[number].where
+        target = named_file(path.parent, name, inside, (".yaml", ".yml"), where)
         if target == path or target in chain:
             circle = " -> ".join(shown(p) for p in (*chain, path, target))
             raise fail(f"files include each other in a circle: {circle}", where, "remove one of the includes")
@@ -50,10 +51,8 @@ def _read(path: Path, chain: tuple[Path, ...], inside: Path, seen: list[Path]) -
             other = _read(target, (*chain, path), inside, seen)
         except DseError as error:
             raise DseError(*(_at(problem, where) for problem in error.problems)) from None
-        joined, further = _join(joined, other)
-        problems += further
-    if problems:
-        raise DseError(*problems)
+        joined = _join(joined, other, problems)
+    raise_if_any(problems)
     return joined
 
 
@@ -69,14 +68,13 @@ def _at(problem: Problem, where: Location) -> Problem:
     return problem
 
 
-def _join(mine: Document, other: Document) -> tuple[Document, list[Problem]]:
-    """*mine* with what *other* says besides, and what both say."""
+def _join(mine: Document, other: Document, problems: Problems) -> Document:
+    """*mine* with what *other* says besides; what both say is added to *problems*."""
     data, marks, pieces = {**mine.data}, {**mine.mark[2]}, {**mine.pieces}
-    problems: list[Problem] = []
 
     def twice(path: Path_) -> None:
         what = f"'{'.'.join(map(str, path))}' stands in an including file too"
-        problems.append(Problem(what, other.key(path), f"see {mine.key(path)}"))
+        problems.add(what, Entry(other, path).key, f"see {Entry(mine, path).key}")
 
     def take(source: Path_, target: Path_) -> None:
         found = {path: origin for path, origin in other.pieces.items() if path[: len(source)] == source}
@@ -106,7 +104,7 @@ def _join(mine: Document, other: Document) -> tuple[Document, list[Problem]]:
                 take((section, i), (section, len(own) + i))
         else:
             twice((section,))
-    return replace(mine, data=data, mark=[*mine.mark[:2], marks], pieces=pieces), problems
+    return replace(mine, data=data, mark=[*mine.mark[:2], marks], pieces=pieces)
 
 
 def _of(document: Document, mark: Mark, *around: Mark) -> Mark:

@@ -11,7 +11,7 @@ _C = """
 auto bool break case char const continue default do double else enum extern false float for goto if inline int long
 register restrict return short signed sizeof static struct switch true typedef union unsigned void volatile while
 """
-C_KEYWORDS = frozenset(_C.split())
+_C_KEYWORDS = frozenset(_C.split())
 """Keywords of C11, and the words <stdbool.h> adds."""
 
 _NAME = re.compile(r"[A-Za-z_][A-Za-z0-9_]*")
@@ -36,7 +36,7 @@ def check_choice(name: str, where: Location, problems: list[Problem]) -> None:
 
 def check_member(name: str, where: Location, problems: list[Problem]) -> None:
     """Add a problem unless *name* can be that of a port or parameter: of a member of a C struct, too."""
-    if name in C_KEYWORDS:
+    if name in _C_KEYWORDS:
         problems.append(Problem(f"'{name}' is a word of C, so C code cannot have it", where, "choose another name"))
     else:
         check_name(name, where, problems)
@@ -44,4 +44,4 @@ def check_member(name: str, where: Location, problems: list[Problem]) -> None:
 
 def is_identifier(name: str) -> bool:
     """Whether C code can define *name*."""
-    return bool(_NAME.fullmatch(name)) and name not in C_KEYWORDS
+    return bool(_NAME.fullmatch(name)) and name not in _C_KEYWORDS

@@ -6,11 +6,22 @@ import re
 from fractions import Fraction
 
 from dse.domain.component import Kind, Type, Value
-from dse.errors import DseError, Location, closest, fail
+from dse.errors import Location, closest, fail
 from dse.expression.tokens import KEYWORDS
-from dse.units import DIMENSIONLESS, LARGEST, Quantity, Unit, UnitError, describe, parse_quantity, parse_unit
+from dse.units import (
+    DIMENSIONLESS,
+    LARGEST,
+    LARGEST_WHOLE,
+    Quantity,
+    Unit,
+    UnitError,
+    describe,
+    parse_quantity,
+    parse_unit,
+)
 
 Raw = str | int | float | bool
+"""A value of a parameter as YAML reads it."""
 
 
 def read_unit(text: str, where: Location) -> Unit:
@@ -38,7 +49,7 @@ def read_quantity(raw: Raw, where: Location) -> Quantity:
 def read_number(raw: Raw, unit: Unit, where: Location) -> float:
     """An SI number of the dimension of *unit*; a bare number is taken to be in *unit*. Raises DseError."""
     quantity = read_quantity(raw, where)
-    if (quantity.unit is DIMENSIONLESS and not isinstance(raw, str)) or (isinstance(raw, str) and _is_bare(quantity)):
+    if not quantity.unit.symbol:
         si = quantity.si * unit.factor + unit.offset
         if abs(si) > LARGEST:
             raise fail(f"'{raw}' in {unit} is beyond the range of numbers", where)
@@ -58,7 +69,7 @@ def read_value(raw: Raw, type_: Type, where: Location) -> Value:
         case Kind.REAL:
             return read_number(raw, type_.unit, where)
         case Kind.BOOLEAN:
-            if raw in (True, False) and isinstance(raw, bool):
+            if isinstance(raw, bool):
                 return raw
             if raw in ("true", "false"):
                 return raw == "true"
@@ -93,10 +104,6 @@ def read_type(text: str, where: Location) -> Type:
     return Type(Kind.REAL, read_unit(text, where))
 
 
-def _is_bare(quantity: Quantity) -> bool:
-    return not quantity.unit.symbol
-
-
 def _whole(raw: Raw, where: Location) -> int:
     match = _NUMBER.fullmatch(str(raw).strip()) if not isinstance(raw, bool) else None
     number = Fraction(match[0]) if match else None
@@ -108,12 +115,3 @@ def _whole(raw: Raw, where: Location) -> int:
 
 
 _NUMBER = re.compile(r"[+-]?\d{1,40}(?:\.\d{0,40})?(?:[eE][+-]?\d{1,2})?", re.ASCII)
-LARGEST_WHOLE = 2**53
-"""The largest whole number that is taken; a double holds all up to it."""
-
-
-def located(error: DseError, where: Location) -> DseError:
-    """The same problems, placed at *where* if they have no place yet."""
-    from dataclasses import replace
-
-    return DseError(*(replace(p, where=where) if p.where is None else p for p in error.problems))

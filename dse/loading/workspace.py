@@ -9,12 +9,12 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from dse.domain.component import Component, Interface
-from dse.errors import DseError, Location, Problem, closest, fail, raise_if_any
+from dse.errors import Location, Problems, closest, fail, raise_if_any
 from dse.formats.kept import remember
 from dse.formats.yaml import shown
 from dse.loading.component.component import read_collection, read_component
 from dse.loading.component.interfaces import read_interfaces
-from dse.loading.root import find_root
+from dse.loading.paths import find_root
 
 if TYPE_CHECKING:
     from dse.domain.bench import TestBench
@@ -60,17 +60,14 @@ class Workspace:
     def interfaces(self) -> dict[str, Interface]:
         """Every interface of the workspace, by name."""
         found: dict[str, Interface] = {}
-        problems: list[Problem] = []
+        problems = Problems()
         for path in self._components_yaml.get("interfaces.yaml", []):
-            try:
+            with problems:
                 for name, interface in read_interfaces(path, self.root).items():
                     if name in found:
-                        problems.append(
-                            Problem(f"interface '{name}' is defined twice", interface.where, f"see {found[name].where}")
-                        )
+                        hint = f"see {found[name].where}"
+                        problems.add(f"interface '{name}' is defined twice", interface.where, hint)
                     found.setdefault(name, interface)
-            except DseError as error:
-                problems += error.problems
         raise_if_any(problems)
         return found
 
@@ -78,18 +75,17 @@ class Workspace:
     def component_files(self) -> dict[str, Path]:
         """The file of every component by its name: a ``component.yaml`` by that of its folder, or one with many."""
         found: dict[str, Path] = {}
-        problems: list[Problem] = []
+        problems = Problems()
         for path in self._components_yaml.get("component.yaml", []):
             name = path.parent.name
             if name in found:
-                problems.append(
-                    Problem(f"component '{name}' is defined twice", Location(shown(path)), f"see {shown(found[name])}")
-                )
+                hint = f"see {shown(found[name])}"
+                problems.add(f"component '{name}' is defined twice", Location(shown(path)), hint)
             found.setdefault(name, path)
         for component, path in self._collected:
             if component.name in found:
                 hint = f"see {shown(found[component.name])}"
-                problems.append(Problem(f"component '{component.name}' is defined twice", component.where, hint))
+                problems.add(f"component '{component.name}' is defined twice", component.where, hint)
             found.setdefault(component.name, path)
         raise_if_any(problems)
         return found
@@ -98,12 +94,10 @@ class Workspace:
     def _collected(self) -> list[tuple[Component, Path]]:
         """The components of files with many, each with its file."""
         found: list[tuple[Component, Path]] = []
-        problems: list[Problem] = []
+        problems = Problems()
         for path in self._components_yaml.get("", []):
-            try:
+            with problems:
                 found += [(component, path) for component in read_collection(path, self.interfaces, self.root)]
-            except DseError as error:
-                problems += error.problems
         raise_if_any(problems)
         return found
 

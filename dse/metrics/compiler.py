@@ -43,8 +43,7 @@ from dse.expression.sorts import (
 from dse.metrics.catalogue import FUNCTIONS, OFFERED, RELATIVE, ROWWISE, Argument, Function, Wants
 from dse.metrics.machine import TIME, Instruction, Register
 from dse.metrics.operators import OPERATORS, is_true, select
-from dse.metrics.show import show_unit
-from dse.units import Dimension, describe, parse_unit, power
+from dse.units import Dimension, describe, parse_unit, power, si_unit
 
 Typed = tuple[Sort, Register]
 
@@ -67,7 +66,7 @@ class Compiler:
         self.signals = signals
         self.names = names
         self.functions = functions
-        self.broken: set[str] = set()
+        self.reached: set[str] = set()
         self.metrics: dict[str, Typed] = {}
         self.size = TIME + 1
         self.inputs: dict[str, Register] = {}
@@ -110,9 +109,9 @@ class Compiler:
         name = node.path
         if name in self.metrics:
             return self.metrics[name]
-        if name in self.broken:
-            raise FollowUpError
         if name not in self.types:
+            if name in self.reached:
+                raise FollowUpError
             if name in self.names:
                 raise error_in(expression, node.span, f"metric '{name}' is defined further down", "move it up")
             known = (*self.types, *self.metrics)
@@ -204,7 +203,7 @@ class Compiler:
         dimension = first if argument.unit is None else parse_unit(argument.unit).dimension
         if sort.dimension != dimension:
             what = f"'{argument.name}' of {node.function} must be {describe(dimension)}, found {sort}"
-            unit = show_unit(None, dimension)
+            unit = si_unit(dimension)
             raise error_in(expression, given.span, what, f"give it in {unit}" if unit.symbol else "give a bare number")
 
     def _rowwise(self, expression: Expression, node: Call) -> Typed:

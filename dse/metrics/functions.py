@@ -16,22 +16,6 @@ Waveform = NDArray[np.float64]
 Condition = NDArray[np.bool_]
 
 
-def overshoot(x: Waveform, target: float) -> float:
-    """How far the largest value is past *target*, relative to |target|; negative if x never gets there.
-
-    Ogata's maximum overshoot M_p with the steady state replaced by the target. NaN for a target of zero.
-    """
-    return relative_excess(maximum(x), target)
-
-
-def undershoot(x: Waveform, target: float) -> float:
-    """How far the smallest value is below *target*, relative to |target|; negative if x stays above.
-
-    The overshoot of a quantity that must not fall, as a gap. NaN for a target of zero.
-    """
-    return relative_shortfall(minimum(x), target)
-
-
 def rise_time(time: Waveform, x: Waveform, target: float) -> float:
     """Seconds from 10 % to 90 % of the way from x[0] to *target*; NaN if x does not come that far (Ogata, 5-3)."""
     start = x.item(0)
@@ -94,26 +78,6 @@ def final(x: Waveform) -> float:
     return x.item(-1)
 
 
-def integral(time: Waveform, x: Waveform) -> float:
-    """∫ x dt by the trapezoidal rule, in x's unit times seconds."""
-    return weighted_sum(x, row_widths(time))
-
-
-def mean(time: Waveform, x: Waveform) -> float:
-    """The time average of x, in x's unit; NaN for a single row."""
-    return average(x, row_widths(time))
-
-
-def rms(time: Waveform, x: Waveform) -> float:
-    """The root of the time average of x², in x's unit; NaN for a single row."""
-    return root_average_square(x, row_widths(time))
-
-
-def duration(time: Waveform, condition: Condition) -> float:
-    """Seconds during which *condition* holds; each row stands for half the way to its neighbours."""
-    return time_held(condition, row_widths(time))
-
-
 def time_to_collision(gap: Waveform, closing_speed: Waveform) -> Waveform:
     """gap / closing_speed row by row, in seconds; infinite where the gap does not close.
 
@@ -126,12 +90,18 @@ def time_to_collision(gap: Waveform, closing_speed: Waveform) -> Waveform:
 
 
 def relative_excess(peak: float, target: float) -> float:
-    """(peak - target) / |target|; NaN for a target of zero."""
+    """The overshoot: (peak - target) / |target|, negative if x never gets there.
+
+    Ogata's maximum overshoot M_p with the steady state replaced by the target. NaN for a target of zero.
+    """
     return (peak - target) / abs(target) if target else math.nan
 
 
 def relative_shortfall(lowest: float, target: float) -> float:
-    """(target - lowest) / |target|; NaN for a target of zero."""
+    """The undershoot: (target - lowest) / |target|, negative if x stays above.
+
+    The overshoot of a quantity that must not fall, as a gap. NaN for a target of zero.
+    """
     return (target - lowest) / abs(target) if target else math.nan
 
 
@@ -147,24 +117,24 @@ def row_widths(time: Waveform) -> Waveform:
 
 
 def weighted_sum(x: Waveform, widths: Waveform) -> float:
-    """∫ x dt over rows of these widths."""
+    """∫ x dt by the trapezoidal rule over rows of these widths, in x's unit times seconds."""
     # Not a dot product: BLAS may split and order the sum differently from machine to machine.
     return float(np.add.reduce(x * widths))
 
 
 def average(x: Waveform, widths: Waveform) -> float:
-    """Time average of x over rows of these widths."""
+    """Time average of x over rows of these widths; NaN for a single row."""
     span = float(np.add.reduce(widths))
     return weighted_sum(x, widths) / span if span else math.nan
 
 
 def root_average_square(x: Waveform, widths: Waveform) -> float:
-    """Root of the time average of x² over rows of these widths."""
+    """Root of the time average of x² over rows of these widths; NaN for a single row."""
     return math.sqrt(average(x * x, widths))
 
 
 def time_held(condition: Condition, widths: Waveform) -> float:
-    """Sum of the widths of the rows where *condition* holds."""
+    """Seconds during which *condition* holds; each row stands for half the way to its neighbours."""
     return float(np.add.reduce(widths[condition]))
 
 

@@ -10,8 +10,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from dse.domain.bench import Judgement, Requirement, Verdict
+from dse.domain.bench import VERDICTS, Judgement, Requirement, Verdict
 from dse.errors import fail
+from dse.metrics.verdicts import margin_of, verdict_of
 from dse.units import Dimension, Unit
 
 Register = int
@@ -103,17 +104,9 @@ def judge_failed(requirements: Sequence[Requirement]) -> tuple[Judgement, ...]:
 
 def _judge(check: Check, registers: Sequence[Any]) -> Judgement:
     value = float(registers[check.metric])
-    # An open side is no bound at infinity: an infinite time to collision would have no margin to it.
-    margin = math.nan
-    if not math.isnan(value):
-        margin = min(
-            math.inf if check.at_most is None else check.at_most - value,
-            math.inf if check.at_least is None else value - check.at_least,
-        )
-    if not _is_exercised(check, registers, value):
-        return Judgement(check.requirement, Verdict.NOT_EXERCISED, margin)
-    # A metric that is undefined although the run exercised the requirement has not met it.
-    return Judgement(check.requirement, Verdict.PASS if margin >= 0 else Verdict.FAIL, margin)
+    margin = float(margin_of(value, check.at_most, check.at_least))
+    verdict = VERDICTS[verdict_of(margin, _is_exercised(check, registers, value))]
+    return Judgement(check.requirement, verdict, margin)
 
 
 def _is_exercised(check: Check, registers: Sequence[Any], value: float) -> bool:

@@ -3,26 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 
 from dse.domain.bench import Metric, Requirement
 from dse.domain.component import Type
-from dse.domain.expression import (
-    Expression,
-    Name,
-)
-from dse.errors import DseError, Problem, closest, raise_if_any
-from dse.expression.parse import descend
-from dse.expression.sorts import (
-    Sort,
-    error_in,
-    require_number,
-    require_truth,
-)
+from dse.domain.expression import Expression, Name
+from dse.errors import Problems, closest, fail, raise_if_any
+from dse.expression.sorts import Sort, error_in, require_number, require_truth
+from dse.expression.tree import descend
 from dse.metrics.catalogue import FUNCTIONS, Function
 from dse.metrics.compiler import Compiler, FollowUpError
 from dse.metrics.machine import Check, MetricProgram, Register, judge_failed
-from dse.metrics.show import show_unit
-from dse.units import describe
+from dse.units import describe, si_unit
 
 __all__ = ["MetricProgram", "compile_metrics", "judge_failed"]
 
@@ -41,23 +33,15 @@ def compile_metrics(
     those of installed packages. Raises DseError with every unknown name, wrong unit and misused function, located.
     """
     compiler = Compiler(types, signals, [metric.name for metric in metrics], functions)
-    problems: list[Problem] = []
+    problems = Problems()
     checks: list[Check] = []
     for metric in metrics:
-        try:
+        with problems, suppress(FollowUpError):
             _compile_metric(compiler, metric)
-        except DseError as error:
-            compiler.broken.add(metric.name)
-            problems += error.problems
-        except FollowUpError:
-            compiler.broken.add(metric.name)
+        compiler.reached.add(metric.name)
     for requirement in requirements:
-        try:
+        with problems, suppress(FollowUpError):
             checks.append(_compile_requirement(compiler, requirement))
-        except DseError as error:
-            problems += error.problems
-        except FollowUpError:
-            continue
     raise_if_any(problems)
     return _program(compiler, {metric.name: metric for metric in metrics}, checks)
 
@@ -68,7 +52,10 @@ def _program(compiler: Compiler, metrics: Mapping[str, Metric], checks: Sequence
         tuple(name for name in compiler.inputs if name in compiler.signals),
         tuple(name for name in compiler.inputs if name not in compiler.signals),
         dimensions,
-        {name: show_unit(metrics[name].unit, dimension) for name, dimension in dimensions.items()},
+        {
+            name: metrics[name].unit if metrics[name].unit.symbol else si_unit(dimension)
+            for name, dimension in dimensions.items()
+        },
         compiler.inputs,
         tuple((register, value) for value, register in compiler.literals.items()),
         tuple(compiler.instructions.values()),
@@ -93,19 +80,19 @@ def _compile_metric(compiler: Compiler, metric: Metric) -> None:
 
 def _compile_requirement(compiler: Compiler, requirement: Requirement) -> Check:
     name, where = requirement.metric, requirement.where
-    if name in compiler.broken:
-        raise FollowUpError
     if name not in compiler.metrics:
+        if name in compiler.names:
+            raise FollowUpError
         what = f"requirement '{requirement.name}': unknown metric '{name}'"
-        raise DseError(Problem(what, where, closest(name, compiler.names)))
+        raise fail(what, where, closest(name, compiler.names))
     if requirement.at_most is None and requirement.at_least is None:
         what = f"requirement '{requirement.name}' has no bound"
-        raise DseError(Problem(what, where, "give at_most or at_least"))
+        raise fail(what, where, "give at_most or at_least")
     sort, register = compiler.metrics[name]
     if requirement.unit.dimension != sort.dimension:
         bound = describe(requirement.unit.dimension)
         what = f"requirement '{requirement.name}': '{name}' is {sort}, its bound is {bound}"
-        raise DseError(Problem(what, where, f"give the bound in {_si(sort)}"))
+        raise fail(what, where, f"give the bound in {_si(sort)}")
     condition = requirement.exercised_when
     if condition is None:
         return Check(requirement.name, requirement.at_most, requirement.at_least, register, None)
@@ -125,4 +112,4 @@ def _compile_condition(compiler: Compiler, expression: Expression) -> Register:
 
 
 def _si(sort: Sort) -> str:
-    return str(show_unit(None, sort.dimension)) or "no unit, or %"
+    return str(si_unit(sort.dimension)) or "no unit, or %"

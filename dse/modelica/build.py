@@ -7,11 +7,12 @@ from dataclasses import replace
 from functools import lru_cache
 from pathlib import Path
 
+from dse.cache import cache_folder, content_key, keep_file
+from dse.csolve import headers
 from dse.domain.component import Component, ModelicaCompiler, ModelicaSource
 from dse.errors import DseError, fail
-from dse.fmu.archive import pack
-from dse.fmu.cache import cache_folder, content_key, keep_file
-from dse.fmu.describe import describe_sources, identifier
+from dse.fmu.c.describe import describe_sources, model_identifier
+from dse.fmu.slot_table import SLOT_TABLE, SlotTable
 from dse.fmu.toolchain.compilation import (
     LANGUAGE_OPTIONS,
     MODEL_OPTIONS,
@@ -22,8 +23,10 @@ from dse.fmu.toolchain.compilation import (
 )
 from dse.fmu.toolchain.compiler import Compiler, find_compiler
 from dse.fmu.toolchain.platforms import this_platform
+from dse.formats.zipped import pack_zip
 from dse.modelica.description import Described, describe_model
 from dse.modelica.documentation import documentation
+from dse.modelica.emit.data import slot_rows
 from dse.modelica.emit.model import Settings, Solver, emit
 from dse.modelica.frontend.remembered import Memory
 from dse.modelica.frontend.sources import ModelSources, library_contents, read_sources
@@ -34,10 +37,8 @@ _DSE = Path(__file__).parents[1]
 _RUNTIME = _DSE / "fmu" / "runtime"
 # fmt: off
 _COMMON = (
-    "slot.h", "instance.h", "value.h", "modelica.h", "solver_memory.h", "arithmetic.h", "linear.h", "newton.h",
-    "tables.h", "evaluate.h", "crossings.h", "dormand_prince_tableau.h", "dormand_prince.h", "rosenbrock_tableau.h",
-    "rosenbrock.h", "locate.h", "integrate.h", "events.h",
-    "co_simulation.h", "simulation.h", "exchange.h",
+    "slot.h", "instance.h", "value.h", "modelica.h", "arithmetic.h", "tables.h", "evaluate.h", "relations.h",
+    "integrate.h", "events.h", "co_simulation.h", "simulation.h", "exchange.h",
 )
 _FILES = {
     2: (*_COMMON, "fmi2_abi.h", "fmi2_exchange.h", "fmi2.c"),
@@ -111,7 +112,7 @@ def _by_omc(
         what = f"component '{component.name}': omc writes FMI 2.0, not {version}"
         raise fail(what, component.where, "build it for FMI 2")
     keyed = [*_identity(component, source, sources, version), ("omc", omc_version(omc).encode())]
-    target = cache_folder(cache) / "built" / f"{identifier(component.name)}-{content_key(keyed)}.fmu"
+    target = cache_folder(cache) / "built" / f"{model_identifier(component.name)}-{content_key(keyed)}.fmu"
     return target if target.is_file() else keep_file(target, build_with_omc(component, source, sources, omc))
 
 
@@ -123,7 +124,7 @@ def _by_dse(
     identity = _identity(component, source, sources, version)
     token = "{" + content_key(identity) + "}"
     machine = ("build", repr((compiler.identity, options(compiler), MODEL_OPTIONS, platform.name)).encode())
-    named = identifier(component.name)
+    named = model_identifier(component.name)
     target = cache_folder(cache) / "built" / f"{named}-{content_key([*identity, machine])}.fmu"
     if target.is_file():
         return target
@@ -136,7 +137,7 @@ def _by_dse(
         said = "; ".join(f"{d.file}:{d.line}: {d.message}" if d.file else d.message for d in error.diagnostics[:3])
         what = f"component '{component.name}': the C made from {source.model} does not compile: {said}"
         raise fail(what, component.where, "this is a mistake of dse: please report it with the model") from error
-    return keep_file(target, pack({**contents, str(library): binary}))
+    return keep_file(target, pack_zip({**contents, str(library): binary}))
 
 
 def _memory(cache: Path | None) -> Memory:
@@ -166,8 +167,9 @@ def _contents(
         dependencies=translated.solved.dependencies,
     )
     contents = {
-        **{f"sources/runtime/{name}": _runtime()[name] for name in _FILES[version]},
+        **{f"sources/runtime/{name}": _runtime()[name] for name in (*_FILES[version], *headers())},
         **{f"sources/runtime/{name}": content for name, content in generated.items()},
+        f"sources/{SLOT_TABLE}": SlotTable("", slot_rows(translated.variables)).to_bytes(),
         "modelDescription.xml": describe_model(described, version),
     }
     settings = f"solver {source.solver.value}, relative tolerance {tolerance:g}"
@@ -222,7 +224,7 @@ def _identity(
 
 @lru_cache(maxsize=1)
 def _runtime() -> dict[str, bytes]:
-    return {path.name: path.read_bytes() for path in sorted(_RUNTIME.glob("*.[ch]"))}
+    return {**{path.name: path.read_bytes() for path in sorted(_RUNTIME.glob("*.[ch]"))}, **headers()}
 
 
 @lru_cache(maxsize=1)

@@ -4,57 +4,38 @@ from __future__ import annotations
 
 from enum import IntEnum
 
-import numpy as np
-from numpy.typing import NDArray
-
+from dse.domain.bench import VERDICTS, Verdict
+from dse.metrics.verdicts import Codes, margin_of, overall, verdict_of
 from dse.report.content.nouns import Floats, ReportContent, RequirementRow
 
 
 class Mark(IntEnum):
     """How a run is marked in the plot and counted; the numbers are those of the page's ``verdicts.ts``."""
 
-    PASS = 0
-    FAIL = 1
-    NOT_EXERCISED = 2
-    FAILED_TO_RUN = 3
+    PASS = VERDICTS.index(Verdict.PASS)
+    FAIL = VERDICTS.index(Verdict.FAIL)
+    NOT_EXERCISED = VERDICTS.index(Verdict.NOT_EXERCISED)
+    FAILED_TO_RUN = VERDICTS.index(Verdict.FAILED_TO_RUN)
 
 
-Marks = NDArray[np.uint8]
+Marks = Codes
 
 
 def marks_of(content: ReportContent, requirement: RequirementRow) -> Marks:
-    """The mark of every run for one requirement. An undefined metric does not pass: comparisons with NaN are false."""
-    values = content.metric(requirement.metric).values
-    inside = np.ones(len(values), dtype=np.bool_)
-    if requirement.at_most is not None:
-        inside &= values <= requirement.at_most
-    if requirement.at_least is not None:
-        inside &= values >= requirement.at_least
-    marks = np.where(inside, Mark.PASS, Mark.FAIL).astype(np.uint8)
-    marks[~requirement.exercised] = Mark.NOT_EXERCISED
-    marks[~content.runs.done] = Mark.FAILED_TO_RUN
+    """The mark of every run for one requirement."""
+    margin = margins(content.metric(requirement.metric).values, requirement)
+    marks: Marks = verdict_of(margin, requirement.exercised, content.runs.done)
     return marks
 
 
 def overall_marks(content: ReportContent) -> Marks:
-    """The mark of every run for all requirements: one failure fails it, and without one a gap leaves it open."""
-    overall = np.full(len(content.runs), Mark.PASS, dtype=np.uint8)
-    for requirement in content.requirements:
-        marks = marks_of(content, requirement)
-        overall[(marks == Mark.NOT_EXERCISED) & (overall == Mark.PASS)] = Mark.NOT_EXERCISED
-        overall[marks == Mark.FAIL] = Mark.FAIL
-    overall[~content.runs.done] = Mark.FAILED_TO_RUN
-    return overall
+    """The mark of every run for all requirements."""
+    return overall([marks_of(content, requirement) for requirement in content.requirements], content.runs.done)
 
 
 def margins(values: Floats, requirement: RequirementRow) -> Floats:
-    """The distance of *values* to the nearer bound, in their unit: negative outside, NaN where they are."""
-    margin = np.full(values.shape, np.inf)
-    if requirement.at_least is not None:
-        margin = np.minimum(margin, values - requirement.at_least)
-    if requirement.at_most is not None:
-        margin = np.minimum(margin, requirement.at_most - values)
-    return margin
+    """The distance of *values* to the nearer bound, in their unit."""
+    return margin_of(values, requirement.at_most, requirement.at_least)
 
 
 def outside(requirement: RequirementRow) -> str:

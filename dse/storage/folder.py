@@ -9,6 +9,7 @@ from dataclasses import replace
 from pathlib import Path
 from types import TracebackType
 
+from dse.domain.bench import VERDICTS
 from dse.domain.component import Value
 from dse.domain.definition import StudyDefinition
 from dse.domain.run import Outcome, Run, RunRequest, Waveforms
@@ -28,7 +29,7 @@ from dse.storage.database.definition import unit_flaws
 from dse.storage.database.header import StudyHeader
 from dse.storage.database.schema import cell_of, columns
 from dse.storage.database.table import RunTable, read_table
-from dse.storage.rows import VERDICTS, RowBlock
+from dse.storage.rows import RowBlock
 from dse.storage.waveforms import PART, is_file_name, read_waveforms
 
 WAVEFORMS = "waveforms"

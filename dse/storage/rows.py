@@ -9,11 +9,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from dse.domain.bench import Judgement, Verdict
+from dse.domain.bench import VERDICTS, Judgement, Verdict
 from dse.domain.run import Outcome, Run, RunRequest
-
-VERDICTS = tuple(Verdict)
-"""A verdict's code is its position here."""
 
 _CODES = {verdict: code for code, verdict in enumerate(VERDICTS)}
 

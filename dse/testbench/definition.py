@@ -10,6 +10,7 @@ from fractions import Fraction
 from dse import __version__
 from dse.domain.bench import Figure, Metric, Requirement, Simulation, TestBench
 from dse.domain.definition import (
+    DefinedBench,
     DefinedConfiguration,
     DefinedDesign,
     DefinedFigure,
@@ -17,19 +18,18 @@ from dse.domain.definition import (
     DefinedRequirement,
     DefinedSampler,
     DefinedSimulation,
+    DefinedTotal,
     DefinedVariable,
     Json,
-    Named,
     StudyDefinition,
-    Total,
 )
 from dse.domain.design import Configuration, DesignSpace
 from dse.domain.method import PLAIN
 from dse.domain.run import ERROR_BAR
 from dse.domain.study import Study
 from dse.domain.system import Element
-from dse.space.decisions import decisions, flat
-from dse.space.output.totals import summed_properties
+from dse.space.decisions import alternatives
+from dse.space.output.sums import summed_properties
 from dse.testbench.prepared import PreparedBench
 from dse.units import Unit
 
@@ -40,7 +40,7 @@ def define(study: Study, prepared: Mapping[str, PreparedBench]) -> StudyDefiniti
     return StudyDefinition(
         study=study.name,
         title=study.title or bench.title or study.name,
-        bench=Named(bench.name, bench.title),
+        bench=DefinedBench(bench.name, bench.title),
         design=DefinedDesign(bench.design.name, bench.design.title, places(bench.design)),
         variables=tuple(
             DefinedVariable(v.name, v.title, v.unit.symbol, v.low, v.high, v.levels, v.nominal) for v in study.variables
@@ -61,7 +61,7 @@ def define(study: Study, prepared: Mapping[str, PreparedBench]) -> StudyDefiniti
 
 def places(space: DesignSpace) -> tuple[str, ...]:
     """The path of every decision, in the order of the file."""
-    return tuple(dict.fromkeys(decision.path for decision in flat(decisions(space))))
+    return tuple(alternatives(space))
 
 
 def describe_configuration(configuration: Configuration, space: DesignSpace) -> DefinedConfiguration:
@@ -70,13 +70,13 @@ def describe_configuration(configuration: Configuration, space: DesignSpace) -> 
     These are the properties that a constraint adds up (``sum(cost) <= …``): adding up others, a range or a field of
     view, would make no sense. Each is in the unit the first component gives it in.
     """
-    totals: dict[str, Total] = {}
+    totals: dict[str, DefinedTotal] = {}
     for name in summed_properties(space):
         given = [c.properties[name] for c in configuration.parts.values() if name in c.properties]
         if given:
             unit = given[0].unit
             value = (sum((quantity.si for quantity in given), Fraction(0)) - unit.offset) / unit.factor
-            totals[name] = Total(float(value), unit.symbol)
+            totals[name] = DefinedTotal(float(value), unit.symbol)
     components = {path: component.name for path, component in configuration.parts.items()}
     return DefinedConfiguration(configuration.id, dict(configuration.choices), components, totals)
 
@@ -88,7 +88,7 @@ def _configuration(prepared: PreparedBench, space: DesignSpace) -> DefinedConfig
         start={element.name: dict(sorted(element.start.items())) for element in elements},
         inside={e.name: _inside(e) for e in elements if e.texts or e.conversions},
         wires=tuple(f"{w.source}.{w.source_variable} -> {w.target}.{w.target_variable}" for w in prepared.system.wires),
-        columns=prepared.columns,
+        columns=prepared.recording.columns,
         constants=dict(sorted(prepared.constants.items())),
     )
 

@@ -16,8 +16,7 @@ import numpy as np
 import pytest
 
 from dse.domain.bench import Verdict
-from dse.domain.sampler import Brief, Candidate, Outcomes, Sampler
-from dse.domain.study import DesignVariable
+from dse.domain.sampler import Brief, Candidate, DesignVariable, Outcomes, Sampler
 from dse.formats.yaml import read_yaml
 from dse.loading.extensions import SAMPLERS, SamplerSection, Surroundings
 from dse.units import DIMENSIONLESS
@@ -44,8 +43,8 @@ class SamplerSuite:
         for name, text in self.sampler.example_files.items():
             (tmp_path / name).write_text(text, encoding="utf-8")
         (tmp_path / "study.pet.yaml").write_text("study: suite\n", encoding="utf-8")
-        document = read_yaml(tmp_path / "study.pet.yaml")
-        around = Surroundings(document, ("sampler",), frozenset(v.name for v in VARIABLES), VARIABLES, tmp_path)
+        entry = read_yaml(tmp_path / "study.pet.yaml").top["sampler"]
+        around = Surroundings(entry, frozenset(v.name for v in VARIABLES), VARIABLES, tmp_path)
         return cast(Sampler, self.sampler.model_validate(example).settled(around))
 
     def pytest_generate_tests(self, metafunc: pytest.Metafunc) -> None:

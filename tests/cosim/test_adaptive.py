@@ -6,8 +6,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 from linear_fmus import Linear, system
+from oracle.reference import run_reference
 
-from dse.cosim.oracle.reference import run_reference
 from dse.cosim.simulator import RunFailed, Simulator
 from dse.cosim.wiring.check import check_system, own_steps
 from dse.domain.method import Adaptive, Algorithm, Extrapolation, Method

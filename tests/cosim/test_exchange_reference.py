@@ -7,8 +7,8 @@ import pytest
 from cosim.exchange_models import model, system
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
+from oracle.reference import run_reference
 
-from dse.cosim.oracle.reference import run_reference
 from dse.cosim.simulator import RunFailed, Simulator
 from dse.domain.method import PLAIN, Adaptive, Algorithm, Coupling, Extrapolation, Method
 from dse.errors import DseError

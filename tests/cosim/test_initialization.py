@@ -9,10 +9,11 @@ import pytest
 from hypothesis import HealthCheck, assume, given, settings
 from hypothesis import strategies as st
 from linear_fmus import Linear, system
+from oracle.reference import run_reference
 
-from dse.cosim.oracle.reference import run_reference
 from dse.cosim.simulator import RunFailed, Simulator
-from dse.cosim.wiring.dependency import Loop, Read, Write, doubtful_reads, order_of
+from dse.cosim.wiring.border import ElementPort
+from dse.cosim.wiring.dependency import AlgebraicLoop, Read, Write, doubtful_reads, order_of
 from dse.cosim.wiring.wiring import wire_up
 from dse.domain.method import Coupling, Method
 from dse.domain.system import Wire
@@ -40,7 +41,7 @@ def first_row(made, record):
 def test_a_chain_is_carried_through_in_one_go_whatever_the_order_of_its_elements(folder, names, version):
     elements = {name: gain(2.0, 1.0, version=version) for name in names}
     made = system(elements, ["a.y0 -> b.u0", "b.y0 -> c.u0", "c.y0 -> d.u0"], folder)
-    assert not any(isinstance(step, Loop) for step in order_of(wire_up(made), initially=True))
+    assert not any(isinstance(step, AlgebraicLoop) for step in order_of(wire_up(made), initially=True))
     assert first_row(made, [f"{name}.y0" for name in "abcd"]).tolist() == [1, 3, 7, 15]
 
 
@@ -51,9 +52,9 @@ def test_two_paths_through_one_element_are_no_loop_if_the_description_says_so(fo
     wires = ["source.y0 -> a.u0", "a.y0 -> b.u0", "b.y0 -> a.u1"]
     told, untold = (system({**elements, "a": replace(crossing, tells=tells)}, wires, folder) for tells in (True, False))
     steps = order_of(wire_up(told), initially=True)
-    assert not any(isinstance(step, Loop) for step in steps)
+    assert not any(isinstance(step, AlgebraicLoop) for step in steps)
     assert [type(step) for step in steps if step.element == 1] == [Write, Read, Write]
-    assert any(isinstance(step, Loop) for step in order_of(wire_up(untold), initially=True))
+    assert any(isinstance(step, AlgebraicLoop) for step in order_of(wire_up(untold), initially=True))
     for made in (told, untold):
         assert first_row(made, ["a.y0", "b.y0", "a.y1"]).tolist() == [6, 7, 35]
 
@@ -77,7 +78,7 @@ def test_a_loop_that_is_none_in_truth_is_found_exactly(folder):
     elements = {name: gain(0.0, 0.1 * i, tells=False) for i, name in enumerate(names)}
     wires = [f"{a}.y0 -> {b}.u0" for a, b in zip(names, names[1:] + names[:1], strict=True)]
     made = system(elements, wires, folder)
-    assert any(isinstance(step, Loop) for step in order_of(wire_up(made), initially=True))
+    assert any(isinstance(step, AlgebraicLoop) for step in order_of(wire_up(made), initially=True))
     assert first_row(made, [f"{name}.y0" for name in names]).tolist() == [0.1 * i for i in range(6)]
 
 
@@ -160,7 +161,7 @@ def test_an_fmu_that_denies_its_dependencies_is_not_believed(folder, names, meth
 def test_an_fmu_that_denies_its_part_in_a_loop_is_not_believed(folder):
     elements = {"a": gain(3.0, 1.0), "b": gain(0.5, -2.0)}
     made = lying(system(elements, ["a.y0 -> b.u0", "b.y0 -> a.u0"], folder), "a")
-    assert not any(isinstance(step, Loop) for step in order_of(wire_up(made), initially=True))
+    assert not any(isinstance(step, AlgebraicLoop) for step in order_of(wire_up(made), initially=True))
     assert first_row(made, ["a.y0", "b.y0"]) == pytest.approx([10.0, 3.0], rel=1e-11)
 
 
@@ -168,9 +169,9 @@ def test_who_tells_the_truth_is_asked_once(folder):
     elements = {"a": gain(0.0, 7.0), "b": Linear(d=[[2.0, 0.0], [0.0, 5.0]]), "c": gain(1.0)}
     wires = ["a.y0 -> b.u0", "a.y1 -> b.u1", "b.y0 -> c.u0"]
     whole = system({"a": gain(0.0, 7.0), "c": gain(1.0)}, ["a.y0 -> c.u0", "c.y0 -> a.u0"], folder)
-    assert doubtful_reads(wire_up(whole)) == (Read(0, (0,)),)  # a says that it depends on nothing
+    assert doubtful_reads(wire_up(whole)) == (Read(0, (ElementPort(0, True, 0),)),)  # a says that it depends on nothing
     # b.y0 may be read before b.u1 is there: that is looked at again.
-    assert doubtful_reads(wire_up(system(elements, wires, folder))) == (Read(1, (0,)),)
+    assert doubtful_reads(wire_up(system(elements, wires, folder))) == (Read(1, (ElementPort(1, True, 0),)),)
     single = system({"a": gain(0.0, 7.0), "c": gain(1.0)}, ["a.y0 -> c.u0"], folder)
     assert doubtful_reads(wire_up(single)) == ()
 
@@ -182,7 +183,7 @@ def test_few_outputs_are_torn(folder):
     (loop,) = (
         step
         for step in order_of(wire_up(system(dict.fromkeys(names, gain(0.5)), wires, folder)), initially=True)
-        if isinstance(step, Loop)
+        if isinstance(step, AlgebraicLoop)
     )
     assert (len(loop.reals), len(loop.others), len(loop.wires)) == (1, 0, 8)
 
@@ -274,7 +275,7 @@ def test_a_loop_of_both_kinds_is_solved_for_its_real_numbers_and_followed_for_th
         ),
         wires=(*[w for w in built.wires if w.target == "d"], *[Wire(*wire) for wire in wires]),
     )
-    (loop,) = (step for step in order_of(wire_up(made), initially=True) if isinstance(step, Loop))
+    (loop,) = (step for step in order_of(wire_up(made), initially=True) if isinstance(step, AlgebraicLoop))
     assert (len(loop.reals), len(loop.others)) == (1, 1)
     # b = 4 b + 0.5 b - 2 + 1
     assert first_row(made, ["b.y", "a.y", "d.y"]) == pytest.approx([2 / 7, 4 / 7, 1 / 14 - 1], rel=1e-9)

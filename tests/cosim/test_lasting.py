@@ -9,7 +9,7 @@ from dse.cosim.simulator import Simulator
 
 
 def addresses(simulator: Simulator) -> int:
-    return ctypes.addressof(simulator._tables.elements)
+    return ctypes.addressof(simulator._tables.elements.structures)
 
 
 def test_memory_does_not_grow_with_the_simulators_that_were_closed(shelf):
@@ -26,7 +26,7 @@ def test_memory_that_somebody_still_writes_to_is_not_used_again(shelf):
     system = shelf.system({"a": shelf.fmu("linear")}, (), {"a.u": 1.0}, ["a.y"])
     with Simulator(system, ["a.y"]) as haunted:
         where = addresses(haunted)
-        logs = haunted._tables._logs
+        logs = haunted._tables.elements._logs
     logs[0].count += 1
     seen = set()
     for _ in range(2 * lasting.QUARANTINE):

@@ -6,9 +6,9 @@ from dataclasses import replace
 from functools import cache
 
 import pytest
+from oracle.reference import run_reference
 from reference_fmus import build
 
-from dse.cosim.oracle.reference import run_reference
 from dse.cosim.simulator import Simulator
 from dse.cosim.wiring.wiring import wire_up
 from dse.domain.fmu import FmuModel

@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 
 import dse
-from dse.cosim.failing.progress import PROGRESS_BYTES, describe
+from dse.cosim.failing.progress import PROGRESS_BYTES, describe_progress
 from dse.cosim.simulator import RunFailed, Simulator
 
 CRASHING = """
@@ -40,7 +40,7 @@ def test_after_a_crash_the_block_tells_which_call_it_was(lone, tmp_path, version
     assert ended.returncode != 0
     assert b"Traceback" not in ended.stderr
     block = (tmp_path / "block").read_bytes()
-    assert describe(block, system, 0.01) == f"world: fmi{version}DoStep at t = 3.21 s"
+    assert describe_progress(block, system, 0.01) == f"world: fmi{version}DoStep at t = 3.21 s"
 
 
 def test_a_finished_run_leaves_the_block_between_two_calls_and_counts(lone):
@@ -51,7 +51,7 @@ def test_a_finished_run_leaves_the_block_between_two_calls_and_counts(lone):
             simulator.run(stop=1, step=0.1)
         with pytest.raises(RunFailed):
             simulator.run(stop=1, step=0.1, start={"world.mode": 1})
-        assert describe(bytes(block), system, 0.1) == "between two FMI calls"
+        assert describe_progress(bytes(block), system, 0.1) == "between two FMI calls"
         assert struct.unpack("=4q", bytes(block))[3] == 4  # the second run was made twice, to prove the reset
     block.close()  # refused while anything still points into it
 
@@ -64,7 +64,9 @@ def test_a_progress_block_must_be_large_enough_and_aligned(lone):
 
 def test_every_call_has_its_name(lone):
     system = lone(3)
-    names = [describe(struct.pack("=4q", 1, call, -1, 1), system, 0.1) for call in (1, 2, 3, 5, 6, 8, 64, 102, 74)]
+    names = [
+        describe_progress(struct.pack("=4q", 1, call, -1, 1), system, 0.1) for call in (1, 2, 3, 5, 6, 8, 64, 102, 74)
+    ]
     assert names == [
         "car: fmi3InstantiateCoSimulation",
         "car: fmi3FreeInstance",
@@ -76,5 +78,5 @@ def test_every_call_has_its_name(lone):
         "car: fmi3SetInt32",
         "car: fmi3GetBoolean",
     ]
-    assert describe(struct.pack("=4q", 0, 4, -1, 1), lone(2), 0.1) == "world: fmi2SetupExperiment"
-    assert describe(struct.pack("=4q", 9, 7, 3, 1), system, 0.1) == "between two FMI calls"
+    assert describe_progress(struct.pack("=4q", 0, 4, -1, 1), lone(2), 0.1) == "world: fmi2SetupExperiment"
+    assert describe_progress(struct.pack("=4q", 9, 7, 3, 1), system, 0.1) == "between two FMI calls"

@@ -5,8 +5,8 @@ import pickle
 from dataclasses import replace
 
 import pytest
+from oracle.reference import run_reference
 
-from dse.cosim.oracle.reference import run_reference
 from dse.cosim.simulator import RunFailed, Simulator
 from dse.domain.fmu import Variable
 from dse.domain.method import Algorithm, Method

@@ -5,8 +5,8 @@ from pathlib import Path
 from time import thread_time
 
 import pytest
+from oracle.reference import run_reference
 
-from dse.cosim.oracle.reference import run_reference
 from dse.cosim.simulator import RunFailed, Simulator
 from dse.domain.method import PLAIN, Algorithm, Coupling, Method
 from dse.errors import DseError

@@ -6,8 +6,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from oracle.reference import run_reference
 
-from dse.cosim.oracle.reference import run_reference
 from dse.cosim.simulator import RunFailed, Simulator
 from dse.domain.method import Algorithm, Coupling, Extrapolation, Method
 from dse.domain.system import Conversion

@@ -9,10 +9,11 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
+from oracle.reference import run_reference
 
-from dse.cosim.oracle.reference import run_reference
+from dse.cosim.feasibility import refusals
 from dse.cosim.simulator import RunFailed, Simulator
-from dse.cosim.trust import most_runs, refusals
+from dse.cosim.wear import most_runs
 from dse.domain.facts import Answer, FmuFacts, Question
 from dse.domain.method import PLAIN, Adaptive, Coupling, Method
 from dse.errors import DseError

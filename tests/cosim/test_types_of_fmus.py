@@ -6,9 +6,9 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from oracle.reference import run_reference
 from reference_fmus import build
 
-from dse.cosim.oracle.reference import run_reference
 from dse.cosim.simulator import Simulator
 from dse.domain.fmu import FmiInterface
 from dse.domain.method import Algorithm, Coupling, Method

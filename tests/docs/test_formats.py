@@ -17,9 +17,13 @@ from dse.domain.bench import Verdict
 from dse.domain.expression import ROLLUPS
 from dse.domain.study import Keep
 from dse.expression.tokens import KEYWORDS
-from dse.loading import documents
+from dse.loading.bench.bench import BenchFile
+from dse.loading.bench.study import StudyFile
+from dse.loading.component.component import CollectionFile, ComponentFile
+from dse.loading.component.interfaces import InterfacesFile
 from dse.loading.component.kind import KINDS
-from dse.loading.fields import Section
+from dse.loading.design.design import DesignFile
+from dse.loading.sections import Section, _sections
 from dse.metrics.catalogue import FUNCTIONS, ROWWISE
 from dse.storage.export.tables import EXPORTS
 from dse.units import parse_unit
@@ -50,9 +54,11 @@ def is_mentioned(word: str) -> bool:
 
 
 def sections() -> Iterator[type[Section]]:
-    for found in vars(documents).values():
-        if isinstance(found, type) and issubclass(found, Section) and found is not Section:
-            yield found
+    """Those of the files, and those in them."""
+    stack: list[type[Section]] = [InterfacesFile, ComponentFile, CollectionFile, DesignFile, BenchFile, StudyFile]
+    while stack:
+        yield (section := stack.pop())
+        stack += [found for field in section.model_fields.values() for found in _sections(field.annotation)]
 
 
 @pytest.fixture(scope="module")

@@ -23,8 +23,8 @@ from dse.domain.bench import Judgement, Simulation, TestBench, Verdict
 from dse.domain.definition import DefinedConfiguration, DefinedSampler, DefinedVariable, StudyDefinition
 from dse.domain.design import Compound, DesignSpace
 from dse.domain.run import Outcome, Run, RunRequest, Waveforms
-from dse.domain.sampler import Sampler
-from dse.domain.study import DesignVariable, Keep, Study
+from dse.domain.sampler import DesignVariable, Sampler
+from dse.domain.study import Keep, Study
 from dse.errors import fail
 from dse.exploration.samplers.full_factorial import FullFactorial
 from dse.units import DIMENSIONLESS

@@ -10,8 +10,8 @@ from first_asks import first_ask, points
 from hypothesis import given
 from hypothesis import strategies as st
 
-from dse.domain.sampler import Brief, Outcomes
-from dse.domain.study import DesignVariable, Study
+from dse.domain.sampler import Brief, DesignVariable, Outcomes
+from dse.domain.study import Study
 from dse.errors import DseError
 from dse.exploration.samplers.csv import Csv
 from dse.exploration.samplers.full_factorial import FullFactorial, levels
@@ -182,7 +182,7 @@ def table(folder: Path, text: str) -> Csv:
 def around(folder: Path, *variables: DesignVariable) -> Surroundings:
     (folder / "s.pet.yaml").write_text("study: s\n", encoding="utf-8")
     names = frozenset(variable.name for variable in variables)
-    return Surroundings(read_yaml(folder / "s.pet.yaml"), ("sampler", "csv"), names, variables, folder)
+    return Surroundings(read_yaml(folder / "s.pet.yaml").top["sampler"]["csv"], names, variables, folder)
 
 
 def test_a_table_is_read_in_the_units_of_its_head_and_rows_that_repeat_are_one(tmp_path: Path) -> None:

@@ -12,13 +12,14 @@ from fmu.modelica_models.bench import RUNTIME
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from dse.csolve import headers
 from dse.fmu.toolchain.compilation import compile_library
 from dse.fmu.toolchain.compiler import find_compiler
 from dse.fmu.toolchain.platforms import this_platform
 from dse.modelica.algebra.tables import table1, table2
 
 _SOURCE = b"""
-#include "linear.h"
+#include "csolve/linear.h"
 #include "tables.h"
 #if defined _WIN32
 #define EXPORT __declspec(dllexport)
@@ -39,7 +40,7 @@ EXPORT int solve(unsigned n, double *matrix, double *right) { return dse_solve(n
 
 @pytest.fixture(scope="module")
 def numerics(tmp_path_factory):
-    files = {name: (RUNTIME / name).read_bytes() for name in ("linear.h", "tables.h")} | {"numerics.c": _SOURCE}
+    files = headers() | {"tables.h": (RUNTIME / "tables.h").read_bytes(), "numerics.c": _SOURCE}
     path = tmp_path_factory.mktemp("numerics") / this_platform().library(2, "numerics").name
     path.write_bytes(compile_library(find_compiler(), files, ["numerics.c"], ".", path.name))
     return ctypes.CDLL(str(path))

@@ -59,6 +59,28 @@ def test_both_solvers_are_of_order_five(new, solver):
 
 
 @pytest.mark.parametrize("solver", ["EXPLICIT", "STIFF"])
+def test_one_evaluation_that_is_not_finite_costs_a_shorter_step_and_no_more(new, solver):
+    model = replace(
+        OSCILLATOR,
+        name=f"hiccup_{solver.lower()}",
+        values={**OSCILLATOR.values, "calls": 0.0, "wrong": 0.0},
+        roles={**OSCILLATOR.roles, "wrong": "TUNABLE"},
+        code={
+            **OSCILLATOR.code,
+            "derivatives": "V(a) = -V(stiffness) * V(x); V(calls) += 1; if (V(calls) == V(wrong)) { V(a) = NAN; }",
+        },
+        solver=solver,
+    )
+    first = int(new(model).ready(tolerance=1e-8).get("calls")) + 1
+    # Somewhere in the first steps: at each of their stages, in their Jacobians and at their ends.
+    for wrong in range(first, first + 24):
+        made = new(model).ready(tolerance=1e-8, wrong=wrong)
+        made.fmu.doStep(0.0, 1.0)
+        assert made.get("calls") > wrong
+        assert abs(made.get("x") - math.cos(2.0)) < 1e-6
+
+
+@pytest.mark.parametrize("solver", ["EXPLICIT", "STIFF"])
 def test_the_dense_output_is_as_good_as_the_steps(new, solver):
     model = replace(FORCED, name=f"forced_{solver.lower()}", solver=solver)
     exact = new(model).ready(tolerance=1e-13)

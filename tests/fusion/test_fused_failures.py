@@ -12,7 +12,7 @@ import pytest
 from fusion.conftest import GEAR, REAL, WHOLE, assert_same, failures, ports, system_of
 
 import dse
-from dse.cosim.failing.progress import PROGRESS_BYTES, describe
+from dse.cosim.failing.progress import PROGRESS_BYTES, describe_progress
 from dse.cosim.simulator import RunFailed, Simulator
 from dse.domain.component import Parameter
 
@@ -137,4 +137,4 @@ def test_after_a_crash_the_progress_block_tells_the_step_and_the_element(worksho
     ended = subprocess.run(command, env=environment, check=False, capture_output=True)
     assert ended.returncode != 0
     assert b"Traceback" not in ended.stderr
-    assert describe(block.read_bytes(), faulty, 0.01) == f"bad: fmi{version}DoStep at t = 0.32 s"
+    assert describe_progress(block.read_bytes(), faulty, 0.01) == f"bad: fmi{version}DoStep at t = 0.32 s"

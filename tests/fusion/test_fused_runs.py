@@ -23,8 +23,8 @@ from fusion.conftest import (
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
+from dse.cosim.binding.calls import AccessorType, function_name, type_of
 from dse.cosim.binding.calls import Call as KernelCall
-from dse.cosim.binding.calls import Type, function_name, type_of
 from dse.cosim.simulator import Simulator
 from dse.domain.component import Parameter
 from dse.domain.fmu import Variable
@@ -287,5 +287,5 @@ def test_the_loop_numbers_types_as_the_kernel_does():
     for version, accessors in ACCESSORS.items():
         for fmi_type, (number, accessor) in accessors.items():
             kernels = type_of(Variable("x", 0, fmi_type, "output", None), version)
-            assert kernels == Type(number)
+            assert kernels == AccessorType(number)
             assert accessor == function_name(KernelCall.GET + number, version)

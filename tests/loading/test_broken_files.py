@@ -211,10 +211,10 @@ def test_includes_that_double_at_every_level_are_refused(files):
     assert what == "more than 200 files are included"
 
 
-def test_a_lone_file_may_include_from_its_own_folder(tmp_path):
+def test_a_file_may_include_from_its_own_folder(tmp_path):
     (tmp_path / "a.yaml").write_text("include: [b.yaml]\na: 1\n", encoding="utf-8")
     (tmp_path / "b.yaml").write_text("b: 2\n", encoding="utf-8")
-    assert read_document(tmp_path / "a.yaml").data == {"a": 1, "b": 2}
+    assert read_document(tmp_path / "a.yaml", tmp_path).data == {"a": 1, "b": 2}
 
 
 def test_a_path_that_is_not_there_is_in_no_workspace(files):

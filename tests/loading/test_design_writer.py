@@ -14,14 +14,14 @@ from dse.domain.component import NO_INTERFACE, Component, CSource
 from dse.domain.design import Alternative, Compound, Constraint, DesignSpace, Optional, Part, walk
 from dse.errors import DseError
 from dse.expression.parse import parse_expression
-from dse.expression.text import same
+from dse.expression.tree import same
 from dse.kinds.fmu import FmuSource
 from dse.loading.design.design import read_design
 from dse.loading.uvl.reading import read_uvl_text
 from dse.loading.uvl.tokens import Source
 from dse.loading.workspace import Workspace
 from dse.loading.writing.design import write_components, write_design
-from dse.space.check import check
+from dse.space.check import check_space
 from dse.units import parse_quantity
 
 ROOT = Path(__file__).parents[2]
@@ -191,7 +191,7 @@ constraints
     space = read_uvl_text(Source("menu.uvl", text))
     again = written_and_read(space, tmp_path)
     assert_same(again, space)
-    assert check(again) == []
+    assert check_space(again) == []
     assert valid(again) == valid(space)
     assert again.constraints[-2].because == "Raw => Egg | !Two"
 

@@ -8,7 +8,8 @@ import pytest
 
 from dse.domain.expression import Between, Binary, Call, Chosen, Conditional, Name, Number, Truth, Unary
 from dse.errors import DseError, Location
-from dse.expression.parse import children, descend, parse_expression
+from dse.expression.parse import parse_expression
+from dse.expression.tree import children, descend
 
 HERE = Location("designs/car.yaml", 7, 12)
 

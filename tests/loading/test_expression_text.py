@@ -10,7 +10,8 @@ from hypothesis import strategies as st
 
 from dse.domain.expression import Between, Binary, Call, Chosen, Conditional, Expression, Name, Number, Truth, Unary
 from dse.expression.parse import parse_expression
-from dse.expression.text import decimal, same, show_expression, text_of
+from dse.expression.text import decimal, show_expression, text_of
+from dse.expression.tree import same
 from dse.units import DIMENSIONLESS, parse_unit
 
 SPAN = (0, 0)

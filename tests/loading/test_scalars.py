@@ -37,7 +37,7 @@ def test_every_character_is_told_where_it_is_written(tmp_path_factory, words, st
     ((key, value),) = document.data["deep"].items()
     lines = out.getvalue().split("\n")
     for number, sign in enumerate(value):
-        where = locate(value, document.origin(("deep", key)), number)
+        where = locate(value, document.top["deep"][key].origin, number)
         written = lines[where.line - 1][where.column - 1 : where.column + 1]
         if not sign.isspace():
             assert written[:1] == sign or written[0] == "\\", (number, sign, written, out.getvalue())

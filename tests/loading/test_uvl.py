@@ -13,9 +13,10 @@ from hypothesis import strategies as st
 from dse.domain.design import Alternative, Compound, Optional, Part
 from dse.loading.uvl.reading import read_uvl, read_uvl_text
 from dse.loading.uvl.tokens import Source
-from dse.space.check import check
+from dse.space.check import check_space
 from dse.space.decisions import sites
-from dse.space.language.evaluate import compile_rule
+from dse.space.language.evaluate import compile_in
+from dse.space.language.places import Places
 
 
 def read(text):
@@ -86,7 +87,7 @@ def test_constraints_keep_the_words_of_the_file_and_their_place():
 
 def test_a_model_is_a_sound_design_space_with_a_configuration_for_each_selection():
     space = read(SANDWICH)
-    assert check(space) == []
+    assert check_space(space) == []
     # No sauce 2, mustard 1 (with cheese it costs 8.25), ketchup with cheese 7.25; each with ham, egg or both.
     assert count(space) == 3 * 3
 
@@ -199,10 +200,11 @@ def test_a_chain_of_many_features_and_numbers_is_no_deep_tree():
     tree = "features\n R\n  optional\n" + "".join(f"   {name} {{x 1}}\n" for name in names)
     chains = [" | ".join(names), " & ".join(names), " + ".join(f"{name}.x" for name in names) + " > 3"]
     space = read(f"{tree}constraints\n" + "".join(f" {chain}\n" for chain in chains))
-    nothing = [compile_rule(constraint.rule, space).outcome({}) for constraint in space.constraints]
+    places = Places(space)
+    nothing = [compile_in(constraint.rule, places).outcome({}) for constraint in space.constraints]
     everything = {name: name for name in names}
     assert nothing == [False, False, False]
-    assert all(compile_rule(constraint.rule, space).outcome(everything) for constraint in space.constraints)
+    assert all(compile_in(constraint.rule, places).outcome(everything) for constraint in space.constraints)
 
 
 def test_a_tree_of_100_levels_is_a_design_space():
@@ -211,7 +213,7 @@ def test_a_tree_of_100_levels_is_a_design_space():
         text += " " * (2 * level + 1) + f"F{level}\n" + " " * (2 * level + 2) + ("optional\n", "[0..1]\n")[level % 2]
     text += " " * 300 + "Last\n"
     space = read(text)
-    assert check(space) == []
+    assert check_space(space) == []
     assert count(space) == 100
 
 

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from dse.errors import DseError, Location
 from dse.formats.xml import read_xml, read_xml_file
-from dse.formats.xml_values import flag, real, real_of, required, whole, whole_of, word
+from dse.formats.xml_values import real_of, whole_of
 
 
 def refusal(content: bytes) -> str:
@@ -83,20 +83,20 @@ def test_files_that_are_not_there_or_too_large_are_told(tmp_path):
 def test_values_are_read_as_xml_schema_writes_them_and_problems_stand_where_they_are():
     root = read_xml(b'<a r=" 1.5e3 " i="INF" w="-7" f="1" k="two" bad="1,5" big="300"/>', "a.xml")
     problems = []
-    assert (real(root, "r", problems), real(root, "i", problems), real(root, "none", problems)) == (
+    assert (root.real("r", problems), root.real("i", problems), root.real("none", problems)) == (
         1500,
         math.inf,
         None,
     )
-    assert (whole(root, "w", problems), flag(root, "f", problems), flag(root, "none", problems)) == (-7, True, False)
-    assert word(root, "k", ("one", "two"), problems) == "two"
+    assert (root.whole("w", problems), root.flag("f", problems), root.flag("none", problems)) == (-7, True, False)
+    assert root.word("k", ("one", "two"), problems) == "two"
     assert not problems
-    assert real(root, "bad", problems) is None
-    assert whole(root, "big", problems, most=255) is None
-    assert whole(root, "w", problems, least=0) is None
-    assert flag(root, "k", problems, default=True)
-    assert word(root, "k", ("one", "three"), problems, "one") == "one"
-    assert required(root, "none", problems) == ""
+    assert root.real("bad", problems) is None
+    assert root.whole("big", problems, most=255) is None
+    assert root.whole("w", problems, least=0) is None
+    assert root.flag("k", problems, default=True)
+    assert root.word("k", ("one", "three"), problems, "one") == "one"
+    assert root.required("none", problems) == ""
     assert [problem.what for problem in problems] == [
         "<a>: 'bad' is '1,5', not a number",
         "<a>: 'big' is '300', not at most 255",

@@ -8,8 +8,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from oracle.reference import run_reference
 
-from dse.cosim.oracle.reference import run_reference
 from dse.cosim.simulator import RunFailed, Simulator
 from dse.domain.fmu import FmiInterface, FmuModel
 from dse.errors import DseError

@@ -11,10 +11,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 from playwright.sync_api import Browser, Locator, Page, Position, sync_playwright
+from verdict_cases import BOUNDS, cases
 
 from dse.errors import Problem
 from dse.report.charts.chart import Axis, Band, Bars, Chart, Line, Rule, Steps, limits
-from dse.report.content.nouns import ReportContent, RequirementRow
+from dse.report.content.nouns import MetricColumn, ReportContent, RequirementRow, Runs
 from dse.report.figure import ShownFigure, charted
 from dse.report.page import html as page_module
 from dse.report.page.html import write_report
@@ -116,6 +117,33 @@ def test_the_counts_are_those_that_python_finds(sliced: ReportContent, open_repo
     page = open_report(sliced)
     assert counts(page) == expected(sliced, 0.5, 1.0)
     assert page.inner_text("#passing") == str(expected(sliced, 0.5, 1.0)[0])
+
+
+def test_the_page_judges_every_case_as_python_does(scattered: ReportContent, open_report: Open) -> None:
+    runs = cases()
+    size = len(runs)
+    done = np.array([run.done for run in runs])
+    values = np.array([run.value for run in runs])
+    content = dataclasses.replace(
+        scattered,
+        runs=Runs(np.arange(size), scattered.runs.configurations[:size], done, ("",) * size),
+        variables=tuple(dataclasses.replace(one, values=one.values[:size]) for one in scattered.variables),
+        metrics=tuple(MetricColumn(f"m{i}", f"m{i}", "", values) for i in range(len(BOUNDS))),
+        requirements=tuple(
+            RequirementRow(f"R{i}", f"R{i}", f"m{i}", *bounds, np.array([run.exercised[i] for run in runs]))
+            for i, bounds in enumerate(BOUNDS)
+        ),
+        figures=(),
+    )
+    page = open_report(content)
+    page.eval_on_selector(".table .view", "view => { view.style.height = view.style.maxHeight = '9999px' }")
+    settle(page)
+    rows = page.eval_on_selector_all(
+        ".table tbody tr:not(.gap)",
+        "rows => rows.map(row => [...row.cells].slice(-4).map(cell => cell.className.split(' ')[1]))",
+    )
+    classes = {"pass": "pass", "fail": "fail", "not exercised": "open", "failed to run": "broken"}
+    assert rows == [[classes[verdict] for verdict in (*run.verdicts, run.overall)] for run in runs]
 
 
 @pytest.mark.thorough

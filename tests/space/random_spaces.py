@@ -16,9 +16,10 @@ from dse.domain.component import Component, Interface, Kind, Parameter, Type
 from dse.domain.design import Alternative, Compound, Constraint, DesignSpace, Node, Optional, Part
 from dse.errors import DseError
 from dse.expression.parse import parse_expression
-from dse.space.decisions import Site, decisions, product_of, sites
+from dse.space.decisions import Site, combinations, sites
 from dse.space.flat import NOTHING, Bools, Clause, FlatSpace, Fold, Gather, Linear, Rows, Rule, Table
-from dse.space.language.evaluate import compile_rule
+from dse.space.language.evaluate import compile_in
+from dse.space.language.places import Places
 from dse.units import parse_quantity
 
 ANY = Interface("any", ())
@@ -35,7 +36,7 @@ def design_spaces(draw: st.DrawFn, most_constraints: int = 3, most: int = MOST_C
     for number in range(draw(st.integers(1, most_constraints))):
         expression = parse_expression(condition(draw, bare))
         try:
-            compile_rule(expression, bare)
+            compile_in(expression, Places(bare))
         except DseError:
             continue
         constraints.append(Constraint(f"c{number}", expression))
@@ -48,7 +49,7 @@ def bare_space(draw: st.DrawFn, most: int = MOST_CONFIGURATIONS) -> DesignSpace:
     parts: dict[str, Node] = {}
     for name in "pqrstuv"[: draw(st.integers(2, 7))]:
         grown = {**parts, name: _node(draw, components, 2)}
-        if product_of(decisions(DesignSpace("random", Compound("random", grown)))) > most:
+        if combinations(DesignSpace("random", Compound("random", grown))) > most:
             break
         parts = grown
     return DesignSpace("random", Compound("random", parts or {"p": Part(components[0])}))

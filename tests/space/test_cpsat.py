@@ -2,26 +2,20 @@
 
 from __future__ import annotations
 
-import builtins
 import random
-from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
-import pytest
+from cpsat import optimum, satisfiable
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from random_spaces import design_spaces
 
-from dse.domain.design import Constraint
-from dse.errors import DseError
-from dse.expression.parse import parse_expression
-from dse.space.flat import Clause, FlatSpace, Fold, Gather, Ints, Linear, Rule, Table, Variable, Wide
+from dse.space.flat import Clause, FlatSpace, Ints, Linear, Rule, Table, Variable, Wide
 from dse.space.lowering import flatten
-from dse.space.mdd.diagram import compile_diagram
-from dse.space.optimum.best import best, sums
-from dse.space.optimum.cpsat import optimum, satisfiable
-from dse.space.optimum.emptiness import is_empty
+from dse.space.methods.mdd.diagram import compile_diagram
+from dse.space.methods.optimum.best import best, sums
+from dse.space.methods.optimum.emptiness import is_empty
 
 
 @settings(max_examples=50, deadline=None)
@@ -69,52 +63,8 @@ def test_cpsat_agrees_with_the_engine_on_a_space_of_ten_to_the_fourteen() -> Non
             assert best(diagram, weights, 1, largest=largest).values == (found[1],)
 
 
-def test_the_same_question_gets_the_same_row() -> None:
-    flat, weigh = middling()
-    one, other = optimum(flat, weigh[2]), optimum(flat, weigh[2])
-    assert one
-    assert other
-    assert one[0].tolist() == other[0].tolist()
-
-
-class Anything:
-    """Holds always."""
-
-    def bounds(self, low: Sequence[Ints], high: Sequence[Ints]) -> tuple[np.ndarray, np.ndarray]:
-        return np.ones(len(low[0]), bool), np.zeros(len(low[0]), bool)
-
-    def holds(self, folds: Sequence[int]) -> bool:
-        return True
-
-
-def test_a_constraint_that_is_no_sum_is_refused_by_name() -> None:
-    constraint = Constraint("ratio", parse_expression("sum(power) / sum(mass) >= 2 W/kg"))
-    rule = Wide((Fold(Gather.SUM, {}, 0),), Anything(), 0)
-    with pytest.raises(DseError, match="constraint 'ratio' is neither logical nor a sum"):
-        satisfiable(FlatSpace("space", (Variable("p", ("a",)),), (constraint,), (rule,)))
-
-
-def test_an_optimum_that_is_not_proven_is_not_given() -> None:
-    flat, weigh = middling()
-    with pytest.raises(DseError, match="CP-SAT has not solved 'middling' within its budget"):
-        optimum(flat, weigh[2], most_work=1e-9)
-
-
 def test_a_space_without_any_decision_has_one_row_or_none() -> None:
     nothing = FlatSpace("nothing", (), (), ())
     assert satisfiable(nothing)
     assert not satisfiable(nothing.having(Table((), np.array(False))))
     assert not satisfiable(nothing.having(Linear({}, 1, None)))
-
-
-def test_without_ortools_the_message_says_what_to_install(monkeypatch: pytest.MonkeyPatch) -> None:
-    really = builtins.__import__
-
-    def without(name: str, *rest: object) -> object:
-        if name.startswith("ortools"):
-            raise ImportError(name)
-        return really(name, *rest)  # type: ignore[arg-type]  # handed on as it came
-
-    monkeypatch.setattr(builtins, "__import__", without)
-    with pytest.raises(DseError, match=r"OR-tools is not installed\n.*pip install 'dse-workbench\[solver\]'"):
-        satisfiable(FlatSpace("nothing", (), (), ()))

@@ -6,18 +6,18 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from paths import contains
 
 from dse.space.flat import ABSENT, Bools, Clause, FlatSpace, Table, Variable
-from dse.space.mdd.diagram import (
-    TooWideError,
+from dse.space.methods.mdd.diagram import (
     compile_diagram,
     completions,
-    contains,
     count,
     extremes,
     occurrences,
     restrict,
 )
+from dse.space.methods.mdd.growth import TooWideError
 
 EVERYTHING = settings(max_examples=120, deadline=None)
 
@@ -93,7 +93,7 @@ def test_the_paths_are_the_rows_that_meet_hierarchy_tables_and_clauses(space: Fl
         assert count(diagram) == len(rows)
         assert diagram.empty == (not rows)
         for row in product(*(range(-1, len(variable.values)) for variable in space.variables)):
-            assert contains(diagram, np.array(row, np.int16)) == (row in rows)
+            assert contains(diagram, row) == (row in rows)
 
 
 @EVERYTHING
@@ -222,7 +222,7 @@ def test_a_layer_expanded_in_many_blocks_is_the_same(monkeypatch: pytest.MonkeyP
     rules = tuple(Table((n, n + 3), draw.random((5, 5)) < 0.7) for n in range(9))
     space = FlatSpace("blocks", variables, (), rules)
     at_once = compile_diagram(space)
-    monkeypatch.setattr("dse.space.mdd.growth._BLOCK", 40)
+    monkeypatch.setattr("dse.space.methods.mdd.growth._BLOCK", 40)
     in_blocks = compile_diagram(space)
     assert max(len(layer) for layer in at_once.layers) > 40
     assert all(np.array_equal(a, b) for a, b in zip(at_once.layers, in_blocks.layers, strict=True))

@@ -3,21 +3,20 @@
 from __future__ import annotations
 
 from itertools import product
-from math import prod
 
 import numpy as np
 import pytest
-from hypothesis import assume, given, settings
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from dse.space.dnnf.compile import compile_dnnf
-from dse.space.dnnf.counter import MOST_STATES
-from dse.space.dnnf.queries import count, occurrences
-from dse.space.dnnf.rows import first, rows, sample
-from dse.space.dnnf.satisfy import conflict, satisfiable
-from dse.space.dnnf.trim import UnsupportedError, trim
 from dse.space.flat import ABSENT, Bools, Clause, FlatSpace, Fold, Gather, Linear, Rows, Rule, Table, Variable, Wide
-from dse.space.mdd.growth import TooWideError
+from dse.space.methods.dnnf.compile import compile_dnnf
+from dse.space.methods.dnnf.counter import MOST_STATES
+from dse.space.methods.dnnf.queries import count, occurrences
+from dse.space.methods.dnnf.rows import rows, sample
+from dse.space.methods.dnnf.satisfy import conflict, satisfiable
+from dse.space.methods.dnnf.trim import UnsupportedError, trim
+from dse.space.methods.mdd.growth import TooWideError
 
 
 def space(variables: list[Variable], *rules: Rule) -> FlatSpace:
@@ -118,24 +117,13 @@ def test_count_and_occurrences_are_those_of_brute_force(flat: FlatSpace) -> None
         assert list(amounts[number]) == counted
 
 
-@given(spaces(), st.data())
-def test_what_is_wanted_restricts_every_question_alike(flat: FlatSpace, data: st.DataObject) -> None:
-    dnnf = compile_dnnf(flat)
-    numbers = data.draw(st.sets(st.integers(0, len(flat.variables) - 1), max_size=3))
-    wanted = {number: data.draw(masks(flat.variables[number])) for number in numbers}
-    expected = [row for row in every_row(flat) if all(mask[row[number]] for number, mask in wanted.items())]
-    assert sorted(row for block in rows(dnnf, wanted=wanted) for row in listed(block)) == expected
-    assert [sum(amounts) for amounts in occurrences(dnnf, wanted)] == [len(expected)] * len(flat.variables)
-    assert set(listed(sample(dnnf, 5, 1, wanted))) <= set(expected)
-
-
 @given(spaces())
 def test_the_solver_finds_a_row_iff_there_is_one(flat: FlatSpace) -> None:
     row = satisfiable(flat)
     expected = every_row(flat)
     assert (row is not None) == bool(expected)
     assert row is None or tuple(row.tolist()) in expected
-    start = first(compile_dnnf(flat))
+    start = next(rows(compile_dnnf(flat)), None)
     assert (start is not None) == bool(expected)
 
 
@@ -149,15 +137,6 @@ def test_a_conflict_has_no_row_and_loses_it_with_any_of_its_members(flat: FlatSp
     assert not every_row(flat.only(blamed))
     for owner in blamed:
         assert every_row(flat.only([other for other in blamed if other != owner]))
-
-
-@given(spaces(), st.integers(0, 2**32))
-def test_the_list_can_be_entered_anywhere(flat: FlatSpace, number: int) -> None:
-    dnnf = compile_dnnf(flat)
-    total = count(dnnf)
-    assume(total > 0)
-    whole = [row for block in rows(dnnf) for row in listed(block)]
-    assert [row for block in rows(dnnf, number % total) for row in listed(block)] == whole[number % total :]
 
 
 def test_every_row_is_drawn_equally_often() -> None:
@@ -190,7 +169,7 @@ def test_what_no_rule_looks_at_never_reaches_the_clauses() -> None:
     assert count(compile_dnnf(space(list(flat.variables)))) == (2 + 3) * 3
 
 
-def test_two_thousand_free_decisions_are_counted_and_listed_from_any_number() -> None:
+def test_two_thousand_free_decisions_are_counted_and_listed() -> None:
     size = 2_000
     pairs = [
         Clause(((number, np.array([True, False, False])), (number + 1, np.array([False, True, False]))))
@@ -199,9 +178,8 @@ def test_two_thousand_free_decisions_are_counted_and_listed_from_any_number() ->
     dnnf = compile_dnnf(space([choice(f"v{number}", 2) for number in range(size)], *pairs))
     total = count(dnnf)
     assert total == 3 ** (size // 2)
-    last = next(rows(dnnf, total - 10))
-    assert len({tuple(row) for row in listed(last)}) == 10
-    assert prod(1 for _ in rows(dnnf, total)) == 1
+    blocks = [block for block, _ in zip(rows(dnnf), range(9), strict=False)]
+    assert len({tuple(row) for block in blocks for row in listed(block)}) == sum(map(len, blocks)) > 10_000
 
 
 def test_many_values_of_a_decision_stay_one_to_one_with_models() -> None:

@@ -14,12 +14,13 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from dse.space.flat import ABSENT, FlatSpace, Fold, Gather, Ints, Linear, Rule, Table, Variable, Wide
-from dse.space.grid.density import heights
-from dse.space.grid.exact import TooMuchError, cost, exact_count
-from dse.space.grid.meeting import pairs, summed
-from dse.space.grid.plan import Task, Way, execute, task
-from dse.space.grid.sweep import backward, forward
-from dse.space.mdd.diagram import compile_diagram, count
+from dse.space.methods.budget import Cost, TooMuchError
+from dse.space.methods.grid.density import heights
+from dse.space.methods.grid.exact import exact_count
+from dse.space.methods.grid.meeting import pairs, summed
+from dse.space.methods.grid.split import Counting, Execution, counting, execute, split
+from dse.space.methods.grid.sweep import backward, forward
+from dse.space.methods.mdd.diagram import Diagram, compile_diagram, count
 
 
 def ints(*numbers: int) -> Ints:
@@ -101,10 +102,17 @@ def test_the_order_of_the_layers_does_not_matter(space: FlatSpace, random: Rando
     assert exact_count(compile_diagram(space, order)) == brute_force(space)
 
 
+def cost(diagram: Diagram) -> Cost:
+    """What the count would take at least work."""
+    found = counting(diagram)
+    assert isinstance(found, Counting)
+    return split(found, float("inf"), float("inf")).cost
+
+
 def counts_at_all_cuts(space: FlatSpace) -> list[int]:
     """Whatever the cost."""
-    found = task(compile_diagram(space))
-    if not isinstance(found, Task):
+    found = counting(compile_diagram(space))
+    if not isinstance(found, Counting):
         return [count(found)]
     counts = []
     for cut in range(len(space.variables) + 1):
@@ -112,18 +120,16 @@ def counts_at_all_cuts(space: FlatSpace) -> list[int]:
             forward(found.layers, found.sums, found.before, cut),
             backward(found.layers, found.sums, found.after, cut),
         )
-        ours, theirs = (execute(sweep, Way(None, 0)).grids for sweep in sweeps)
+        ours, theirs = (execute(sweep, Execution(None, 0)).grids for sweep in sweeps)
         own, other, paths = found.ahead(cut), found.behind(cut), sweeps[1].paths[-1]
-        unmoved = [0] * len(found.sums)
         counts.append(
             sum(
                 pairs(
                     found.sums,
-                    ours[node].limbs,
+                    ours[node].digits,
                     own,
-                    summed(theirs[node].limbs, other, int(paths[node])),
+                    summed(theirs[node].digits, other, int(paths[node])),
                     other,
-                    unmoved,
                 )
                 for node in ours.keys() & theirs.keys()
             )
@@ -307,7 +313,7 @@ def test_so_many_sums_that_no_number_holds_their_cells_are_too_much(sums: int) -
 
 def test_the_height_of_many_sums_is_finite() -> None:
     rules = [Linear({n: ints(0, 10**6 + k, 0) for n in range(20)}, None, 10**7) for k in range(100)]
-    to_count = task(compile_diagram(free([2] * 20, rules)))
-    assert isinstance(to_count, Task)
+    to_count = counting(compile_diagram(free([2] * 20, rules)))
+    assert isinstance(to_count, Counting)
     before, after = heights(to_count.layers, to_count.sums)
     assert all(isfinite(height) for height in (*before, *after))

@@ -15,7 +15,8 @@ from dse.domain.expression import Binary, Chosen, Expression
 from dse.errors import DseError, Location
 from dse.expression.parse import parse_expression
 from dse.space.flat import Clause, Linear, Table, Variable, Wide
-from dse.space.language.evaluate import compile_rule
+from dse.space.language.evaluate import compile_in
+from dse.space.language.places import Places
 from dse.space.lowering import clauses, flatten
 from dse.units import parse_quantity
 
@@ -51,7 +52,7 @@ def kinds(text, count=4):
 def agree(flat, made):
     rows = rows_of(flat)
     for number, constraint in enumerate(made.constraints):
-        rule = compile_rule(constraint.rule, made)
+        rule = compile_in(constraint.rule, Places(made))
         expected = [rule.outcome(flat.choices(row)) is not False for row in rows]
         holds = np.ones(len(rows), bool)
         for own in flat.only([number]).rules:

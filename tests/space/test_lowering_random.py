@@ -12,7 +12,8 @@ from random_spaces import design_spaces, folded, holding, rows_of
 from dse.domain.design import Constraint, DesignSpace
 from dse.errors import DseError
 from dse.space.flat import FlatSpace
-from dse.space.language.evaluate import compile_rule
+from dse.space.language.evaluate import compile_in
+from dse.space.language.places import Places
 from dse.space.lowering import clauses, flatten, formulas, selecting
 
 EXAMPLES = settings(deadline=None, max_examples=60, suppress_health_check=list(HealthCheck))
@@ -20,7 +21,7 @@ EXAMPLES = settings(deadline=None, max_examples=60, suppress_health_check=list(H
 
 def outcomes(flat: FlatSpace, space: DesignSpace, constraint: Constraint, rows: np.ndarray) -> list[bool | None]:
     """Per row whether the constraint is not false; None where a value does not exist."""
-    rule = compile_rule(constraint.rule, space)
+    rule = compile_in(constraint.rule, Places(space))
     found: list[bool | None] = []
     for row in rows:
         try:
@@ -71,7 +72,7 @@ def test_a_selection_holds_where_the_outcome_is_true(space, most_cells):
     flat = flatten(DesignSpace(space.name, space.root))
     rows = rows_of(flat)
     for constraint in space.constraints:
-        rule = compile_rule(constraint.rule, space)
+        rule = compile_in(constraint.rule, Places(space))
         try:
             expected = [rule.outcome(flat.choices(row)) is True for row in rows]
         except DseError:

@@ -11,7 +11,14 @@ from definitions import at_most_one, metrics, stored_definition
 
 from dse.domain.bench import Judgement, Verdict
 from dse.domain.component import Value
-from dse.domain.definition import DefinedConfiguration, DefinedDesign, DefinedVariable, Named, StudyDefinition, Total
+from dse.domain.definition import (
+    DefinedBench,
+    DefinedConfiguration,
+    DefinedDesign,
+    DefinedTotal,
+    DefinedVariable,
+    StudyDefinition,
+)
 from dse.domain.run import Outcome, Run, RunRequest
 from dse.storage.folder import StudyFolder
 from dse.storage.rows import Measures, block_of
@@ -24,12 +31,12 @@ REQUIREMENTS = ("R1", "R2")
 def definition() -> StudyDefinition:
     return stored_definition(
         (
-            DefinedConfiguration("c1", {"sensor": "radar"}, totals={"cost": Total(45.0, "EUR")}),
+            DefinedConfiguration("c1", {"sensor": "radar"}, totals={"cost": DefinedTotal(45.0, "EUR")}),
             DefinedConfiguration("c2", {"sensor": "lidar <ä>"}),
         ),
         study="gains",
         title="Gains",
-        bench=Named("following"),
+        bench=DefinedBench("following"),
         design=DefinedDesign("vehicle", "", ("sensor",)),
         variables=(DefinedVariable("controller.kp", "", "1/s", 0.0, 1.0, 3, 0.5),),
         metrics=metrics(*METRICS),

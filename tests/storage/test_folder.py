@@ -12,14 +12,14 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from dse.domain.bench import Verdict
+from dse.domain.bench import VERDICTS, Verdict
 from dse.domain.component import Value
 from dse.domain.definition import DefinedConfiguration, DefinedMetric, StudyDefinition
 from dse.domain.run import Outcome, Run, RunRequest, Waveforms
 from dse.errors import DseError
 from dse.storage.database.schema import cell_of, value_of
 from dse.storage.folder import StudyFolder
-from dse.storage.rows import VERDICTS, Measures, block_of
+from dse.storage.rows import Measures, block_of
 from dse.storage.waveforms import waveform_file, write_waveforms
 
 Add = Callable[[StudyFolder, Run], None]

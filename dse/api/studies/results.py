@@ -142,7 +142,7 @@ class Results:
 
 
 def _summary(runs: RunTable) -> Summary:
-    from dse.storage.rows import VERDICTS
+    from dse.domain.bench import VERDICTS
 
     verdicts = {
         name: {str(verdict): int((runs.verdicts(name) == code).sum()) for code, verdict in enumerate(VERDICTS)}

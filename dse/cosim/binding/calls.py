@@ -25,145 +25,112 @@ MOST_EVENT_ITERATIONS = 1000
 
 
 class Call(IntEnum):
-    """The FMI function being called; GET and SET have the variable type added."""
+    """The FMI function being called, with its name in FMI 1, 2 and 3; GET and SET have the accessor type added."""
+
+    names: tuple[str, ...]
+
+    def __new__(cls, number: int, *names: str) -> Call:  # noqa: D102  # an entry
+        made = int.__new__(cls, number)
+        made._value_, made.names = number, names or ("", "", "")
+        return made
 
     IDLE = 0
-    INSTANTIATE = 1
-    FREE_INSTANCE = 2
-    RESET = 3
-    SETUP_EXPERIMENT = 4
-    ENTER_INITIALIZATION = 5
-    EXIT_INITIALIZATION = 6
-    DO_STEP = 7
-    TERMINATE = 8
-    GET_STATUS = 9
-    GET_REAL_STATUS = 10
-    GET_BOOLEAN_STATUS = 11
-    SET_INPUT_DERIVATIVES = 12
-    ENTER_CONFIGURATION = 13
-    EXIT_CONFIGURATION = 14
-    ENTER_STEP_MODE = 15
-    GET_STATE = 16
-    SET_STATE = 17
-    FREE_STATE = 18
-    GET_DIRECTIONAL_DERIVATIVE = 19
+    INSTANTIATE = 1, "InstantiateSlave", "Instantiate", "InstantiateCoSimulation"
+    FREE_INSTANCE = 2, "FreeSlaveInstance", "FreeInstance", "FreeInstance"
+    RESET = 3, "ResetSlave", "Reset", "Reset"
+    SETUP_EXPERIMENT = 4, "", "SetupExperiment", ""
+    ENTER_INITIALIZATION = 5, "InitializeSlave", "EnterInitializationMode", "EnterInitializationMode"
+    EXIT_INITIALIZATION = 6, "", "ExitInitializationMode", "ExitInitializationMode"
+    DO_STEP = 7, "DoStep", "DoStep", "DoStep"
+    TERMINATE = 8, "TerminateSlave", "Terminate", "Terminate"
+    GET_STATUS = 9, "GetStatus", "GetStatus", ""
+    GET_REAL_STATUS = 10, "GetRealStatus", "GetRealStatus", ""
+    GET_BOOLEAN_STATUS = 11, "GetBooleanStatus", "GetBooleanStatus", ""
+    SET_INPUT_DERIVATIVES = 12, "SetRealInputDerivatives", "SetRealInputDerivatives", ""
+    ENTER_CONFIGURATION = 13, "", "", "EnterConfigurationMode"
+    EXIT_CONFIGURATION = 14, "", "", "ExitConfigurationMode"
+    ENTER_STEP_MODE = 15, "", "", "EnterStepMode"
+    GET_STATE = 16, "", "GetFMUstate", "GetFMUState"
+    SET_STATE = 17, "", "SetFMUstate", "SetFMUState"
+    FREE_STATE = 18, "", "FreeFMUstate", "FreeFMUState"
+    GET_DIRECTIONAL_DERIVATIVE = 19, "", "GetDirectionalDerivative", "GetDirectionalDerivative"
     LOAD = 20
     """No FMI call: the library is being loaded."""
-    ENTER_EVENT_MODE = 32
-    UPDATE_DISCRETE_STATES = 33
-    ENTER_CONTINUOUS_TIME = 34
-    SET_TIME = 35
-    SET_CONTINUOUS_STATES = 36
-    GET_CONTINUOUS_STATES = 37
-    GET_DERIVATIVES = 38
-    GET_EVENT_INDICATORS = 39
-    COMPLETED_INTEGRATOR_STEP = 40
-    GET_NOMINALS = 41
-    GET_STATE_COUNT = 42
-    GET_INDICATOR_COUNT = 43
+    ENTER_EVENT_MODE = 32, "", "EnterEventMode", "EnterEventMode"
+    UPDATE_DISCRETE_STATES = 33, "", "NewDiscreteStates", "UpdateDiscreteStates"
+    ENTER_CONTINUOUS_TIME = 34, "", "EnterContinuousTimeMode", "EnterContinuousTimeMode"
+    SET_TIME = 35, "", "SetTime", "SetTime"
+    SET_CONTINUOUS_STATES = 36, "", "SetContinuousStates", "SetContinuousStates"
+    GET_CONTINUOUS_STATES = 37, "", "GetContinuousStates", "GetContinuousStates"
+    GET_DERIVATIVES = 38, "", "GetDerivatives", "GetContinuousStateDerivatives"
+    GET_EVENT_INDICATORS = 39, "", "GetEventIndicators", "GetEventIndicators"
+    COMPLETED_INTEGRATOR_STEP = 40, "", "CompletedIntegratorStep", "CompletedIntegratorStep"
+    GET_NOMINALS = 41, "", "GetNominalsOfContinuousStates", "GetNominalsOfContinuousStates"
+    GET_STATE_COUNT = 42, "", "", "GetNumberOfContinuousStates"
+    GET_INDICATOR_COUNT = 43, "", "", "GetNumberOfEventIndicators"
     GET = 64
     SET = 96
 
 
-class Type(IntEnum):
-    """How a variable's accessor passes it; in the table of values everything is a double."""
+class AccessorType(IntEnum):
+    """How a variable's accessor passes it, as FMI 3 calls that; in the table of values everything is a double."""
 
-    FLOAT64 = 0
-    FLOAT32 = 1
-    INT8 = 2
-    UINT8 = 3
-    INT16 = 4
-    UINT16 = 5
-    INT32 = 6
-    UINT32 = 7
-    INT64 = 8
-    UINT64 = 9
-    BOOLEAN = 10
-    FMI2_BOOLEAN = 11
-    STRING = 12
-    BINARY = 13
-    FMI1_BOOLEAN = 14
+    fmi_type: str
+    c_type: Any
+
+    def __new__(cls, number: int, fmi_type: str = "", c_type: Any = None) -> AccessorType:  # noqa: D102  # an entry
+        made = int.__new__(cls, number)
+        made._value_, made.fmi_type, made.c_type = number, fmi_type, c_type
+        return made
+
+    FLOAT64 = 0, "Float64", ctypes.c_double
+    FLOAT32 = 1, "Float32", ctypes.c_float
+    INT8 = 2, "Int8", ctypes.c_int8
+    UINT8 = 3, "UInt8", ctypes.c_uint8
+    INT16 = 4, "Int16", ctypes.c_int16
+    UINT16 = 5, "UInt16", ctypes.c_uint16
+    INT32 = 6, "Int32", ctypes.c_int32
+    UINT32 = 7, "UInt32", ctypes.c_uint32
+    INT64 = 8, "Int64", ctypes.c_int64
+    UINT64 = 9, "UInt64", ctypes.c_uint64
+    BOOLEAN = 10, "Boolean", ctypes.c_bool
+    FMI2_BOOLEAN = 11, "", ctypes.c_int32
+    STRING = 12, "String", ctypes.c_void_p
+    BINARY = 13, "Binary", ctypes.c_void_p
+    FMI1_BOOLEAN = 14, "", ctypes.c_int8
+
+    @property
+    def size(self) -> int:
+        """Bytes of one value."""
+        return ctypes.sizeof(self.c_type)
+
+    @property
+    def is_floating(self) -> bool:
+        """Whether it is a floating-point number."""
+        return self in (AccessorType.FLOAT64, AccessorType.FLOAT32)
+
+    @property
+    def is_boolean(self) -> bool:
+        """Whether it is true or false."""
+        return self in (AccessorType.BOOLEAN, AccessorType.FMI2_BOOLEAN, AccessorType.FMI1_BOOLEAN)
+
+    @property
+    def is_text(self) -> bool:
+        """Whether it is a string or binary."""
+        return self in (AccessorType.STRING, AccessorType.BINARY)
 
 
 EXACT_INTEGER = 2**53
 """Beyond it a double no longer tells integers apart."""
 
-FLOATING = frozenset({Type.FLOAT64, Type.FLOAT32})
-
-C_TYPES: Mapping[Type, Any] = {
-    Type.FLOAT64: ctypes.c_double,
-    Type.FLOAT32: ctypes.c_float,
-    Type.INT8: ctypes.c_int8,
-    Type.UINT8: ctypes.c_uint8,
-    Type.INT16: ctypes.c_int16,
-    Type.UINT16: ctypes.c_uint16,
-    Type.INT32: ctypes.c_int32,
-    Type.UINT32: ctypes.c_uint32,
-    Type.INT64: ctypes.c_int64,
-    Type.UINT64: ctypes.c_uint64,
-    Type.BOOLEAN: ctypes.c_bool,
-    Type.FMI2_BOOLEAN: ctypes.c_int32,
-    Type.FMI1_BOOLEAN: ctypes.c_int8,
+_FMI1_AND_2 = {"Real": AccessorType.FLOAT64, "Integer": AccessorType.INT32, "String": AccessorType.STRING}
+_FMI_TYPES: Mapping[int, Mapping[str, AccessorType]] = {
+    1: {**_FMI1_AND_2, "Boolean": AccessorType.FMI1_BOOLEAN},
+    2: {**_FMI1_AND_2, "Boolean": AccessorType.FMI2_BOOLEAN},
+    3: {known.fmi_type: known for known in AccessorType if known.fmi_type},
 }
-
-TRUTHS = frozenset({Type.BOOLEAN, Type.FMI2_BOOLEAN, Type.FMI1_BOOLEAN})
-
-_FMI_TYPES: Mapping[int, Mapping[str, Type]] = {
-    1: {"Real": Type.FLOAT64, "Integer": Type.INT32, "Boolean": Type.FMI1_BOOLEAN, "String": Type.STRING},
-    2: {"Real": Type.FLOAT64, "Integer": Type.INT32, "Boolean": Type.FMI2_BOOLEAN, "String": Type.STRING},
-    3: {
-        "Float64": Type.FLOAT64,
-        "Float32": Type.FLOAT32,
-        "Int8": Type.INT8,
-        "UInt8": Type.UINT8,
-        "Int16": Type.INT16,
-        "UInt16": Type.UINT16,
-        "Int32": Type.INT32,
-        "UInt32": Type.UINT32,
-        "Int64": Type.INT64,
-        "UInt64": Type.UINT64,
-        "Boolean": Type.BOOLEAN,
-        "String": Type.STRING,
-        "Binary": Type.BINARY,
-    },
-}
-_TEXTS = frozenset({Type.STRING, Type.BINARY})
-_ACCESSORS = {
-    version: {number: fmi_type for fmi_type, number in types.items()} for version, types in _FMI_TYPES.items()
-}
-
-_NAMES: Mapping[Call, tuple[str, str, str]] = {
-    Call.INSTANTIATE: ("InstantiateSlave", "Instantiate", "InstantiateCoSimulation"),
-    Call.FREE_INSTANCE: ("FreeSlaveInstance", "FreeInstance", "FreeInstance"),
-    Call.RESET: ("ResetSlave", "Reset", "Reset"),
-    Call.SETUP_EXPERIMENT: ("", "SetupExperiment", ""),
-    Call.ENTER_INITIALIZATION: ("InitializeSlave", "EnterInitializationMode", "EnterInitializationMode"),
-    Call.EXIT_INITIALIZATION: ("", "ExitInitializationMode", "ExitInitializationMode"),
-    Call.DO_STEP: ("DoStep", "DoStep", "DoStep"),
-    Call.TERMINATE: ("TerminateSlave", "Terminate", "Terminate"),
-    Call.GET_STATUS: ("GetStatus", "GetStatus", ""),
-    Call.GET_REAL_STATUS: ("GetRealStatus", "GetRealStatus", ""),
-    Call.GET_BOOLEAN_STATUS: ("GetBooleanStatus", "GetBooleanStatus", ""),
-    Call.SET_INPUT_DERIVATIVES: ("SetRealInputDerivatives", "SetRealInputDerivatives", ""),
-    Call.ENTER_CONFIGURATION: ("", "", "EnterConfigurationMode"),
-    Call.EXIT_CONFIGURATION: ("", "", "ExitConfigurationMode"),
-    Call.ENTER_STEP_MODE: ("", "", "EnterStepMode"),
-    Call.GET_STATE: ("", "GetFMUstate", "GetFMUState"),
-    Call.SET_STATE: ("", "SetFMUstate", "SetFMUState"),
-    Call.FREE_STATE: ("", "FreeFMUstate", "FreeFMUState"),
-    Call.GET_DIRECTIONAL_DERIVATIVE: ("", "GetDirectionalDerivative", "GetDirectionalDerivative"),
-    Call.ENTER_EVENT_MODE: ("", "EnterEventMode", "EnterEventMode"),
-    Call.UPDATE_DISCRETE_STATES: ("", "NewDiscreteStates", "UpdateDiscreteStates"),
-    Call.ENTER_CONTINUOUS_TIME: ("", "EnterContinuousTimeMode", "EnterContinuousTimeMode"),
-    Call.SET_TIME: ("", "SetTime", "SetTime"),
-    Call.SET_CONTINUOUS_STATES: ("", "SetContinuousStates", "SetContinuousStates"),
-    Call.GET_CONTINUOUS_STATES: ("", "GetContinuousStates", "GetContinuousStates"),
-    Call.GET_DERIVATIVES: ("", "GetDerivatives", "GetContinuousStateDerivatives"),
-    Call.GET_EVENT_INDICATORS: ("", "GetEventIndicators", "GetEventIndicators"),
-    Call.COMPLETED_INTEGRATOR_STEP: ("", "CompletedIntegratorStep", "CompletedIntegratorStep"),
-    Call.GET_NOMINALS: ("", "GetNominalsOfContinuousStates", "GetNominalsOfContinuousStates"),
-    Call.GET_STATE_COUNT: ("", "", "GetNumberOfContinuousStates"),
-    Call.GET_INDICATOR_COUNT: ("", "", "GetNumberOfEventIndicators"),
+_ACCESSORS: Mapping[int, Mapping[int, str]] = {
+    version: {number: name for name, number in types.items()} for version, types in _FMI_TYPES.items()
 }
 
 FUNCTIONS = (
@@ -174,16 +141,21 @@ FUNCTIONS = (
 """What the kernel calls of an element besides its accessors, in the order of kernel.h."""
 
 
-def type_of(variable: Variable, version: int) -> Type | None:
+def is_good(status: int) -> bool:
+    """Whether *status* is no worse than a warning."""
+    return 0 <= status <= WARNING
+
+
+def type_of(variable: Variable, version: int) -> AccessorType | None:
     """The accessor type of a number in an FMU of FMI *version*; None for strings, clocks and whatever else."""
-    kind = _FMI_TYPES[version].get(variable.fmi_type)
-    return None if kind in _TEXTS else kind
+    found = _FMI_TYPES[version].get(variable.fmi_type)
+    return None if found is None or found.is_text else found
 
 
-def text_type_of(variable: Variable, version: int) -> Type | None:
+def text_type_of(variable: Variable, version: int) -> AccessorType | None:
     """The accessor type of a string or binary in an FMU of FMI *version*; None for all else."""
-    kind = _FMI_TYPES[version].get(variable.fmi_type)
-    return kind if kind in _TEXTS else None
+    found = _FMI_TYPES[version].get(variable.fmi_type)
+    return found if found is not None and found.is_text else None
 
 
 def function_name(call: int, version: int) -> str:
@@ -192,9 +164,9 @@ def function_name(call: int, version: int) -> str:
     Those of FMI 1.0 are without the prefix that each FMU puts before them.
     """
     prefix = "fmi" if version == 1 else f"fmi{version}"
-    for access, verb in ((Call.SET, "Set"), (Call.GET, "Get")):
+    for access in (Call.SET, Call.GET):
         if call >= access:
-            fmi_type = _ACCESSORS[version].get(Type(call - access)) if call - access in set(Type) else None
-            return f"{prefix}{verb}{fmi_type}" if fmi_type else ""
-    name = _NAMES[Call(call)][version - 1] if call in set(_NAMES) else ""
+            fmi_type = _ACCESSORS[version].get(call - access)
+            return f"{prefix}{access.name.title()}{fmi_type}" if fmi_type else ""
+    name = Call(call).names[version - 1] if call in set(Call) else ""
     return f"{prefix}{name}" if name else ""

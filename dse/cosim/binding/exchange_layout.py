@@ -1,4 +1,4 @@
-"""A model exchange element as exchange_memory.h has it, field by field."""
+"""A model exchange element as exchange_memory.h and memory.h of the solvers have it, field by field."""
 
 from __future__ import annotations
 
@@ -14,33 +14,61 @@ STAGES, SAMPLES, DENSE = 8, 10, 4
 _Fields = list[tuple[str, Any]]
 
 
-class Standing(ctypes.Structure):
-    """Where the integration stands."""
+def pointers(*names: str) -> _Fields:
+    """Fields with these names that hold addresses."""
+    return [(name, ctypes.c_void_p) for name in names]
+
+
+def numbers(*names: str) -> _Fields:
+    """Fields with these names that are of the type int64_t."""
+    return [(name, ctypes.c_int64) for name in names]
+
+
+def reals(*names: str) -> _Fields:
+    """Fields with these names that are doubles."""
+    return [(name, ctypes.c_double) for name in names]
+
+
+class Past(ctypes.Structure):
+    """What a solver has learnt and counted (struct dse_past)."""
 
     _fields_: ClassVar[_Fields] = [
-        *[(name, ctypes.c_double) for name in ("time", "next_event", "next_width", "error_before", "last_event")],
-        *[
-            (name, ctypes.c_int64)
-            for name in (
-                "events_close",
-                "in_event_mode",
-                "is_stiff",
-                "signs_of_other",
-                "signs_of_this",
-                "steps",
-                "rejected",
-                "evaluations",
-                "jacobians",
-                "events",
-            )
-        ],
+        *reals("next_width", "error_before", "last_event"),
+        *numbers("events_close", "will_be_stiff", "signs_of_other", "signs_of_this"),
+        *numbers("steps", "rejected", "evaluations", "jacobians", "events"),
     ]
 
 
-class Refusal(ctypes.Structure):
-    """Why the FMU could not be evaluated at a point."""
+class Reason(ctypes.Structure):
+    """Why the FMU could not be evaluated at a point (dse_reason)."""
 
-    _fields_: ClassVar[_Fields] = [(name, ctypes.c_int64) for name in ("kind", "status", "position", "call")]
+    _fields_: ClassVar[_Fields] = numbers("kind", "status", "position", "call")
+
+
+class Solver(ctypes.Structure):
+    """The room the solvers work in (struct dse_solver)."""
+
+    _fields_: ClassVar[_Fields] = [
+        *reals("tolerance", "start", "width", "end", "span"),
+        ("past", Past),
+        *pointers("to", "slope", "at_end", "from", "trial", "found"),
+        ("stage", ctypes.c_void_p * STAGES),
+        ("dense", ctypes.c_void_p * DENSE),
+        *pointers("time_slope", "jacobian", "factors", "pivot"),
+        ("sample", ctypes.c_void_p * SAMPLES),
+        ("sample_at", ctypes.c_double * SAMPLES),
+        ("sample_row", ctypes.c_int64 * SAMPLES),
+        *pointers("low", "high", "seen"),
+        *numbers("samples", "is_stiff", "has_step", "has_event", "has_suspicion", "has_jacobian"),
+        *numbers("is_at_end", "is_at_border"),
+        ("trouble", Reason),
+    ]
+
+
+class Standing(ctypes.Structure):
+    """Where the integration stands."""
+
+    _fields_: ClassVar[_Fields] = [*reals("time", "next_event"), *numbers("in_event_mode")]
 
 
 FUNCTIONS: Mapping[str, Call] = {
@@ -64,33 +92,12 @@ class Exchange(ctypes.Structure):
     """What the kernel knows of a model exchange FMU."""
 
     _fields_: ClassVar[_Fields] = [
-        *[(name, ctypes.c_void_p) for name in ("instantiate", *FUNCTIONS, "state_references", "derivative_references")],
-        *[(name, ctypes.c_int64) for name in ("n_references", "n_states", "n_indicators")],
-        *[(name, ctypes.c_int64) for name in ("needs_completed_step", "has_inputs", "can_be_stiff")],
-        ("tolerance", ctypes.c_double),
+        *pointers("instantiate", *FUNCTIONS, "state_references", "derivative_references"),
+        *numbers("n_references", "n_states", "n_indicators", "needs_completed_step", "has_inputs", "can_be_stiff"),
         ("now", Standing),
         ("kept", Standing),
-        *[(name, ctypes.c_void_p) for name in ("states", "slope", "indicators", "nominals", "kept_values")],
-        ("n_kept", ctypes.c_int64),
-        *[(name, ctypes.c_double) for name in ("start", "width", "end", "span")],
-        *[(name, ctypes.c_void_p) for name in ("from", "to", "trial", "found", "time_slope")],
-        ("stage", ctypes.c_void_p * STAGES),
-        ("dense", ctypes.c_void_p * DENSE),
-        *[(name, ctypes.c_void_p) for name in ("jacobian", "factors", "pivot")],
-        ("sample", ctypes.c_void_p * SAMPLES),
-        ("sample_at", ctypes.c_double * SAMPLES),
-        *[(name, ctypes.c_void_p) for name in ("low_indicators", "high_indicators", "seen_indicators")],
-        *[
-            (name, ctypes.c_int64)
-            for name in (
-                "samples",
-                "has_suspicion",
-                "has_event",
-                "has_jacobian",
-                "is_at_end",
-                "is_at_border",
-                "was_stiff",
-            )
-        ],
-        ("refusal", Refusal),
+        ("kept_past", Past),
+        *pointers("nominals", "kept_values"),
+        *numbers("n_kept"),
+        ("solver", Solver),
     ]

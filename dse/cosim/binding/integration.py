@@ -50,12 +50,12 @@ class Integration:
             needs_completed_step=exchange.needs_completed_step,
             has_inputs=has_inputs,
             can_be_stiff=0 < n <= MOST_STIFF_STATES,
-            tolerance=tolerance_of(model),
             n_kept=3 * n + m,
             state_references=self._take(np.array(exchange.states, np.uint32)),
             derivative_references=self._take(np.array(exchange.derivatives, np.uint32)),
             instantiate=address(model, library, _INSTANTIATE[model.version]),
         )
+        structure.solver.tolerance = tolerance_of(model)
         for field, call in FUNCTIONS.items():
             if name := function_name(call, model.version):
                 setattr(structure, field, address(model, library, name))
@@ -67,22 +67,22 @@ class Integration:
         return ctypes.addressof(self.structure)
 
     def _lay_out(self, n: int, m: int) -> None:
-        structure = self.structure
+        structure, solver = self.structure, self.structure.solver
         standing = self._doubles(3 * n + m)
         size = ctypes.sizeof(ctypes.c_double)
-        for name, first in (("states", 0), ("slope", n), ("nominals", 2 * n), ("indicators", 3 * n)):
-            setattr(structure, name, standing + first * size)
+        solver.to, solver.slope = standing, standing + n * size
+        structure.nominals, solver.at_end = standing + 2 * n * size, standing + 3 * n * size
         structure.kept_values = self._doubles(3 * n + m)
-        for name in ("from", "to", "trial", "found", "time_slope"):
-            setattr(structure, name, self._doubles(n))
-        for name in ("low_indicators", "high_indicators", "seen_indicators"):
-            setattr(structure, name, self._doubles(m))
-        structure.stage[:] = [self._doubles(n) for _ in range(STAGES)]
-        structure.dense[:] = [self._doubles(n) for _ in range(DENSE)]
-        structure.sample[:] = [self._doubles(m) for _ in range(SAMPLES)]
+        for name in ("from", "trial", "found", "time_slope"):
+            setattr(solver, name, self._doubles(n))
+        for name in ("low", "high", "seen"):
+            setattr(solver, name, self._doubles(m))
+        solver.stage[:] = [self._doubles(n) for _ in range(STAGES)]
+        solver.dense[:] = [self._doubles(n) for _ in range(DENSE)]
+        solver.sample[:] = [self._doubles(m) for _ in range(SAMPLES)]
         if structure.can_be_stiff:
-            structure.jacobian, structure.factors = self._doubles(n * n), self._doubles(n * n)
-            structure.pivot = self._take(np.zeros(n, np.uint32))
+            solver.jacobian, solver.factors = self._doubles(n * n), self._doubles(n * n)
+            solver.pivot = self._take(np.zeros(n, np.uint32))
 
     def _doubles(self, count: int) -> int:
         return self._take(np.zeros(max(1, count), np.float64))

@@ -3,42 +3,29 @@
 from __future__ import annotations
 
 import ctypes
-from functools import cache
 from typing import Any, ClassVar
 
-from dse.cosim.binding.layout import Groups, kernel
-from dse.errors import fail
+from dse.cosim.binding.exchange_layout import numbers, pointers, reals
+from dse.cosim.binding.layout import Groups
 
 _Fields = list[tuple[str, Any]]
-
-
-def _pointers(*names: str) -> _Fields:
-    return [(name, ctypes.c_void_p) for name in names]
-
-
-def _numbers(*names: str) -> _Fields:
-    return [(name, ctypes.c_int64) for name in names]
-
-
-def _reals(*names: str) -> _Fields:
-    return [(name, ctypes.c_double) for name in names]
 
 
 class Operation(ctypes.Structure):
     """Read, write or solve."""
 
     _fields_: ClassVar[_Fields] = [
-        *_numbers("kind", "element"),
+        *numbers("kind", "element"),
         ("groups", Groups),
-        *_numbers("first", "count"),
-        *_pointers("loop"),
+        *numbers("first", "count"),
+        *pointers("loop"),
     ]
 
 
 class Walk(ctypes.Structure):
     """Operations one after another."""
 
-    _fields_: ClassVar[_Fields] = _pointers("begin", "end")
+    _fields_: ClassVar[_Fields] = pointers("begin", "end")
 
 
 class Loop(ctypes.Structure):
@@ -46,28 +33,28 @@ class Loop(ctypes.Structure):
 
     _fields_: ClassVar[_Fields] = [
         ("walk", Walk),
-        *_pointers("torn"),
-        *_numbers("n_reals", "n_torn", "walks", "number", "has_texts"),
-        *_pointers("nominals", "room", "rows", "order", "way"),
+        *pointers("torn"),
+        *numbers("n_reals", "n_torn", "walks", "number", "has_texts"),
+        *pointers("nominals", "room", "rows", "way", "pivots"),
     ]
 
 
 class Pace(ctypes.Structure):
     """An element's own step."""
 
-    _fields_: ClassVar[_Fields] = [*_numbers("every", "parts", "has_slopes"), ("inputs", Operation)]
+    _fields_: ClassVar[_Fields] = [*numbers("every", "parts", "has_slopes"), ("inputs", Operation)]
 
 
 class Bond(ctypes.Structure):
     """Power between two elements."""
 
-    _fields_: ClassVar[_Fields] = _numbers("effort", "flow", "effort_used", "flow_used")
+    _fields_: ClassVar[_Fields] = numbers("effort", "flow", "effort_used", "flow_used")
 
 
 class BondColumn(ctypes.Structure):
     """Where a bond's energy is recorded."""
 
-    _fields_: ClassVar[_Fields] = _numbers("column", "bond")
+    _fields_: ClassVar[_Fields] = numbers("column", "bond")
 
 
 class Plan(ctypes.Structure):
@@ -78,33 +65,22 @@ class Plan(ctypes.Structure):
         ("meeting", Walk),
         ("doubtful", Walk),
         ("untold", Walk),
-        *_pointers("doubted"),
-        *_numbers("n_doubted_reals", "n_doubted"),
-        *_pointers("doubted_nominals", "passed_on"),
-        *_numbers("is_sequential"),
-        *_pointers("paces", "owners", "staged", "slopes", "sources", "moves", "used", "watched"),
-        *_numbers("n_watched"),
-        *_pointers("nominals", "limits", "bonds"),
-        *_numbers("n_bonds"),
-        *_pointers("bond_columns"),
-        *_numbers("n_bond_columns"),
-        *_pointers("past"),
-        *_numbers("n_past"),
-        *_pointers("before", "shown", "spans", "energies", "met"),
-        *_reals("tolerance", "absolute", "smallest"),
-        *_pointers("compared"),
-        *_numbers("n_compared"),
-        *_pointers("magnitudes", "coarse", "kept"),
-        *_numbers("reads_again", "k"),
+        *pointers("doubted"),
+        *numbers("n_doubted_reals", "n_doubted"),
+        *pointers("doubted_nominals", "passed_on"),
+        *numbers("is_sequential"),
+        *pointers("paces", "owners", "staged", "slopes", "sources", "moves", "used", "watched"),
+        *numbers("n_watched"),
+        *pointers("nominals", "limits", "bonds"),
+        *numbers("n_bonds"),
+        *pointers("bond_columns"),
+        *numbers("n_bond_columns"),
+        *pointers("past"),
+        *numbers("n_past"),
+        *pointers("before", "shown", "spans", "energies", "met"),
+        *reals("tolerance", "absolute", "smallest"),
+        *pointers("compared"),
+        *numbers("n_compared"),
+        *pointers("magnitudes", "coarse", "kept"),
+        *numbers("reads_again", "k"),
     ]
-
-
-_STRUCTURES = (Operation, Walk, Loop, Pace, Bond, BondColumn, Plan)
-
-
-@cache
-def check_kernel() -> None:
-    """DseError if the compiled kernel has other plans in mind."""
-    found = (ctypes.c_int64 * len(_STRUCTURES)).in_dll(kernel(), "dse_plan_layout")
-    if list(found) != [ctypes.sizeof(structure) for structure in _STRUCTURES]:
-        raise fail("the simulation kernel does not fit this version of dse", hint="install dse again")

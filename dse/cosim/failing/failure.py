@@ -11,25 +11,21 @@ class RunFailed(Exception):  # noqa: N818  # says what happened to the run; a fa
     """
 
     def __init__(
-        self, element: str, call: str, time: float | None, log: tuple[str, ...], what: str, fatal: bool = False
+        self,
+        element: str,
+        what: str,
+        call: str = "",
+        time: float | None = None,
+        log: tuple[str, ...] = (),
+        fatal: bool = False,
     ) -> None:
-        super().__init__(element, call, time, log, what, fatal)
+        super().__init__(element, what, call, time, log, fatal)
         self.element = element
+        self.what = what
         self.call = call
         self.time = time
         self.log = log
-        self.what = what
         self.fatal = fatal
 
     def __str__(self) -> str:
         return ": ".join([self.what, "; ".join(self.log)]) if self.log else self.what
-
-
-def place(element: str, call: str, time: float | None) -> str:
-    """Where a simulation is, in words: ``world: fmi2DoStep at t = 3.21 s``."""
-    return f"{element}: {call}" if time is None else f"{element}: {call} {moment(time)}"
-
-
-def moment(time: float) -> str:
-    """A point in simulated time in words: ``at t = 3.21 s``."""
-    return f"at t = {time:.10g} s"

@@ -6,28 +6,27 @@ process (an mmap shared with the supervisor) and hand the memoryview to :class:`
 
 from __future__ import annotations
 
-import struct
+import ctypes
 
 from dse.cosim.binding.calls import Call, function_name
-from dse.cosim.failing.failure import place
+from dse.cosim.binding.layout import Progress
+from dse.cosim.failing.words import place
 from dse.domain.system import SystemStructure
 
-_BLOCK = struct.Struct("=4q")  # struct Progress in kernel.h: element, call, step, run
-
-PROGRESS_BYTES = _BLOCK.size
-"""Size of the block: four 64-bit integers in native order (element index, call, step or -1, runs begun)."""
+PROGRESS_BYTES = ctypes.sizeof(Progress)
+"""Size of the block."""
 
 
-def describe(block: bytes, system: SystemStructure, step: float) -> str:
+def describe_progress(block: bytes, system: SystemStructure, step: float) -> str:
     """The place a progress block tells of, as ``world: fmi2DoStep at t = 3.21 s``; *step* in seconds.
 
     "between two FMI calls" if the simulation was in none.
     """
-    index, call, k, _ = _BLOCK.unpack(block[:PROGRESS_BYTES])
-    if call == Call.IDLE or not 0 <= index < len(system.elements):
+    progress = Progress.from_buffer_copy(block)
+    if progress.place.call == Call.IDLE or not 0 <= progress.place.element < len(system.elements):
         return "between two FMI calls"
-    element = system.elements[index]
-    if call == Call.LOAD:
+    element = system.elements[progress.place.element]
+    if progress.place.call == Call.LOAD:
         return f"{element.name}: loading its library"
-    name = function_name(call, element.model.version) or f"FMI call {call}"
-    return place(element.name, name, k * step if k >= 0 else None)
+    name = function_name(progress.place.call, element.model.version) or f"FMI call {progress.place.call}"
+    return place(element.name, name, progress.step * step if progress.step >= 0 else None)

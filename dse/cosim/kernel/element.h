@@ -188,22 +188,6 @@ static bool write_element(System *system, Element *element, const Groups *groups
                                     : write_before_events(system, element, groups);
 }
 
-/* sensitivity = (d unknowns / d knowns) seed, all as they are inside of the FMU. */
-OFFERED static bool directional_derivative(System *system, const Element *element, const uint32_t *unknowns, size_t n_unknowns,
-                                   const uint32_t *knowns, size_t n_knowns, const double *seed, size_t n_seed,
-                                   double *sensitivity, size_t n_sensitivity)
-{
-    enter_call(system, element->stepping.element, GET_DIRECTIONAL_DERIVATIVE);
-    if (!(element->abilities & CAN_DIRECTIONAL))
-        return fail(system, NO_FUNCTION, 0, 0, 0);
-    const FmiFunction get = element->get_directional_derivative;
-    return accept(system, element->version == 2
-                              ? ((Fmi2Directional)get)(element->instance, unknowns, n_unknowns, knowns, n_knowns, seed,
-                                                       sensitivity)
-                              : ((Fmi3Directional)get)(element->instance, unknowns, n_unknowns, knowns, n_knowns, seed,
-                                                       n_seed, sensitivity, n_sensitivity));
-}
-
 /* ---- steps ---- */
 
 /* From *time* to time + step, inputs written. */

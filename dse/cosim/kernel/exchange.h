@@ -7,7 +7,7 @@
 #ifndef DSE_COSIM_EXCHANGE_H
 #define DSE_COSIM_EXCHANGE_H
 
-#include "exchange_integrate.h"
+#include "exchange_solver.h"
 #include "log.h"
 
 enum { MOST_STEPS = 1000000, MOST_PASSES = 100, CLOSE_EVENTS = 32 };
@@ -60,28 +60,19 @@ static bool go_on(System *system, const Element *element)
     return change_mode(system, element, ENTER_CONTINUOUS_TIME, x->enter_continuous_time) &&
            must(system, element,
                 get_doubles(system, element, GET_DERIVATIVES, x->get_derivatives, x->n_states, SLOPE_NOT_FINITE,
-                            x->slope)) &&
-           must(system, element, look(system, element, x->indicators));
-}
-
-/* Whether this event is one of too many with next to no time between them. */
-static bool chatters(Exchange *x)
-{
-    Standing *now = &x->now;
-    const bool is_close = now->events_close > 0 && now->time - now->last_event <= fmin(1e-8, 1e-6 * x->span);
-    now->events_close = is_close ? now->events_close + 1 : 1;
-    now->last_event = now->time;
-    return now->events_close >= CLOSE_EVENTS;
+                            x->solver.slope)) &&
+           must(system, element, get_indicators(system, element, x->solver.at_end));
 }
 
 static bool meet_event(System *system, const Element *element)
 {
     Exchange *x = element->exchange;
-    if (chatters(x))
-        return fail_at(system, x, CHATTERS, x->has_event ? first_crossed(x, x->high_indicators) : -1);
-    x->now.events++;
-    x->now.next_width = 0.0; /* what the error control has learnt is of the time before */
-    x->has_event = 0;
+    struct dse_solver *s = &x->solver;
+    if (dse_chatters(s, x->now.time, CLOSE_EVENTS))
+        return fail_at(system, x, CHATTERS, s->has_event ? dse_first_crossed(element, s->high) : -1);
+    s->past.events++;
+    s->past.next_width = 0.0; /* what the error control has learnt is of the time before */
+    s->has_event = 0;
     return change_mode(system, element, ENTER_EVENT_MODE, x->enter_event_mode) && settle_events(system, element) &&
            go_on(system, element);
 }
@@ -92,34 +83,33 @@ static bool meet_event(System *system, const Element *element)
 static bool proceed(System *system, const Element *element, double limit)
 {
     Exchange *x = element->exchange;
+    const struct dse_solver *s = &x->solver;
     bool wants_event = false;
     if (x->now.time < limit) {
         if (!take_step(system, element, limit))
             return false;
-        x->now.time = x->end;
-        if (!x->is_at_end) {
-            const Answer answer = put_point(system, element, x->end, x->states);
-            if (!must(system, element, answer))
-                return false;
-        }
+        x->now.time = s->end;
+        if (!s->is_at_end && !must(system, element, put_point(system, element, s->end, s->to)))
+            return false;
         if (!complete_step(system, element, &wants_event))
             return false;
     }
-    return !(x->has_event || wants_event || x->now.time >= x->now.next_event) || meet_event(system, element);
+    return !(s->has_event || wants_event || x->now.time >= x->now.next_event) || meet_event(system, element);
 }
 
 /* To *target*, which becomes now.time but for rounding. */
 static bool integrate(System *system, const Element *element, double target)
 {
     Exchange *x = element->exchange;
-    const double spare = SPARE * x->span, least = 16.0 * DBL_EPSILON * fmax(fabs(target), x->span);
-    const int64_t most = x->now.steps + x->now.events + MOST_STEPS;
-    x->has_event = 0;
+    struct dse_solver *s = &x->solver;
+    const double spare = SPARE * s->span, least = 16.0 * DBL_EPSILON * fmax(fabs(target), s->span);
+    const int64_t most = s->past.steps + s->past.events + MOST_STEPS;
+    s->has_event = 0;
     for (;;) {
         const bool is_due = x->now.next_event <= target + spare;
         if (!is_due && target - x->now.time <= least)
             return true;
-        if (x->now.steps + x->now.events >= most)
+        if (s->past.steps + s->past.events >= most)
             return fail_at(system, x, TOO_MANY_STEPS, 0);
         if (!proceed(system, element, is_due ? x->now.next_event : target))
             return false;
@@ -134,7 +124,8 @@ static bool exchange_start(System *system, int64_t e)
     const Element *element = &system->elements[e];
     Exchange *x = element->exchange;
     x->now = (Standing){.next_event = INFINITY, .in_event_mode = 1};
-    x->has_event = 0;
+    x->solver.past = (struct dse_past){0};
+    x->solver.has_event = 0;
     enter_call(system, e, EXIT_INITIALIZATION);
     return accept(system, ((FmiPlain)element->exit_initialization)(element->instance)) &&
            check_counts(system, element) && get_nominals(system, element) && settle_events(system, element) &&
@@ -144,7 +135,7 @@ static bool exchange_start(System *system, int64_t e)
 static bool exchange_step(System *system, const Element *element, double time, double step)
 {
     Exchange *x = element->exchange;
-    x->span = step;
+    x->solver.span = step;
     if (x->now.in_event_mode && !(settle_events(system, element) && go_on(system, element)))
         return false;
     if (!integrate(system, element, time + step))
@@ -157,14 +148,16 @@ static void exchange_save(Element *element)
 {
     Exchange *x = element->exchange;
     x->kept = x->now;
-    copy_values(x->kept_values, x->states, x->n_kept);
+    x->kept_past = x->solver.past;
+    dse_copy(x->kept_values, x->solver.to, x->n_kept);
 }
 
 static void exchange_restore(Element *element)
 {
     Exchange *x = element->exchange;
     x->now = x->kept;
-    copy_values(x->states, x->kept_values, x->n_kept);
+    x->solver.past = x->kept_past;
+    dse_copy(x->solver.to, x->kept_values, x->n_kept);
 }
 
 #endif

@@ -4,10 +4,6 @@
 
 #include "exchange.h"
 
-/* The structures of exchange_memory.h: a binding that disagrees must not go on. */
-DSE_API extern const int64_t dse_exchange_layout[3];
-const int64_t dse_exchange_layout[3] = {sizeof(Standing), sizeof(Refusal), sizeof(Exchange)};
-
 /* *system* has this one element, whose instance is in initialization mode or past it. They return 0, or 1 with
  * system->failure filled in. */
 DSE_API int dse_exchange_start(System *system);
@@ -18,6 +14,7 @@ DSE_API void dse_exchange_restore(System *system);
 static void begin_alone(System *system)
 {
     system->progress = &system->unwatched;
+    system->elements->system = system;
     system->failure = (Failure){0};
 }
 

@@ -23,69 +23,65 @@ typedef int (*Fmi2CompletedStep)(void *, int never_back, int *event, int *termin
 typedef int (*Fmi3CompletedStep)(void *, bool never_back, bool *event, bool *terminate);
 typedef int (*Fmi3Count)(void *, size_t *);
 
-static bool directional_derivative(System *system, const Element *element, const uint32_t *unknowns, size_t n_unknowns,
-                                   const uint32_t *knowns, size_t n_knowns, const double *seed, size_t n_seed,
-                                   double *sensitivity, size_t n_sensitivity);
-
 static bool fail_at(System *system, Exchange *x, int64_t kind, int64_t position)
 {
     return fail(system, kind, 0, position, x->now.time);
 }
 
-static Answer refuse(System *system, Exchange *x, int64_t kind, int64_t status, int64_t position)
+static dse_answer refuse(System *system, Exchange *x, int64_t kind, int64_t status, int64_t position)
 {
-    x->refusal = (Refusal){kind, status, position, system->progress->place.call};
-    return REFUSED;
+    x->solver.trouble = (dse_reason){kind, status, position, system->progress->place.call};
+    return DSE_REFUSED;
 }
 
 /* The failure that the last refusal amounts to if no other point is left to try. */
 static bool fail_refused(System *system, const Element *element, Exchange *x)
 {
-    enter_call(system, number_of(system, element), x->refusal.call);
-    return fail(system, x->refusal.kind, x->refusal.status, x->refusal.position, x->now.time);
+    enter_call(system, number_of(system, element), x->solver.trouble.call);
+    return fail(system, x->solver.trouble.kind, x->solver.trouble.status, x->solver.trouble.position, x->now.time);
 }
 
-static bool must(System *system, const Element *element, Answer answer)
+static bool must(System *system, const Element *element, dse_answer answer)
 {
-    return answer == DONE || (answer == REFUSED && fail_refused(system, element, element->exchange));
+    return answer == DSE_DONE || (answer == DSE_REFUSED && fail_refused(system, element, element->exchange));
 }
 
 /* ---- values ---- */
 
-static Answer answer_of(System *system, Exchange *x, int status)
+static dse_answer answer_of(System *system, Exchange *x, int status)
 {
     if (is_good(status))
-        return DONE;
+        return DSE_DONE;
     if (status == FMI_DISCARD)
         return refuse(system, x, BAD_STATUS, status, 0);
     fail_status(system, status);
-    return FAILED;
+    return DSE_FAILED;
 }
 
 /* Get *count* doubles; one that is not finite is refused as *kind*. */
-static Answer get_doubles(System *system, const Element *element, int64_t call, FmiFunction function, int64_t count,
+static dse_answer get_doubles(System *system, const Element *element, int64_t call, FmiFunction function, int64_t count,
                           int64_t kind, double *values)
 {
     Exchange *x = element->exchange;
     if (count == 0)
-        return DONE;
+        return DSE_DONE;
     enter_call(system, number_of(system, element), call);
-    const Answer answer = answer_of(system, x, ((FmiGetDoubles)function)(element->instance, values, (size_t)count));
-    for (int64_t i = 0; answer == DONE && i < count; i++)
+    const dse_answer answer = answer_of(system, x, ((FmiGetDoubles)function)(element->instance, values, (size_t)count));
+    for (int64_t i = 0; answer == DSE_DONE && i < count; i++)
         if (!isfinite(values[i]))
             return refuse(system, x, kind, 0, i);
     return answer;
 }
 
-static Answer put_point(System *system, const Element *element, double time, const double *states)
+static dse_answer put_point(System *system, const Element *element, double time, const double *states)
 {
     Exchange *x = element->exchange;
-    x->is_at_end = 0;
+    x->solver.is_at_end = 0;
     enter_call(system, number_of(system, element), SET_TIME);
-    Answer answer = answer_of(system, x, ((FmiSetTime)x->set_time)(element->instance, time));
-    if (answer == DONE && !move_inputs(system, element, time))
-        answer = FAILED;
-    if (answer == DONE && x->n_states > 0) {
+    dse_answer answer = answer_of(system, x, ((FmiSetTime)x->set_time)(element->instance, time));
+    if (answer == DSE_DONE && !move_inputs(system, element, time))
+        answer = DSE_FAILED;
+    if (answer == DSE_DONE && x->n_states > 0) {
         enter_call(system, number_of(system, element), SET_CONTINUOUS_STATES);
         answer = answer_of(system, x,
                            ((FmiSetStates)x->set_states)(element->instance, states, (size_t)x->n_states));
@@ -93,18 +89,18 @@ static Answer put_point(System *system, const Element *element, double time, con
     return answer;
 }
 
-static Answer find_slope(System *system, const Element *element, double time, const double *states, double *slope)
+static dse_answer find_slope(System *system, const Element *element, double time, const double *states, double *slope)
 {
     Exchange *x = element->exchange;
-    const Answer answer = put_point(system, element, time, states);
-    x->now.evaluations++;
-    return answer != DONE ? answer
+    const dse_answer answer = put_point(system, element, time, states);
+    x->solver.past.evaluations++;
+    return answer != DSE_DONE ? answer
                           : get_doubles(system, element, GET_DERIVATIVES, x->get_derivatives, x->n_states,
                                         SLOPE_NOT_FINITE, slope);
 }
 
 /* The event indicators where the FMU stands. */
-static Answer look(System *system, const Element *element, double *indicators)
+static dse_answer get_indicators(System *system, const Element *element, double *indicators)
 {
     const Exchange *x = element->exchange;
     return get_doubles(system, element, GET_EVENT_INDICATORS, x->get_indicators, x->n_indicators, INDICATOR_NOT_FINITE,
@@ -116,7 +112,7 @@ static bool get_states(System *system, const Element *element)
     const Exchange *x = element->exchange;
     return must(system, element,
                 get_doubles(system, element, GET_CONTINUOUS_STATES, x->get_states, x->n_states, STATE_NOT_FINITE,
-                            x->states));
+                            x->solver.to));
 }
 
 /* FMI's nominal for "unknown" is 1, and so is here what cannot be one. */
@@ -131,6 +127,22 @@ static bool get_nominals(System *system, const Element *element)
     for (int64_t k = 0; k < x->n_states; k++)
         x->nominals[k] = isfinite(x->nominals[k]) && x->nominals[k] != 0.0 ? fabs(x->nominals[k]) : 1.0;
     return true;
+}
+
+/* sensitivity = (d unknowns / d knowns) seed, all as they are inside of the FMU. */
+static bool directional_derivative(System *system, const Element *element, const uint32_t *unknowns,
+                                   size_t n_unknowns, const uint32_t *knowns, size_t n_knowns, const double *seed,
+                                   size_t n_seed, double *sensitivity, size_t n_sensitivity)
+{
+    enter_call(system, element->stepping.element, GET_DIRECTIONAL_DERIVATIVE);
+    if (!(element->abilities & CAN_DIRECTIONAL))
+        return fail(system, NO_FUNCTION, 0, 0, 0);
+    const FmiFunction get = element->get_directional_derivative;
+    return accept(system, element->version == 2
+                              ? ((Fmi2Directional)get)(element->instance, unknowns, n_unknowns, knowns, n_knowns, seed,
+                                                       sensitivity)
+                              : ((Fmi3Directional)get)(element->instance, unknowns, n_unknowns, knowns, n_knowns, seed,
+                                                       n_seed, sensitivity, n_sensitivity));
 }
 
 /* ---- modes ---- */

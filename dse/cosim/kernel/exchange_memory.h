@@ -3,7 +3,7 @@
 #ifndef DSE_COSIM_EXCHANGE_MEMORY_H
 #define DSE_COSIM_EXCHANGE_MEMORY_H
 
-#include "access.h"
+#include "kernel.h"
 
 /* Why an integration stopped; the failure's value is the time, its position as told. */
 enum {
@@ -19,26 +19,22 @@ enum {
     EVENT_NEVER         /* the time of the next event is not a number */
 };
 
-enum { STAGES = 8, SAMPLES = STAGES + 2, DENSE = 4 };
+/* Why the FMU could not be evaluated at the last point that was tried. */
+typedef struct {
+    int64_t kind, status, position, call;
+} dse_reason;
+
+#define DSE_OF_STATES(name) *name
+#define DSE_OF_MATRIX(name) *name
+#define DSE_OF_LOOK(name) *name
+#include "csolve/memory.h"
 
 /* Where the integration stands between two communication points. */
 typedef struct {
-    double time;         /* of the FMU */
-    double next_event;   /* infinite if the FMU has told of none */
-    double next_width;   /* of a solver's step, proposed by the error control; 0 without experience */
-    double error_before; /* of the last accepted step, for the controller */
-    double last_event;   /* time of the last event that was not one of the inputs */
-    int64_t events_close; /* events in a row with next to no time between them */
+    double time;       /* of the FMU */
+    double next_event; /* infinite if the FMU has told of none */
     int64_t in_event_mode;
-    int64_t is_stiff;        /* which solver is at work */
-    int64_t signs_of_other;  /* steps in a row after which the other solver would be better */
-    int64_t signs_of_this;   /* steps in a row that spoke for the present one */
-    int64_t steps, rejected, evaluations, jacobians, events; /* counted for tests and reports */
 } Standing;
-
-typedef struct {
-    int64_t kind, status, position, call;
-} Refusal;
 
 typedef struct {
     FmiFunction instantiate, enter_event_mode, update_discrete_states, enter_continuous_time, set_time, set_states,
@@ -46,36 +42,34 @@ typedef struct {
     const uint32_t *state_references, *derivative_references; /* one pair per variable */
     int64_t n_references, n_states, n_indicators;
     int64_t needs_completed_step, has_inputs, can_be_stiff;
-    double tolerance;
     Standing now, kept;
-
-    /* At now.time; n_kept doubles one after another, which *kept_values* has room for. */
-    double *states, *slope, *indicators, *nominals;
+    struct dse_past kept_past;
+    double *nominals;
+    /* States, slope, nominals and indicators at now.time lie one after another, in n_kept doubles. */
     double *kept_values;
     int64_t n_kept;
-
-    /* The last step went from *start* over *width*, and ends at *end*: less than start + width if there was an event.
-     * Its states are on the dense output. */
-    double start, width, end, span;
-    double *from, *to, *trial, *found, *time_slope;
-    double *stage[STAGES], *dense[DENSE];
-    double *jacobian, *factors;
-    uint32_t *pivot;
-    double *sample[SAMPLES]; /* indicators at the solver's stages, in the order of time */
-    double sample_at[SAMPLES];
-    double *low_indicators, *high_indicators, *seen_indicators;
-    int64_t samples, has_suspicion, has_event, has_jacobian, is_at_end, is_at_border, was_stiff;
-    Refusal refusal; /* why the FMU could not be evaluated at the last point that was tried */
+    struct dse_solver solver;
 } Exchange;
 
-/* Whether the FMU can be evaluated at a point; if not, another may be tried. FAILED: system->failure tells why. */
-typedef enum { DONE, REFUSED, FAILED } Answer;
+/* What the solvers are told about it. */
+typedef const Element dse_problem;
 
-static inline void copy_values(double *to, const double *from, int64_t count)
+static inline Exchange *exchange_of(const Element *element)
 {
-    for (int64_t i = 0; i < count; i++)
-        to[i] = from[i];
+    return element->exchange;
 }
+
+#define DSE_STATE_COUNT(p) exchange_of(p)->n_states
+#define DSE_CROSSING_COUNT(p) exchange_of(p)->n_indicators
+#define DSE_LOOK_SIZE(p) exchange_of(p)->n_indicators
+#define DSE_NOMINAL(p, k) exchange_of(p)->nominals[k]
+#define DSE_ABSOLUTE 0.01 /* as FMI 2.0.4 proposes where it speaks of nominals */
+#define DSE_HAS_STIFF true
+#define DSE_MAY_CHOOSE(p) exchange_of(p)->can_be_stiff
+/* The explicit solver's region of stability ends at 3.3, but the error control settles before, at 2.7; where accuracy
+ * decides, the product is 1 or less. */
+#define DSE_STIFF_FROM 2.0
+#include "csolve/problem.h"
 
 static inline int64_t number_of(const System *system, const Element *element)
 {

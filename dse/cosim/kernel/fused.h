@@ -4,7 +4,7 @@
 
 #include "element.h"
 
-#include "../../fmu/runtime/fused_abi.h"
+#include "csolve/fused_abi.h"
 
 /* A component could not make its step: the answer it would have given an FMI call decides what that means. */
 RARE static void take_answer(System *system, const Element *element, const dse_fused_run *run, double time)

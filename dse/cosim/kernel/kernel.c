@@ -2,16 +2,12 @@
  * too, but for the plain case, which has a tight loop of its own here: fixed communication step, Jacobi.
  *
  * At t = k*step, for k = 0 … steps: read all outputs, record them, write all inputs, let every element step.
- * dse/cosim/oracle/reference.py is the same in plain Python and must agree with this bit for bit. */
+ * tests/oracle/reference.py is the same in plain Python and must agree with this bit for bit. */
 #include "master.h"
 #include "exchange_alone.h"
 #include "fused.h"
 
-const int64_t dse_layout[12] = {sizeof(Progress),  sizeof(Log),     sizeof(Conversion), sizeof(Group),
-                                sizeof(Text),      sizeof(TextGroup), sizeof(Truth),    sizeof(Element),
-                                sizeof(Failure),   sizeof(System),  sizeof(Request),    LOG_LINES *LOG_WIDTH};
-const int64_t dse_plan_layout[7] = {sizeof(Operation), sizeof(Walk),       sizeof(Loop), sizeof(Pace),
-                                    sizeof(Bond),      sizeof(BondColumn), sizeof(Plan)};
+const char dse_sources[] = DSE_SOURCES;
 
 /* ---- the beginning and the end of a call ---- */
 

@@ -226,10 +226,8 @@ DSE_API void dse_tell_line(void *environment, const char *name, int status, cons
 /* Free what was allocated for texts. */
 DSE_API void dse_forget_texts(System *system);
 
-/* sizeof of the structures above in their order: a binding that disagrees must not go on. */
-DSE_API extern const int64_t dse_layout[12];
-
-/* The same for those of plan.h. */
-DSE_API extern const int64_t dse_plan_layout[7];
+/* A fingerprint of the sources this was compiled from, which hatch_build.py defines: a binding with others must not go
+ * on. */
+DSE_API extern const char dse_sources[];
 
 #endif

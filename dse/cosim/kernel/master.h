@@ -3,7 +3,6 @@
 #define DSE_COSIM_MASTER_H
 
 #include "adaptive.h"
-#include "newton.h"
 
 /* A fingerprint of what every element shows. */
 RARE static void digest(const System *system, uint64_t *digests)

@@ -18,8 +18,8 @@ import psutil
 
 from dse.cosim.failing.failure import RunFailed
 from dse.cosim.probing.journal import Journal
-from dse.cosim.spawn import start
 from dse.errors import DseError
+from dse.processes import start_process
 
 _LOOK_EVERY = 0.02
 _TO_START = 60.0
@@ -27,7 +27,7 @@ _SILENT = "no answer"
 
 
 @dataclass(frozen=True, slots=True)
-class Limits:
+class ProbeLimits:
     """What an experiment may use: wall time in seconds, resident memory in bytes."""
 
     time: float = 30.0
@@ -35,7 +35,7 @@ class Limits:
 
 
 @dataclass(frozen=True, slots=True)
-class Outcome:
+class ExperimentOutcome:
     """What came of an experiment: its *result*, or the *failure* that ended it, in words.
 
     *unclear* tells that it was not the FMU's doing, *hung* that it took too long; *count* is what the experiment had
@@ -53,7 +53,7 @@ Experiment = Callable[..., Any]
 """A function that can be imported by name; its first argument is the `Journal`."""
 
 
-def attempt(experiment: Experiment, *arguments: object, limits: Limits, anew: bool = False) -> Outcome:
+def attempt(experiment: Experiment, *arguments: object, limits: ProbeLimits, anew: bool = False) -> ExperimentOutcome:
     """Carry out ``experiment(journal, *arguments)`` in a process of its own; arguments and result are pickled.
 
     Processes come from one that has done nothing but imports, where the system can do that. One started *anew* has
@@ -66,18 +66,18 @@ def attempt(experiment: Experiment, *arguments: object, limits: Limits, anew: bo
         context = _context(anew=anew)
         near, far = context.Pipe(duplex=False)
         process = context.Process(target=_carry_out, args=(far, experiment, file, arguments), daemon=True)
-        start(process)
+        start_process(process)
         far.close()
         try:
             offence, report = _watch(near, process.pid or 0, limits, journal)
             if report is not None:
-                return Outcome(*report, count=journal.counted)
+                return ExperimentOutcome(*report, count=journal.counted)
             if offence:
                 process.kill()
             process.join()
             cause = offence or _cause(process.exitcode or 0)
             where = f" while {journal.doing}" if journal.doing else ""
-            return Outcome(failure=f"{cause}{where}", hung=offence.startswith(_SILENT), count=journal.counted)
+            return ExperimentOutcome(failure=f"{cause}{where}", hung=offence.startswith(_SILENT), count=journal.counted)
         finally:
             process.kill()
             process.join()
@@ -95,7 +95,7 @@ def _context(*, anew: bool) -> Any:  # the stubs have no word for both kinds
 
 
 def _watch(
-    connection: Connection, pid: int, limits: Limits, journal: Journal
+    connection: Connection, pid: int, limits: ProbeLimits, journal: Journal
 ) -> tuple[str, tuple[Any, str, bool] | None]:
     """Wait for the child's report; what it has to be killed for, if anything."""
     deadline = time.monotonic() + _TO_START + limits.time

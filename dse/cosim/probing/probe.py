@@ -8,13 +8,13 @@ from math import nan
 
 from dse.cosim.binding.layout import kernel
 from dse.cosim.probing import experiments, strain
-from dse.cosim.probing.child import Experiment, Limits, Outcome, attempt
+from dse.cosim.probing.child import Experiment, ExperimentOutcome, ProbeLimits, attempt
 from dse.cosim.probing.drive import Drive, drive_of, driven
 from dse.cosim.probing.subject import Trajectory
 from dse.domain.facts import Answer, FmuFacts, Question
 from dse.domain.fmu import FmuModel
 
-VERSION = 1
+PROBE_VERSION = 1
 """Of the experiments: facts found by another version are not comparable."""
 
 _STRENGTHS = (1.0, 0.05, 0.0)
@@ -34,7 +34,7 @@ def probe(
     model: FmuModel,
     platform: str,
     *,
-    limits: Limits | None = None,
+    limits: ProbeLimits | None = None,
     tell: Tell = lambda _: None,
     only: frozenset[Question] = frozenset(Question),
 ) -> FmuFacts:
@@ -45,14 +45,14 @@ def probe(
     Only the questions of *only* are asked, besides those that must be answered first.
     """
     kernel()  # that it is missing is no fact about an FMU
-    return _Probe(model, platform, limits or Limits(), tell, only).facts()
+    return _Probe(model, platform, limits or ProbeLimits(), tell, only).facts()
 
 
 @dataclass
 class _Probe:
     model: FmuModel
     platform: str
-    limits: Limits
+    limits: ProbeLimits
     tell: Tell
     only: frozenset[Question]
     answers: dict[Question, Answer] = field(default_factory=dict)
@@ -173,7 +173,7 @@ class _Probe:
             outcome = self._attempt(experiment, *arguments, anew=anew)
             self._settle(question, outcome, outcome.result or "")
 
-    def _settle(self, question: Question, outcome: Outcome, difference: str = "") -> None:
+    def _settle(self, question: Question, outcome: ExperimentOutcome, difference: str = "") -> None:
         against = outcome.failure or difference
         self.answers[question] = Answer.UNKNOWN if outcome.unclear else Answer.NO if against else Answer.YES
         if against:
@@ -184,9 +184,9 @@ class _Probe:
             self.answers[question], self.reasons[question] = Answer.UNKNOWN, why
 
     def _attempt(
-        self, experiment: Experiment, *arguments: object, limits: Limits | None = None, anew: bool = False
-    ) -> Outcome:
+        self, experiment: Experiment, *arguments: object, limits: ProbeLimits | None = None, anew: bool = False
+    ) -> ExperimentOutcome:
         return attempt(experiment, self.model, *arguments, limits=limits or self.limits, anew=anew)
 
-    def _longer(self) -> Limits:
+    def _longer(self) -> ProbeLimits:
         return replace(self.limits, time=self.limits.time + _STRAINING)

@@ -11,22 +11,23 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dse.cosim.binding import layout
-from dse.cosim.binding.calls import C_TYPES, FLOATING, Call, Type, function_name
+from dse.cosim.binding.calls import AccessorType, Call, function_name
 from dse.cosim.binding.library import about, address
-from dse.cosim.wiring.wiring import Group, has_event_mode
+from dse.cosim.tables.elements import KernelElements
+from dse.cosim.wiring.wiring import VariableGroup, has_event_mode
 from dse.domain.system import Conversion, Element
 
-_VALUE = ctypes.sizeof(ctypes.c_double)
+VALUE_SIZE = ctypes.sizeof(ctypes.c_double)
 
 
-class Slot(NamedTuple):
+class RawValue(NamedTuple):
     """Where an output lies as its accessor left it; type None where that is not what other elements are to be given."""
 
-    type: Type | None
+    type: AccessorType | None
     address: int
 
 
-class Place(NamedTuple):
+class GroupMemory(NamedTuple):
     """Where a group's *values* are: in a table, or, if they are *ready*, in the room of an output; *slopes* or None."""
 
     values: int
@@ -37,41 +38,44 @@ class Place(NamedTuple):
 class GroupMaker:
     """Makes the kernel's groups for elements of a system and keeps all memory they point into.
 
-    *libraries* are by the path of a model's library. *labels* names the values of each group by the group's id.
+    *labels* names the values of each group by the group's id.
     """
 
-    def __init__(self, elements: Sequence[Element], libraries: Mapping[str, ctypes.CDLL]) -> None:
+    def __init__(self, elements: KernelElements) -> None:
         self._elements = elements
-        self._libraries = libraries
         self._kept: list[Any] = []
         self._given_rooms: dict[tuple[int, str], int] = {}
         self.labels: list[tuple[str, ...]] = []
         self.made: list[layout.Groups] = []
 
-    def number_group(self, index: int, group: Group, verb: Call, place: Place) -> layout.Group:
+    def number_group(self, index: int, group: VariableGroup, verb: Call, memory: GroupMemory) -> layout.Group:
         """Numbers of the element with that *index*."""
-        element = self._elements[index]
-        count, size = len(group.labels), ctypes.sizeof(C_TYPES[group.type])
+        element = self._elements.elements[index]
+        count, size = len(group.labels), group.type.size
         conversions = self._conversions([element.conversions.get(v.name) for v in group.variables for _ in v.labels])
         transforms = self._conversions(group.transforms)
         changes = conversions is not None or transforms is not None
-        needs_room = not place.is_ready and (group.type is not Type.FLOAT64 or changes or place.slopes is not None)
+        needs_room = not memory.is_ready and (
+            group.type is not AccessorType.FLOAT64 or changes or memory.slopes is not None
+        )
         return layout.Group(
             **self._call(element, index, group, verb),
-            room=self._room(size * count) if needs_room else place.values,
+            room=self._room(size * count) if needs_room else memory.values,
             n_values=count,
-            values=place.values,
+            values=memory.values,
             conversions=conversions,
             transforms=transforms,
-            slopes=place.slopes,
-            scratch=self._room(_VALUE * count) if (verb is Call.SET and changes) or place.slopes is not None else None,
-            orders=None if place.slopes is None else self._array(np.ones(len(group.variables), np.int32)),
+            slopes=memory.slopes,
+            scratch=self._room(VALUE_SIZE * count)
+            if (verb is Call.SET and changes) or memory.slopes is not None
+            else None,
+            orders=None if memory.slopes is None else self._array(np.ones(len(group.variables), np.int32)),
             given=self._given(index, group, size * count),
         )
 
-    def text_group(self, index: int, group: Group, verb: Call, texts: int) -> layout.TextGroup:
+    def text_group(self, index: int, group: VariableGroup, verb: Call, texts: int) -> layout.TextGroup:
         """Strings or binaries of the element with that *index*; *texts* is where the table of texts begins."""
-        element = self._elements[index]
+        element = self._elements.elements[index]
         count = len(group.labels)
         where = np.array([texts + ctypes.sizeof(layout.Text) * at for at in group.positions], np.uint64)
         return layout.TextGroup(
@@ -80,7 +84,7 @@ class GroupMaker:
             sizes=self._room(ctypes.sizeof(ctypes.c_size_t) * count),
             texts=self._array(where),
             n_values=count,
-            given=self._given(index, group, _VALUE * count),
+            given=self._given(index, group, VALUE_SIZE * count),
         )
 
     def together(self, numbers: Sequence[layout.Group], texts: Sequence[layout.TextGroup] = ()) -> layout.Groups:
@@ -111,30 +115,29 @@ class GroupMaker:
         self.made.append(made)
         return made
 
-    def _call(self, element: Element, index: int, group: Group, verb: Call) -> dict[str, Any]:
+    def _call(self, element: Element, index: int, group: VariableGroup, verb: Call) -> dict[str, Any]:
         model, call = element.model, verb + group.type
         self.labels.append(tuple(f"{element.name}.{label}" for label in group.labels))
         with about(element.name):
-            access = address(model, self._libraries[str(model.library)], function_name(call, model.version))
+            access = address(model, self._elements.library(index), function_name(call, model.version))
         return {
             "access": access,
             "references": self._array(np.array([variable.reference for variable in group.variables], np.uint32)),
             "count": len(group.variables),
             "version": model.version,
             "type": group.type,
-            "element": index,
-            "call": call,
+            "place": layout.Place(index, call),
             "id": len(self.labels) - 1,
         }
 
-    def _given(self, index: int, group: Group, size: int) -> int | None:
+    def _given(self, index: int, group: VariableGroup, size: int) -> int | None:
         """Room for what a variable that is set in event mode was given last, and when, and to save that: one for all of
         its groups."""
-        if not group.is_discrete or not has_event_mode(self._elements[index].model):
+        if not group.is_discrete or not has_event_mode(self._elements.elements[index].model):
             return None
         key = index, group.variables[0].name
         if key not in self._given_rooms:
-            self._given_rooms[key] = self._room(2 * (_VALUE + -(-size // _VALUE) * _VALUE))
+            self._given_rooms[key] = self._room(2 * (VALUE_SIZE + -(-size // VALUE_SIZE) * VALUE_SIZE))
         return self._given_rooms[key]
 
     def _conversions(self, wanted: Sequence[Conversion | None]) -> int | None:
@@ -151,35 +154,35 @@ class GroupMaker:
         return ctypes.addressof(array)
 
     def _room(self, size: int) -> int:
-        return self._array(np.zeros(-(-size // _VALUE), np.float64))
+        return self._array(np.zeros(-(-size // VALUE_SIZE), np.float64))
 
     def _array(self, array: NDArray[Any]) -> int:
         self._kept.append(array)
         return int(array.ctypes.data)
 
 
-def slots_of(structure: layout.Group) -> list[Slot]:
+def raw_values(structure: layout.Group) -> list[RawValue]:
     """Where each value of a group of outputs lies."""
-    kind, size = Type(structure.type), ctypes.sizeof(C_TYPES[Type(structure.type)])
+    kind = AccessorType(structure.type)
     known = None if structure.conversions else kind
-    return [Slot(known, structure.room + size * number) for number in range(structure.n_values)]
+    return [RawValue(known, structure.room + kind.size * number) for number in range(structure.n_values)]
 
 
-def in_place(group: Group, slots: Sequence[Slot], conversions: Mapping[str, Conversion]) -> int | None:
+def in_place(group: VariableGroup, raw: Sequence[RawValue], conversions: Mapping[str, Conversion]) -> int | None:
     """Where the input *group* finds its values ready to be passed on, one after another; None if nowhere.
 
     Floating-point values are never passed on in place: the kernel looks at them on the way.
     """
-    if group.type in FLOATING or group.transforms or any(v.name in conversions for v in group.variables):
+    if group.type.is_floating or group.transforms or any(v.name in conversions for v in group.variables):
         return None
-    first, size = slots[group.positions[0]].address, ctypes.sizeof(C_TYPES[group.type])
-    wanted = [Slot(group.type, first + size * number) for number in range(len(group.positions))]
-    return first if [slots[position] for position in group.positions] == wanted else None
+    first, size = raw[group.positions[0]].address, group.type.size
+    wanted = [RawValue(group.type, first + size * number) for number in range(len(group.positions))]
+    return first if [raw[position] for position in group.positions] == wanted else None
 
 
-def parts_of(group: Group, names: Collection[str], *, neighbours: bool) -> list[Group]:
+def parts_of(group: VariableGroup, names: Collection[str], *, neighbours: bool) -> list[VariableGroup]:
     """Those variables of *group* with the given *names*, with *neighbours* in groups whose values lie side by side."""
-    parts: list[Group] = []
+    parts: list[VariableGroup] = []
     at = 0
     last = None
     for number, variable in enumerate(group.variables):
@@ -201,9 +204,11 @@ def parts_of(group: Group, names: Collection[str], *, neighbours: bool) -> list[
 
 
 def _is_truth(structure: layout.Group) -> bool:
-    return bool(structure.call == Call.GET + Type.FMI2_BOOLEAN and not structure.conversions)
+    return bool(structure.place.call == Call.GET + AccessorType.FMI2_BOOLEAN and not structure.conversions)
 
 
 def _truths(structure: layout.Group) -> list[layout.Truth]:
-    room = ctypes.sizeof(C_TYPES[Type.FMI2_BOOLEAN])
-    return [layout.Truth(structure.room + room * n, structure.values + _VALUE * n) for n in range(structure.n_values)]
+    room = AccessorType.FMI2_BOOLEAN.size
+    return [
+        layout.Truth(structure.room + room * n, structure.values + VALUE_SIZE * n) for n in range(structure.n_values)
+    ]

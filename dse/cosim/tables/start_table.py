@@ -4,43 +4,37 @@ from __future__ import annotations
 
 import ctypes
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from dse.cosim.binding import layout
 from dse.cosim.binding.calls import Call
-from dse.cosim.tables.groups import GroupMaker, Place
-from dse.cosim.tables.starts import Starts, starts_of
-from dse.cosim.wiring.wiring import Group
+from dse.cosim.tables.elements import KernelElements
+from dse.cosim.tables.groups import VALUE_SIZE, GroupMaker, GroupMemory
+from dse.cosim.tables.starts import starts_of
+from dse.cosim.wiring.wiring import VariableGroup
+from dse.domain.system import SystemStructure
 from dse.errors import fail
-
-if TYPE_CHECKING:
-    from dse.cosim.tables.tables import Tables
-
-_VALUE = ctypes.sizeof(ctypes.c_double)
 
 
 class StartTable:
-    """Where start values lie, and the system's own; creating one makes *tables* use it."""
+    """Where the start values of *system* lie, and those with the names *extra*, which runs set and it does not.
 
-    def __init__(self, tables: Tables, extra: Sequence[str]) -> None:
-        self._starts = starts_of(tables.wiring.system, extra)
-        self.positions = self._starts.positions
+    *groups* are those of each element, and those of its structural parameters. *labels* names the values of the group
+    with each id. *address* is where the values begin.
+    """
+
+    def __init__(self, elements: KernelElements, system: SystemStructure, extra: Sequence[str]) -> None:
+        self._starts = starts = starts_of(system, extra)
+        self.positions = starts.positions
         self.extra = frozenset(extra)
-        """What runs set and the system does not."""
-        self._own = np.array(self._starts.values, np.float64)
+        self._own = np.array(starts.values, np.float64)
         self._values = self._own.copy()
-        self._texts, self._bytes = _lent(self._starts.own_texts)
-        # Built before it is put to use: a missing accessor must leave the tables as they were.
-        self._maker = GroupMaker(tables.wiring.system.elements, tables.libraries)
+        self.address = int(self._values.ctypes.data)
+        self._texts, self._bytes = _lent(starts.own_texts)
+        self._maker = GroupMaker(elements)
         self.labels = self._maker.labels
-        count = len(tables.elements)
-        made = [(self._groups(self._starts, index), self._configuration(index)) for index in range(count)]
-        for element, (starts, configuration) in zip(tables.elements, made, strict=True):
-            element.starts, element.configuration = starts, configuration
-        tables.system.starts = self._values.ctypes.data
-        tables.publish(self._maker.made)
+        self.groups = [self._groups(index) for index in range(len(system.elements))]
 
     def covers(self, start: Mapping[str, float]) -> bool:
         """Whether *start* gives values to exactly the extra names and otherwise to names the system sets itself."""
@@ -56,18 +50,17 @@ class StartTable:
                 self._values[:] = self._own
                 raise fail(f"{name}: structural parameters cannot be given a value by a run")
 
-    def _groups(self, starts: Starts, index: int) -> layout.Groups:
+    def _groups(self, index: int) -> tuple[layout.Groups, layout.Groups]:
         texts = ctypes.addressof(self._texts)
-        numbers = [self._number_group(index, group) for group in starts.groups[index]]
-        return self._maker.together(
-            numbers, [self._maker.text_group(index, group, Call.SET, texts) for group in starts.texts[index]]
+        numbers, structural = (
+            [self._number_group(index, group) for group in groups[index]]
+            for groups in (self._starts.groups, self._starts.configuration)
         )
+        text_groups = [self._maker.text_group(index, group, Call.SET, texts) for group in self._starts.texts[index]]
+        return self._maker.together(numbers, text_groups), self._maker.together(structural)
 
-    def _configuration(self, index: int) -> layout.Groups:
-        return self._maker.together([self._number_group(index, group) for group in self._starts.configuration[index]])
-
-    def _number_group(self, index: int, group: Group) -> layout.Group:
-        where = Place(self._values.ctypes.data + _VALUE * group.positions[0])
+    def _number_group(self, index: int, group: VariableGroup) -> layout.Group:
+        where = GroupMemory(self.address + VALUE_SIZE * group.positions[0])
         return self._maker.number_group(index, group, Call.SET, where)
 
 

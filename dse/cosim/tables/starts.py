@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sized
 from dataclasses import dataclass, replace
 
-from dse.cosim.binding.calls import TRUTHS, text_type_of, type_of
-from dse.cosim.wiring.conversion import outside
-from dse.cosim.wiring.wiring import Group, groups_by_type
+from dse.cosim.binding.calls import text_type_of, type_of
+from dse.cosim.wiring.wiring import VariableGroup, groups_by_type
 from dse.domain.fmu import Variable
 from dse.domain.system import Element, SystemStructure
 from dse.errors import Problem, raise_if_any
@@ -23,9 +22,9 @@ class Starts:
 
     positions: Mapping[str, int]
     values: tuple[float, ...]
-    groups: tuple[tuple[Group, ...], ...]
-    configuration: tuple[tuple[Group, ...], ...]
-    texts: tuple[tuple[Group, ...], ...]
+    groups: tuple[tuple[VariableGroup, ...], ...]
+    configuration: tuple[tuple[VariableGroup, ...], ...]
+    texts: tuple[tuple[VariableGroup, ...], ...]
     own_texts: tuple[bytes, ...]
     structural: frozenset[str]
 
@@ -38,40 +37,61 @@ def starts_of(system: SystemStructure, extra: Iterable[str]) -> Starts:
     given = {f"{e.name}.{name}": float(value) for e in system.elements for name, value in e.start.items()}
     asked = dict.fromkeys(extra)
     raise_if_any(_problems(system, given, asked))
-    at: dict[str, int] = {}
-    own: list[float] = []
-    groups: list[tuple[Group, ...]] = []
-    configuration: list[tuple[Group, ...]] = []
+    numbers: dict[str, float] = {}
+    texts: dict[str, bytes] = {}
+    structural: set[str] = set()
+    groups: list[tuple[VariableGroup, ...]] = []
+    configuration: list[tuple[VariableGroup, ...]] = []
+    text_groups: list[tuple[VariableGroup, ...]] = []
     problems: list[Problem] = []
     for element in system.elements:
-        wanted = [v for v in element.model.variables.values() if _is_wanted(element, v, given.keys() | asked.keys())]
+        names = given.keys() | asked.keys()
+        variables = element.model.variables.values()
+        wanted = [v for v in variables if any(f"{element.name}.{label}" in names for label in v.labels)]
         for is_structural, parts in ((False, groups), (True, configuration)):
             part = []
             for group in groups_by_type(element, (v for v in wanted if v.is_structural is is_structural)):
-                labels = [
-                    (f"{element.name}.{label}", v, i) for v in group.variables for i, label in enumerate(v.labels)
-                ]
-                part.append(replace(group, positions=tuple(range(len(at), len(at) + len(labels)))))
-                at |= {label: len(at) + number for number, (label, _, _) in enumerate(labels)}
-                for label, variable, index in labels:
-                    value = given[label] if label in given else _described(element, variable, index, label in asked)
+                part.append(_placed(group, numbers))
+                for name, variable, index in _values(element, group):
+                    value = given[name] if name in given else _described(element, variable, index, name in asked)
                     if value is None:
-                        problems.append(_untold(label, variable))
-                    own.append(0.0 if value is None else value)
+                        problems.append(_untold(name, variable))
+                    if is_structural:
+                        structural.add(name)
+                    numbers[name] = 0.0 if value is None else value
             parts.append(tuple(part))
+        part = []
+        named = (v for v in variables if any(label in element.texts for label in v.labels))
+        for group in groups_by_type(element, named, texts=True):
+            part.append(_placed(group, texts))
+            for name, variable, index in _values(element, group):
+                label = variable.labels[index]
+                text = element.texts[label] if label in element.texts else _described_text(variable, index)
+                if text is None:
+                    problems.append(_untold(name, variable))
+                texts[name] = text.encode() if isinstance(text, str) else text or b""
+        text_groups.append(tuple(part))
     raise_if_any(problems)
-    texts, own_texts = _texts(system)
-    structural = frozenset(
-        f"{element.name}.{label}"
-        for element, part in zip(system.elements, configuration, strict=True)
-        for group in part
-        for label in group.labels
+    return Starts(
+        positions={name: position for position, name in enumerate(numbers)},
+        values=tuple(numbers.values()),
+        groups=tuple(groups),
+        configuration=tuple(configuration),
+        texts=tuple(text_groups),
+        own_texts=tuple(texts.values()),
+        structural=frozenset(structural),
     )
-    return Starts(at, tuple(own), tuple(groups), tuple(configuration), texts, own_texts, structural)
 
 
-def _is_wanted(element: Element, variable: Variable, names: Iterable[str]) -> bool:
-    return any(f"{element.name}.{label}" in names for label in variable.labels)
+def _placed(group: VariableGroup, values: Sized) -> VariableGroup:
+    """*group* with positions behind *values*."""
+    return replace(group, positions=tuple(range(len(values), len(values) + len(group.labels))))
+
+
+def _values(element: Element, group: VariableGroup) -> Iterator[tuple[str, Variable, int]]:
+    for variable in group.variables:
+        for index, label in enumerate(variable.labels):
+            yield f"{element.name}.{label}", variable, index
 
 
 def _described(element: Element, variable: Variable, index: int, asked: bool) -> float | None:
@@ -82,8 +102,14 @@ def _described(element: Element, variable: Variable, index: int, asked: bool) ->
         return None
     text = texts[index] if len(texts) > 1 else texts[0]
     kind = type_of(variable, element.model.version)
-    value = float(text.strip() in ("true", "1")) if kind in TRUTHS else float(text)
-    return outside(element.conversions.get(variable.name), value)
+    is_boolean = kind is not None and kind.is_boolean
+    value = float(text.strip() in ("true", "1")) if is_boolean else float(text)
+    conversion = element.conversions.get(variable.name)
+    if conversion is None:
+        return value
+    if conversion.items:
+        return next((outside for inside, outside in conversion.items if inside == value), None)
+    return conversion.factor * value + conversion.offset
 
 
 def _untold(label: str, variable: Variable) -> Problem:
@@ -91,26 +117,6 @@ def _untold(label: str, variable: Variable) -> Problem:
         f"{label}: the FMU does not tell the start values of the array",
         hint=f"give a value to each of {variable.labels[0]} to {variable.labels[-1]}",
     )
-
-
-def _texts(system: SystemStructure) -> tuple[tuple[tuple[Group, ...], ...], tuple[bytes, ...]]:
-    own: list[bytes] = []
-    parts = []
-    problems: list[Problem] = []
-    for element in system.elements:
-        named = [v for v in element.model.variables.values() if any(label in element.texts for label in v.labels)]
-        part = []
-        for group in groups_by_type(element, named, texts=True):
-            labels = [(label, v, i) for v in group.variables for i, label in enumerate(v.labels)]
-            part.append(replace(group, positions=tuple(range(len(own), len(own) + len(labels)))))
-            for label, variable, index in labels:
-                text = element.texts[label] if label in element.texts else _described_text(variable, index)
-                if text is None:
-                    problems.append(_untold(f"{element.name}.{label}", variable))
-                own.append(text.encode() if isinstance(text, str) else text or b"")
-        parts.append(tuple(part))
-    raise_if_any(problems)
-    return tuple(parts), tuple(own)
 
 
 def _described_text(variable: Variable, index: int) -> str | bytes | None:

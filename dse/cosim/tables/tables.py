@@ -3,67 +3,54 @@
 from __future__ import annotations
 
 import ctypes
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Collection, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
 
 from dse.cosim.binding import layout
-from dse.cosim.binding.abilities import Ability, abilities_of, takes_slopes
+from dse.cosim.binding.abilities import Ability
 from dse.cosim.binding.calls import Call
-from dse.cosim.binding.integration import Integration
-from dse.cosim.binding.lasting import borrow, give_back
-from dse.cosim.binding.library import about, lifecycle, load, resources
-from dse.cosim.binding.log import expanded
-from dse.cosim.tables.groups import GroupMaker, Place, Slot, in_place, parts_of, slots_of
+from dse.cosim.tables.elements import KernelElements
+from dse.cosim.tables.groups import VALUE_SIZE, GroupMaker, GroupMemory, RawValue, in_place, parts_of, raw_values
 from dse.cosim.tables.start_table import StartTable
-from dse.cosim.wiring.wiring import Group, Wiring
-from dse.domain.fmu import FmiInterface, FmuModel
-from dse.domain.system import Element
-
-_VALUE = ctypes.sizeof(ctypes.c_double)
+from dse.cosim.wiring.wiring import VariableGroup, Wiring
 
 
 class Tables:
     """The kernel's view of a system; owns all memory that *system* points into.
 
     *plain* is set if the loop of kernel.c is enough: numbers only, and no element that has to be asked what it wants.
-    Otherwise, or if the caller says so, every input is staged: *staged_at* says where. *slopes* lie beside the staged
-    values, per second. *labels* names the values of the group with each id. Libraries are loaded here, each once.
-    There are no instances yet.
+    Otherwise, or if the caller says so, every input is staged. *slopes* lie beside the staged values, per second.
+    *labels* names the values of the group with each id. Libraries are loaded here, each once. There are no instances
+    yet.
     """
 
     def __init__(self, wiring: Wiring, progress: memoryview | None, *, plain: bool = True) -> None:
         self.wiring = wiring
-        elements = wiring.system.elements
-        self.values = np.zeros(len(wiring.values), np.float64)
-        self.elements, self._logs = borrow(len(elements))
         self._block = _block(progress)
-        self.libraries = {str(e.model.library): self._load(index, e) for index, e in enumerate(elements)}
-        self.abilities = tuple(abilities_of(e.model, self.libraries[str(e.model.library)]) for e in elements)
-        are_plain = (_is_plain(e.model, able) for e, able in zip(elements, self.abilities, strict=True))
-        self.plain = plain and not wiring.texts and all(are_plain)
-        self._integrations: list[Integration] = []
-        self._intermediate: list[NDArray[np.uint32]] = []
+        self.elements = KernelElements(wiring.system.elements, self._block)
+        structures = self.elements.structures
+        self.plain = plain and not wiring.texts and all(map(_is_plain, structures))
+        self.values = np.zeros(len(wiring.values), np.float64)
         self._texts = (layout.Text * max(1, len(wiring.texts)))()
-        self._maker = GroupMaker(elements, self.libraries)
+        self._maker = GroupMaker(self.elements)
         self.labels = self._maker.labels
-        outputs = [self._outputs(index, wiring.outputs[index]) for index in range(len(elements))]
-        self.sources, self.staged_at, self._spans = self._stage(
-            [slot for part in outputs for g in part for slot in slots_of(g)]
-        )
-        self.staged = np.zeros(self.sources.size, np.float64)
-        self.slopes = np.zeros(self.sources.size, np.float64)
-        inputs = [self._inputs(index) for index in range(len(elements))]
-        text_outputs = [self._text_groups(i, wiring.text_outputs[i], Call.GET) for i in range(len(elements))]
-        text_inputs = [self._text_groups(i, wiring.text_inputs[i], Call.SET) for i in range(len(elements))]
-        for index, element in enumerate(self.elements):
-            element.outputs = self._maker.together(outputs[index], text_outputs[index])
-            element.inputs = self._maker.together(inputs[index], text_inputs[index])
-            self._fill(index)
+        indices = range(len(structures))
+        outputs = [self._outputs(index, wiring.outputs[index]) for index in indices]
+        text_outputs = [self._text_groups(index, wiring.text_outputs[index], Call.GET) for index in indices]
+        self._stage([raw for part in outputs for group in part for raw in raw_values(group)])
+        inputs = [self._inputs(index) for index in indices]
+        text_inputs = [self._text_groups(index, wiring.text_inputs[index], Call.SET) for index in indices]
         together = self._maker.together
+        for index, structure in enumerate(structures):
+            structure.outputs = together(outputs[index], text_outputs[index])
+            structure.inputs = together(inputs[index], text_inputs[index])
+            structure.first_value, structure.n_values = _span(wiring.outputs, index)
+            structure.first_staged, structure.n_staged = self._spans[index]
+            self.elements.set_between(index, (group for group in wiring.inputs[index] if self._moves(index, group)))
         self.system = layout.System(
-            elements=ctypes.addressof(self.elements),
+            elements=ctypes.addressof(structures),
             outputs=together([g for part in outputs for g in part], [g for part in text_outputs for g in part]),
             inputs=together([g for part in inputs for g in part], [g for part in text_inputs for g in part]),
             values=self.values.ctypes.data,
@@ -72,22 +59,19 @@ class Tables:
             sources=self.sources.ctypes.data,
             texts=ctypes.addressof(self._texts),
             n_texts=len(wiring.texts),
-            n_elements=len(self.elements),
+            n_elements=len(structures),
             n_values=self.values.size,
             n_staged=self.staged.size,
             is_plain=self.plain,
             progress=ctypes.addressof(self._block) if self._block else None,
         )
-        self.starts = StartTable(self, ())
+        self.set_starts(())
 
     def reading(self, index: int, names: Collection[str]) -> layout.Groups:
         """Groups that read the outputs called *names* (variables, not labels) of an element, texts too."""
-        groups = []
-        for group in self.wiring.outputs[index]:
-            for part in parts_of(group, names, neighbours=True):
-                where = Place(self.values.ctypes.data + _VALUE * part.positions[0])
-                groups.append(self._maker.number_group(index, part, Call.GET, where))
-        return self._known(groups, self._text_parts(index, self.wiring.text_outputs[index], names, Call.GET))
+        parts = [p for group in self.wiring.outputs[index] for p in parts_of(group, names, neighbours=True)]
+        texts = self._text_parts(index, self.wiring.text_outputs[index], names, Call.GET)
+        return self._maker.together(self._outputs(index, parts), texts)
 
     def writing(
         self,
@@ -106,156 +90,106 @@ class Tables:
         sources: list[int] = []
         for group in self.wiring.inputs[index]:
             for part in parts_of(group, names, neighbours=False):
-                at = _VALUE * (first + len(sources))
-                moves = slopes is not None and self._moves(index, part)
-                slope = slopes.ctypes.data + at if slopes is not None and moves else None
-                where = Place(staged.ctypes.data + at, slopes=slope)
-                groups.append(self._maker.number_group(index, part, Call.SET, where))
+                groups.append(self._staged_group(index, part, staged, first + len(sources), slopes))
                 sources += part.positions
         texts = self._text_parts(index, self.wiring.text_inputs[index], names, Call.SET)
-        return self._known(groups, texts), tuple(sources)
+        return self._maker.together(groups, texts), tuple(sources)
 
-    def log(self, index: int) -> tuple[str, ...]:
-        """What the element with this *index* has logged since the last call into the kernel began."""
-        return expanded(self._logs[index].read(), self.wiring.system.elements[index].model)
+    def set_starts(self, extra: Sequence[str]) -> None:
+        """Have start values for *extra*, besides those the system sets itself; DseError for unknown names.
 
-    def add_starts(self, extra: Sequence[str]) -> None:
-        """Make room for start values the system does not set itself; DseError for unknown names."""
-        self.starts = StartTable(self, extra)
+        Then the tables are as they were.
+        """
+        self.starts = StartTable(self.elements, self.wiring.system, extra)
+        for structure, (starts, configuration) in zip(self.elements.structures, self.starts.groups, strict=True):
+            structure.starts, structure.configuration = starts, configuration
+        self.system.starts = self.starts.address
+        self.publish()
+
+    def publish(self) -> None:
+        """Let the kernel know of all groups that have been made."""
+        made = [*self._maker.made, *(groups for pair in self.starts.groups for groups in pair)]
+        self._published = (layout.Groups * len(made))(*made)
+        self.system.tables = ctypes.addressof(self._published)
+        self.system.n_tables = len(made)
 
     def release(self) -> None:
         """Free what the kernel keeps, and let go of the progress block, so that its memory can be closed."""
         layout.kernel().dse_forget_texts(ctypes.byref(self.system))
         self.system.progress = None
         self._block = None
-        give_back(self.elements, self._logs)
+        self.elements.release()
 
-    def publish(self, starts: Sequence[layout.Groups]) -> None:
-        """Let the kernel know of all groups that have been made, and of those of start values."""
-        self._start_groups = tuple(starts)
-        made = [*self._maker.made, *self._start_groups]
-        self._published = (layout.Groups * (2 * len(made)))(*made)
-        self.system.tables = ctypes.addressof(self._published)
-        self.system.n_tables = len(made)
-
-    def text(self, position: int) -> bytes:
-        """The string or binary at that *position* of ``wiring.texts`` as it was read last."""
-        text = self._texts[position]
-        return ctypes.string_at(text.bytes, text.size) if text.bytes else b""
-
-    def _known(self, groups: Sequence[layout.Group], texts: Sequence[layout.TextGroup]) -> layout.Groups:
-        made = self._maker.together(groups, texts)
-        if self.system.n_tables < len(self._published):
-            self._published[self.system.n_tables] = made
-            self.system.n_tables += 1
-        else:
-            self.publish(self._start_groups)
-        return made
-
-    def _outputs(self, index: int, groups: Sequence[Group]) -> list[layout.Group]:
-        base = self.values.ctypes.data
+    def _outputs(self, index: int, groups: Sequence[VariableGroup]) -> list[layout.Group]:
         return [
-            self._maker.number_group(index, group, Call.GET, Place(base + _VALUE * group.positions[0]))
+            self._maker.number_group(
+                index, group, Call.GET, GroupMemory(self.values.ctypes.data + VALUE_SIZE * group.positions[0])
+            )
             for group in groups
         ]
 
-    def _stage(self, slots: Sequence[Slot]) -> tuple[NDArray[np.int32], Mapping[str, int], Sequence[tuple[int, int]]]:
+    def _stage(self, raw: Sequence[RawValue]) -> None:
+        """Give each input its place: among the staged values, or where an output lies ready."""
         sources: list[int] = []
-        staged_at: dict[str, int] = {}
-        spans: list[tuple[int, int]] = []
+        self._spans: list[tuple[int, int]] = []
         self._ready: list[list[int | None]] = []
-        for element, part in zip(self.wiring.system.elements, self.wiring.inputs, strict=True):
+        for element, part in zip(self.elements.elements, self.wiring.inputs, strict=True):
             began = len(sources)
-            ready = [in_place(group, slots, element.conversions) if self.plain else None for group in part]
+            ready = [in_place(group, raw, element.conversions) if self.plain else None for group in part]
             for group, where in zip(part, ready, strict=True):
                 if where is None:
-                    staged_at |= {f"{element.name}.{label}": len(sources) + i for i, label in enumerate(group.labels)}
                     sources += group.positions
             self._ready.append(ready)
-            spans.append((began, len(sources) - began))
-        return np.array(sources, np.int32), staged_at, spans
+            self._spans.append((began, len(sources) - began))
+        self.sources = np.array(sources, np.int32)
+        self.staged, self.slopes = np.zeros(len(sources)), np.zeros(len(sources))
 
     def _inputs(self, index: int) -> list[layout.Group]:
         groups = []
         position = self._spans[index][0]
         for group, ready in zip(self.wiring.inputs[index], self._ready[index], strict=True):
             if ready is None:
-                slope = self.slopes.ctypes.data + _VALUE * position if self._moves(index, group) else None
-                where = Place(self.staged.ctypes.data + _VALUE * position, slopes=slope)
+                groups.append(self._staged_group(index, group, self.staged, position, self.slopes))
                 position += len(group.positions)
             else:
-                where = Place(ready, is_ready=True)
-            groups.append(self._maker.number_group(index, group, Call.SET, where))
+                groups.append(self._maker.number_group(index, group, Call.SET, GroupMemory(ready, is_ready=True)))
         return groups
 
-    def _moves(self, index: int, group: Group) -> bool:
-        """Whether the inputs of *group* can follow slopes."""
-        able = self.abilities[index]
-        if self.plain or not group.moves:
-            return False
-        element = self.wiring.system.elements[index]
-        if any(element.conversions[v.name].items for v in group.variables if v.name in element.conversions):
-            return False
-        if any(transform is not None and transform.items for transform in group.transforms):
-            return False
-        return takes_slopes(element.model, able)
+    def _staged_group(
+        self,
+        index: int,
+        group: VariableGroup,
+        staged: NDArray[np.float64],
+        first: int,
+        slopes: NDArray[np.float64] | None,
+    ) -> layout.Group:
+        at = VALUE_SIZE * first
+        slope = slopes.ctypes.data + at if slopes is not None and self._moves(index, group) else None
+        return self._maker.number_group(index, group, Call.SET, GroupMemory(staged.ctypes.data + at, slopes=slope))
 
-    def _text_groups(self, index: int, groups: Sequence[Group], verb: Call) -> list[layout.TextGroup]:
+    def _moves(self, index: int, group: VariableGroup) -> bool:
+        """Whether the inputs of *group* can follow slopes."""
+        if self.plain or not group.moves or group.has_items(self.elements.elements[index]):
+            return False
+        return bool(self.elements.structures[index].takes_slopes)
+
+    def _text_groups(self, index: int, groups: Sequence[VariableGroup], verb: Call) -> list[layout.TextGroup]:
         return [self._maker.text_group(index, group, verb, ctypes.addressof(self._texts)) for group in groups]
 
     def _text_parts(
-        self, index: int, groups: Sequence[Group], names: Collection[str], verb: Call
+        self, index: int, groups: Sequence[VariableGroup], names: Collection[str], verb: Call
     ) -> list[layout.TextGroup]:
         parts = [part for group in groups for part in parts_of(group, names, neighbours=False)]
         return self._text_groups(index, parts, verb)
 
-    def _load(self, index: int, element: Element) -> ctypes.CDLL:
-        # Noted, as a library may already crash when it is loaded.
-        if self._block:
-            self._block.element, self._block.call, self._block.step = index, Call.LOAD, -1
-        with about(element.name):
-            library = load(element.model)
-        if self._block:
-            self._block.call = Call.IDLE
-        return library
 
-    def _fill(self, index: int) -> None:
-        element, target = self.wiring.system.elements[index], self.elements[index]
-        model, able = element.model, self.abilities[index]
-        target.version, target.abilities = model.version, able
-        target.name = element.name.encode()
-        target.token = model.token.encode()
-        target.resources = resources(model).encode()
-        with about(element.name):
-            functions = lifecycle(model, self.libraries[str(model.library)])
-        for call, where in functions.items():
-            setattr(target, call.name.lower(), where)
-        if _is_exchange(model):
-            integration = Integration(model, self.libraries[str(model.library)], has_inputs=bool(element.inputs))
-            self._integrations.append(integration)
-            target.exchange = integration.pointer
-        target.stepping_element, target.stepping_call = index, Call.DO_STEP
-        target.log = ctypes.addressof(self._logs[index])
-        target.first_value, target.n_values = _span(self.wiring.outputs, index)
-        target.first_staged, target.n_staged = self._spans[index]
-        target.takes_slopes = takes_slopes(model, able)
-        if able & Ability.ASKS_BETWEEN:
-            moving = [v.reference for g in self.wiring.inputs[index] if self._moves(index, g) for v in g.variables]
-            self._intermediate.append(np.array(moving, np.uint32))
-            target.intermediate, target.n_intermediate = self._intermediate[-1].ctypes.data, len(moving)
-
-
-def _span(parts: Sequence[Sequence[Group]], index: int) -> tuple[int, int]:
+def _span(parts: Sequence[Sequence[VariableGroup]], index: int) -> tuple[int, int]:
     sizes = [sum(len(group.positions) for group in part) for part in parts]
     return sum(sizes[:index]), sizes[index]
 
 
-def _is_plain(model: FmuModel, able: Ability) -> bool:
-    return model.version > 1 and Ability.HAS_EVENTS not in able and not _is_exchange(model)
-
-
-def _is_exchange(model: FmuModel) -> bool:
-    return model.interface is FmiInterface.MODEL_EXCHANGE
+def _is_plain(structure: layout.Element) -> bool:
+    return structure.version > 1 and not structure.abilities & Ability.HAS_EVENTS and not structure.exchange
 
 
 def _block(progress: memoryview | None) -> layout.Progress | None:

@@ -6,10 +6,9 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from math import isfinite
 
-from dse.cosim.binding.calls import FLOATING
 from dse.cosim.clock import steps_in
 from dse.cosim.wiring.border import Border
-from dse.cosim.wiring.dependency import Loop, order_of
+from dse.cosim.wiring.dependency import AlgebraicLoop, order_of
 from dse.cosim.wiring.wiring import Wiring, wire_up
 from dse.domain.method import Algorithm, Bond, Coupling, Extrapolation, Method
 from dse.domain.system import Element, SystemStructure
@@ -97,8 +96,7 @@ def _bad_numbers(method: Method) -> Iterable[Problem]:
 
 
 def _not_adaptive(wiring: Wiring, method: Method) -> Iterable[Problem]:
-    system, border = wiring.system, Border(wiring)
-    if not any(port.is_output and border.is_real(port) for port in border.values):
+    if not Border(wiring).real_outputs:
         yield Problem(
             "an adaptive step has nothing to be judged by: no output that is wired or recorded is a continuous real "
             "number",
@@ -109,7 +107,7 @@ def _not_adaptive(wiring: Wiring, method: Method) -> Iterable[Problem]:
             f"{', '.join(sorted(method.steps))}: steps of their own do not go together with an adaptive step",
             hint="leave out one of them",
         )
-    for element in system.elements:
+    for element in wiring.system.elements:
         model = element.model
         if not model.capabilities.can_save_state:
             yield Problem(
@@ -125,7 +123,7 @@ def _not_adaptive(wiring: Wiring, method: Method) -> Iterable[Problem]:
 
 def _loops(wiring: Wiring) -> Iterable[Problem]:
     for step in order_of(wiring, initially=False):
-        if isinstance(step, Loop):
+        if isinstance(step, AlgebraicLoop):
             yield Problem(
                 f"values cannot be propagated round an algebraic loop: {step.described}",
                 hint="use coupling: solve, or FMUs that tell which outputs depend on which inputs",
@@ -146,33 +144,16 @@ def _bad_bonds(wiring: Wiring, method: Method) -> Iterable[Problem]:
 
 
 def _not_a_bond(wiring: Wiring, bond: Bond) -> Iterable[Problem]:
-    owners = owner_of(wiring)
-    sources = input_positions(wiring)
     for from_label, to_label in ((bond.effort, bond.flow), (bond.flow, bond.effort)):
-        position, target = wiring.values.index(from_label), owners[wiring.values.index(to_label)]
-        if position not in _floating(wiring):
+        position, target = wiring.values.index(from_label), wiring.owners[wiring.values.index(to_label)]
+        if not wiring.group_at(position).type.is_floating:
             yield Problem(f"bond {bond.name}: {from_label} is not a real number")
-        if position not in sources[target]:
+        if not any(position in group.positions for group in wiring.inputs[target]):
             name = wiring.system.elements[target].name
             yield Problem(
                 f"bond {bond.name}: {from_label} is not wired to {name}",
                 hint="each of a bond's two outputs is an input of the other's element",
             )
-
-
-def owner_of(wiring: Wiring) -> tuple[int, ...]:
-    """Index of the element behind each value of the table."""
-    return tuple(e for e, part in enumerate(wiring.outputs) for group in part for _ in group.positions)
-
-
-def input_positions(wiring: Wiring) -> tuple[tuple[int, ...], ...]:
-    """For each element, where its inputs come from, value by value."""
-    return tuple(tuple(position for group in part for position in group.positions) for part in wiring.inputs)
-
-
-def _floating(wiring: Wiring) -> frozenset[int]:
-    groups = (group for part in wiring.outputs for group in part if group.type in FLOATING)
-    return frozenset(position for group in groups for position in group.positions)
 
 
 def extrapolation_of(element: Element, method: Method) -> Extrapolation:

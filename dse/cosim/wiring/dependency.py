@@ -5,8 +5,9 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from graphlib import CycleError, TopologicalSorter
 
-from dse.cosim.wiring.border import Border, Port
+from dse.cosim.wiring.border import Border, ElementPort
 from dse.cosim.wiring.wiring import Wiring
 
 _NAMED = 8
@@ -14,22 +15,22 @@ _NAMED = 8
 
 @dataclass(frozen=True, slots=True)
 class Write:
-    """Give the element its inputs with these places."""
+    """Give the element these inputs."""
 
     element: int
-    places: tuple[int, ...]
+    ports: tuple[ElementPort, ...]
 
 
 @dataclass(frozen=True, slots=True)
 class Read:
-    """Take from the element its outputs with these places."""
+    """Take these outputs from the element."""
 
     element: int
-    places: tuple[int, ...]
+    ports: tuple[ElementPort, ...]
 
 
 @dataclass(frozen=True, slots=True)
-class Loop:
+class AlgebraicLoop:
     """Outputs that depend on each other.
 
     If the outputs *reals* and *others* are known, *walk* computes every value of the loop, these among them: the
@@ -37,8 +38,8 @@ class Loop:
     ``a.y -> b.u``, in order.
     """
 
-    reals: tuple[Port, ...]
-    others: tuple[Port, ...]
+    reals: tuple[ElementPort, ...]
+    others: tuple[ElementPort, ...]
     walk: tuple[Read | Write, ...]
     wires: tuple[str, ...]
 
@@ -49,7 +50,7 @@ class Loop:
         return ", ".join(self.wires[:_NAMED]) + (f" and {rest} more wires" if rest > 0 else "")
 
 
-Step = Read | Write | Loop
+Step = Read | Write | AlgebraicLoop
 
 
 def order_of(wiring: Wiring, *, initially: bool, told: bool = True) -> tuple[Step, ...]:
@@ -57,12 +58,12 @@ def order_of(wiring: Wiring, *, initially: bool, told: bool = True) -> tuple[Ste
 
     Takes the dependencies of the initialization, or those between steps; an output whose FMU does not tell them, or of
     any FMU if what they tell is not asked, depends on all inputs of its element. Values that depend on each other are
-    one :class:`Loop`.
+    one :class:`AlgebraicLoop`.
     """
     border = Border(wiring)
     graph = _graph(border, wiring, initially=initially, told=told)
     steps: list[Step] = []
-    waiting: dict[int, set[int]] = {}
+    waiting: _Waiting = {}
     for generation in _components(graph):
         single = [component[0] for component in generation if len(component) == 1]
         steps += _moves(single, waiting)
@@ -85,43 +86,43 @@ def doubtful_reads(wiring: Wiring) -> tuple[Read, ...]:
     wired = _wired(border)
     found = []
     for e, element in enumerate(wiring.system.elements):
-        inputs = {variable.name for variable in border.inputs[e]}
+        inputs = {border.variable(port).name for port in border.inputs[e]}
         told = element.model.initially_depends
-        places = tuple(
-            place
-            for place, variable in enumerate(border.outputs[e])
-            if Port(e, True, place) in wired
-            and variable.name not in inputs
-            and not inputs <= set(told.get(variable.name, inputs))
+        names = {port: border.variable(port).name for port in border.outputs[e] if port in wired}
+        doubtful = (
+            port for port, name in names.items() if name not in inputs and not inputs <= set(told.get(name, inputs))
         )
-        if places:
-            found.append(Read(e, places))
+        if ports := tuple(doubtful):
+            found.append(Read(e, ports))
     return tuple(found)
 
 
-Graph = Mapping[Port, Sequence[Port]]
+Graph = Mapping[ElementPort, Sequence[ElementPort]]
 """What depends on each port directly."""
 
+_Waiting = dict[int, list[ElementPort]]
+"""Inputs that are not yet given to each element."""
 
-def _wired(border: Border) -> set[Port]:
+
+def _wired(border: Border) -> set[ElementPort]:
     return {source for sources in border.sources.values() for source in sources}
 
 
 def _graph(border: Border, wiring: Wiring, *, initially: bool, told: bool) -> Graph:
     wired = _wired(border)
-    graph: dict[Port, list[Port]] = {}
+    graph: dict[ElementPort, list[ElementPort]] = {}
     for e, element in enumerate(wiring.system.elements):
         model = element.model
         depends = (model.initially_depends if initially else model.depends) if told else {}
-        inputs = {variable.name: Port(e, False, place) for place, variable in enumerate(border.inputs[e])}
+        inputs = {border.variable(port).name: port for port in border.inputs[e]}
         graph |= {port: [] for port in inputs.values()}
-        for place, variable in enumerate(border.outputs[e]):
-            output = Port(e, True, place)
+        for output in border.outputs[e]:
             if initially and output not in wired:
                 continue  # nobody waits for it yet
             graph[output] = []
             # An input that is read back, for those of its values that no wire ends at, depends on nothing.
-            names = () if variable.name in inputs else depends.get(variable.name, tuple(inputs))
+            name = border.variable(output).name
+            names = () if name in inputs else depends.get(name, tuple(inputs))
             for name in dict.fromkeys(name for name in names if name in inputs):
                 graph[inputs[name]].append(output)
     for port, sources in border.sources.items():
@@ -130,34 +131,31 @@ def _graph(border: Border, wiring: Wiring, *, initially: bool, told: bool) -> Gr
     return graph
 
 
-def _within(graph: Graph, ports: Collection[Port]) -> dict[Port, list[Port]]:
+def _within(graph: Graph, ports: Collection[ElementPort]) -> dict[ElementPort, list[ElementPort]]:
     kept = set(ports)
     return {port: [after for after in graph[port] if after in kept] for port in sorted(kept)}
 
 
-def _generations(graph: Graph) -> list[list[Port]]:
-    """Ports by how many others they come after at most; those on and behind cycles are left out."""
-    missing = Counter(after for afters in graph.values() for after in afters)
-    generations = []
-    ready = [port for port in graph if not missing[port]]
-    while ready:
-        generations.append(ready)
-        after: list[Port] = []
-        for port in ready:
-            for follower in graph[port]:
-                missing[follower] -= 1
-                if not missing[follower]:
-                    after.append(follower)
-        ready = after
-    return generations
+def _generations(graph: Graph) -> Iterator[tuple[ElementPort, ...]]:
+    """Ports by how many others they come after at most; CycleError at once if some come after themselves."""
+    sorter: TopologicalSorter[ElementPort] = TopologicalSorter()
+    for port, afters in graph.items():
+        sorter.add(port)
+        for after in afters:
+            sorter.add(after, port)
+    sorter.prepare()
+    while sorter.is_active():
+        ready = sorter.get_ready()
+        yield ready
+        sorter.done(*ready)
 
 
-def _components(graph: Graph) -> list[list[list[Port]]]:
+def _components(graph: Graph) -> list[list[list[ElementPort]]]:
     """Strong components, each sorted, by how many others they come after at most."""
-    generations = _generations(graph)
-    if sum(map(len, generations)) == len(graph):
-        return [[[port] for port in generation] for generation in generations]
-    import networkx as nx  # late: most systems of components that tell their dependencies do without
+    try:
+        return [[[port] for port in generation] for generation in _generations(graph)]
+    except CycleError:
+        import networkx as nx  # late: most systems of components that tell their dependencies do without
 
     condensed = nx.condensation(nx.DiGraph(graph))
     return [
@@ -166,32 +164,32 @@ def _components(graph: Graph) -> list[list[list[Port]]]:
     ]
 
 
-def _cycles(graph: Graph) -> list[list[Port]]:
+def _cycles(graph: Graph) -> list[list[ElementPort]]:
     import networkx as nx
 
     return sorted(sorted(part) for part in nx.strongly_connected_components(nx.DiGraph(graph)) if len(part) > 1)
 
 
-def _moves(ports: Iterable[Port], waiting: dict[int, set[int]]) -> Iterator[Read | Write]:
+def _moves(ports: Iterable[ElementPort], waiting: _Waiting) -> Iterator[Read | Write]:
     """Read the outputs among *ports* after their elements got what is *waiting* for them; inputs wait."""
-    reads: dict[int, list[int]] = {}
+    reads: dict[int, list[ElementPort]] = {}
     for port in sorted(ports):
         if port.is_output:
-            reads.setdefault(port.element, []).append(port.place)
+            reads.setdefault(port.element, []).append(port)
         else:
-            waiting.setdefault(port.element, set()).add(port.place)
-    for element, places in reads.items():
+            waiting.setdefault(port.element, []).append(port)
+    for element, outputs in reads.items():
         yield from _flush([element], waiting)
-        yield Read(element, tuple(places))
+        yield Read(element, tuple(outputs))
 
 
-def _flush(elements: Collection[int], waiting: dict[int, set[int]]) -> Iterator[Write]:
+def _flush(elements: Collection[int], waiting: _Waiting) -> Iterator[Write]:
     for element in sorted(elements):
-        if places := waiting.pop(element, None):
-            yield Write(element, tuple(sorted(places)))
+        if ports := waiting.pop(element, None):
+            yield Write(element, tuple(sorted(ports)))
 
 
-def _loop(border: Border, graph: dict[Port, list[Port]]) -> Loop:
+def _loop(border: Border, graph: dict[ElementPort, list[ElementPort]]) -> AlgebraicLoop:
     wires = tuple(
         f"{border.label(source)} -> {border.label(target)}"
         for source in graph
@@ -199,7 +197,7 @@ def _loop(border: Border, graph: dict[Port, list[Port]]) -> Loop:
         for target in sorted(graph[source])
     )
     torn = {port for port in graph if port.is_output and not border.is_real(port)}
-    rest: dict[Port, list[Port]] = {port: [] if port in torn else after for port, after in graph.items()}
+    rest: dict[ElementPort, list[ElementPort]] = {port: [] if port in torn else after for port, after in graph.items()}
     while cycles := _cycles(rest):
         # The output that is on most paths, in the first component: few unknowns, and always the same ones.
         part = _within(rest, cycles[0])
@@ -209,11 +207,11 @@ def _loop(border: Border, graph: dict[Port, list[Port]]) -> Loop:
         torn.add(best)
         rest[best] = []
     walk: list[Read | Write] = []
-    waiting: dict[int, set[int]] = {}
+    waiting: _Waiting = {}
     for generation in _generations(rest):
         walk += _moves(generation, waiting)
     walk += _flush(sorted(waiting), waiting)
-    return Loop(
+    return AlgebraicLoop(
         tuple(sorted(port for port in torn if border.is_real(port))),
         tuple(sorted(port for port in torn if not border.is_real(port))),
         tuple(walk),

@@ -10,13 +10,12 @@ from typing import Any, ClassVar, Self
 
 from pydantic import Field
 
-from dse.domain.sampler import Brief, Point
-from dse.domain.study import DesignVariable
+from dse.domain.sampler import Brief, DesignVariable, Point
 from dse.errors import Location, Problem, closest, fail, raise_if_any
 from dse.exploration.once_sampler import OnceSampler, require_few
 from dse.formats.yaml import shown
 from dse.loading.extensions import Surroundings
-from dse.loading.root import named_file
+from dse.loading.paths import named_file
 from dse.loading.values import read_unit
 from dse.units import Unit
 
@@ -46,7 +45,7 @@ class Csv(OnceSampler):
         where = around.place("file")
         if "rows" in self.model_fields_set:
             raise fail("unknown key 'rows'", around.place("rows"), "write the points into a file")
-        path = named_file(around.document.path.parent, self.file, around.inside, (".csv",), where)
+        path = named_file(around.entry.document.path.parent, self.file, around.inside, (".csv",), where)
         lines = list(csv.reader(io.StringIO(_text(path, where), newline="")))
         if not lines:
             raise fail(f"{shown(path)} is empty", where, "head a column for each design variable")

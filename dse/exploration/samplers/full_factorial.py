@@ -10,8 +10,7 @@ from typing import Any, ClassVar, Self
 
 from pydantic import Field
 
-from dse.domain.sampler import Brief, Grid, Point
-from dse.domain.study import DesignVariable
+from dse.domain.sampler import Brief, DesignVariable, Grid, Point
 from dse.errors import Problem, closest, raise_if_any
 from dse.exploration.once_sampler import MOST_RUNS, OnceSampler, require_few
 from dse.loading.extensions import Surroundings
@@ -46,7 +45,7 @@ class FullFactorial(OnceSampler):
             for names in self.slices or [list(around.names)]
         )
         if runs > MOST_RUNS:
-            where = around.document.key(("sampler",))
+            where = around.entry.document.top["sampler"].key
             problems.append(Problem(f"{runs} runs for each configuration", where, "use fewer levels or slices"))
         raise_if_any(problems)
         return self

@@ -13,12 +13,12 @@ from pathlib import Path
 
 import psutil
 
-from dse.cosim.spawn import start
 from dse.exploration.supervision.channel import Channel
 from dse.exploration.supervision.heartbeat import Heartbeat, Phase, State
 from dse.exploration.supervision.messages import Report, Setup
 from dse.exploration.supervision.worker import serve
 from dse.exploration.work import Batch
+from dse.processes import start_process
 
 _TAIL = 2000
 _LARGEST_LOG = 4_000_000
@@ -56,7 +56,7 @@ class WorkerProcess:
         near, far = socket.socketpair()
         self._channel = Channel(near)
         self._process = context.Process(target=serve, args=(far, setup, heartbeat, self._log), daemon=True)
-        start(self._process)
+        start_process(self._process)
         far.close()
         self._memory = psutil.Process(self._process.pid)
         self.assignments: deque[Assignment] = deque()

@@ -13,6 +13,7 @@ from pathlib import Path
 from dse.domain.component import CSource, Kind
 from dse.errors import Location, Problem
 from dse.fmu.c.slots import Role, Slot
+from dse.fmu.slot_table import Row
 
 
 @dataclass(frozen=True, slots=True)
@@ -49,6 +50,11 @@ def glue(source: CSource, slots: tuple[Slot, ...], header: str, token: str) -> G
     _add_behaviour(page, source, slots)
     page.add(f'#define DSE_TOKEN "{token}"', "#endif")
     return Glue("\n".join(page.lines) + "\n", page.demands)
+
+
+def slot_rows(slots: tuple[Slot, ...]) -> tuple[Row, ...]:
+    """The table of slots, as data."""
+    return tuple(Row(slot.member, slot.type.kind.name, _settable(slot), len(slot.type.items)) for slot in slots)
 
 
 @dataclass(slots=True)
@@ -125,12 +131,8 @@ def _extremes(slot: Slot) -> tuple[int, ...]:
 def _add_table(page: _Page, slots: tuple[Slot, ...]) -> None:
     # C knows no empty array: a component without ports gets a row that no reference reaches.
     page.add(f"#define DSE_SLOT_COUNT {len(slots)}u", "static const struct dse_slot dse_slots[] = {")
-    page.add(
-        *(
-            f"    DSE_SLOT({slot.member}, DSE_{slot.type.kind.name}, DSE_{_settable(slot)}, {len(slot.type.items)}),"
-            for slot in slots
-        )
-    )
+    rows = slot_rows(slots)
+    page.add(*(f"    DSE_SLOT({row.member}, DSE_{row.kind}, DSE_{row.settable}, {row.items})," for row in rows))
     page.add(*(() if slots else ("    {0, DSE_NO_TYPE, 0, 0, 0},",)), "};")
     page.add("static const char *const dse_names[] = {")
     page.add(*(f'    "{slot.name}",' for slot in slots), *(() if slots else ('    "",',)), "};")

@@ -7,7 +7,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from dse.fmu.fusion.sources import OwnSources, Row
+from dse.fmu.fusion.sources import OwnSources
+from dse.fmu.slot_table import Row
 
 _MARK = b"dse struct layout"
 

@@ -3,31 +3,19 @@
 from __future__ import annotations
 
 import posixpath
-import re
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
 
+from dse.csolve import headers
 from dse.domain.fmu import FmuModel
+from dse.fmu.slot_table import SLOT_TABLE, Row, SlotTable
 
 _RUNTIME = Path(__file__).parent.parent / "runtime"
 _MODEL = "runtime/model.h"
 _GENERATED = frozenset({_MODEL, "runtime/start.c"})
-
-
-@dataclass(frozen=True, slots=True)
-class Row:
-    """One line of the table of slots in model.h; its place in the table is the value reference.
-
-    *member* is a member of the component's struct, or with *is_model* the place among a model's values. *kind* and
-    *settable* are the names that slot.h has for them, without their ``DSE_``; *items* counts those of an enumeration.
-    """
-
-    member: str
-    kind: str
-    settable: str
-    items: int
+_OLDER = "was built by another version of dse"
 
 
 @dataclass(frozen=True, slots=True)
@@ -61,37 +49,26 @@ def own_sources(model: FmuModel) -> OwnSources:
     ours = _runtime()
     for name, content in files.items():
         if is_runtime(name) and ours.get(name) != content:
-            raise NotOursError("was built by another version of dse")
-    text = files[_MODEL].decode()
-    is_model = "#define DSE_MODEL 1" in text
+            raise NotOursError(_OLDER)
+    if SLOT_TABLE not in files:
+        raise NotOursError(_OLDER)
+    table = SlotTable.from_bytes(files[SLOT_TABLE])
+    is_model = not table.header
     written = () if is_model else sorted(name for name in files if name.startswith("component/") and name[-2:] == ".c")
-    header = re.search(r'^#include "\.\./(component/[^"]+)"$', text, re.MULTILINE)
     return OwnSources(
         version=model.version,
         files=files,
         units=(main, *(("runtime/start.c",) if is_model else written)),
-        include_folder=posixpath.dirname(header[1]) if header else "runtime",
-        rows=_rows(text),
+        include_folder="runtime" if is_model else posixpath.dirname(table.header),
+        rows=table.rows,
         is_model=is_model,
     )
 
 
-_TABLE = re.compile(r"^static const struct dse_slot dse_slots\[\] = \{$(.*?)^\};$", re.MULTILINE | re.DOTALL)
-_COUNT = re.compile(r"^#define DSE_SLOT_COUNT (\d+)u$", re.MULTILINE)
-_ROW = re.compile(r"DSE_(?:SLOT|VALUE)\(([\w.]+), (?:DSE_)?(\w+), (?:DSE_)?(\w+), (\d+)\)")
-
-
-def _rows(text: str) -> tuple[Row, ...]:
-    table, count = _TABLE.search(text), _COUNT.search(text)
-    if table is None or count is None:
-        raise NotOursError("was built by another version of dse")
-    found = [Row(member, kind, settable, int(items)) for member, kind, settable, items in _ROW.findall(table[1])]
-    return tuple(found[: int(count[1])])  # without ports there is a row that no reference reaches
-
-
 @lru_cache(maxsize=1)
 def _runtime() -> dict[str, bytes]:
-    return {f"runtime/{path.name}": path.read_bytes() for path in sorted(_RUNTIME.glob("*.[ch]"))}
+    ours = {path.name: path.read_bytes() for path in sorted(_RUNTIME.glob("*.[ch]"))}
+    return {f"runtime/{name}": content for name, content in {**ours, **headers()}.items()}
 
 
 def is_runtime(name: str) -> bool:

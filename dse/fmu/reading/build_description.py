@@ -11,7 +11,7 @@ from dse.errors import DseError, Location, Problem, fail
 from dse.fmu.reading.description import Description
 from dse.fmu.toolchain.platforms import this_platform
 from dse.formats.xml import XmlElement, read_xml_file
-from dse.formats.xml_values import flag, required, shortened
+from dse.formats.xml_values import shortened
 
 _FILE = "buildDescription.xml"
 _STANDARDS = {
@@ -33,7 +33,7 @@ _LINKED = ("m", "pthread", "dl", "rt")
 
 
 @dataclass(frozen=True, slots=True)
-class Unit:
+class SourceFile:
     """One C file, by its path in ``sources/``, and the options it is compiled with."""
 
     path: str
@@ -45,7 +45,7 @@ class Unit:
 class Recipe:
     """How a library is made: its units, and the system's libraries it is linked with."""
 
-    units: tuple[Unit, ...]
+    units: tuple[SourceFile, ...]
     libraries: tuple[str, ...] = ()
 
 
@@ -65,7 +65,7 @@ def read_recipe(folder: Path, description: Description, name: str) -> Recipe:
         root = read_xml_file(path, f"{name}/sources/{_FILE}")
         recipe = _from_build_description(root, description, problems)
     else:
-        recipe = Recipe(tuple(Unit(file, (), description.where) for file in description.source_files))
+        recipe = Recipe(tuple(SourceFile(file, (), description.where) for file in description.source_files))
     problems += _missing(folder / "sources", recipe.units)
     if problems:
         raise DseError(*problems)
@@ -90,7 +90,7 @@ def _from_build_description(root: XmlElement, description: Description, problems
         problems.append(Problem(f"nothing is compiled for '{description.identifier}'", chosen.where))
     libraries = []
     for library in chosen.all("Library"):
-        name = required(library, "name", problems)
+        name = library.required("name", problems)
         if name in _LINKED:
             libraries.append(name)
         elif name:
@@ -99,12 +99,12 @@ def _from_build_description(root: XmlElement, description: Description, problems
     return Recipe(units, tuple(libraries))
 
 
-def _units(group: XmlElement, problems: list[Problem]) -> Iterator[Unit]:
+def _units(group: XmlElement, problems: list[Problem]) -> Iterator[SourceFile]:
     options = tuple(_options(group, problems))
     for file in group.all("SourceFile"):
-        name = required(file, "name", problems)
+        name = file.required("name", problems)
         if name:
-            yield Unit(str(PurePosixPath(name)), options, file.where)
+            yield SourceFile(str(PurePosixPath(name)), options, file.where)
 
 
 def _options(group: XmlElement, problems: list[Problem]) -> Iterator[str]:
@@ -121,21 +121,21 @@ def _options(group: XmlElement, problems: list[Problem]) -> Iterator[str]:
                 problems.append(Problem(f"the compiler option '{shortened(option)}' is not supported", group.where))
             yield option
     for definition in group.all("PreprocessorDefinition"):
-        name = required(definition, "name", problems)
-        if flag(definition, "optional", problems):
+        name = definition.required("name", problems)
+        if definition.flag("optional", problems):
             continue
         if name and not re.fullmatch(r"[A-Za-z_]\w*(?:\([\w, ]*\))?", name):
             problems.append(Problem(f"'{shortened(name)}' cannot be defined", definition.where))
         value = definition.attributes.get("value")
         yield f"-D{name}" if value is None else f"-D{name}={value}"
     for include in group.all("IncludeDirectory"):
-        name = required(include, "name", problems)
+        name = include.required("name", problems)
         if name and not _is_inside(name):
             problems.append(Problem(f"the folder '{shortened(name)}' is not in sources/", include.where))
         yield f"-I{name}"
 
 
-def _missing(sources: Path, units: Iterable[Unit]) -> Iterator[Problem]:
+def _missing(sources: Path, units: Iterable[SourceFile]) -> Iterator[Problem]:
     for unit in units:
         name = shortened(unit.path)
         if not _is_inside(unit.path):

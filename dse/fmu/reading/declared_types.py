@@ -7,7 +7,6 @@ from dataclasses import dataclass, field
 
 from dse.errors import Problem
 from dse.formats.xml import XmlElement
-from dse.formats.xml_values import flag, real, required, whole
 
 NUMBER_RANGES: Mapping[str, tuple[int, int]] = {
     "Integer": (-(2**31), 2**31 - 1),
@@ -34,7 +33,7 @@ def read_types(root: XmlElement, version: int, problems: list[Problem]) -> Mappi
     """The declared types of a description of FMI *version*, by name."""
     types: dict[str, DeclaredType] = {}
     for named, typed in _elements(root, version):
-        name = required(named, "name", problems)
+        name = named.required("name", problems)
         told = said_of_values(typed, typed.tag.removesuffix("Type"), version, problems)
         if types.setdefault(name, told) != told:
             problems.append(Problem(f"type '{name}' is there twice, with different meanings", named.where))
@@ -49,10 +48,10 @@ def said_of_values(typed: XmlElement, base: str, version: int, problems: list[Pr
     return DeclaredType(
         base=base,
         unit=typed.get("unit").strip(),
-        minimum=real(typed, "min", problems),
-        maximum=real(typed, "max", problems),
-        nominal=real(typed, "nominal", problems),
-        is_relative=flag(typed, "relativeQuantity", problems) if "relativeQuantity" in typed.attributes else None,
+        minimum=typed.real("min", problems),
+        maximum=typed.real("max", problems),
+        nominal=typed.real("nominal", problems),
+        is_relative=typed.flag("relativeQuantity", problems) if "relativeQuantity" in typed.attributes else None,
         items=items,
     )
 
@@ -87,7 +86,7 @@ def _items(typed: XmlElement, version: int, problems: list[Problem]) -> Mapping[
     items: dict[str, int] = {}
     values: set[int] = set()
     for number, item in enumerate(typed.all("Item"), start=1):
-        name = required(item, "name", problems)
+        name = item.required("name", problems)
         if name in items:
             problems.append(Problem(f"item '{name}' of an enumeration is there twice", item.where))
         if version == 1:
@@ -95,7 +94,7 @@ def _items(typed: XmlElement, version: int, problems: list[Problem]) -> Mapping[
             items[name] = number
             continue
         least, most = NUMBER_RANGES["Integer" if version == 2 else "Int64"]
-        value = whole(item, "value", problems, least=least, most=most)
+        value = item.whole("value", problems, least=least, most=most)
         if value is None:
             if "value" not in item.attributes:
                 problems.append(Problem(f"item '{name}' of an enumeration has no value", item.where))

@@ -8,7 +8,7 @@ from math import prod
 
 from dse.errors import Problem
 from dse.formats.xml import XmlElement
-from dse.formats.xml_values import whole, whole_of
+from dse.formats.xml_values import whole_of
 
 _MOST_ELEMENTS = 10_000_000
 
@@ -42,8 +42,8 @@ def read_shape(
     shape: list[int] = []
     sized_by: list[str] = []
     for dimension in element.all("Dimension"):
-        start = whole(dimension, "start", problems, least=0)
-        reference = whole(dimension, "valueReference", problems, least=0)
+        start = dimension.whole("start", problems, least=0)
+        reference = dimension.whole("valueReference", problems, least=0)
         name = ""
         if ("start" in dimension.attributes) == ("valueReference" in dimension.attributes):
             what = f"{subject}: a dimension has either a 'start' or a 'valueReference'"

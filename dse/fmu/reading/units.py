@@ -8,9 +8,8 @@ from collections.abc import Mapping
 from dse.domain.fmu import UnitDefinition
 from dse.errors import Problem
 from dse.formats.xml import XmlElement
-from dse.formats.xml_values import real, required, whole
 
-_BASE_UNITS = ("kg", "m", "s", "A", "K", "mol", "cd", "rad")
+BASE_UNITS = ("kg", "m", "s", "A", "K", "mol", "cd", "rad")
 
 
 def read_units(root: XmlElement, problems: list[Problem]) -> Mapping[str, UnitDefinition]:
@@ -20,7 +19,7 @@ def read_units(root: XmlElement, problems: list[Problem]) -> Mapping[str, UnitDe
     """
     units: dict[str, UnitDefinition] = {}
     for unit in root.below("UnitDefinitions", "Unit"):
-        name = required(unit, "name", problems)
+        name = unit.required("name", problems)
         base = unit.child("BaseUnit")
         if base is None:
             continue
@@ -32,8 +31,8 @@ def read_units(root: XmlElement, problems: list[Problem]) -> Mapping[str, UnitDe
 
 def base_unit(base: XmlElement, problems: list[Problem]) -> UnitDefinition:
     """What a ``BaseUnit`` element of FMI 2.0, FMI 3.0 or SSP says."""
-    exponents = {name: whole(base, name, problems, least=-100, most=100) for name in _BASE_UNITS}
-    factor, offset = real(base, "factor", problems), real(base, "offset", problems)
+    exponents = {name: base.whole(name, problems, least=-100, most=100) for name in BASE_UNITS}
+    factor, offset = base.real("factor", problems), base.real("offset", problems)
     if factor is not None and (factor == 0 or not math.isfinite(factor)):
         problems.append(Problem(f"<{base.tag}>: the factor cannot be {factor:g}", base.where))
         factor = None

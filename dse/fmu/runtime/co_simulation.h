@@ -49,24 +49,20 @@ static inline bool dse_stand_at_end(dse_component *m) {
 /* A state event at the end of the last step, which is now. */
 static bool dse_meet_event(dse_component *m, dse_tell *tell) {
     struct dse_solver *s = &m->solver;
-    uint8_t truth[DSE_ROOM(DSE_RELATIONS)];
-    double crossing[DSE_ROOM(DSE_RELATIONS)];
+    double look[DSE_LOOK];
     if (!dse_place(m, s->end, s->to) && !s->is_at_border) {
         return false;
     }
     s->is_at_border = 0;
     dse_forgive(m);
-    if (!dse_look(m, crossing, truth)) {
+    if (!dse_see(m, look)) {
         return false;
     }
-    if (dse_chatters(m)) {
-        uint32_t which = 0;
-        for (int k = DSE_RELATIONS; k-- > 0;) {
-            which = truth[k] != m->held[k] ? (uint32_t)k : which;
-        }
-        return dse_trouble(m, DSE_CHATTERS, which);
+    if (dse_chatters(s, m->time, DSE_CLOSE_EVENTS)) {
+        const int64_t which = dse_first_crossed(m, look);
+        return dse_trouble(m, DSE_CHATTERS, which < 0 ? 0 : (uint32_t)which);
     }
-    s->next_width = 0.0; /* what the solver has learnt is of the time before */
+    s->past.next_width = 0.0; /* what the solver has learnt is of the time before */
     return dse_event_and_restart(m, tell, 0.0);
 }
 
@@ -75,7 +71,7 @@ static bool dse_meet_event(dse_component *m, dse_tell *tell) {
 static bool dse_advance(dse_component *m, dse_tell *tell, double target, bool is_steady, double spare) {
     struct dse_solver *s = &m->solver;
     const double ahead = !is_steady ? 0.0 : DSE_RELATIONS > 0 ? s->span : 1000.0 * s->span;
-    const int64_t most = s->steps + DSE_MOST_STEPS;
+    const int64_t most = s->past.steps + DSE_MOST_STEPS;
     while (s->end <= target) {
         const double tick = dse_next_tick(m);
         const bool ticks_before = tick < target - spare;
@@ -93,7 +89,7 @@ static bool dse_advance(dse_component *m, dse_tell *tell, double target, bool is
             if (DSE_CHECKS > 0 && s->has_step && !(dse_stand_at_end(m) && dse_check_all(m, tell))) {
                 return false;
             }
-            if (s->steps == most) {
+            if (s->past.steps == most) {
                 m->time = s->end;
                 return dse_trouble(m, DSE_TOO_MANY_STEPS, 0);
             }

@@ -6,7 +6,7 @@
 
 /* Note what went wrong, unless something before it did; false, so that a caller can return it. */
 static bool dse_trouble(dse_component *m, int32_t code, uint32_t subject) {
-    struct dse_trouble *trouble = &m->solver.trouble;
+    dse_reason *trouble = &m->solver.trouble;
     if (trouble->code == DSE_NO_TROUBLE) {
         trouble->code = code;
         trouble->subject = subject;
@@ -48,7 +48,7 @@ static inline bool dse_get_slope(dse_component *m, double slope[]) {
 static inline bool dse_place(dse_component *m, double time, const double states[]) {
     m->time = time;
     dse_put_states(m, states);
-    m->solver.evaluations++;
+    m->solver.past.evaluations++;
     m->solver.is_at_end = 0;
     const int code = model_derivatives(m);
     return code == 0 || dse_trouble(m, code, 0);
@@ -56,21 +56,6 @@ static inline bool dse_place(dse_component *m, double time, const double states[
 
 static inline bool dse_slope(dse_component *m, double time, const double states[], double slope[]) {
     return dse_place(m, time, states) && dse_get_slope(m, slope);
-}
-
-/* How large an error of state number *k* may be. */
-static inline double dse_allowed(const dse_component *m, uint32_t k, double one, double other) {
-    return m->solver.tolerance * (dse_nominals[k] + fmax(fabs(one), fabs(other)));
-}
-
-/* Largest of the errors, in parts of what is allowed. */
-static inline double dse_error_norm(const dse_component *m, const double error[]) {
-    double largest = 0.0;
-    for (int k = 0; k < DSE_STATES; k++) {
-        const double part = fabs(error[k]) / dse_allowed(m, k, m->solver.from[k], m->solver.to[k]);
-        largest = part > largest || part != part ? part : largest;
-    }
-    return largest == largest ? largest : INFINITY;
 }
 
 #endif

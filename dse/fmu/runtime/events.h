@@ -60,13 +60,12 @@ static bool dse_is_settled(const dse_component *m) {
 
 /* Hold the relations as they are by what stands in v and pre; *is_old*: whether that is nothing new. */
 static bool dse_hold(dse_component *m, bool *is_old) {
-    double crossing[DSE_ROOM(DSE_RELATIONS)];
-    uint8_t truth[DSE_ROOM(DSE_RELATIONS)];
-    if (!dse_look(m, crossing, truth)) {
+    double look[DSE_LOOK];
+    if (!dse_see(m, look)) {
         return false;
     }
-    *is_old = !dse_differs(m, truth);
-    memcpy(m->held, truth, DSE_RELATIONS);
+    *is_old = !dse_differs(m, look);
+    memcpy(m->held, dse_truth_in(look), DSE_RELATIONS);
     return true;
 }
 
@@ -127,7 +126,7 @@ static bool dse_event(dse_component *m, dse_tell *tell, double spare) {
         m->ticks[k] = dse_tick_time((uint32_t)k, m->next_tick[k]) <= m->time + spare;
         m->next_tick[k] += m->ticks[k];
     }
-    m->solver.events++;
+    m->solver.past.events++;
     for (int pass = 0; pass <= DSE_MOST_PASSES; pass++) {
         bool has_jumped, is_held;
         dse_keep_before(m);
@@ -173,15 +172,6 @@ static bool dse_solve_initial(dse_component *m, dse_tell *tell) {
     }
     /* Parameters that are not fixed are known only now. */
     return dse_is_done(m, model_parameters(m)) && dse_event(m, tell, spare);
-}
-
-/* Whether the state event at m->time is one of too many with next to no time between them. */
-static bool dse_chatters(dse_component *m) {
-    struct dse_solver *s = &m->solver;
-    const bool is_close = s->events_close > 0 && m->time - s->last_event <= fmin(1e-8, 1e-6 * s->span);
-    s->events_close = is_close ? s->events_close + 1 : 1;
-    s->last_event = m->time;
-    return s->events_close >= DSE_CLOSE_EVENTS;
 }
 
 #endif

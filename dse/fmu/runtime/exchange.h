@@ -119,17 +119,16 @@ static bool dse_exchange_get_nominals(
 static bool dse_exchange_get_indicators(
     struct dse_instance *instance, const char *function, double indicators[], size_t count) {
     dse_component *m = &instance->at.now;
-    double crossing[DSE_ROOM(DSE_RELATIONS)];
-    uint8_t truth[DSE_ROOM(DSE_RELATIONS)];
+    double look[DSE_LOOK];
     if (!dse_is_readable(instance, function, count, DSE_RELATIONS)
         || !dse_derive(instance, function)) {
         return false;
     }
-    if (!dse_look(m, crossing, truth)) {
+    if (!dse_see(m, look)) {
         return dse_discard(instance, function);
     }
     for (int k = 0; k < DSE_RELATIONS; k++) {
-        indicators[k] = dse_indicator(m, (uint32_t)k, crossing, truth);
+        indicators[k] = dse_indicator(m, (uint32_t)k, look);
     }
     return true;
 }

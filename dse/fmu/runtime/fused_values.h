@@ -9,7 +9,7 @@
 #include <stdint.h>
 #include <string.h>
 
-#include "fused_abi.h"
+#include "csolve/fused_abi.h"
 
 #if defined _WIN32
 #define DSE_EXPORT __declspec(dllexport)

@@ -53,7 +53,9 @@
 #include <stdint.h>
 #include <string.h>
 
+#include "csolve/linear.h"
 #include "slot.h"
+#include "tables.h"
 
 #ifndef DSE_DISCRETES
 #define DSE_DISCRETES DSE_PRE
@@ -87,7 +89,34 @@ struct dse_clock {
 /* C knows no empty array. */
 #define DSE_ROOM(size) ((size) > 0 ? (size) : 1)
 
-#include "solver_memory.h"
+/* Why a simulation cannot go on. Positive codes are those of the model's own functions. */
+enum {
+    DSE_NO_TROUBLE = 0,
+    DSE_NOT_FINITE = -1,     /* derivative of state number *subject* */
+    DSE_SINGULAR = -2,       /* the stiff solver's matrix */
+    DSE_TOO_INACCURATE = -3, /* no step is small enough for the tolerance */
+    DSE_TOO_MANY_STEPS = -4,
+    DSE_CHATTERS = -5,   /* relation number *subject* */
+    DSE_UNSETTLED = -6,  /* the event iteration finds no end */
+    DSE_VIOLATED = -7,   /* an assert; it has told its text */
+    DSE_TERMINATED_BY_MODEL = -8
+};
+
+typedef struct {
+    int32_t code;
+    uint32_t subject;
+    double time;
+} dse_reason;
+
+/* What the solvers remember is a part of the component, so that it is saved and restored with it. A look at the
+ * relations: their crossing functions, and behind them their truth, in bytes. */
+#define DSE_HAS_STIFF (DSE_SOLVER != DSE_EXPLICIT_SOLVER)
+#define DSE_N DSE_ROOM(DSE_STATES)
+#define DSE_LOOK (DSE_ROOM(DSE_RELATIONS) + (DSE_RELATIONS + 7) / 8)
+#define DSE_OF_STATES(name) name[DSE_N]
+#define DSE_OF_MATRIX(name) name[DSE_HAS_STIFF ? DSE_N * DSE_N : 1]
+#define DSE_OF_LOOK(name) name[DSE_LOOK]
+#include "csolve/memory.h"
 
 /* Numbers only, so that a copy is a saved state. */
 typedef struct {
@@ -113,8 +142,8 @@ typedef struct {
     double v[DSE_ROOM(DSE_VALUES)];
 } dse_settings;
 
-#include "linear.h"
-#include "newton.h"
-#include "tables.h"
+typedef dse_component dse_problem;
+#define DSE_VALUES_OF(m) ((m)->v)
+#include "csolve/newton.h"
 
 #endif

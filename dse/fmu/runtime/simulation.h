@@ -24,7 +24,7 @@ static void dse_tell_check(dse_component *m, int check, int is_warning, const ch
 
 /* Tell of the trouble the model is in; false. */
 static DSE_APART bool dse_tell_trouble(struct dse_instance *instance, const char *function) {
-    const struct dse_trouble *trouble = &instance->at.now.solver.trouble;
+    const dse_reason *trouble = &instance->at.now.solver.trouble;
     const double time = trouble->time;
     if (trouble->code > 0) {
         return dse_refuse(instance, function, "at %.12g s: %s", time, dse_failure[trouble->code - 1]);
@@ -71,7 +71,7 @@ static DSE_APART bool dse_find_initial(struct dse_instance *instance, dse_tell *
     memcpy(m->v, instance->at.start.v, sizeof m->v);
     m->time = instance->at.start_time;
     m->solver.tolerance = instance->at.tolerance > 0.0 ? instance->at.tolerance : DSE_DEFAULT_TOLERANCE;
-    m->solver.is_stiff = m->solver.will_be_stiff = DSE_SOLVER == DSE_STIFF_SOLVER;
+    m->solver.past.will_be_stiff = DSE_SOLVER == DSE_STIFF_SOLVER;
     instance->at.is_changed = 0;
     if (!dse_solve_initial(m, tell) || !dse_is_done(m, model_outputs(m))) {
         return false;

@@ -103,12 +103,11 @@ static DSE_APART bool dse_get_float(
 #ifdef DSE_MODEL
     const int64_t relation = (int64_t)reference - (int64_t)DSE_TIME - 1;
     if (relation >= 0 && relation < DSE_RELATIONS) {
-        double crossing[DSE_ROOM(DSE_RELATIONS)];
-        uint8_t truth[DSE_ROOM(DSE_RELATIONS)];
-        if (!dse_look(&instance->at.now, crossing, truth)) {
+        double look[DSE_LOOK];
+        if (!dse_see(&instance->at.now, look)) {
             return dse_tell_trouble(instance, function);
         }
-        *value = dse_indicator(&instance->at.now, (uint32_t)relation, crossing, truth);
+        *value = dse_indicator(&instance->at.now, (uint32_t)relation, look);
         return true;
     }
 #endif

@@ -2,31 +2,70 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from enum import StrEnum
-from typing import TypeVar
+from typing import ClassVar, TypeVar
 
-from dse.domain.component import Component, Type
+from dse.domain.component import Type
 from dse.domain.method import Adaptive, Algorithm, Bond, Coupling, Extrapolation, Method
-from dse.errors import DseError, Location, Problem, closest
-from dse.formats.yaml import Document, Path_
-from dse.loading.documents import AdaptiveSection, BondSection, SimulationSection
+from dse.errors import Location, Problems, closest, fail
+from dse.formats.yaml import Entry
+from dse.loading.bench.candidates import Candidates, outputs, split_name, types_of
 from dse.loading.names import check_name
-from dse.loading.places import is_output, split_name, types_of
+from dse.loading.sections import Plain, Section
 from dse.loading.values import Raw, read_number, read_unit
 from dse.units import DIMENSIONLESS, describe, multiply
 
-_AT: Path_ = ("simulation",)
+_MOST_TIMES = 1e9
 
 E = TypeVar("E", bound=StrEnum)
 
 
+class AdaptiveSection(Section):
+    """Error control of the communication step."""
+
+    tolerance: Plain = 1e-4
+    absolute: Plain = 1e-6
+    smallest: Plain = "1 us"
+
+
+class BondSection(Section):
+    """A power bond: two ports whose product is a power."""
+
+    effort: str
+    flow: str
+
+
+class SimulationSection(Section):
+    """How long, how fine, by what algorithm, what is kept."""
+
+    hints: ClassVar[Mapping[str, str]] = {
+        "algorithm": "jacobi or gauss_seidel",
+        "coupling": "none, propagate or solve",
+        "extrapolation": "hold or linear; for single parts {part: linear}",
+        "steps": "write it as {part: 1 ms}",
+        "adaptive": "write it as {tolerance: 1e-4, absolute: 1e-6, smallest: 1 us}, or {} for these defaults",
+        "bonds": "write it as {name: {effort: part.port, flow: other.port}}",
+    }
+
+    stop: Plain
+    step: Plain
+    record: list[str] = []
+    record_every: Plain | None = None
+    timeout: Plain = "60 s"
+    memory: Plain = "4 GB"
+    algorithm: str = "jacobi"
+    coupling: str = "none"
+    extrapolation: str | dict[str, str] = "hold"
+    steps: dict[str, Plain] = {}
+    adaptive: AdaptiveSection | None = None
+    bonds: dict[str, BondSection] = {}
+    check_step: bool = False
+
+
 def read_method(
-    document: Document,
-    section: SimulationSection,
-    step: float,
-    components: Mapping[str, tuple[Component, ...]],
-    problems: list[Problem],
+    entry: Entry, section: SimulationSection, step: float, components: Candidates, problems: Problems
 ) -> Method:
     """The keys of ``simulation`` that choose the algorithm; *step* is the bench's, in seconds.
 
@@ -35,120 +74,108 @@ def read_method(
     places = _places(components)
     own: dict[str, Extrapolation] = {}
     everywhere = Extrapolation.HOLD
+    written = entry["extrapolation"]
     if isinstance(section.extrapolation, str):
-        everywhere = _one_of(Extrapolation, section.extrapolation, document.place((*_AT, "extrapolation")), problems)
+        everywhere = _one_of(Extrapolation, section.extrapolation, written, problems)
     else:
         for part, word in section.extrapolation.items():
-            at: Path_ = (*_AT, "extrapolation", part)
-            _check_place(part, places, document.key(at), problems)
-            own[part] = _one_of(Extrapolation, word, document.place(at), problems)
+            _check_place(written[part], places, problems)
+            own[part] = _one_of(Extrapolation, word, written[part], problems)
     return Method(
-        algorithm=_one_of(Algorithm, section.algorithm, document.place((*_AT, "algorithm")), problems),
-        coupling=_one_of(Coupling, section.coupling, document.place((*_AT, "coupling")), problems),
+        algorithm=_one_of(Algorithm, section.algorithm, entry["algorithm"], problems),
+        coupling=_one_of(Coupling, section.coupling, entry["coupling"], problems),
         extrapolation=everywhere,
         extrapolations=own,
-        steps=_steps(document, section, step, places, problems),
-        adaptive=_adaptive(document, section.adaptive, step, problems) if section.adaptive else None,
-        bonds=tuple(_bond(document, name, bond, components, problems) for name, bond in section.bonds.items()),
+        steps=_steps(entry["steps"], section, step, places, problems),
+        adaptive=_adaptive(entry["adaptive"], section.adaptive, step, problems) if section.adaptive else None,
+        bonds=tuple(_bond(entry["bonds"][name], bond, components, problems) for name, bond in section.bonds.items()),
     )
 
 
-def _places(components: Mapping[str, tuple[Component, ...]]) -> set[str]:
+def read_positive(entry: Entry, raw: Raw, unit: str, problems: Problems) -> float | None:
+    """An SI number above zero, which is in *unit* if it has none; None with what is wrong with it."""
+    where = entry.where if entry.is_there else Entry(entry.document, entry.path[:-1]).key
+    with problems:
+        value = read_number(raw, read_unit(unit, where), where)
+        if value > 0:
+            return value
+        problems.add(f"'{entry.name}' must be positive, not {raw}", where)
+    return None
+
+
+def is_multiple(whole: float, part: float) -> bool:
+    """Whether *whole* is *part* once or several times, but for rounding."""
+    ratio = whole / part
+    return math.isfinite(ratio) and round(ratio) >= 1 and abs(ratio - round(ratio)) <= 1e-9 * ratio
+
+
+def _places(components: Candidates) -> set[str]:
     """Every path at which a part or an architecture with parts can stand."""
     steps = (path.split(".") for path in components)
     return {".".join(step[:length]) for step in steps for length in range(1, len(step) + 1)}
 
 
-def _check_place(part: str, places: set[str], where: Location, problems: list[Problem]) -> None:
-    if part not in places:
-        problems.append(Problem(f"'{part}' names no part", where, closest(part, places)))
+def _check_place(part: Entry, places: set[str], problems: Problems) -> None:
+    if part.name not in places:
+        problems.add(f"'{part.name}' names no part", part.key, closest(part.name, places))
 
 
-def _one_of(words: type[E], word: str, where: Location, problems: list[Problem]) -> E:
-    known = {str(entry): entry for entry in words}
+def _one_of(words: type[E], word: str, entry: Entry, problems: Problems) -> E:
+    known = {str(one): one for one in words}
     if word not in known:
-        problems.append(Problem(f"'{word}' is none of {', '.join(known)}", where, closest(word, known)))
+        problems.add(f"'{word}' is none of {', '.join(known)}", entry.where, closest(word, known))
     return known.get(word, next(iter(words)))
 
 
 def _steps(
-    document: Document, section: SimulationSection, step: float, places: set[str], problems: list[Problem]
+    entry: Entry, section: SimulationSection, step: float, places: set[str], problems: Problems
 ) -> dict[str, float]:
     found: dict[str, float] = {}
     for part, raw in section.steps.items():
-        at: Path_ = (*_AT, "steps", part)
-        _check_place(part, places, document.key(at), problems)
-        own = _positive(document, at, raw, "s", problems)
+        _check_place(entry[part], places, problems)
+        own = read_positive(entry[part], raw, "s", problems)
         if own is None:
             continue
-        if not (_is_multiple(own, step) or _is_multiple(step, own)):
+        long, short = max(own, step), min(own, step)
+        if not is_multiple(long, short) or long / short >= _MOST_TIMES:
             what = f"the step of '{part}' ({raw}) is neither a multiple nor a fraction of 'step' ({section.step})"
-            problems.append(Problem(what, document.place(at), "parts exchange values on one grid of time"))
+            problems.add(what, entry[part].where, "parts exchange values on one grid of time")
         elif own > step and section.adaptive:
             what = f"'{part}' cannot have a longer step than the others where steps are adaptive"
-            problems.append(Problem(what, document.place(at), "leave out 'adaptive' or this step"))
+            problems.add(what, entry[part].where, "leave out 'adaptive' or this step")
         found[part] = own
     return found
 
 
-def _is_multiple(long: float, short: float) -> bool:
-    ratio = long / short
-    return ratio < 1e9 and round(ratio) >= 1 and abs(ratio - round(ratio)) <= 1e-9 * ratio
-
-
-def _adaptive(document: Document, section: AdaptiveSection, step: float, problems: list[Problem]) -> Adaptive:
-    at: Path_ = (*_AT, "adaptive")
-    tolerance = _positive(document, (*at, "tolerance"), section.tolerance, "", problems)
-    absolute = _positive(document, (*at, "absolute"), section.absolute, "", problems)
-    smallest = _positive(document, (*at, "smallest"), section.smallest, "s", problems)
+def _adaptive(entry: Entry, section: AdaptiveSection, step: float, problems: Problems) -> Adaptive:
+    tolerance = read_positive(entry["tolerance"], section.tolerance, "", problems)
+    absolute = read_positive(entry["absolute"], section.absolute, "", problems)
+    smallest = read_positive(entry["smallest"], section.smallest, "s", problems)
     if smallest is not None and smallest > step:
         what = f"'smallest' ({section.smallest}) is longer than the step"
-        problems.append(Problem(what, document.place((*at, "smallest")), "the step is what adaptive steps begin with"))
+        problems.add(what, entry["smallest"].where, "the step is what adaptive steps begin with")
     if tolerance is not None and tolerance >= 1.0:
-        problems.append(Problem("'tolerance' must be below 1", document.place((*at, "tolerance")), "as 1e-4"))
+        problems.add("'tolerance' must be below 1", entry["tolerance"].where, "as 1e-4")
     return Adaptive(tolerance or 1.0, absolute or 1.0, smallest or 1.0)
 
 
-def _positive(document: Document, at: Path_, raw: Raw, unit: str, problems: list[Problem]) -> float | None:
-    where = document.place(at) if document.has(at) else document.key(at[:-1])
-    try:
-        value = read_number(raw, read_unit(unit, where), where)
-    except DseError as error:
-        problems += error.problems
-        return None
-    if value > 0:
-        return value
-    problems.append(Problem(f"'{at[-1]}' must be positive, not {raw}", where))
-    return None
-
-
-def _bond(
-    document: Document,
-    name: str,
-    section: BondSection,
-    components: Mapping[str, tuple[Component, ...]],
-    problems: list[Problem],
-) -> Bond:
-    at: Path_ = (*_AT, "bonds", name)
-    check_name(name, document.key(at), problems)
+def _bond(entry: Entry, section: BondSection, components: Candidates, problems: Problems) -> Bond:
+    check_name(entry.name, entry.key, problems)
     dimensions = []
     for key, signal in (("effort", section.effort), ("flow", section.flow)):
-        where = document.place((*at, key))
-        try:
-            dimensions.append(_output(signal, components, where).unit.dimension)
-        except DseError as error:
-            problems += error.problems
-    if len(dimensions) == 2 and multiply(*dimensions) != read_unit("W", document.key(at)).dimension:
+        with problems:
+            dimensions.append(_output(signal, components, entry[key].where).unit.dimension)
+    if len(dimensions) == 2 and multiply(*dimensions) != read_unit("W", entry.key).dimension:
         found = describe(multiply(*dimensions)) if multiply(*dimensions) != DIMENSIONLESS.dimension else "no unit"
         what = f"'{section.effort}' times '{section.flow}' is no power: it is {found}"
-        problems.append(Problem(what, document.key(at), "name an effort and the flow that goes with it"))
-    return Bond(name, section.effort, section.flow)
+        problems.add(what, entry.key, "name an effort and the flow that goes with it")
+    return Bond(entry.name, section.effort, section.flow)
 
 
-def _output(signal: str, components: Mapping[str, tuple[Component, ...]], where: Location) -> Type:
+def _output(signal: str, components: Candidates, where: Location) -> Type:
     place, port = split_name(signal, components, where)
-    found = [type_ for component, type_ in types_of(signal, components, where) if is_output(component, port)]
-    if not found:
-        outputs = {p.name for c in components[place] for p in c.interface.ports if is_output(c, p.name)}
-        raise DseError(Problem(f"'{signal}' is no output", where, closest(port, outputs)))
-    return found[0]
+    types_of(signal, components, where)
+    known = outputs(components[place])
+    if port not in known:
+        raise fail(f"'{signal}' is no output", where, closest(port, known))
+    return known[port]

@@ -10,11 +10,12 @@ from typing import TYPE_CHECKING, Any, Generic, TypeVar
 
 from pydantic import ConfigDict
 
-from dse.domain.component import Component, Source, UnsupportedSource
+from dse.domain.component import PLANNED_KINDS, Component, Source, UnsupportedSource
 from dse.errors import DseError, Location, fail
-from dse.formats.yaml import Document, shown
-from dse.loading.fields import Section, read_section
-from dse.loading.root import is_file, named_file
+from dse.formats.yaml import Entry, shown
+from dse.loading.paths import followed, is_file, named_file
+from dse.loading.sections import Section, read_section
+from dse.loading.values import Raw, read_number, read_unit
 from dse.registry import Registry
 
 if TYPE_CHECKING:
@@ -29,36 +30,38 @@ class SourceSection(Section):
 
 @dataclass(frozen=True, slots=True)
 class SourcePlace:
-    """Where the ``source`` of *component* is written: in *document*, of the workspace *inside*."""
+    """Where the ``source`` of *component* is written: *entry*, in the workspace *inside*."""
 
     component: str
-    document: Document
+    entry: Entry
     inside: Path
-
-    @property
-    def folder(self) -> Path:
-        """What the paths in it are relative to."""
-        return self.document.path.parent
 
     def at(self, *keys: str | int) -> Location:
         """Where the value at *keys* below ``source`` stands."""
-        return self.document.place(("source", *keys))
+        return Entry(self.entry.document, (*self.entry.path, *keys)).where
+
+    def number(self, raw: Raw, unit: str, *keys: str | int) -> float:
+        """The SI number *raw* at *keys*; a bare one is in *unit*. Raises DseError."""
+        return read_number(raw, read_unit(unit, self.at(*keys)), self.at(*keys))
 
     def missing(self, key: str, hint: str) -> DseError:
         """The error that *key* is not there."""
-        return fail(f"'{key}' is missing in 'source'", self.document.key(("source",)), hint)
+        return fail(f"'{key}' is missing in 'source'", self.entry.key, hint)
+
+    def path(self, name: str, *keys: str | int) -> Path:
+        """What is called *name* at *keys*, links followed; it may lie anywhere, and need not exist. Raises DseError."""
+        return followed(self.entry.document.path.parent, name, self.at(*keys))
 
     def file(self, name: str, suffixes: Collection[str], *keys: str | int) -> Path:
         """The file called *name* at *keys*, with one of *suffixes* (``.c``). Raises DseError, also outside *inside*."""
         where = self.at(*keys)
-        return existing(named_file(self.folder, name, self.inside, suffixes, where), where)
+        return self.existing(named_file(self.entry.document.path.parent, name, self.inside, suffixes, where), *keys)
 
-
-def existing(path: Path, where: Location) -> Path:
-    """*path*. Raises DseError, at *where*, if it is no file."""
-    if not is_file(path):
-        raise fail(f"no such file: {shown(path)}", where, "paths are relative to this component.yaml")
-    return path
+    def existing(self, path: Path, *keys: str | int) -> Path:
+        """*path*, which *keys* name. Raises DseError if it is no file."""
+        if not is_file(path):
+            raise fail(f"no such file: {shown(path)}", self.at(*keys), "paths are relative to this component.yaml")
+        return path
 
 
 Written = TypeVar("Written", bound=SourceSection)
@@ -83,7 +86,7 @@ class ComponentKind(ABC, Generic[Written, Noun]):
     def build(self, component: Component, source: Noun, *, version: int, cache: Path | None) -> Path:
         """The FMU archive of *component*, for FMI *version* 2 or 3: the same bytes for the same files. Raises DseError.
 
-        What is built is kept in the folder *cache* (see `dse.fmu.cache.cache_folder`) and never changed.
+        What is built is kept in the folder *cache* (see `dse.cache.cache_folder`) and never changed.
         """
 
     def check(self, component: Component, source: Noun) -> None:
@@ -96,21 +99,18 @@ class ComponentKind(ABC, Generic[Written, Noun]):
 
 KINDS: Registry[ComponentKind[Any, Any]] = Registry("dse.kinds", "component kind", room="dse.kinds", attribute="KIND")
 
-_PLANNED = ("python", "udp")
-
 
 class _AnySource(SourceSection):
     model_config = ConfigDict(extra="ignore")
 
 
-def read_source(document: Document, component: str, inside: Path) -> Source:
+def read_source(entry: Entry, component: str, inside: Path) -> Source:
     """The ``source`` of *component*; the files it names lie in *inside*. Raises DseError."""
-    word = read_section(document, _AnySource, ("source",)).kind
-    if word in _PLANNED and word not in KINDS.names():
+    word = read_section(entry, _AnySource).kind
+    if word in PLANNED_KINDS and word not in KINDS.names():
         return UnsupportedSource(word)
-    place = SourcePlace(component, document, inside)
-    kind = KINDS.get(word, place.at("kind"))
-    source: Source = kind.read(read_section(document, kind.section, ("source",)), place)
+    kind = KINDS.get(word, entry["kind"].where)
+    source: Source = kind.read(read_section(entry, kind.section), SourcePlace(component, entry, inside))
     return source
 
 

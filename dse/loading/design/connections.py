@@ -3,38 +3,34 @@
 from __future__ import annotations
 
 from dse.domain.design import Connection
-from dse.errors import Location, Problem
-from dse.formats.yaml import Document, Path_
-from dse.loading.passages import part, written
+from dse.errors import Location, Problems
+from dse.formats.yaml import Entry
+from dse.loading.design.passages import part, written
 
 
-def read_connections(document: Document, at: Path_, entries: object, problems: list[Problem]) -> tuple[Connection, ...]:
+def read_connections(entry: Entry, connections: object, problems: Problems) -> tuple[Connection, ...]:
     """A list of ``source -> target``; what cannot be read is added to *problems*."""
-    if not isinstance(entries, list):
-        problems.append(
-            Problem("'connections' must be a list", document.place(at), "- sensor.target -> controller.target")
-        )
+    if not isinstance(connections, list):
+        problems.add("'connections' must be a list", entry.where, "- sensor.target -> controller.target")
         return ()
-    connections = []
-    for number, entry in enumerate(entries):
-        where = document.place((*at, number))
-        ends = [end.strip() for end in entry.split("->")] if isinstance(entry, str) else []
-        if len(ends) != 2 or not all(_is_path(end) for end in ends):
-            problems.append(
-                Problem(f"'{entry}' is not a connection", where, "write it as 'sensor.target -> controller.target'")
-            )
-            continue
-        connections.append(Connection(ends[0], ends[1], where, _ends(document, (*at, number), entry)))
-    return tuple(connections)
+    found = []
+    for number, text in enumerate(connections):
+        ends = [end.strip() for end in text.split("->")] if isinstance(text, str) else []
+        if len(ends) == 2 and all(_is_path(end) for end in ends):
+            found.append(Connection(ends[0], ends[1], entry[number].where, _ends(entry[number], text)))
+        else:
+            form = "write it as 'sensor.target -> controller.target'"
+            problems.add(f"'{text}' is not a connection", entry[number].where, form)
+    return tuple(found)
 
 
-def _ends(document: Document, at: Path_, entry: str) -> tuple[Location, Location]:
-    text = written(entry, document.origin(at))
-    source = len(entry) - len(entry.lstrip())
-    after = entry.index("->") + 2
-    target = after + len(entry[after:]) - len(entry[after:].lstrip())
-    return part(text, source, source + 1).where, part(text, target, target + 1).where
+def _ends(entry: Entry, text: str) -> tuple[Location, Location]:
+    passage = written(text, entry.origin)
+    source = len(text) - len(text.lstrip())
+    after = text.index("->") + 2
+    target = after + len(text[after:]) - len(text[after:].lstrip())
+    return part(passage, source, source + 1).where, part(passage, target, target + 1).where
 
 
 def _is_path(text: str) -> bool:
-    return all(part.isidentifier() for part in text.split("."))
+    return all(step.isidentifier() for step in text.split("."))

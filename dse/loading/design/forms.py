@@ -6,11 +6,27 @@ from collections.abc import Callable, Sequence
 
 from dse.domain.component import Component, Kind
 from dse.domain.expression import Binary, Conditional, Expression, Name, Node, Number, Unary
-from dse.errors import DseError, Location, Problem, closest, fail, raise_if_any
-from dse.formats.yaml import Document, Path_
-from dse.loading.documents import ConstraintSection
-from dse.loading.passages import Passage, added, joined, listed, written
+from dse.errors import Location, Problem, Problems, closest, fail, raise_if_any
+from dse.formats.yaml import Entry
+from dse.loading.design.passages import Passage, added, joined, listed, written
+from dse.loading.sections import Plain, Section
 from dse.loading.values import read_quantity
+
+
+class ConstraintSection(Section):
+    """One static constraint: exactly one of the keys before *because*."""
+
+    require: str | None = None
+    forbid: list[str] | None = None
+    require_with: dict[str, str | list[str]] | None = None
+    same_choice: list[str] | None = None
+    at_least: dict[str, list[str]] | None = None
+    at_most: dict[str, list[str]] | None = None
+    exactly: dict[str, list[str]] | None = None
+    range: dict[str, list[Plain]] | None = None
+    because: str = ""
+    set: str | None = None
+
 
 FORMS = ("require", "forbid", "require_with", "same_choice", "at_least", "at_most", "exactly", "range")
 """The keys of a constraint that say what must hold."""
@@ -19,111 +35,103 @@ FindParts = Callable[[str], tuple[str, str, Sequence[Component]] | None]
 """``place.name`` as its place, the name and what can stand there; None if there is no such place."""
 
 
-def condition(document: Document, at: Path_, section: ConstraintSection, find: FindParts) -> Passage:
-    """What the constraint at *at* asks for. Raises DseError with every problem in it."""
+def condition(entry: Entry, section: ConstraintSection, find: FindParts) -> Passage:
+    """What the constraint at *entry* asks for. Raises DseError with every problem in it."""
     given = [form for form in FORMS if getattr(section, form) is not None]
     if len(given) != 1:
         what = "says nothing" if not given else f"says {' and '.join(given)}"
-        raise fail(f"constraint '{at[-1]}' {what}", document.key(at), f"give one of {', '.join(FORMS)}")
+        raise fail(f"constraint '{entry.name}' {what}", entry.key, f"give one of {', '.join(FORMS)}")
     (form,) = given
-    here = (*at, form)
+    here = entry[form]
     match form:
         case "require":
-            return _written(document, here, section.require or "")
+            return written(section.require or "", here.origin)
         case "forbid":
-            return _forbidden(document, here, section.forbid or [])
+            return _forbidden(here, section.forbid or [])
         case "require_with":
-            return _required_with(document, here, section.require_with or {})
+            return _required_with(here, section.require_with or {})
         case "same_choice":
-            return _same_choice(document, here, section.same_choice or [])
+            return _same_choice(here, section.same_choice or [])
         case "range":
-            return _ranges(document, here, section.range or {}, find)
-    return _counted(document, here, getattr(section, form))
+            return _ranges(here, section.range or {}, find)
+    return _counted(here, getattr(section, form))
 
 
-def _forbidden(document: Document, at: Path_, entries: list[str]) -> Passage:
-    if not entries:
-        raise fail("'forbid' needs at least one condition", document.place(at), "forbid: [place is x, other is y]")
-    together = _conjunction(_parsed(document, at, entries))
-    return joined(added("not (", together.where), together, added(")", together.where))
+def _forbidden(entry: Entry, conditions: list[str]) -> Passage:
+    if not conditions:
+        raise fail("'forbid' needs at least one condition", entry.where, "forbid: [place is x, other is y]")
+    return _enclosed("not (", _conjunction(_parsed(entry, conditions)))
 
 
-def _required_with(document: Document, at: Path_, sides: dict[str, str | list[str]]) -> Passage:
+def _required_with(entry: Entry, sides: dict[str, str | list[str]]) -> Passage:
     form = "{if: place is x, then: other is y}, each a condition or a list of them"
-    problems = [
-        Problem(f"unknown key '{key}'", document.key((*at, key)), closest(key, ("if", "then")))
-        for key in sides
-        if key not in ("if", "then")
-    ]
-    raise_if_any(problems)
+    keys = ("if", "then")
+    raise_if_any(Problem(f"unknown key '{k}'", entry[k].key, closest(k, keys)) for k in sides if k not in keys)
     raise_if_any(
-        Problem(f"'{key}' is empty", document.key((*at, key)), form)
+        Problem(f"'{key}' is empty", entry[key].key, form)
         if key in sides
-        else Problem(f"'{key}' is missing", document.key(at), form)
-        for key in ("if", "then")
+        else Problem(f"'{key}' is missing", entry.key, form)
+        for key in keys
         if not sides.get(key)
     )
     found: list[Passage] = []
-    for key in ("if", "then"):
-        entry = sides[key]
-        here = (*at, key)
-        texts = [_written(document, here, entry)] if isinstance(entry, str) else _texts(document, here, entry)
-        side = _checked(texts)
-        found.append(_bracketed(*side[0], ("implies", "iff")) if len(side) == 1 else _conjunction(side))
+    for key in keys:
+        side = sides[key]
+        parsed = _checked([written(side, entry[key].origin)]) if isinstance(side, str) else _parsed(entry[key], side)
+        found.append(_bracketed(*parsed[0], ("implies", "iff")) if len(parsed) == 1 else _conjunction(parsed))
     return joined(found[0], added(" implies ", found[1].where), found[1])
 
 
-def _counted(document: Document, at: Path_, entries: dict[str, list[str]]) -> Passage:
-    form = f"{at[-1]}: {{2: [a is x, b is y, c is z]}}"
-    if len(entries) != 1:
-        raise fail(f"'{at[-1]}' needs one number with its conditions", document.key(at), form)
-    ((number, conditions),) = entries.items()
-    key = document.key((*at, number))
+def _counted(entry: Entry, counts: dict[str, list[str]]) -> Passage:
+    word = entry.name
+    form = f"{word}: {{2: [a is x, b is y, c is z]}}"
+    if len(counts) != 1:
+        raise fail(f"'{word}' needs one number with its conditions", entry.key, form)
+    ((number, conditions),) = counts.items()
+    key = entry[number].key
     if not (number.isascii() and number.isdigit() and len(number) < _LONGEST):
         raise fail(f"'{number}' is not a whole number, 0 or more", key, form)
     if not conditions:
-        raise fail(f"'{at[-1]}' needs at least one condition", key, form)
-    if at[-1] != "at_most" and int(number) > len(conditions):
+        raise fail(f"'{word}' needs at least one condition", key, form)
+    if word != "at_most" and int(number) > len(conditions):
         raise fail(f"{number} of {len(conditions)} conditions can never hold", key, "write a smaller number")
-    arguments = [passage for passage, _ in _parsed(document, (*at, number), conditions)]
-    head = joined(added(f"{at[-1]}(", document.key(at)), written(str(int(number)), key))
+    arguments = [passage for passage, _ in _parsed(entry[number], conditions)]
+    head = joined(added(f"{word}(", entry.key), written(str(int(number)), key))
     return joined(head, added(", ", arguments[0].where), listed(", ", arguments), added(")", arguments[-1].where))
 
 
 _LONGEST = 9
 
 
-def _same_choice(document: Document, at: Path_, places: list[str]) -> Passage:
+def _same_choice(entry: Entry, places: list[str]) -> Passage:
     form = "same_choice: [front.tyre, rear.tyre]"
     if len(places) < 2:
-        raise fail("'same_choice' needs at least two places", document.place(at), form)
-    entries = _parsed(document, at, places)
+        raise fail("'same_choice' needs at least two places", entry.where, form)
+    parsed = _parsed(entry, places)
     raise_if_any(
         Problem(f"'{passage.text}' is not a place", passage.where, f"the form is {form}")
-        for passage, root in entries
+        for passage, root in parsed
         if not isinstance(root, Name)
     )
-    passages = [passage for passage, _ in entries]
+    passages = [passage for passage, _ in parsed]
     head = added("same_choice(", passages[0].where)
     return joined(head, listed(", ", passages), added(")", passages[-1].where))
 
 
-def _ranges(document: Document, at: Path_, ranges: dict[str, list[str | int | float]], find: FindParts) -> Passage:
+def _ranges(entry: Entry, ranges: dict[str, list[str | int | float]], find: FindParts) -> Passage:
     if not ranges:
-        raise fail("'range' names nothing", document.place(at), "range: {sensor.range: [100 m, 250 m]}")
+        raise fail("'range' names nothing", entry.where, "range: {sensor.range: [100 m, 250 m]}")
     found: list[Passage] = []
-    problems: list[Problem] = []
+    problems = Problems()
     for name, ends in ranges.items():
-        try:
-            found.append(_range(document, (*at, name), name, ends, find))
-        except DseError as error:
-            problems += error.problems
+        with problems:
+            found.append(_range(entry[name], ends, find))
     raise_if_any(problems)
     return listed(" and ", found)
 
 
-def _range(document: Document, at: Path_, name: str, ends: list[str | int | float], find: FindParts) -> Passage:
-    key = document.key(at)
+def _range(entry: Entry, ends: list[str | int | float], find: FindParts) -> Passage:
+    name, key = entry.name, entry.key
     split = find(name)
     if split is None:
         what = f"'{name}' names no part" if "." in name else f"'{name}' gives no property or parameter"
@@ -136,13 +144,13 @@ def _range(document: Document, at: Path_, name: str, ends: list[str | int | floa
         advice = f"write require: {name} between … and …, or {name}.min <= … and {name}.max >= …"
         raise fail(f"'{own}' is a property and a parameter of what stands at '{place}'", key, advice)
     if own in stated:
-        low, high = _quantities(document, at, ends, "")
+        low, high = _quantities(entry, ends, "")
         return joined(named, added(" between ", low.where), low, added(" and ", high.where), high)
     if own not in settable:
         where = Location(key.file, key.line, key.column + len(name) - len(own))
         what = f"nothing at '{place}' has a property or parameter '{own}'"
         raise fail(what, where, closest(own, stated | settable))
-    low, high = _quantities(document, at, ends, _unit(components, own, key))
+    low, high = _quantities(entry, ends, _unit(components, own, key))
     parts = (named, added(".min <= ", low.where), low, added(" and ", high.where), named, added(".max >= ", high.where))
     return joined(*parts, high)
 
@@ -157,29 +165,28 @@ def _unit(components: Sequence[Component], name: str, where: Location) -> str:
     return symbols.pop() if len(symbols) == 1 else "?"
 
 
-def _quantities(document: Document, at: Path_, ends: list[str | int | float], unit: str) -> tuple[Passage, Passage]:
+def _quantities(entry: Entry, ends: list[str | int | float], unit: str) -> tuple[Passage, Passage]:
     if len(ends) != 2:
-        raise fail(f"'{at[-1]}': expected two ends, found {len(ends)}", document.place(at), "write it as [low, high]")
-    low, high = (_quantity(document, (*at, number), raw, unit) for number, raw in enumerate(ends))
+        raise fail(f"'{entry.name}': expected two ends, found {len(ends)}", entry.where, "write it as [low, high]")
+    low, high = (_quantity(entry[number], raw, unit, entry.name) for number, raw in enumerate(ends))
     (lower, least), (upper, most) = low, high
     if least.unit.dimension == most.unit.dimension and least.si > most.si:
-        raise fail(f"the range of '{at[-1]}' is empty: {lower.text} … {upper.text}", lower.where, "low, then high")
+        raise fail(f"the range of '{entry.name}' is empty: {lower.text} … {upper.text}", lower.where, "low, then high")
     return lower, upper
 
 
-def _quantity(document: Document, at: Path_, raw: str | int | float, unit: str) -> tuple[Passage, Number]:
-    where = document.place(at)
+def _quantity(entry: Entry, raw: str | int | float, unit: str, name: str) -> tuple[Passage, Number]:
+    where = entry.where
     if not isinstance(raw, str):
         read_quantity(raw, where)
-    passage = _written(document, at, raw if isinstance(raw, str) else repr(raw))
+    passage = written(raw if isinstance(raw, str) else repr(raw), entry.origin)
     number = _literal(passage.parse())
     if number is None:
         raise fail(f"'{raw}' is not a quantity", where, "write a number and a unit, as '70 km/h'")
     if number.unit.symbol or not unit:
         return passage, number
     if unit == "?":
-        what = f"'{at[-2]}' has different units in different components"
-        raise fail(what, where, f"write {raw} with its unit")
+        raise fail(f"'{name}' has different units in different components", where, f"write {raw} with its unit")
     passage = joined(passage, added(f" {unit}", where))
     return passage, _literal(passage.parse()) or number
 
@@ -193,27 +200,18 @@ def _literal(expression: Expression) -> Number | None:
     return None
 
 
-def _written(document: Document, at: Path_, text: str) -> Passage:
-    return written(text, document.origin(at))
-
-
-def _texts(document: Document, at: Path_, entries: list[str]) -> list[Passage]:
-    return [_written(document, (*at, number), entry) for number, entry in enumerate(entries)]
-
-
-def _parsed(document: Document, at: Path_, entries: list[str]) -> list[tuple[Passage, Node]]:
-    return _checked(_texts(document, at, entries))
+def _parsed(entry: Entry, texts: list[str]) -> list[tuple[Passage, Node]]:
+    """The conditions listed at *entry* with their trees."""
+    return _checked([written(text, entry[number].origin) for number, text in enumerate(texts)])
 
 
 def _checked(passages: list[Passage]) -> list[tuple[Passage, Node]]:
     """The passages with their trees: each must be an expression by itself, before they are put together."""
     found: list[tuple[Passage, Node]] = []
-    problems: list[Problem] = []
+    problems = Problems()
     for passage in passages:
-        try:
+        with problems:
             found.append((passage, passage.parse().root))
-        except DseError as error:
-            problems += error.problems
     raise_if_any(problems)
     return found
 
@@ -227,5 +225,9 @@ def _conjunction(entries: list[tuple[Passage, Node]]) -> Passage:
 def _bracketed(passage: Passage, root: Node, weak: tuple[str, ...]) -> Passage:
     """*passage* with brackets around it if it binds as weakly as the operators *weak*."""
     if isinstance(root, Conditional) or (isinstance(root, Binary) and root.operator in weak):
-        return joined(added("(", passage.where), passage, added(")", passage.where))
+        return _enclosed("(", passage)
     return passage
+
+
+def _enclosed(opening: str, passage: Passage) -> Passage:
+    return joined(added(opening, passage.where), passage, added(")", passage.where))

@@ -5,14 +5,14 @@ from __future__ import annotations
 from collections.abc import Collection, Iterator
 from dataclasses import dataclass
 
-from dse.domain.expression import ROLLUPS, Binary, Call, Chosen, Conditional, Name, Node, Span
+from dse.domain.expression import Binary, Call, Chosen, Conditional, Name, Node, Span, is_rollup
 from dse.errors import Problem, closest, raise_if_any
-from dse.expression.parse import children
-from dse.loading.passages import Passage, added, joined, with_insertions
+from dse.expression.tree import children
+from dse.loading.design.passages import Passage, added, joined, with_insertions
 
 
 @dataclass(frozen=True, slots=True)
-class Spot:
+class Scope:
     """A place in the tree of containers.
 
     *path* is what expressions call it, *trail* also has the names of the architectures on the way, which makes it
@@ -23,59 +23,59 @@ class Spot:
     trail: str = ""
     guards: tuple[str, ...] = ()
 
-    def part(self, name: str) -> Spot:
+    def part(self, name: str) -> Scope:
         """The part *name* of the compound here."""
-        return Spot(_join(self.path, name), _join(self.trail, name), self.guards)
+        return Scope(_join(self.path, name), _join(self.trail, name), self.guards)
 
-    def option(self, name: str) -> Spot:
+    def option(self, name: str) -> Scope:
         """The alternative *name* here."""
         # That this option is chosen says already that something is.
         outer = self.guards[:-1] if self.guards[-1:] == (f"{self.path} is present",) else self.guards
-        return Spot(self.path, _join(self.trail, name), (*outer, f"{self.path} is {name}"))
+        return Scope(self.path, _join(self.trail, name), (*outer, f"{self.path} is {name}"))
 
-    def optional(self) -> Spot:
+    def optional(self) -> Scope:
         """What can be left out here."""
-        return Spot(self.path, self.trail, (*self.guards, f"{self.path} is present"))
+        return Scope(self.path, self.trail, (*self.guards, f"{self.path} is present"))
 
 
-def constraint_name(spot: Spot, name: str) -> str:
-    """What the constraint *name* of the container at *spot* is called in the design."""
-    return f"{spot.trail}: {name}" if spot.trail else name
+def constraint_name(scope: Scope, name: str) -> str:
+    """What the constraint *name* of the container at *scope* is called in the design."""
+    return f"{scope.trail}: {name}" if scope.trail else name
 
 
-def inside(spot: Spot, parts: Collection[str], passage: Passage) -> Passage:
+def inside(scope: Scope, parts: Collection[str], passage: Passage) -> Passage:
     """The condition *passage* of a container, which has *parts*, as one of the whole design.
 
     Raises DseError at every name that is none of the container's.
     """
     expression = passage.parse()
-    if not spot.path:
+    if not scope.path:
         return passage
     insertions: list[tuple[int, str]] = []
     problems: list[Problem] = []
     for mention in _mentions(expression.root, parts):
         match mention:
-            case _Place(first, span):
-                insertions.append((span[0], f"{spot.path}."))
+            case _PartPath(first, span):
+                insertions.append((span[0], f"{scope.path}."))
                 if first not in parts:
-                    what = f"'{first}' is no part of '{spot.trail}'"
+                    what = f"'{first}' is no part of '{scope.trail}'"
                     problems.append(Problem(what, expression.location(span), closest(first, parts)))
             case _Property(span):
-                insertions += [(span[0], "sum("), (span[1], f", {spot.path})")]
+                insertions += [(span[0], "sum("), (span[1], f", {scope.path})")]
             case _Everywhere(end):
-                insertions.append((end, f", {spot.path}"))
+                insertions.append((end, f", {scope.path}"))
     raise_if_any(problems)
     scoped = with_insertions(passage, insertions)
-    if not spot.guards:
+    if not scope.guards:
         return scoped
     root = expression.root
     if isinstance(root, Conditional) or (isinstance(root, Binary) and root.operator == "iff"):
         scoped = joined(added("(", scoped.where), scoped, added(")", scoped.where))
-    return joined(added(f"{' and '.join(spot.guards)} implies ", scoped.where), scoped)
+    return joined(added(f"{' and '.join(scope.guards)} implies ", scoped.where), scoped)
 
 
 @dataclass(frozen=True, slots=True)
-class _Place:
+class _PartPath:
     """A path that starts at the part *first*."""
 
     first: str
@@ -96,7 +96,7 @@ class _Everywhere:
     end: int
 
 
-def _mentions(root: Node, parts: Collection[str]) -> Iterator[_Place | _Property | _Everywhere]:
+def _mentions(root: Node, parts: Collection[str]) -> Iterator[_PartPath | _Property | _Everywhere]:
     stack = [root]
     while stack:
         node = stack.pop()
@@ -116,15 +116,8 @@ def _mentions(root: Node, parts: Collection[str]) -> Iterator[_Place | _Property
                 stack += children(node)
 
 
-def _place(path: str, span: Span) -> _Place:
-    return _Place(path.partition(".")[0], span)
-
-
-def is_rollup(function: str, first: Node) -> bool:
-    """Whether a call with that first argument rolls up a property; ``min`` and ``max`` also compare values."""
-    return function in ROLLUPS and (
-        function not in ("min", "max") or (isinstance(first, Name) and "." not in first.path)
-    )
+def _place(path: str, span: Span) -> _PartPath:
+    return _PartPath(path.partition(".")[0], span)
 
 
 def _join(path: str, name: str) -> str:

@@ -8,11 +8,11 @@ from typing import Any
 
 from dse.domain.component import Component, Interface
 from dse.domain.design import Alternative, Compound, Node, Optional, Part
-from dse.errors import DseError, Location, Problem, closest
-from dse.formats.yaml import Document, Path_
+from dse.errors import Location, Problems, closest
+from dse.formats.yaml import Entry
 from dse.loading.design.connections import read_connections
 from dse.loading.design.constraints import Rules
-from dse.loading.design.scope import Spot
+from dse.loading.design.scope import Scope
 from dse.loading.names import check_choice, check_name
 
 FindComponent = Callable[[str, Location], Component]
@@ -23,130 +23,121 @@ _COMPOUND = ("compound", "connections", "implements", "constraints")
 
 @dataclass(frozen=True, slots=True)
 class Tree:
-    """What was read: *root*, None if it is none, the mappings of constraints in it, outer ones first, and problems."""
+    """What was read: *root*, None if it is none, and the mappings of constraints in it, outer ones first."""
 
     root: Compound | None
     rules: tuple[Rules, ...]
-    problems: tuple[Problem, ...]
 
 
 def read_tree(
-    document: Document,
+    entry: Entry,
     name: str,
-    entry: dict[str, Any],
+    written: dict[str, Any],
     find: FindComponent,
     interfaces: Mapping[str, Interface],
+    problems: Problems,
 ) -> Tree:
-    """The containers of the design space *name*, whose root is written as *entry*; with all that is wrong with them."""
-    reader = _TreeReader(document, find, interfaces)
-    root = reader.compound(name, ("root",), entry, Spot())
-    return Tree(root, tuple(reader.rules), tuple(reader.problems))
+    """The containers of the design space *name*, whose root is *written* so; what is wrong is added to *problems*."""
+    reader = _TreeReader(find, interfaces, problems)
+    root = reader.compound(name, entry, written, Scope())
+    return Tree(root, tuple(reader.rules))
 
 
 class _TreeReader:
     """Goes on after a problem so that all are found at once."""
 
-    def __init__(self, document: Document, find: FindComponent, interfaces: Mapping[str, Interface]) -> None:
-        self.document = document
+    def __init__(self, find: FindComponent, interfaces: Mapping[str, Interface], problems: Problems) -> None:
         self.find = find
         self.interfaces = interfaces
-        self.problems: list[Problem] = []
+        self.problems = problems
         self.rules: list[Rules] = []
 
-    def node(self, at: Path_, entry: Any, spot: Spot) -> Node | None:
-        if isinstance(entry, str):
-            return self.part(at, entry)
-        if isinstance(entry, dict):
+    def node(self, entry: Entry, written: Any, scope: Scope) -> Node | None:
+        if isinstance(written, str):
+            return self.part(entry, written)
+        if isinstance(written, dict):
             for key in ("compound", "alternatives", "optional"):
-                if key in entry:
-                    return self.container(key, at, entry, spot)
-        self.problem(
-            at,
-            "expected a component or a container",
-            "a component's name, {alternatives: […]}, {optional: …} or {compound: …}",
-        )
+                if key in written:
+                    return self.container(key, entry, written, scope)
+        forms = "a component's name, {alternatives: […]}, {optional: …} or {compound: …}"
+        self.problems.add("expected a component or a container", entry.where, forms)
         return None
 
-    def container(self, key: str, at: Path_, entry: dict[str, Any], spot: Spot) -> Node | None:
+    def container(self, key: str, entry: Entry, written: dict[str, Any], scope: Scope) -> Node | None:
         if key == "compound":
-            return self.compound(spot.path.rpartition(".")[2], at, entry, spot)
-        for other in entry:
-            if other != key:
-                self.unknown((*at, other), other, (key,))
-        where = self.document.key(at)
+            return self.compound(scope.path.rpartition(".")[2], entry, written, scope)
+        self.expect_keys(entry, written, (key,))
         if key == "alternatives":
-            return self.alternative((*at, key), entry[key], spot)
-        content = self.node((*at, key), entry[key], spot.optional())
+            return self.alternative(entry[key], written[key], scope)
+        content = self.node(entry[key], written[key], scope.optional())
         if isinstance(content, Optional):
-            self.problem(at, "an optional container directly in an optional container", "remove one of them")
+            what = "an optional container directly in an optional container"
+            self.problems.add(what, entry.where, "remove one of them")
             return None
-        return Optional(content, where) if content else None
+        return Optional(content, entry.key) if content else None
 
-    def compound(self, name: str, at: Path_, entry: dict[str, Any], spot: Spot) -> Compound | None:
-        for key in entry:
-            if key not in _COMPOUND:
-                self.unknown((*at, key), key, _COMPOUND)
-        children = entry.get("compound")
+    def compound(self, name: str, entry: Entry, written: dict[str, Any], scope: Scope) -> Compound | None:
+        self.expect_keys(entry, written, _COMPOUND)
+        children = written.get("compound")
         if not isinstance(children, dict):
-            self.problem(at, "'compound' must be a mapping of its parts", "compound: {sensor: radar}")
+            what = "'compound' must be a mapping of its parts"
+            self.problems.add(what, entry.where, "compound: {sensor: radar}")
             return None
-        if "constraints" in entry:
-            self.rules.append(Rules((*at, "constraints"), spot, tuple(children)))
+        if "constraints" in written:
+            self.rules.append(Rules(entry["constraints"], scope, tuple(children)))
         parts: dict[str, Node] = {}
         for child, content in children.items():
-            here = (*at, "compound", child)
-            check_name(child, self.document.key(here), self.problems)
-            node = self.node(here, content, spot.part(child))
+            here = entry["compound"][child]
+            check_name(child, here.key, self.problems)
+            node = self.node(here, content, scope.part(child))
             if node:
                 parts[child] = node
-        connections = read_connections(self.document, (*at, "connections"), entry.get("connections", []), self.problems)
-        interface = self.interface(at, entry["implements"]) if "implements" in entry else None
-        return Compound(name, parts, connections, interface, self.document.key(at))
+        connections = read_connections(entry["connections"], written.get("connections", []), self.problems)
+        interface = self.interface(entry["implements"], written["implements"]) if "implements" in written else None
+        return Compound(name, parts, connections, interface, entry.key)
 
-    def alternative(self, at: Path_, entries: Any, spot: Spot) -> Alternative | None:
-        if not isinstance(entries, list) or not entries:
-            self.problem(at, "'alternatives' must be a list with at least one entry", "alternatives: [radar, lidar]")
+    def alternative(self, entry: Entry, written: Any, scope: Scope) -> Alternative | None:
+        if not isinstance(written, list) or not written:
+            what = "'alternatives' must be a list with at least one entry"
+            self.problems.add(what, entry.where, "alternatives: [radar, lidar]")
             return None
         options: dict[str, Part | Compound] = {}
-        for number, entry in enumerate(entries):
-            option = self.option((*at, number), entry, spot)
+        for number, choice in enumerate(written):
+            option = self.option(entry[number], choice, scope)
             if option is None:
                 continue
             if option.name in options:
-                self.problem((*at, number), f"'{option.name}' stands twice among the alternatives", "remove one")
+                what = f"'{option.name}' stands twice among the alternatives"
+                self.problems.add(what, entry[number].where, "remove one")
                 continue
             options[option.name] = option
-        return Alternative(tuple(options.values()), self.document.place(at)) if options else None
+        return Alternative(tuple(options.values()), entry.where) if options else None
 
-    def option(self, at: Path_, entry: Any, spot: Spot) -> Part | Compound | None:
-        if isinstance(entry, str):
-            return self.part(at, entry)
-        if isinstance(entry, dict) and len(entry) == 1:
-            ((name, content),) = entry.items()
-            check_choice(name, self.document.key((*at, name)), self.problems)
+    def option(self, entry: Entry, written: Any, scope: Scope) -> Part | Compound | None:
+        if isinstance(written, str):
+            return self.part(entry, written)
+        if isinstance(written, dict) and len(written) == 1:
+            ((name, content),) = written.items()
+            check_choice(name, entry[name].key, self.problems)
             if isinstance(content, dict) and "compound" in content:
-                return self.compound(name, (*at, name), content, spot.option(name))
-        self.problem(
-            at, "expected a component's name or one named architecture", "- hybrid: {compound: {…}, connections: […]}"
-        )
+                return self.compound(name, entry[name], content, scope.option(name))
+        what = "expected a component's name or one named architecture"
+        self.problems.add(what, entry.where, "- hybrid: {compound: {…}, connections: […]}")
         return None
 
-    def part(self, at: Path_, name: str) -> Part | None:
-        where = self.document.place(at)
-        try:
+    def part(self, entry: Entry, name: str) -> Part | None:
+        where = entry.where
+        with self.problems:
             return Part(self.find(name, where), where)
-        except DseError as error:
-            self.problems += error.problems
-            return None
+        return None
 
-    def interface(self, at: Path_, name: Any) -> Interface | None:
+    def interface(self, entry: Entry, name: Any) -> Interface | None:
         if isinstance(name, str) and name in self.interfaces:
             return self.interfaces[name]
-        self.problem((*at, "implements"), f"unknown interface '{name}'", closest(str(name), self.interfaces))
+        self.problems.add(f"unknown interface '{name}'", entry.where, closest(str(name), self.interfaces))
         return None
 
-    def problem(self, at: Path_, what: str, hint: str) -> None:
-        self.problems.append(Problem(what, self.document.place(at), hint))
-
-    def unknown(self, at: Path_, key: str, known: tuple[str, ...]) -> None:
-        self.problems.append(Problem(f"unknown key '{key}'", self.document.key(at), closest(key, known)))
+    def expect_keys(self, entry: Entry, written: dict[str, Any], known: tuple[str, ...]) -> None:
+        for key in written:
+            if key not in known:
+                self.problems.add(f"unknown key '{key}'", entry[key].key, closest(key, known))

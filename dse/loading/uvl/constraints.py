@@ -22,9 +22,9 @@ from fractions import Fraction
 
 from dse.domain.expression import Binary, Call, Chosen, Conditional, Expression, Name, Node, Number, Span, Truth, Unary
 from dse.errors import closest
-from dse.expression.parse import DEEPEST, children
+from dse.expression.tree import DEEPEST, balanced, too_deep
 from dse.loading.uvl.cursor import Cursor, number
-from dse.loading.uvl.space import Layout, Spot
+from dse.loading.uvl.space import Spot, Translation
 from dse.loading.uvl.tokens import Source, Token
 from dse.units import DIMENSIONLESS
 
@@ -36,19 +36,15 @@ _LOGIC = {"<=>": "iff", "=>": "implies", "|": "or", "&": "and"}
 _FUNCTIONS = ("sum", "avg", "floor", "ceil", "len")
 
 
-def read_constraint(source: Source, tokens: list[Token], layout: Layout) -> Expression:
+def read_constraint(source: Source, tokens: list[Token], model: Translation) -> Expression:
     """The constraint that *tokens* spell. Raises DseError at the token that is not understood."""
     start, end = tokens[0].start, tokens[-1].end
-    reader = _Reader(source, tokens, layout)
+    reader = _Reader(source, tokens, model)
     root = reader.condition(0)
     if reader.peek().kind != "end":
         raise reader.unexpected("an operator or the end of the line")
-    stack = [(root, 1)]
-    while stack:
-        node, level = stack.pop()
-        if level > DEEPEST:
-            raise source.error(start, f"more than {DEEPEST} levels deep", "split the constraint")
-        stack += [(child, level + 1) for child in children(node)]
+    if too_deep(root):
+        raise source.error(start, f"more than {DEEPEST} levels deep", "split the constraint")
     return Expression(source.text[start:end], root, source.location(start))
 
 
@@ -59,21 +55,17 @@ def presence(spot: Spot, span: Span) -> Node:
     return Chosen(spot.path, (spot.choice or "present",), span)
 
 
-def balanced(operator: str, operands: list[Node], span: Span) -> Node:
-    """``a and b and c …`` of an associative *operator* as a tree of few levels."""
-    while len(operands) > 1:
-        pairs = zip(operands[::2], operands[1::2], strict=False)
-        joined: list[Node] = [Binary(operator, left, right, span) for left, right in pairs]
-        operands = [*joined, operands[-1]] if len(operands) % 2 else joined
-    return operands[0]
+def chained(operator: str, operands: list[Node], span: Span) -> Node:
+    """``a and b and c …`` of an associative *operator*, all of which stands at *span*, as a tree of few levels."""
+    return balanced(operator, [(operand, span) for operand in operands])
 
 
 class _Reader(Cursor):
     """Precedence climbing over the tokens (V. Pratt, Top down operator precedence, 1973)."""
 
-    def __init__(self, source: Source, tokens: list[Token], layout: Layout) -> None:
+    def __init__(self, source: Source, tokens: list[Token], model: Translation) -> None:
         super().__init__(source, tokens)
-        self.layout = layout
+        self.model = model
         self.base = tokens[0].start
         self.nesting = 0
 
@@ -162,7 +154,7 @@ class _Reader(Cursor):
                 raise self.source.error(first.start, what, "compare numbers")
             advice = closest(key, feature.numbers) or f"add it: {feature.name} {{{key} 1}}"
             raise self.source.error(first.start, f"feature '{feature.name}' has no attribute '{key}'", advice)
-        return self.value(spot, self.layout.properties[key], (first.start - self.base, self.last()))
+        return self.value(spot, self.model.properties[key], (first.start - self.base, self.last()))
 
     def value(self, spot: Spot, name: str, span: Span) -> Node:
         """The feature's own number, 0 when it is not there."""
@@ -200,10 +192,10 @@ class _Reader(Cursor):
             if not spot.path:
                 spot = None
         self.expect(")")
-        if key not in self.layout.properties:
-            advice = closest(key, self.layout.properties) or f"write {word.text}(attribute) or give features numbers"
+        if key not in self.model.properties:
+            advice = closest(key, self.model.properties) or f"write {word.text}(attribute) or give features numbers"
             raise self.source.error(attribute.start, f"no feature has a number called '{key}'", advice)
-        name, span = self.layout.properties[key], (word.start - self.base, self.last())
+        name, span = self.model.properties[key], (word.start - self.base, self.last())
         if spot is None:
             return _rollup("sum" if word.text == "sum" else "mean", name, "", span)
         return self.below(word, key, spot, name, span)
@@ -223,12 +215,12 @@ class _Reader(Cursor):
         terms = [self.value(spot, name, span)] if name in spot.numbers else []
         paths = dict.fromkeys(child.path for child in spot.children if name in child.inside)
         terms += [_rollup("sum", name, path, span) for path in paths]
-        return balanced("+", terms, span)
+        return chained("+", terms, span)
 
     def spot(self, token: Token) -> Spot:
-        spot = self.layout.spots.get(token.text)
+        spot = self.model.spots.get(token.text)
         if spot is None:
-            advice = closest(token.text, self.layout.spots)
+            advice = closest(token.text, self.model.spots)
             raise self.source.error(token.start, f"unknown feature '{token.text}'", advice)
         return spot
 
@@ -261,14 +253,14 @@ class _Reader(Cursor):
 
 def _joined(operators: list[str], operands: list[Node], span: Span) -> Node:
     if operators[0] in ("&", "|"):
-        return balanced(_LOGIC[operators[0]], operands, span)
+        return chained(_LOGIC[operators[0]], operands, span)
     if operators[0] in ("+", "-"):
         # Exact numbers may be added in any order.
         signs = ["+", *operators]
         more = [operand for sign, operand in zip(signs, operands, strict=True) if sign == "+"]
         less = [operand for sign, operand in zip(signs, operands, strict=True) if sign == "-"]
-        total = balanced("+", more, span)
-        return Binary("-", total, balanced("+", less, span), span) if less else total
+        total = chained("+", more, span)
+        return Binary("-", total, chained("+", less, span), span) if less else total
     node = operands[0]
     for operator, operand in zip(operators, operands[1:], strict=True):
         node = Binary(_LOGIC.get(operator, operator), node, operand, span)

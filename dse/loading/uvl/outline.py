@@ -124,8 +124,6 @@ class _Builder:
                 self.tops.setdefault(feature.path, []).append(feature)
                 for option in node.options:
                     self.option(option, feature, "alternative", feature.path)
-            case Optional():
-                self.place(node.content, feature, name)
 
     def options(self, node: Alternative, feature: Outline, group: str, path: str) -> None:
         for option in node.options:

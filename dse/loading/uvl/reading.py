@@ -15,9 +15,9 @@ from dse.domain.design import Constraint, DesignSpace
 from dse.domain.expression import Binary, Call, Expression, Node, Number
 from dse.errors import DseError, closest, raise_if_any
 from dse.expression.text import show_expression
-from dse.loading.uvl.constraints import balanced, presence, read_constraint
+from dse.loading.uvl.constraints import chained, presence, read_constraint
 from dse.loading.uvl.names import Names
-from dse.loading.uvl.space import Layout, lay_out
+from dse.loading.uvl.space import Translation, translate
 from dse.loading.uvl.tokens import Line, Source, Token, read_source, split
 from dse.loading.uvl.tree import Group, read_tree
 from dse.units import DIMENSIONLESS
@@ -46,13 +46,13 @@ def read_uvl_text(source: Source) -> DesignSpace:
     if not features:
         source.note(sections["features"][0].tokens[0].start, "there are no features", "indent them below 'features'")
     raise_if_any(source.problems)
-    layout = lay_out(source, features)
+    model = translate(source, features)
     written = [tokens for feature in features for tokens in feature.rules]
     written += [line.tokens for line in sections.get("constraints", [])[1:]]
-    constraints = _constraints(source, written, layout)
+    constraints = _constraints(source, written, model)
     raise_if_any(source.problems)
-    name, namespace = layout.root.name, _title(sections)
-    return DesignSpace(name, layout.root, constraints, namespace if namespace != name else "", layout.root.where)
+    name, namespace = model.root.name, _title(sections)
+    return DesignSpace(name, model.root, constraints, namespace if namespace != name else "", model.root.where)
 
 
 _SECTIONS = ("namespace", "include", "imports", "features", "constraints")
@@ -107,31 +107,31 @@ def _check_levels(source: Source, lines: list[Line]) -> None:
             source.note(first.start, f"unknown language level '{level}.{minor}'", closest(minor, _LEVELS[level]))
 
 
-def _constraints(source: Source, written: list[list[Token]], layout: Layout) -> tuple[Constraint, ...]:
+def _constraints(source: Source, written: list[list[Token]], model: Translation) -> tuple[Constraint, ...]:
     """The constraints of the user, c1, c2, … in the order of the file, and those of the groups, after their feature."""
     found: list[tuple[int, str, Constraint]] = []
     names = Names(f"c{number}" for number in range(1, len(written) + 1))
     for number, tokens in enumerate(written, 1):
         try:
-            rule = read_constraint(source, tokens, layout)
+            rule = read_constraint(source, tokens, model)
         except DseError as error:
             source.add(error)
             continue
         because = " ".join(rule.text.split())
         found.append((tokens[0].start, "", Constraint(f"c{number}", rule, because, rule.where)))
-    for group in layout.counted:
-        name = names.new(f"{layout.spots[group.parent.name].name}_group")
-        rule = _group_rule(source, group, layout)
+    for group in model.counted:
+        name = names.new(f"{model.spots[group.parent.name].name}_group")
+        rule = _group_rule(source, group, model)
         because = f"group {group.word} below '{group.parent.name}'"
         found.append((group.start, name, Constraint(name, rule, because, rule.where)))
     found.sort(key=lambda entry: entry[:2])
     return tuple(constraint for _, _, constraint in found)
 
 
-def _group_rule(source: Source, group: Group, layout: Layout) -> Expression:
+def _group_rule(source: Source, group: Group, model: Translation) -> Expression:
     nowhere = (0, 0)
-    parent = layout.spots[group.parent.name]
-    there = [presence(layout.spots[child.name], nowhere) for child in group.features]
+    parent = model.spots[group.parent.name]
+    there = [presence(model.spots[child.name], nowhere) for child in group.features]
 
     def counted(function: str, number: int) -> Node:
         return Call(function, (Number(Fraction(number), DIMENSIONLESS, nowhere), *there), (), nowhere)
@@ -142,7 +142,7 @@ def _group_rule(source: Source, group: Group, layout: Layout) -> Expression:
     else:
         rules = [counted("at_least", group.low)] if group.low else []
         rules += [counted("at_most", high)] if high < len(there) else []
-    rule = balanced("and", rules, nowhere)
+    rule = chained("and", rules, nowhere)
     if not parent.always:
         rule = Binary("implies", presence(parent, nowhere), rule, nowhere)
     return Expression(show_expression(rule), rule, source.location(group.start))

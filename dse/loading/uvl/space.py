@@ -45,7 +45,7 @@ class Spot:
 
 
 @dataclass(frozen=True, slots=True)
-class Layout:
+class Translation:
     """The tree as a design space has it, with *spots* and *properties* by the words of the model.
 
     *counted* are the groups that need a constraint.
@@ -57,50 +57,75 @@ class Layout:
     counted: Sequence[Group]
 
 
-def lay_out(source: Source, features: Sequence[Feature]) -> Layout:
+def translate(source: Source, features: Sequence[Feature]) -> Translation:
     """The design space of *features*, which are in order, parents first, and of different names."""
-    names = Names(feature.name for feature in features)
-    keys = Names(key for feature in features for key in feature.numbers)
-    properties = {key: keys.of(key) for feature in features for key in feature.numbers}
-    spots = {feature.name: Spot(feature, names.of(feature.name)) for feature in features}
-    root = spots[features[0].name]
-    root.always = True
-    places: dict[int, str] = {}
-    owners: dict[str, str] = {}
-    counted: list[Group] = []
-    for feature in features:
-        spot = spots[feature.name]
-        spot.numbers = {properties[key]: value for key, value in feature.numbers.items()}
-        spot.inside = set(spot.numbers)
-        spot.itself = spot.path
-        if spot.numbers and (feature.groups or spot is root):
-            owners[feature.name] = names.new(f"{spot.name}_itself")
-            spot.itself = _join(spot.path, owners[feature.name])
-        for group in feature.groups:
-            kind = kind_of(group)
-            if kind == "counted":
-                counted.append(group)
-            choice = names.new(f"{spot.name}_choice") if kind in ("alternative", "at most one") else ""
-            places[id(group)] = choice
-            for child in group.features:
-                below = spots[child.name]
-                spot.children.append(below)
-                below.path = _join(spot.path, choice or below.name)
-                below.choice = below.name if choice else ""
-                below.always = spot.always and kind == "mandatory"
-    nodes: dict[str, Part | Compound] = {}
-    for feature in reversed(features):
-        spot = spots[feature.name]
-        for inner in spot.children:
-            spot.inside |= inner.inside
-        nodes[feature.name] = _node(source, spot, owners.get(feature.name, ""), spots, nodes, places)
-    tree = nodes[features[0].name]
-    if isinstance(tree, Part):
-        tree = Compound(tree.name, {owners.get(features[0].name) or names.new(f"{root.name}_itself"): tree})
-    return Layout(tree, spots, properties, counted)
+    translator = _Translator(source, features)
+    return Translation(translator.root(), translator.spots, translator.properties, translator.counted)
 
 
-def kind_of(group: Group) -> str:
+class _Translator:
+    def __init__(self, source: Source, features: Sequence[Feature]) -> None:
+        self.source = source
+        self.names = Names(feature.name for feature in features)
+        keys = Names(key for feature in features for key in feature.numbers)
+        self.properties = {key: keys.of(key) for feature in features for key in feature.numbers}
+        self.spots = {feature.name: Spot(feature, self.names.of(feature.name)) for feature in features}
+        self.counted: list[Group] = []
+        self.top = self.spots[features[0].name]
+        self.top.always = True
+
+    def root(self) -> Compound:
+        node = self.node(self.top)
+        if isinstance(node, Compound):
+            return node
+        own = self.top.itself or self.names.new(f"{self.top.name}_itself")
+        return Compound(node.name, {own: node})
+
+    def node(self, spot: Spot) -> Part | Compound:
+        """What stands at *spot*, with all that is below it."""
+        feature = spot.feature
+        spot.numbers = {self.properties[key]: value for key, value in feature.numbers.items()}
+        spot.itself, own = spot.path, ""
+        if spot.numbers and (feature.groups or spot is self.top):
+            own = self.names.new(f"{spot.name}_itself")
+            spot.itself = _join(spot.path, own)
+        groups = [self.group(spot, group) for group in feature.groups]
+        parts: dict[str, Node] = {own: self.part(spot, own)} if own else {}
+        for group, (kind, choice) in zip(feature.groups, groups, strict=True):
+            options = {child.name: self.node(self.spots[child.name]) for child in group.features}
+            at = self.source.location(group.start)
+            if choice:
+                alternative = Alternative(tuple(options.values()), at)
+                parts[choice] = alternative if kind == "alternative" else Optional(alternative, at)
+            else:
+                for name, option in options.items():
+                    parts[self.spots[name].name] = option if kind == "mandatory" else Optional(option, option.where)
+        spot.inside = set(spot.numbers).union(*(child.inside for child in spot.children))
+        if not feature.groups:
+            return self.part(spot, spot.name)
+        return Compound(spot.name, parts, where=self.source.location(feature.start))
+
+    def group(self, spot: Spot, group: Group) -> tuple[str, str]:
+        """The kind of a group below *spot*, and the name of the place that its features share, "" for none."""
+        kind = _kind(group)
+        if kind == "counted":
+            self.counted.append(group)
+        choice = self.names.new(f"{spot.name}_choice") if kind in ("alternative", "at most one") else ""
+        for child in (self.spots[feature.name] for feature in group.features):
+            spot.children.append(child)
+            child.path = _join(spot.path, choice or child.name)
+            child.choice = child.name if choice else ""
+            child.always = spot.always and kind == "mandatory"
+        return kind, choice
+
+    def part(self, spot: Spot, name: str) -> Part:
+        """A part that states the numbers of the feature at *spot*."""
+        where = self.source.location(spot.feature.start)
+        title = spot.feature.name if spot.feature.name != spot.name else ""
+        return Part(Component(name, NO_INTERFACE, title, properties=spot.numbers, where=where), where)
+
+
+def _kind(group: Group) -> str:
     """What a group is for a design space: mandatory, optional, alternative, at most one, or counted."""
     size = len(group.features)
     high = size if group.high is None else min(group.high, size)
@@ -113,35 +138,6 @@ def kind_of(group: Group) -> str:
     if group.low == 0 and high == size:
         return "optional"
     return "at most one" if (group.low, high) == (0, 1) else "counted"
-
-
-def _node(
-    source: Source,
-    spot: Spot,
-    owner: str,
-    spots: dict[str, Spot],
-    nodes: dict[str, Part | Compound],
-    places: dict[int, str],
-) -> Part | Compound:
-    feature = spot.feature
-    where = source.location(feature.start)
-    title = feature.name if feature.name != spot.name else ""
-    if not feature.groups:
-        return Part(Component(spot.name, NO_INTERFACE, title, properties=spot.numbers, where=where), where)
-    parts: dict[str, Node] = {}
-    if owner:
-        parts[owner] = Part(Component(owner, NO_INTERFACE, title, properties=spot.numbers, where=where), where)
-    for group in feature.groups:
-        kind = kind_of(group)
-        options = [nodes.pop(child.name) for child in group.features]
-        at = source.location(group.start)
-        if choice := places[id(group)]:
-            alternative = Alternative(tuple(options), at)
-            parts[choice] = alternative if kind == "alternative" else Optional(alternative, at)
-            continue
-        for child, option in zip(group.features, options, strict=True):
-            parts[spots[child.name].name] = option if kind == "mandatory" else Optional(option, option.where)
-    return Compound(spot.name, parts, where=where)
 
 
 def _join(path: str, name: str) -> str:

@@ -5,11 +5,12 @@ from __future__ import annotations
 from collections.abc import Mapping
 from decimal import Decimal
 from fractions import Fraction
+from typing import Any
 
 from dse.domain.bench import Simulation
 from dse.domain.component import Type, Value
 from dse.errors import DseError
-from dse.formats.yaml_text import write_name, write_text, write_value
+from dse.formats.yaml_text import write_file, write_name, write_text, write_value
 from dse.units import Unit, coherent
 
 
@@ -26,27 +27,19 @@ def write_bench(
     *metrics* are expressions with their unit, by name. The simulation's method is the plain one. Raises DseError for a
     value that its unit cannot say.
     """
-    lines = [f"testbench: {write_name(name)}"]
+    data: dict[str, Any] = {"testbench": write_name(name)}
     if title:
-        lines.append(f"title: {write_text(title)}")
-    lines.append(f"design: {write_name(design)}")
+        data["title"] = write_text(title)
+    data["design"] = write_name(design)
     if parameters:
-        lines.append("parameters:")
-        lines += [f"  {write_name(end)}: {_value(value, type_)}" for end, (value, type_) in parameters.items()]
-    lines.append("simulation:")
-    for key, seconds in (
-        ("stop", simulation.stop),
-        ("step", simulation.step),
-        ("record_every", simulation.record_every),
-    ):
-        lines.append(f'  {key}: "{seconds!r} s"')
+        data["parameters"] = {end: _value(value, type_) for end, (value, type_) in parameters.items()}
+    times = {"stop": simulation.stop, "step": simulation.step, "record_every": simulation.record_every}
+    data["simulation"] = {key: f'"{seconds!r} s"' for key, seconds in times.items()}
     if simulation.record:
-        lines.append("  record:")
-        lines += [f"    - {write_name(signal)}" for signal in simulation.record]
+        data["simulation"]["record"] = [write_name(signal) for signal in simulation.record]
     if metrics:
-        lines.append("metrics:")
-        lines += [f"  {write_name(metric)}: {_metric(*said)}" for metric, said in metrics.items()]
-    return "\n".join(lines) + "\n"
+        data["metrics"] = {metric: _metric(*said) for metric, said in metrics.items()}
+    return write_file(data)
 
 
 def _metric(expression: str, unit: str) -> str:

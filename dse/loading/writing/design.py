@@ -7,14 +7,15 @@ was given in another form than ``require``, is written out as what is required.
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable
+from typing import Any
 
 from dse.domain.component import NO_INTERFACE, Component
-from dse.domain.design import Alternative, Compound, Constraint, DesignSpace, Node, Optional, Part
+from dse.domain.design import Alternative, Compound, Constraint, ConstraintSet, DesignSpace, Node, Optional, Part
 from dse.errors import fail
 from dse.expression.text import text_of
-from dse.formats.yaml_text import write_name, write_parameter, write_text
-from dse.loading.design.scope import Spot, constraint_name
+from dse.formats.yaml_text import write_file, write_flow, write_name, write_parameter, write_text
+from dse.loading.design.scope import Scope, constraint_name
 from dse.loading.writing.unscope import relative_rule
 
 
@@ -24,22 +25,17 @@ def write_design(space: DesignSpace) -> str:
     Raises DseError for a compound that is called otherwise than its place, which no file can say.
     """
     writer = _TreeWriter(space)
-    lines = [f"design: {write_name(space.name)}"]
+    data: dict[str, Any] = {"design": write_name(space.name)}
     if space.title:
-        lines.append(f"title: {write_text(space.title)}")
+        data["title"] = write_text(space.title)
     if space.sets:
-        lines.append("constraint_sets:")
-        for one in space.sets:
-            title = f", title: {write_text(one.title)}" if one.title else ""
-            lines.append(f"  {write_name(one.name)}: {{on: {str(one.on).lower()}{title}}}")
-    lines += ["root:", *writer.compound(space.root, Spot(), 1)]
+        data["constraint_sets"] = {one.name: _set(one) for one in space.sets}
+    data["root"] = writer.compound(space.root, Scope())
     rest = [constraint for constraint in space.all_constraints if constraint.name not in writer.written]
     taken = {constraint.name for constraint in rest}
     if rest:
-        lines.append("constraints:")
-        for constraint in rest:
-            lines += _constraint(_free(constraint.name, taken), constraint, text_of(constraint.rule), 1)
-    return "\n".join(lines) + "\n"
+        data["constraints"] = {_free(one.name, taken): _constraint(one, text_of(one.rule)) for one in rest}
+    return write_file(data)
 
 
 def write_components(components: Iterable[Component]) -> str:
@@ -47,25 +43,20 @@ def write_components(components: Iterable[Component]) -> str:
 
     Raises DseError for a component with a source, which needs a folder of its own.
     """
-    lines = ["components:"]
+    data: dict[str, str] = {}
     for component in {component.name: component for component in components}.values():
         if component.source is not None:
             raise fail(f"component '{component.name}' has a source", component.where, "copy its folder instead")
-        entries = [f"title: {write_text(component.title)}"] if component.title else []
+        entries = {"title": write_text(component.title)} if component.title else {}
         if component.interface != NO_INTERFACE:
-            entries.append(f"implements: {write_name(component.interface.name)}")
+            entries["implements"] = write_name(component.interface.name)
         if component.parameters:
-            stated = (
-                f"{write_name(parameter.name)}: {write_parameter(parameter)}" for parameter in component.parameters
-            )
-            entries.append(f"parameters: {{{', '.join(stated)}}}")
+            entries["parameters"] = write_flow({p.name: write_parameter(p) for p in component.parameters})
         if component.properties:
-            stated = (
-                f"{write_name(name)}: {_quantity(quantity.text)}" for name, quantity in component.properties.items()
-            )
-            entries.append(f"properties: {{{', '.join(stated)}}}")
-        lines.append(f"  {write_name(component.name)}: {{{', '.join(entries)}}}")
-    return "\n".join(lines) + "\n"
+            stated = {name: _quantity(quantity.text) for name, quantity in component.properties.items()}
+            entries["properties"] = write_flow(stated)
+        data[component.name] = write_flow(entries)
+    return write_file({"components": data})
 
 
 _NUMBER = re.compile(r"-?(?:0|[1-9][0-9]{0,14})(?:\.[0-9]{1,9})?")
@@ -78,67 +69,56 @@ class _TreeWriter:
         self.constraints = [constraint for constraint in space.all_constraints if ": " in constraint.name]
         self.written: set[str] = set()
 
-    def compound(self, compound: Compound, spot: Spot, level: int) -> Iterator[str]:
-        pad = "  " * level
-        yield f"{pad}compound:{'' if compound.parts else ' {}'}"
-        for name, node in compound.parts.items():
-            yield from self.node(node, spot.part(name), f"{pad}  {write_name(name)}:", level + 1)
+    def compound(self, compound: Compound, scope: Scope) -> dict[str, Any]:
+        parts = {name: self.node(node, scope.part(name)) for name, node in compound.parts.items()}
+        data: dict[str, Any] = {"compound": parts}
         if compound.interface is not None:
-            yield f"{pad}implements: {write_name(compound.interface.name)}"
+            data["implements"] = write_name(compound.interface.name)
         if compound.connections:
-            yield f"{pad}connections:"
-            yield from (f"{pad}  - {connection}" for connection in compound.connections)
-        if spot.trail:
-            yield from self.rules(compound, spot, level)
+            data["connections"] = [str(connection) for connection in compound.connections]
+        rules = self.rules(compound, scope) if scope.trail else {}
+        return {**data, "constraints": rules} if rules else data
 
-    def rules(self, compound: Compound, spot: Spot, level: int) -> Iterator[str]:
-        head = f"{'  ' * level}constraints:"
+    def rules(self, compound: Compound, scope: Scope) -> dict[str, Any]:
+        found = {}
         for constraint in self.constraints:
             own = constraint.name.rpartition(": ")[2]
-            if constraint.name != constraint_name(spot, own):
-                continue
-            text = relative_rule(constraint.rule, spot, compound.parts)
-            if text is not None:
-                self.written.add(constraint.name)
-                yield from ([head] if head else [])
-                yield from _constraint(own, constraint, text, level + 1)
-                head = ""
+            if constraint.name == constraint_name(scope, own):
+                text = relative_rule(constraint.rule, scope, compound.parts)
+                if text is not None:
+                    self.written.add(constraint.name)
+                    found[own] = _constraint(constraint, text)
+        return found
 
-    def node(self, node: Node, spot: Spot, head: str, level: int) -> Iterator[str]:
-        """*head* and, at *level* + 1 or behind it, what stands at the place."""
-        pad = "  " * (level + 1)
+    def node(self, node: Node, scope: Scope) -> str | dict[str, Any]:
         match node:
             case Part():
-                yield f"{head} {write_name(node.name)}"
+                return write_name(node.name)
             case Compound():
-                place = spot.path.rpartition(".")[2]
+                place = scope.path.rpartition(".")[2]
                 if node.name != place:
-                    what = f"the architecture '{node.name}' at '{spot.path}' is not called as its place"
+                    what = f"the architecture '{node.name}' at '{scope.path}' is not called as its place"
                     raise fail(what, node.where, f"call it {place}, or make it an alternative")
-                yield head
-                yield from self.compound(node, spot, level + 1)
+                return self.compound(node, scope)
             case Optional():
-                yield head
-                yield from self.node(node.content, spot.optional(), f"{pad}optional:", level + 1)
+                return {"optional": self.node(node.content, scope.optional())}
             case Alternative():
-                yield head
-                yield f"{pad}alternatives:"
-                for option in node.options:
-                    if isinstance(option, Part):
-                        yield f"{pad}  - {write_name(option.name)}"
-                    else:
-                        yield f"{pad}  - {write_name(option.name)}:"
-                        yield from self.compound(option, spot.option(option.name), level + 4)
+                return {"alternatives": [self.option(option, scope) for option in node.options]}
+
+    def option(self, option: Part | Compound, scope: Scope) -> str | dict[str, Any]:
+        if isinstance(option, Part):
+            return write_name(option.name)
+        return {option.name: self.compound(option, scope.option(option.name))}
 
 
-def _constraint(name: str, constraint: Constraint, text: str, level: int) -> Iterator[str]:
-    pad = "  " * level
-    yield f"{pad}{write_name(name)}:"
-    yield f"{pad}  require: {write_text(text)}"
-    if constraint.because:
-        yield f"{pad}  because: {write_text(constraint.because)}"
-    if constraint.set:
-        yield f"{pad}  set: {write_name(constraint.set)}"
+def _set(one: ConstraintSet) -> str:
+    title = {"title": write_text(one.title)} if one.title else {}
+    return write_flow({"on": str(one.on).lower(), **title})
+
+
+def _constraint(constraint: Constraint, text: str) -> dict[str, str]:
+    stated = {"require": text, "because": constraint.because, "set": constraint.set}
+    return {key: write_text(value) for key, value in stated.items() if value}
 
 
 def _free(name: str, taken: set[str]) -> str:

@@ -6,6 +6,7 @@ import math
 from collections.abc import Iterator, Sequence
 
 from dse.errors import fail
+from dse.fmu.slot_table import Row
 from dse.modelica.algebra.evaluate import evaluate
 from dse.modelica.algebra.expression import Symbol
 from dse.modelica.emit.events import relation_text
@@ -63,9 +64,15 @@ def _clock(clock: Clock) -> str:
     return "{" + ", ".join(str(number) for number in numbers) + "}"
 
 
-def slot_lines(variables: Sequence[FmuVariable]) -> Iterator[str]:
+def slot_rows(variables: Sequence[FmuVariable]) -> tuple[Row, ...]:
     """Every variable of the FMU, by value reference."""
-    slots = [f"DSE_VALUE({each.place}, {each.kind.name}, {_settable(each)}, {len(each.items)})" for each in variables]
+    return tuple(Row(str(each.place), each.kind.name, _settable(each), len(each.items)) for each in variables)
+
+
+def slot_lines(variables: Sequence[FmuVariable]) -> Iterator[str]:
+    """The same as C."""
+    rows = slot_rows(variables)
+    slots = [f"DSE_VALUE({row.member}, {row.kind}, {row.settable}, {row.items})" for row in rows]
     yield f"#define DSE_SLOT_COUNT {len(variables)}u"
     yield from table("static const struct dse_slot dse_slots[]", slots, "DSE_VALUE(0, REAL, OUTPUT, 0)")
     yield from table("static const char *const dse_names[]", [quoted(each.name) for each in variables], '""')

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from dse.domain.bench import Verdict
+from dse.domain.bench import VERDICTS, Verdict
 from dse.domain.definition import (
     DefinedConfiguration,
     DefinedMetric,
@@ -34,7 +34,6 @@ from dse.report.content.nouns import (
 from dse.storage.database.connection import damaged_study
 from dse.storage.database.table import RunTable
 from dse.storage.folder import StudyFolder
-from dse.storage.rows import VERDICTS
 from dse.storage.waveforms import read_all_waveforms
 from dse.units import Unit, parse_unit
 

@@ -68,6 +68,28 @@ def quota(low: int | None, high: int | None, conditions: Sequence[bool | None]) 
     return True if lowest <= least and most <= highest else None
 
 
+def roll_up(function: str, values: Sequence[Fraction]) -> Fraction | None:
+    """*function*, one of ROLLUPS, of the properties of the parts that are there.
+
+    Of no part at all sum and count are 0 and product is 1; min, max and mean are undefined.
+    """
+    match function:
+        case "sum":
+            return sum(values, Fraction(0))
+        case "count":
+            return Fraction(len(values))
+        case "product":
+            return math.prod(values, start=Fraction(1))
+    if not values:
+        return None
+    match function:
+        case "mean":
+            return sum(values, Fraction(0)) / len(values)
+        case "min":
+            return min(values)
+    return max(values)
+
+
 FUNCTIONS: Mapping[str, Callable[..., Value]] = {
     "+": operator.add,
     "-": operator.sub,

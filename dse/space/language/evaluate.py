@@ -16,19 +16,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Mapping
-from dataclasses import dataclass
-from typing import Generic, TypeVar
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from typing import Any, Generic, TypeVar
 
-from dse.domain.design import Configuration, DesignSpace
+from dse.domain.design import DesignSpace
 from dse.domain.expression import Expression
 from dse.errors import fail
 from dse.expression.sorts import error_in
-from dse.space.decisions import Choices
-from dse.space.language.arithmetic import FUNCTIONS, UndefinedError, Value, quota
+from dse.space.decisions import Choices, Site
+from dse.space.language.arithmetic import FUNCTIONS, UndefinedError, Value, quota, roll_up
 from dse.space.language.interpret import interpret, interpret_condition
 from dse.space.language.places import Places
-from dse.space.language.rollups import lookup, roll_up
 from dse.space.language.terms import (
     Choose,
     Constant,
@@ -42,72 +40,59 @@ from dse.space.language.terms import (
     Standing,
     Stated,
     Term,
-    leaves,
-    sites_of,
 )
 
 Source = TypeVar("Source")
 Evaluate = Callable[[Source], Value]
 """The value of a term, given what is chosen, in whatever form the leaves take it."""
 
+There = Callable[[Sequence[tuple[Site, Any]]], Callable[[Source], list[Any]]]
+"""Makes, of values by site, a function that finds those whose site is there in what is chosen, in their order."""
 
-@dataclass(frozen=True, slots=True)
-class Rule:
-    """A compiled condition; *decisions* are the paths it depends on."""
 
-    expression: Expression
-    decisions: frozenset[str]
-    _evaluate: Evaluate[Choices]
+class CompiledCondition:
+    """A compiled condition."""
+
+    def __init__(self, evaluate: Evaluate[Choices]) -> None:
+        self._evaluate = evaluate
 
     def outcome(self, choices: Choices) -> bool | None:
         """True, false, or None where it is undefined. Raises DseError for a division by zero and its like."""
-        outcome = self._evaluate(choices)
-        return None if outcome is None else bool(outcome)
+        return _truth(self._evaluate(choices))
 
 
-def compile_rule(expression: Expression, space: DesignSpace) -> Rule:
-    """*expression* as a condition on the space's configurations.
+def compile_in(expression: Expression, places: Places) -> CompiledCondition:
+    """*expression* as a condition on complete choices among *places*.
 
     Raises DseError, located, for unknown places, components, properties and functions, and for units that do
     not fit.
     """
-    return compile_in(expression, Places(space))
-
-
-def compile_in(expression: Expression, places: Places) -> Rule:
-    """Like `compile_rule`, with the places of the space at hand."""
-    term = interpret_condition(expression, places)
-    depends = frozenset(path for leaf in leaves(term) for site in sites_of(leaf) for path, _ in site.condition)
-    return Rule(expression, depends, evaluator(expression, term, _over_choices, _shown))
+    return CompiledCondition(evaluator(expression, interpret_condition(expression, places), _there, _shown))
 
 
 def compile_value(expression: Expression, space: DesignSpace) -> Evaluate[Choices]:
     """*expression*, a number, as a function of complete choices: exact, None where undefined.
 
-    The function raises DseError for a division by zero and its like, this one like `compile_rule`.
+    The function raises DseError for a division by zero and its like, this one like `compile_in`.
     """
     _, term = interpret(expression, Places(space))
-    return evaluator(expression, term, _over_choices, _shown)
-
-
-def matching(
-    space: DesignSpace, condition: Expression, configurations: Iterable[Configuration]
-) -> Iterator[Configuration]:
-    """Those *configurations* for which *condition* is true. Raises DseError like `compile_rule`, at once."""
-    rule = compile_rule(condition, space)
-    return (configuration for configuration in configurations if rule.outcome(configuration.choices))
+    return evaluator(expression, term, _there, _shown)
 
 
 def evaluator(
-    expression: Expression,
-    term: Term,
-    leaf: Callable[[Leaf], Evaluate[Source]],
-    shown: Callable[[Source], str],
+    expression: Expression, term: Term, there: There[Source], shown: Callable[[Source], str]
 ) -> Evaluate[Source]:
-    """*term* as a function of a source from which *leaf* reads the leaves; *shown* tells the source in messages.
+    """*term* as a function of a source in which *there* finds what is chosen; *shown* tells the source in messages.
 
     The function raises DseError, located in *expression*, for a division by zero and its like.
     """
+    return leaf_evaluator(expression, term, lambda leaf: _read(leaf, there), shown)
+
+
+def leaf_evaluator(
+    expression: Expression, term: Term, leaf: Callable[[Leaf], Evaluate[Source]], shown: Callable[[Source], str]
+) -> Evaluate[Source]:
+    """Like `evaluator`, for leaves that are read in another way."""
     evaluate = _Evaluators(expression, leaf, shown).compile(term)
 
     def guarded(source: Source) -> Value:
@@ -193,27 +178,34 @@ class _Evaluators(Generic[Source]):
         return apply
 
 
-def _over_choices(leaf: Leaf) -> Evaluate[Choices]:
+def _there(entries: Sequence[tuple[Site, Any]]) -> Callable[[Choices], list[Any]]:
+    return lambda choices: [value for site, value in entries if site.is_there(choices)]
+
+
+def _read(leaf: Leaf, there: There[Source]) -> Evaluate[Source]:
+    """How the value of *leaf* is read from a source."""
     match leaf:
-        case Standing():
-            name_at, named = lookup([(site.condition, site.name) for site in leaf.sites]), leaf.named
-            return lambda choices: name_at(choices) in named
-        case Stated():
-            return lookup([(site.condition, value) for site, value in leaf.entries])
-        case RollUp():
-            return roll_up(leaf.function, [(site.condition, value) for site, value in leaf.entries])
-        case SameChoice():
-            return _same_choice(leaf)
+        case Standing(sites, named):
+            name_at = there(_names(sites))
+            return lambda source: next(iter(name_at(source)), None) in named
+        case Stated(entries):
+            stated = there(entries)
+            return lambda source: next(iter(stated(source)), None)
+        case RollUp(function, entries):
+            values = there(entries)
+            return lambda source: roll_up(function, values(source))
+        case SameChoice(places):
+            names = [there(_names(sites)) for sites in places]
+
+            def same(source: Source) -> bool | None:
+                found = [name for name_at in names for name in name_at(source)]
+                return None if len(found) < 2 else len(set(found)) == 1
+
+            return same
 
 
-def _same_choice(leaf: SameChoice) -> Evaluate[Choices]:
-    names = [lookup([(site.condition, site.name) for site in sites]) for sites in leaf.places]
-
-    def same(choices: Choices) -> bool | None:
-        there = [name for name_at in names if (name := name_at(choices)) is not None]
-        return None if len(there) < 2 else len(set(there)) == 1
-
-    return same
+def _names(sites: Iterable[Site]) -> list[tuple[Site, str]]:
+    return [(site, site.name) for site in sites]
 
 
 def _truth(value: Value) -> bool | None:

@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
+from functools import partial
 
 import numpy as np
 
@@ -54,7 +55,7 @@ def certain(value: bool, form: tuple[int, ...]) -> Truths:
     return Truths(yes if value else no, no if value else yes, no, no)
 
 
-def somewhere(low: Floats, high: Floats) -> Numbers:
+def defined_between(low: Floats, high: Floats) -> Numbers:
     """Numbers between *low* and *high*, all defined."""
     yes, no = np.ones(low.shape, bool), np.zeros(low.shape, bool)
     return Numbers(low, high, yes, no, no)
@@ -254,14 +255,9 @@ def _floor(operand: Numbers) -> _Ends:
     return np.floor(operand.low), np.floor(operand.high), _never(operand)
 
 
-def _least(*operands: Numbers) -> _Ends:
+def _extreme(of: np.ufunc, *operands: Numbers) -> _Ends:
     lows, highs = [operand.low for operand in operands], [operand.high for operand in operands]
-    return np.minimum.reduce(lows), np.minimum.reduce(highs), _never(operands[0])
-
-
-def _greatest(*operands: Numbers) -> _Ends:
-    lows, highs = [operand.low for operand in operands], [operand.high for operand in operands]
-    return np.maximum.reduce(lows), np.maximum.reduce(highs), _never(operands[0])
+    return of.reduce(lows), of.reduce(highs), _never(operands[0])
 
 
 _ENDS: Mapping[str, Callable[..., _Ends]] = {
@@ -274,8 +270,8 @@ _ENDS: Mapping[str, Callable[..., _Ends]] = {
     "abs": _absolute,
     "sqrt": _square_root,
     "floor": _floor,
-    "min": _least,
-    "max": _greatest,
+    "min": partial(_extreme, np.minimum),
+    "max": partial(_extreme, np.maximum),
 }
 
 

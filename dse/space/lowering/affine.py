@@ -6,8 +6,8 @@ Exact rewriting only: ``mean(p) <= c`` is ``sum(p - c) <= 0`` over what is there
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
-from dataclasses import dataclass, field
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass, field, replace
 from fractions import Fraction
 from math import ceil, floor, gcd, lcm
 
@@ -16,7 +16,7 @@ import numpy as np
 from dse.space.decisions import Site
 from dse.space.flat import Ints
 from dse.space.language.terms import Choose, Constant, Entries, Operation, RollUp, Standing, Stated, Term
-from dse.space.lowering.formulas import FALSE, TRUE, Formula, Total, conjoin, disjoin, literal, negation
+from dse.space.lowering.formulas import FALSE, TRUE, BoundedSum, Formula, conjoin, disjoin, literal, negation
 from dse.space.lowering.shape import Branch, Shape
 
 LARGEST = 2**62
@@ -51,6 +51,12 @@ class Affine:
         self.others += [(factor * times, term) for times, term in other.others]
         self.there += other.there
 
+    def times(self, factor: Fraction) -> Affine:
+        """*factor* times this one."""
+        found = Affine()
+        found.add(self, factor)
+        return found
+
     def is_number(self) -> bool:
         """Whether it is its constant, where it is defined."""
         return not self.weights and not self.others
@@ -74,9 +80,7 @@ def affine(shape: Shape, term: Term) -> Affine:
             found.add(affine(shape, right), Fraction(1 if sign == "+" else -1))
             return found
         case Operation("negative", (operand,)):
-            found = Affine()
-            found.add(affine(shape, operand), Fraction(-1))
-            return found
+            return affine(shape, operand).times(Fraction(-1))
         case Choose(Standing(sites, named), yes, no) if None not in named:
             chosen, other = affine(shape, yes), affine(shape, no)
             if chosen.is_number() and other.is_number() and not (chosen.there or other.there):
@@ -96,10 +100,10 @@ def presence(shape: Shape, entries: Entries) -> Formula:
     branches = [site.branch for site, _ in entries]
     if None in branches or shape.is_certain(branch for branch in branches if branch):
         return TRUE
-    return somewhere(shape, (branch for branch in branches if branch))
+    return one_taken(shape, (branch for branch in branches if branch))
 
 
-def somewhere(shape: Shape, branches: Iterable[Branch]) -> Formula:
+def one_taken(shape: Shape, branches: Iterable[Branch]) -> Formula:
     """That one of *branches* is taken."""
     values: dict[int, list[int]] = {}
     for variable, value in branches:
@@ -111,9 +115,7 @@ def relation(shape: Shape, number: Affine, operator: str) -> Formula | None:
     """Where ``number operator 0`` holds, *others* and *there* aside; None if the weights are too large."""
     if sum(weight for values in number.weights.values() for weight in values.values()) < 0:
         # The two ends of a range are bounds of one sum.
-        opposite = Affine()
-        opposite.add(number, Fraction(-1))
-        number, operator = opposite, MIRRORED[operator]
+        number, operator = number.times(Fraction(-1)), MIRRORED[operator]
     sums = whole_sums(shape, number)
     if sums is None:
         return None
@@ -179,10 +181,10 @@ def between(shape: Shape, weights: dict[int, Ints], low: int | None, high: int |
         if high is not None:
             mask &= values <= high
         return literal(shape, variable, mask)
-    return Total(weights, low, high, unit)
+    return BoundedSum(weights, low, high, unit)
 
 
-def reach(shape: Shape, weights: dict[int, Ints]) -> tuple[int, int]:
+def reach(shape: Shape, weights: Mapping[int, Ints]) -> tuple[int, int]:
     """The least and the greatest sum, each variable for itself."""
     least = most = 0
     for variable, values in weights.items():
@@ -244,9 +246,7 @@ def _scaled(sign: str, left: Affine, right: Affine) -> Affine | None:
         number, factor = right, left.constant
     else:
         return None
-    found = Affine(there=[*left.there, *right.there])
-    found.add(Affine(number.constant, number.weights, number.others), factor)
-    return found
+    return replace(number.times(factor), there=[*left.there, *right.there])
 
 
 def _extreme(shape: Shape, term: RollUp, operator: str, against: Fraction) -> Formula:
@@ -272,7 +272,7 @@ def _extreme(shape: Shape, term: RollUp, operator: str, against: Fraction) -> Fo
 
 def _holding(shape: Shape, entries: Entries, accepts: Callable[[Fraction], bool]) -> Formula:
     branches = [site.branch for site, value in entries if accepts(value)]
-    return TRUE if None in branches else somewhere(shape, (branch for branch in branches if branch))
+    return TRUE if None in branches else one_taken(shape, (branch for branch in branches if branch))
 
 
 def _cross_multiplied(shape: Shape, over: Term, under: Term, against: Fraction) -> tuple[Affine, bool] | None:

@@ -7,6 +7,7 @@ import numpy as np
 from dse.domain.expression import Expression
 from dse.space.flat import NOTHING, Fold, Gather, Ints
 from dse.space.language.terms import Constant, Operation, Term, parts
+from dse.space.lowering.affine import reach
 from dse.space.lowering.folds import Folds
 from dse.space.lowering.judge import Calculator
 from dse.space.lowering.shape import Shape
@@ -40,12 +41,8 @@ def _reach(shape: Shape, fold: Fold) -> tuple[int, int]:
     """Ends of the fold, each variable for itself."""
     if fold.gather is not Gather.SUM:
         return _reach_of_some(fold)
-    low = high = fold.start
-    for variable, values in fold.values.items():
-        possible = values[:-1] if shape.is_root(variable) else values
-        low += int(possible.min())
-        high += int(possible.max())
-    return low, high
+    low, high = reach(shape, fold.values)
+    return fold.start + low, fold.start + high
 
 
 def _reach_of_some(fold: Fold) -> tuple[int, int]:

@@ -37,7 +37,8 @@ class Folds:
                 start += value
             else:
                 self._array(arrays, site.branch[0], 0)[site.branch[1]] += value
-        return self.number(Fold(Gather.SUM, _some(arrays, 0), start, scale))
+        some = {variable: array for variable, array in arrays.items() if array.any()}
+        return self.number(Fold(Gather.SUM, some, start, scale))
 
     def extreme(self, gather: Gather, values: Iterable[tuple[Site, int]], scale: Fraction = Fraction(1)) -> int:
         """The least, greatest or product of whole numbers over the sites that are there."""
@@ -66,7 +67,3 @@ def _gathered(gather: Gather, before: int, value: int) -> int:
         case Gather.MAX:
             return max(before, value)
     return before * value
-
-
-def _some(arrays: dict[int, Ints], nothing: int) -> dict[int, Ints]:
-    return {variable: array for variable, array in arrays.items() if (array != nothing).any()}

@@ -20,7 +20,7 @@ class Literal:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Total:
+class BoundedSum:
     """low <= sum over variables of weights[variable][value] <= high, as in `Linear`."""
 
     weights: Mapping[int, Ints]
@@ -48,7 +48,7 @@ class Junction:
     size: int
 
 
-Formula = Literal | Total | Atom | Junction
+Formula = Literal | BoundedSum | Atom | Junction
 
 TRUE = Junction(True, (), 1)
 FALSE = Junction(False, (), 1)
@@ -100,12 +100,12 @@ def negation(shape: Shape, formula: Formula) -> Formula:
     match formula:
         case Literal():
             return literal(shape, formula.variable, ~formula.mask)
-        case Total(weights, low, high, scale):
+        case BoundedSum(weights, low, high, scale):
             beside: list[Formula] = []
             if low is not None:
-                beside.append(Total(weights, None, low - 1, scale))
+                beside.append(BoundedSum(weights, None, low - 1, scale))
             if high is not None:
-                beside.append(Total(weights, high + 1, None, scale))
+                beside.append(BoundedSum(weights, high + 1, None, scale))
             return disjoin(shape, beside)
         case Atom():
             return Atom(formula.term, formula.scope, formula.outcome, not formula.denied)
@@ -120,7 +120,7 @@ def scope_of(formula: Formula) -> tuple[int, ...]:
         match below:
             case Literal():
                 found.add(below.variable)
-            case Total():
+            case BoundedSum():
                 found.update(below.weights)
             case Atom():
                 found.update(below.scope)

@@ -10,12 +10,12 @@ import numpy as np
 from dse.domain.expression import Expression
 from dse.space.flat import Bools, Fold, Gather, Ints, Wide
 from dse.space.language import intervals
-from dse.space.language.evaluate import Evaluate, evaluator
+from dse.space.language.evaluate import Evaluate, leaf_evaluator
 from dse.space.language.intervals import Numbers, Truths
 from dse.space.language.terms import Choose, Constant, Every, Leaf, Operation, Quota, Some, Term, leaves
 from dse.space.lowering.counts import tally
 from dse.space.lowering.folds import Folds
-from dse.space.lowering.formulas import Atom, Formula, Junction, Literal, Total
+from dse.space.lowering.formulas import Atom, BoundedSum, Formula, Junction, Literal
 from dse.space.lowering.readings import Reading, reading
 from dse.space.lowering.shape import Shape
 
@@ -33,7 +33,7 @@ class Calculator:
     def __init__(self, expression: Expression, term: Term, folds: Folds) -> None:
         self.term = term
         self._readings: dict[int, Reading] = {id(leaf): reading(leaf, folds) for leaf in leaves(term)}
-        self.value: Evaluate[Sequence[int]] = evaluator(expression, term, self._value_of, lambda _: "")
+        self.value: Evaluate[Sequence[int]] = leaf_evaluator(expression, term, self._value_of, lambda _: "")
 
     def bounds(self, low: Sequence[Ints], high: Sequence[Ints]) -> Numbers | Truths:
         """What the term may be for folds between *low* and *high*."""
@@ -132,7 +132,7 @@ def _test(shape: Shape, expression: Expression, formula: Formula, folds: Folds) 
     match formula:
         case Literal():
             return _literals(shape, [formula], folds, every=True)
-        case Total(weights, low, high, scale):
+        case BoundedSum(weights, low, high, scale):
             return _Between(folds.number(Fold(Gather.SUM, weights, 0, scale)), low, high)
         case Atom(term, _, outcome, denied):
             return _Has(Calculator(expression, term, folds), outcome, denied)

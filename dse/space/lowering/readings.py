@@ -1,7 +1,7 @@
 """The leaves of a term as folds over what is chosen, and how their values are read from the folds.
 
 A value of a place is the sum of what its alternatives contribute, of which one is there; extremes are folds of the
-ranks of the values, so that no number is too long for 64 bits. Numbers that are, are summed in limbs.
+ranks of the values, so that no number is too long for 64 bits. Numbers that are, are summed digit by digit.
 """
 
 from __future__ import annotations
@@ -18,13 +18,13 @@ import numpy as np
 from dse.space.decisions import Site
 from dse.space.flat import NOTHING, Floats, Gather, Ints
 from dse.space.language.arithmetic import Value
-from dse.space.language.intervals import Numbers, Truths, calculation, ends, scaled, somewhere
+from dse.space.language.intervals import Numbers, Truths, calculation, defined_between, ends, scaled
 from dse.space.language.terms import Entries, Leaf, RollUp, SameChoice, Standing, Stated
 from dse.space.lowering.folds import Folds
 
 T = TypeVar("T")
 _LARGEST = 2**62
-_LIMB = 30
+_BITS = 30
 
 
 class Reading(Protocol):
@@ -74,7 +74,7 @@ class _Sum:
         return sum((folds[fold] * scale for fold, scale in self.parts), Fraction(0))
 
     def bounds(self, low: Sequence[Ints], high: Sequence[Ints]) -> Numbers:
-        parts = [somewhere(*scaled(low[fold], high[fold], scale)) for fold, scale in self.parts]
+        parts = [defined_between(*scaled(low[fold], high[fold], scale)) for fold, scale in self.parts]
         return reduce(lambda total, part: calculation("+", [total, part]), parts)
 
 
@@ -112,7 +112,7 @@ class _Mean:
 
     def bounds(self, low: Sequence[Ints], high: Sequence[Ints]) -> Numbers:
         fewest, most = np.maximum(low[self.count], 1), np.maximum(high[self.count], 1)
-        count = somewhere(fewest.astype(float), most.astype(float))
+        count = defined_between(fewest.astype(float), most.astype(float))
         mean = calculation("/", [self.sum.bounds(low, high), count])
         defined, undefined = high[self.count] >= 1, low[self.count] < 1
         least = np.clip(mean.low, self.least, self.most)
@@ -164,8 +164,8 @@ class _Product:
         top_low = np.where(most == NOTHING, np.minimum(least, 1), least)
         top_high = np.where(most == NOTHING, np.where(least == NOTHING, 1, self.largest), most)
         base = np.full(least.shape, float(self.denominator))
-        top = somewhere(*scaled(top_low, top_high, Fraction(1)))
-        return calculation("/", [top, _raised(somewhere(base, base), low[self.count], high[self.count])])
+        top = defined_between(*scaled(top_low, top_high, Fraction(1)))
+        return calculation("/", [top, _raised(defined_between(base, base), low[self.count], high[self.count])])
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -182,10 +182,10 @@ class _Powers:
 
     def bounds(self, low: Sequence[Ints], high: Sequence[Ints]) -> Numbers:
         shape = low[self.parts[0][1]].shape
-        found = somewhere(np.ones(shape), np.ones(shape))
+        found = defined_between(np.ones(shape), np.ones(shape))
         for value, fold in self.parts:
             below, above = ends(value)
-            base = somewhere(np.full(shape, below), np.full(shape, above))
+            base = defined_between(np.full(shape, below), np.full(shape, above))
             found = calculation("*", [found, _raised(base, low[fold], high[fold])])
         return found
 
@@ -252,16 +252,16 @@ def _sum(entries: Sequence[tuple[Site, Fraction]], folds: Folds) -> _Sum:
     units = [(site, int(value / unit)) for site, value in entries]
     if sum(abs(value) for _, value in units) < _LARGEST:
         return _Sum(((folds.total(units, unit), unit),))
-    limbs = -(-max(abs(value) for _, value in units).bit_length() // _LIMB)
+    digits = -(-max(abs(value) for _, value in units).bit_length() // _BITS)
     parts = []
-    for number in range(limbs):
-        scale = unit * (1 << (_LIMB * number))
-        parts.append((folds.total([(site, _limb(value, number)) for site, value in units], scale), scale))
+    for number in range(digits):
+        scale = unit * (1 << (_BITS * number))
+        parts.append((folds.total([(site, _digit(value, number)) for site, value in units], scale), scale))
     return _Sum(tuple(parts))
 
 
-def _limb(value: int, number: int) -> int:
-    part = (abs(value) >> (_LIMB * number)) & ((1 << _LIMB) - 1)
+def _digit(value: int, number: int) -> int:
+    part = (abs(value) >> (_BITS * number)) & ((1 << _BITS) - 1)
     return part if value >= 0 else -part
 
 
@@ -300,7 +300,7 @@ def _raised(base: Numbers, low: Ints, high: Ints) -> Numbers:
     # What is not positive swings between its signs, and is 0 or 1 for 0.
     swings = base.low <= 0
     below = np.where(swings, -np.maximum(most, 1.0), least) * (1 - 1e-13 * np.where(swings, -1, 1))
-    return somewhere(below, np.maximum(np.where(swings, np.maximum(most, 1.0), most), 1e-290) * (1 + 1e-13))
+    return defined_between(below, np.maximum(np.where(swings, np.maximum(most, 1.0), most), 1e-290) * (1 + 1e-13))
 
 
 def _range(entries: Entries) -> tuple[float, float]:

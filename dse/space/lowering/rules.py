@@ -1,95 +1,168 @@
-"""The constraints of a design space as rules over its variables."""
+"""A formula as rules of the simplest kinds that are exact: tables, clauses and sums before rules with a judge."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from contextlib import suppress
+from collections.abc import Iterable, Iterator
 
-from dse.domain.design import DesignSpace
+import numpy as np
+
 from dse.domain.expression import Expression
-from dse.errors import DseError, Problem, raise_if_any
-from dse.space.flat import NOBODY, FlatSpace, Rule
-from dse.space.language.interpret import interpret_condition
-from dse.space.language.places import Places
-from dse.space.language.terms import Every, Term
-from dse.space.lowering.failing import may_fail
-from dse.space.lowering.formulas import Atom, Formula, TooLargeError, negation
-from dse.space.lowering.kinds import rules_of
-from dse.space.lowering.shape import Shape, shape_of
-from dse.space.lowering.truths import Truths, scope_of_term
+from dse.errors import DseError
+from dse.space.flat import Clause, Linear, Rule, Table, Wide
+from dse.space.lowering.affine import reach
+from dse.space.lowering.cells import holds_in
+from dse.space.lowering.clauses import Disjunct, clauses
+from dse.space.lowering.counts import tally
+from dse.space.lowering.formulas import (
+    BoundedSum,
+    Formula,
+    Junction,
+    Literal,
+    TooLargeError,
+    disjoin,
+    is_constant,
+    scope_of,
+)
+from dse.space.lowering.judge import wide
+from dse.space.lowering.shape import Shape
 
-MOST_CELLS = 4096
-"""Combinations of values up to which a rule becomes a table."""
-
-MOST_VALUES = 32_766
-"""Values of one decision: with their absence they must fit into the 16 bits of `dse.space.flat.Rows`."""
+_FEWEST_LITERALS = 3
+"""Clauses of fewer are tables."""
 
 
-def flatten(space: DesignSpace, most_cells: int = MOST_CELLS) -> FlatSpace:
-    """*space* with its constraints as rules that hold together iff no constraint's outcome is false.
+def rules_of(
+    shape: Shape, expression: Expression, formulas: Iterable[Formula], owner: int, most_cells: int
+) -> list[Rule]:
+    """The rules that hold together iff all of *formulas*, made from *expression*, do.
 
-    Rules over variables with up to *most_cells* combinations of values become tables. Raises DseError, with all
-    problems, for constraints that make no sense, and for decisions of more than `MOST_VALUES` values.
+    Tables have at most *most_cells* cells. Raises DseError where a formula has no value whatever is chosen.
     """
-    shape = shape_of(space)
-    raise_if_any(_too_many_values(space, shape))
-    places = Places(space)
     rules: list[Rule] = []
-    problems: list[Problem] = []
-    for number, constraint in enumerate(space.constraints):
+    for formula in formulas:
+        for part in _conjuncts(shape, formula, most_cells):
+            rules += _rules(shape, expression, part, owner, most_cells)
+    return _merged(rules)
+
+
+def _conjuncts(shape: Shape, formula: Formula, most_cells: int) -> Iterator[Formula]:
+    """Formulas that hold together iff *formula* does; a condition before several is put before each."""
+    if not isinstance(formula, Junction):
+        yield formula
+    elif formula.every:
+        for part in formula.parts:
+            yield from _conjuncts(shape, part, most_cells)
+    else:
+        several = [part for part in formula.parts if isinstance(part, Junction)]
+        if len(several) != 1 or shape.cells(scope_of(formula), most_cells):
+            yield formula
+            return
+        beside = [part for part in formula.parts if part is not several[0]]
         try:
-            rules += lower(shape, places, constraint.rule, number, most_cells)
-        except DseError as error:
-            problems += error.problems
-    if problems:
-        raise DseError(*problems)
-    return FlatSpace(space.name, shape.variables, space.constraints, tuple(rules))
+            parts = [disjoin(shape, [*beside, part]) for part in several[0].parts]
+        except TooLargeError:
+            yield formula
+            return
+        for part in parts:
+            yield from _conjuncts(shape, part, most_cells)
 
 
-def lower(shape: Shape, places: Places, expression: Expression, owner: int, most_cells: int = MOST_CELLS) -> list[Rule]:
-    """The rules that hold together iff the outcome of *expression* is not false. Raises DseError like `flatten`."""
-    term = interpret_condition(expression, places)
-    return rules_of(shape, expression, _parts(shape, expression, term), owner, most_cells)
-
-
-def selecting(space: DesignSpace, expression: Expression, most_cells: int = MOST_CELLS) -> list[Rule]:
-    """The rules that hold together iff the outcome of *expression* is true: where it is undefined they do not.
-
-    Nobody owns them. Raises DseError like `flatten`.
-    """
-    shape = shape_of(space)
-    term = interpret_condition(expression, Places(space))
-    formula: Formula = Atom(term, scope_of_term(term), outcome=True)
-    if not may_fail(shape, expression, term):
-        with suppress(TooLargeError):
-            formula = Truths(shape).formula(term, True)
-    return rules_of(shape, expression, [formula], NOBODY, most_cells)
-
-
-def _too_many_values(space: DesignSpace, shape: Shape) -> Iterator[Problem]:
-    for variable in shape.variables:
-        number = len(variable.values)
-        if number > MOST_VALUES:
-            what = f"'{variable.path}' has {number:,} alternatives; one decision takes at most {MOST_VALUES:,}"
-            yield Problem(what, space.where, "group the alternatives: one decision between groups, one inside each")
-
-
-def _parts(shape: Shape, expression: Expression, term: Term) -> Iterator[Formula]:
-    """Formulas that hold together iff *term* is not false."""
-    if may_fail(shape, expression, term):
-        if isinstance(term, Every):
-            # Conditions before the failing one guard it, so it stays behind them; they hold by themselves, too.
-            for condition in term.conditions:
-                if may_fail(shape, expression, condition):
-                    break
-                yield from _parts(shape, expression, condition)
-        yield _as_written(term)
+def _rules(shape: Shape, expression: Expression, formula: Formula, owner: int, most_cells: int) -> Iterator[Rule]:
+    if is_constant(formula, False):
+        yield Table((), np.zeros((), bool), owner)
+        return
+    if isinstance(formula, Junction) and len(formula.parts) >= _FEWEST_LITERALS:
+        literals = {part.variable: part.mask for part in formula.parts if isinstance(part, Literal)}
+        if len(literals) == len(formula.parts):
+            yield _clause(shape, literals, owner)
+            return
+    scope = scope_of(formula)
+    if shape.cells(scope, most_cells):
+        yield _table(shape, expression, formula, owner)
+        return
+    counted = formula if isinstance(formula, BoundedSum) else _compensated(shape, formula)
+    if counted:
+        yield Linear(counted.weights, counted.low, counted.high, owner, counted.scale)
         return
     try:
-        yield negation(shape, Truths(shape).formula(term, False))
-    except TooLargeError:
-        yield _as_written(term)
+        found = clauses(shape, formula)
+    except DseError:
+        found = None
+    if found is None:
+        yield wide(shape, expression, formula, owner)
+    else:
+        yield from (_clause(shape, clause, owner) for clause in found)
 
 
-def _as_written(term: Term) -> Formula:
-    return Atom(term, scope_of_term(term), outcome=False, denied=True)
+def _table(shape: Shape, expression: Expression, formula: Formula, owner: int) -> Table | Wide:
+    scope = scope_of(formula)
+    try:
+        return Table(scope, holds_in(shape, formula, scope), owner)
+    except DseError:
+        # It fails for choices that other constraints may forbid: whoever meets them is told.
+        rule = wide(shape, expression, formula, owner)
+        if not scope:
+            return Table((), np.array(rule.judge.holds([fold.start for fold in rule.folds])), owner)
+        return rule
+
+
+def _clause(shape: Shape, clause: Disjunct, owner: int) -> Rule:
+    literals = tuple((variable, mask) for variable, mask in sorted(clause.items()) if mask.any())
+    if len(literals) >= _FEWEST_LITERALS:
+        return Clause(literals, owner)
+    formula = Junction(False, tuple(Literal(variable, mask) for variable, mask in literals), 1)
+    scope = scope_of(formula)
+    return Table(scope, holds_in(shape, formula, scope), owner)
+
+
+def _compensated(shape: Shape, formula: Formula) -> BoundedSum | None:
+    """A count with one bound, or literals, as one sum: a literal that holds makes up for all the count may lack.
+
+    None if *formula* is no such thing.
+    """
+    if not isinstance(formula, Junction) or formula.every:
+        return None
+    literals = [part for part in formula.parts if isinstance(part, Literal)]
+    totals = [part for part in formula.parts if isinstance(part, BoundedSum)]
+    if len(totals) != 1 or len(literals) + 1 < len(formula.parts):
+        return None
+    total = totals[0]
+    least, most = reach(shape, total.weights)
+    if (total.low is None) is (total.high is None) or any(abs(values).max() > 1 for values in total.weights.values()):
+        return None
+    lacking = total.low - least if total.low is not None else (total.high or 0) - most
+    held, always = tally(shape, literals)
+    weights = {variable: values.copy() for variable, values in total.weights.items()}
+    for variable, values in held.items():
+        weights[variable] = weights[variable] + lacking * values if variable in weights else lacking * values
+    low = None if total.low is None else total.low - lacking * always
+    high = None if total.high is None else total.high - lacking * always
+    return BoundedSum(weights, low, high)
+
+
+def _merged(rules: list[Rule]) -> list[Rule]:
+    """Tables over the same variables, and bounds of the same sum, as one rule."""
+    found: dict[object, int] = {}
+    merged: list[Rule] = []
+    for rule in rules:
+        key = _subject(rule)
+        if key not in found:
+            found[key] = len(merged)
+            merged.append(rule)
+            continue
+        match rule, merged[found[key]]:
+            case Table(scope, allowed, owner), Table() as before:
+                merged[found[key]] = Table(scope, before.allowed & allowed, owner)
+            case Linear(weights, low, high, owner, scale), Linear() as before:
+                low = max((end for end in (low, before.low) if end is not None), default=None)
+                high = min((end for end in (high, before.high) if end is not None), default=None)
+                merged[found[key]] = Linear(weights, low, high, owner, scale)
+    return merged
+
+
+def _subject(rule: Rule) -> object:
+    match rule:
+        case Table(scope):
+            return scope
+        case Linear(weights):
+            return tuple(sorted((variable, values.tobytes()) for variable, values in weights.items())), rule.scale
+    return id(rule)

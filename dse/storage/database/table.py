@@ -12,12 +12,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from dse.domain.bench import VERDICTS
 from dse.domain.component import Value
 from dse.domain.run import Outcome, Run, RunRequest
 from dse.domain.sampler import Outcomes
 from dse.storage.database.header import StudyHeader
 from dse.storage.database.schema import columns, quoted, value_of
-from dse.storage.rows import VERDICTS, RowBlock
+from dse.storage.rows import RowBlock
 
 _CODES = {str(verdict): code for code, verdict in enumerate(VERDICTS)}
 

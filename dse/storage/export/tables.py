@@ -14,11 +14,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from dse.domain.bench import VERDICTS
 from dse.domain.run import Run
 from dse.storage.database.definition import definition_to_json
 from dse.storage.export.junit import junit
 from dse.storage.folder import StudyFolder
-from dse.storage.rows import VERDICTS
 
 if TYPE_CHECKING:
     import pandas as pd

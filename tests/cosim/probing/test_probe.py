@@ -8,17 +8,17 @@ from dataclasses import replace
 
 import pytest
 
-from dse.cosim.probing.child import Limits
+from dse.cosim.probing.child import ProbeLimits
 from dse.cosim.probing.probe import probe
 from dse.domain.facts import Answer, FmuFacts, Question
 from dse.domain.fmu import Capabilities
 
 BOTH = pytest.mark.parametrize("version", [2, 3])
 
-HURRY = Limits(time=5.0, memory=1e9)
+HURRY = ProbeLimits(time=5.0, memory=1e9)
 
 
-def asked(model: object, *questions: Question, limits: Limits = HURRY) -> FmuFacts:
+def asked(model: object, *questions: Question, limits: ProbeLimits = HURRY) -> FmuFacts:
     """The facts, and only these questions asked beside those that come before all others."""
     return probe(model, "x86_64-test", limits=limits, only=frozenset(questions))
 
@@ -74,14 +74,14 @@ def test_memory_that_every_run_leaves_behind_is_measured(odd):
 
 @BOTH
 def test_an_fmu_that_hangs_is_a_fact_and_not_a_hanging_probe(odd, version):
-    facts = probe(odd("INITIALIZATION_HANGS", version=version), "x86_64-test", limits=Limits(time=0.5))
+    facts = probe(odd("INITIALIZATION_HANGS", version=version), "x86_64-test", limits=ProbeLimits(time=0.5))
     assert facts.answers == {Question.RUNS: Answer.NO}
     assert facts.reasons == {Question.RUNS: "no answer for 0.5 s while initializing"}
     assert math.isnan(facts.step_cost)
 
 
 def test_an_fmu_that_eats_memory_is_stopped(odd):
-    facts = probe(odd("EATS_MEMORY"), "x86_64-test", limits=Limits(memory=5e8))
+    facts = probe(odd("EATS_MEMORY"), "x86_64-test", limits=ProbeLimits(memory=5e8))
     assert facts.reasons == {Question.RUNS: "grew beyond 0.5 GB of memory while stepping at t = 0 s"}
 
 

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 from reference_fmus import build
 
-from dse.cosim.probing.child import Limits
+from dse.cosim.probing.child import ProbeLimits
 from dse.cosim.probing.probe import probe
 from dse.domain.facts import Answer, Question
 from dse.fmu.unpack import open_fmu
@@ -29,7 +29,7 @@ ASKED = frozenset(Question) - {Question.LASTS, Question.RELOADS, Question.THREAD
 def test_a_right_fmu_has_nothing_against_it(tmp_path: Path, name, version, interface, unknown):
     archive = build(name, version, interface, tmp_path)
     model = open_fmu(archive, cache=tmp_path / "cache")
-    facts = probe(model, "x86_64-test", limits=Limits(time=20.0), only=ASKED)
+    facts = probe(model, "x86_64-test", limits=ProbeLimits(time=20.0), only=ASKED)
     assert facts.interface == interface
     assert {q for q in ASKED if facts.answer(q) is Answer.UNKNOWN} == unknown
     assert {q: facts.reasons[q] for q in ASKED if facts.denies(q)} == {}
@@ -37,5 +37,5 @@ def test_a_right_fmu_has_nothing_against_it(tmp_path: Path, name, version, inter
 
 def test_outputs_that_follow_inputs_without_a_step_are_seen(tmp_path: Path):
     model = open_fmu(build("Feedthrough", 2, "CoSimulation", tmp_path), cache=tmp_path / "cache")
-    facts = probe(model, "x86_64-test", limits=Limits(time=20.0), only=frozenset({Question.FEEDS_THROUGH}))
+    facts = probe(model, "x86_64-test", limits=ProbeLimits(time=20.0), only=frozenset({Question.FEEDS_THROUGH}))
     assert facts.answer(Question.FEEDS_THROUGH) is Answer.YES

@@ -9,18 +9,17 @@ from pathlib import Path
 
 import pytest
 
-from dse.fmu.archive import pack
+from dse.csolve import headers
 from dse.fmu.toolchain import compilation
 from dse.fmu.toolchain.compiler import find_compiler
 from dse.fmu.toolchain.platforms import this_platform
+from dse.formats.zipped import pack_zip
 
 RUNTIME = Path(__file__).parents[3] / "dse" / "fmu" / "runtime"
 
 COMMON = (
-    "slot.h", "instance.h", "value.h", "modelica.h", "solver_memory.h", "arithmetic.h", "linear.h", "newton.h",
-    "tables.h", "evaluate.h", "crossings.h", "dormand_prince_tableau.h", "dormand_prince.h", "rosenbrock_tableau.h",
-    "rosenbrock.h", "locate.h", "integrate.h", "events.h",
-    "co_simulation.h", "simulation.h", "exchange.h",
+    "slot.h", "instance.h", "value.h", "modelica.h", "arithmetic.h", "tables.h", "evaluate.h", "relations.h",
+    "integrate.h", "events.h", "co_simulation.h", "simulation.h", "exchange.h",
 )  # fmt: skip
 FILES = {
     2: (*COMMON, "fmi2_abi.h", "fmi2_exchange.h", "fmi2.c"),
@@ -137,7 +136,8 @@ class Handmade:
 
     def files(self, version: int) -> dict[str, bytes]:
         """All sources, by path below ``sources``."""
-        runtime = {f"runtime/{name}": (RUNTIME / name).read_bytes() for name in FILES[version]}
+        own = {name: (RUNTIME / name).read_bytes() for name in FILES[version]}
+        runtime = {f"runtime/{name}": content for name, content in {**own, **headers()}.items()}
         return {**runtime, "runtime/model.h": self.header().encode(), "start.c": self.start().encode()}
 
     def fmu(self, folder: Path, version: int) -> Path:
@@ -154,7 +154,7 @@ class Handmade:
                 patch.setattr(compilation, "LANGUAGE_OPTIONS", quick)
                 binary = compilation.compile_library(find_compiler(), files, units, "runtime", library.name)
             description = (_describe_2 if version == 2 else _describe_3)(self)
-            target.write_bytes(pack({"modelDescription.xml": description.encode(), str(library): binary}))
+            target.write_bytes(pack_zip({"modelDescription.xml": description.encode(), str(library): binary}))
         return target
 
 

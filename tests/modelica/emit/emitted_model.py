@@ -9,6 +9,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 import dse.fmu
+from dse import csolve
 from dse.fmu.toolchain.compilation import LANGUAGE_OPTIONS
 from dse.fmu.toolchain.compiler import environment, find_compiler
 from dse.modelica.algebra.expression import Symbol
@@ -17,7 +18,7 @@ from dse.modelica.emit.model import emit
 from dse.modelica.emit.variables import FmuVariable, variables
 from dse.modelica.solved import Solved
 
-RUNTIME = Path(dse.fmu.__file__).parent / "runtime"
+INCLUDES = (f"-I{Path(dse.fmu.__file__).parent / 'runtime'}", f"-I{csolve.INCLUDE}")
 _SHIM = """
 #include "model.h"
 #define ROOM 64
@@ -140,7 +141,7 @@ def compiled(folder: Path, solved: Solved, options: tuple[str, ...], starts: Map
     library = folder / "model.so"
     compiler = find_compiler()
     warnings = ("-Wall", "-Wextra", "-Werror", "-Wno-unused-function")
-    command = [*compiler.command, *LANGUAGE_OPTIONS, *warnings, *options, "-shared", "-fPIC", f"-I{RUNTIME}"]
+    command = [*compiler.command, *LANGUAGE_OPTIONS, *warnings, *options, "-shared", "-fPIC", *INCLUDES]
     command += [str(folder / "shim.c"), str(folder / "start.c"), "-o", str(library), "-lm"]
     done = subprocess.run(command, capture_output=True, text=True, env=environment(), check=False)
     assert done.returncode == 0, done.stderr[:3000]

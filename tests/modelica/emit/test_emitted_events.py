@@ -7,7 +7,7 @@ from fractions import Fraction
 from pathlib import Path
 
 import pytest
-from emitted_model import RUNTIME, Emitter
+from emitted_model import INCLUDES, Emitter
 from model_maker import Maker, explicit
 
 from dse.errors import Location
@@ -145,7 +145,7 @@ def test_clang_takes_the_code_as_gcc_does(emitted: Emitter, tmp_path: Path) -> N
     (tmp_path / "unit.c").write_text('#include "model.h"\n', encoding="utf-8")
     compiler = str(Path(zig.__file__).parent / "zig")
     warnings = ["-Wall", "-Wextra", "-Werror", "-Wno-unused-function", "-Wno-unused-const-variable"]
-    command = [compiler, "cc", *LANGUAGE_OPTIONS, *warnings, f"-I{RUNTIME}", "-c"]
+    command = [compiler, "cc", *LANGUAGE_OPTIONS, *warnings, *INCLUDES, "-c"]
     done = subprocess.run(
         [*command, str(tmp_path / "unit.c"), "-o", str(tmp_path / "unit.o")],
         capture_output=True,

@@ -1,0 +1,209 @@
+/* How a system goes through its initialization, and from one communication point to the next, as its plan says. */
+#ifndef DSE_COSIM_COURSE_H
+#define DSE_COSIM_COURSE_H
+
+#include "floating.h"
+#include "walk.h"
+
+#define NOTICED 1e-6 /* of an output's size: far above what FMUs that iterate inside leave, far below what a lie does */
+
+/* ---- the initialization ---- */
+
+static bool differs(double a, double b, double size)
+{
+    const double magnitude = fabs(a) > fabs(b) ? fabs(a) : fabs(b);
+    return a != b && !(fabs(a - b) <= NOTICED * (magnitude > size ? magnitude : size)) && (a == a || b == b);
+}
+
+/* Whether outputs are not what the initial walk passed on: they depend on inputs of which their FMU does not tell. */
+static bool look_again(System *system, bool *is_misled)
+{
+    const Plan *plan = system->plan;
+    const int64_t texts = system->texts_changed;
+    gather(plan->passed_on, system->values, plan->doubted, plan->n_doubted);
+    if (!do_walk(system, plan->doubtful, false))
+        return false;
+    *is_misled = system->texts_changed != texts;
+    for (int64_t i = 0; i < plan->n_doubted; i++) {
+        const double value = system->values[plan->doubted[i]];
+        *is_misled |= i < plan->n_doubted_reals ? differs(value, plan->passed_on[i], plan->doubted_nominals[i])
+                                                : value != plan->passed_on[i];
+    }
+    return true;
+}
+
+/* Carry values along the wires, before t = 0; if an FMU's dependencies prove untrue, once more as if none were told. */
+static bool initialize(System *system)
+{
+    Plan *plan = system->plan;
+    bool is_misled = false;
+    plan->k = 0;
+    if (!do_walk(system, plan->initial, false))
+        return false;
+    if (plan->doubtful.begin < plan->doubtful.end && !look_again(system, &is_misled))
+        return false;
+    if (!is_misled)
+        return true;
+    return plan->untold.begin < plan->untold.end ? do_walk(system, plan->untold, false) : fail(system, MISLED, 0, 0, 0);
+}
+
+/* ---- one element ---- */
+
+/* The slope of the line through the last two values that were shown, per second; 0 before there are two. */
+static double slope_of(const System *system, int32_t position)
+{
+    const Plan *plan = system->plan;
+    const double span = plan->spans[plan->owners[position]];
+    return span > 0.0 ? (system->values[position] - plan->before[position]) / span : 0.0;
+}
+
+/* Stage inputs for a step of *length* at *time*, and their slopes. */
+static void move_along(const System *system, const Operation *inputs, double time, double length)
+{
+    const Plan *plan = system->plan;
+    for (int64_t i = inputs->first; i < inputs->first + inputs->count; i++) {
+        const int32_t position = plan->sources[i];
+        plan->staged[i] = system->values[position];
+        if (plan->moves[i] == HELD)
+            continue;
+        const double slope = slope_of(system, position), ahead = time - plan->shown[plan->owners[position]];
+        plan->staged[i] += slope * (plan->moves[i] == MIDDLE ? ahead + 0.5 * length : ahead);
+        plan->slopes[i] = plan->moves[i] == SLOPED ? slope : 0.0;
+    }
+}
+
+/* What inputs are on average over [time, time + length], for the bonds. */
+static void note_used(const System *system, const Operation *inputs, double time, double length)
+{
+    const Plan *plan = system->plan;
+    for (int64_t i = inputs->first; i < inputs->first + inputs->count; i++) {
+        const int32_t position = plan->sources[i];
+        plan->used[i] = system->values[position];
+        if (plan->moves[i] != HELD)
+            plan->used[i] += slope_of(system, position) * (time - plan->shown[plan->owners[position]] + 0.5 * length);
+    }
+}
+
+/* Give the element its inputs and let it go from *time* over *length*, in as many steps of its own as it wants. */
+static bool drive(System *system, int64_t e, double time, double length)
+{
+    const Plan *plan = system->plan;
+    Element *element = &system->elements[e];
+    const Pace *pace = &plan->paces[e];
+    const double step = length / (double)pace->parts;
+    if (plan->n_bonds)
+        note_used(system, &pace->inputs, time, length);
+    for (int64_t part = 0; part < pace->parts; part++) {
+        const double begin = system->now = time + (double)part * step;
+        move_along(system, &pace->inputs, begin, step);
+        /* Gauss and Seidel pass on what nobody has looked at yet; with error control a shorter step may still do. */
+        const int32_t *sources = plan->sources + pace->inputs.first;
+        if (plan->is_sequential && !(plan->tolerance > 0.0) && !are_finite(system, sources, pace->inputs.count))
+            return fail_not_finite(system, sources, pace->inputs.count);
+        if (!write_element(system, element, &pace->inputs.groups) ||
+            (pace->has_slopes && !give_slopes(system, element, &pace->inputs.groups, begin)) ||
+            !step_element(system, element, begin, step) || (system->watches && !keeps_floating_mode(system)))
+            return false;
+    }
+    return true;
+}
+
+/* Take the element's outputs at *time*. */
+static bool show(System *system, int64_t e, double time)
+{
+    const Plan *plan = system->plan;
+    Element *element = &system->elements[e];
+    memcpy(plan->before + element->first_value, system->values + element->first_value,
+           (size_t)element->n_values * sizeof(double));
+    plan->spans[e] = time - plan->shown[e];
+    plan->shown[e] = system->now = time;
+    return read_element(system, element, &element->outputs);
+}
+
+/* ---- all elements ---- */
+
+/* From *time* to *end*, which is *length* later; elements whose own step is *every* times as long begin or end it
+ * where the number k of the communication point tells. */
+static bool advance(System *system, double time, double length, double end)
+{
+    const Plan *plan = system->plan;
+    for (int64_t e = 0; e < system->n_elements; e++) {
+        const int64_t every = plan->paces[e].every;
+        if (plan->k % every == 0 && !drive(system, e, time, (double)every * length))
+            return false;
+        if (plan->is_sequential && (plan->k + 1) % every == 0 && !show(system, e, end))
+            return false;
+    }
+    if (!plan->is_sequential)
+        for (int64_t e = 0; e < system->n_elements; e++)
+            if ((plan->k + 1) % plan->paces[e].every == 0 && !show(system, e, end))
+                return false;
+    return true;
+}
+
+static bool all_watched_finite(System *system)
+{
+    const Plan *plan = system->plan;
+    for (int64_t i = 0; i < plan->n_watched; i++) {
+        const double value = system->values[plan->watched[i]];
+        if (!(fabs(value) <= DBL_MAX))
+            return fail(system, NOT_FINITE, 0, plan->watched[i], value);
+    }
+    return true;
+}
+
+/* A double does not tell changes of the size of a variable's nominal value any more beyond 2^53 times that value: no
+ * variable means anything there. One that begins with such a value is judged by its beginning, and one whose FMU
+ * declares no nominal value (infinite here) is not judged: nobody knows what is large for it. */
+static void set_limits(System *system)
+{
+    const Plan *plan = system->plan;
+    for (int64_t i = 0; i < plan->n_watched; i++) {
+        const double begin = fabs(system->values[plan->watched[i]]);
+        plan->limits[i] = EXACT_INTEGER * (begin > plan->nominals[i] ? begin : plan->nominals[i]);
+    }
+}
+
+/* Looked at once, at the end of a run: what has left its limits does not come back, or it was none of our business. */
+static bool within_limits(System *system)
+{
+    const Plan *plan = system->plan;
+    for (int64_t i = 0; i < plan->n_watched; i++) {
+        const double value = system->values[plan->watched[i]];
+        if (fabs(value) > plan->limits[i])
+            return fail(system, DIVERGED, 0, plan->watched[i], value);
+    }
+    return true;
+}
+
+/* What the element behind an output did with an input in its step that ends here, if one does: both on average, as at the
+ * step's end alone they would differ even if nothing were lost. *met* is the output at the step's beginning. */
+static double work(const System *system, int64_t output, int64_t input, double length, double *met)
+{
+    const Plan *plan = system->plan;
+    const int32_t element = plan->owners[output];
+    if (is_ahead(plan, element))
+        return 0.0;
+    const double mean = 0.5 * (*met + system->values[output]);
+    *met = system->values[output];
+    return (double)plan->paces[element].every * length * plan->used[input] * mean;
+}
+
+/* Carry values on at the communication point at *time*, after a step of *length* (0 for none). */
+static bool meet(System *system, double time, double length)
+{
+    const Plan *plan = system->plan;
+    system->now = time;
+    if (!all_watched_finite(system))
+        return false;
+    if (plan->meeting.begin < plan->meeting.end && (!do_walk(system, plan->meeting, false) || !all_watched_finite(system)))
+        return false;
+    for (int64_t i = 0; i < plan->n_bonds; i++) {
+        const Bond *bond = &plan->bonds[i];
+        plan->energies[i] += work(system, bond->flow, bond->effort_used, length, plan->met + 2 * i + 1);
+        plan->energies[i] -= work(system, bond->effort, bond->flow_used, length, plan->met + 2 * i);
+    }
+    return true;
+}
+
+#endif

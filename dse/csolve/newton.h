@@ -1,0 +1,196 @@
+/* Nonlinear systems: damped Newton iteration with the natural monotonicity test, which no scaling of the equations
+ * changes (P. Deuflhard, Newton Methods for Nonlinear Problems, Springer 2004, algorithm NLEQ-ERR, section 3.3).
+ *
+ * Who includes this has defined:
+ *   dse_problem            type: what the equations belong to
+ *   DSE_VALUES_OF(p)       the doubles among which the unknowns stand
+ *   DSE_LARGEST_SYSTEM     unknowns of the largest system
+ */
+#ifndef DSE_CSOLVE_NEWTON_H
+#define DSE_CSOLVE_NEWTON_H
+
+#include <float.h>
+#include <math.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <string.h>
+
+#include "linear.h"
+
+/* From the unknowns among the values: the equations' residuals, and with *jacobian* also its rows; writes what the
+ * equations compute on the way to the values. Nonzero: what cannot be computed there. */
+typedef int dse_system(dse_problem *p, double *residual, double *jacobian);
+
+#define DSE_NEWTON_STEPS 100
+#define DSE_NEWTON_TOLERANCE 1e-12
+#define DSE_NEWTON_LEAST_DAMPING 1e-8
+#define DSE_NEWTON_NEAR 1e-9
+
+/* The longest of the *step*'s parts, each relative to its *weight*; NaN if one is not finite. */
+static inline double dse_newton_length(uint32_t n, const double *weight, const double *step) {
+    double length = 0.0;
+    for (uint32_t k = 0; k < n; k++) {
+        const double part = fabs(step[k]) / weight[k];
+        if (!(part <= DBL_MAX)) {
+            return NAN;
+        }
+        length = fmax(length, part);
+    }
+    return length;
+}
+
+/* Whether the residuals are only what rounding leaves of the Jacobian's terms. */
+static inline int dse_newton_is_rounding(
+    const dse_problem *p, uint32_t n, const uint32_t *place, const double *residual, const double *jacobian) {
+    for (uint32_t i = 0; i < n; i++) {
+        double terms = 0.0;
+        for (uint32_t k = 0; k < n; k++) {
+            terms += fabs(jacobian[i * n + k] * DSE_VALUES_OF(p)[place[k]]);
+        }
+        if (!(fabs(residual[i]) <= 8.0 * DBL_EPSILON * terms)) {
+            return 0;
+        }
+    }
+    return 1;
+}
+
+/* Whether all *count* numbers are finite. */
+static inline int dse_newton_is_finite(size_t count, const double *numbers) {
+    for (size_t k = 0; k < count; k++) {
+        if (!(fabs(numbers[k]) <= DBL_MAX)) {
+            return 0;
+        }
+    }
+    return 1;
+}
+
+struct dse_newton_work {
+    double residual[DSE_LARGEST_SYSTEM];
+    double step[DSE_LARGEST_SYSTEM];
+    double from[DSE_LARGEST_SYSTEM];
+    double next[DSE_LARGEST_SYSTEM];
+    double weight[DSE_LARGEST_SYSTEM];
+    uint32_t pivot[DSE_LARGEST_SYSTEM];
+    double jacobian[(size_t)DSE_LARGEST_SYSTEM * DSE_LARGEST_SYSTEM];
+    double factors[(size_t)DSE_LARGEST_SYSTEM * DSE_LARGEST_SYSTEM];
+};
+
+/* One damped step: moves the unknowns and leaves the next, simplified correction in work->next and its residual in
+ * work->residual. Returns its length, negative if no damping brings the solution nearer. */
+static inline double dse_newton_advance(dse_problem *p, uint32_t n, const uint32_t *place, dse_system *system,
+    struct dse_newton_work *work, double *damping) {
+    const double length = dse_newton_length(n, work->weight, work->step);
+    for (uint32_t k = 0; k < n; k++) {
+        work->from[k] = DSE_VALUES_OF(p)[place[k]];
+    }
+    for (;;) {
+        double next = NAN;
+        double best = 0.0;
+        for (uint32_t k = 0; k < n; k++) {
+            DSE_VALUES_OF(p)[place[k]] = work->from[k] + *damping * work->step[k];
+        }
+        /* What cannot be computed at a trial point is a reason for a shorter step, no more. */
+        if (system(p, work->residual, NULL) == 0 && dse_newton_is_finite(n, work->residual)) {
+            for (uint32_t k = 0; k < n; k++) {
+                work->next[k] = -work->residual[k];
+            }
+            dse_substitute(n, work->factors, work->pivot, work->next);
+            next = dse_newton_length(n, work->weight, work->next);
+        }
+        if (next <= (1.0 - 0.25 * *damping) * length || next <= DSE_NEWTON_TOLERANCE) {
+            /* The step the model of the curvature would have allowed serves as the next guess. */
+            double curvature = 0.0;
+            for (uint32_t k = 0; k < n; k++) {
+                const double bend = work->next[k] - (1.0 - *damping) * work->step[k];
+                curvature = fmax(curvature, fabs(bend) / work->weight[k]);
+            }
+            best = curvature > 0.0 ? 0.5 * length * *damping * *damping / curvature : 1.0;
+            *damping = fmin(1.0, fmax(best, *damping));
+            return next;
+        }
+        if (*damping <= DSE_NEWTON_LEAST_DAMPING) {
+            return -1.0;
+        }
+        *damping = fmax(0.5 * *damping, DSE_NEWTON_LEAST_DAMPING);
+    }
+}
+
+static inline void dse_newton_move(dse_problem *p, uint32_t n, const uint32_t *place, const double *step) {
+    for (uint32_t k = 0; k < n; k++) {
+        DSE_VALUES_OF(p)[place[k]] += step[k];
+    }
+}
+
+static inline int dse_newton_iterate(dse_problem *p, uint32_t n, const uint32_t *place, const double *scale,
+    dse_system *system, struct dse_newton_work *work, int failure) {
+    double damping = 1.0;
+    double before = INFINITY;
+    for (int count = 0; count < DSE_NEWTON_STEPS; count++) {
+        double length, next;
+        int code = system(p, work->residual, work->jacobian);
+        if (code) {
+            return code;
+        }
+        if (!dse_newton_is_finite(n, work->residual) || !dse_newton_is_finite((size_t)n * n, work->jacobian)) {
+            return failure;
+        }
+        memcpy(work->factors, work->jacobian, (size_t)n * n * sizeof(double));
+        if (dse_factorize(n, work->factors, work->pivot)) {
+            return failure;
+        }
+        for (uint32_t k = 0; k < n; k++) {
+            work->step[k] = -work->residual[k];
+            work->weight[k] = fmax(fabs(DSE_VALUES_OF(p)[place[k]]), scale[k]);
+        }
+        dse_substitute(n, work->factors, work->pivot, work->step);
+        length = dse_newton_length(n, work->weight, work->step);
+        if (!(length <= DBL_MAX)) {
+            return failure;
+        }
+        if (dse_newton_is_rounding(p, n, place, work->residual, work->jacobian)) {
+            return 0;
+        }
+        /* At the limit of rounding a step no longer gets shorter. The step is made even if it is short: an unknown may
+         * be far smaller than its scale. */
+        if (length <= DSE_NEWTON_TOLERANCE || (length <= DSE_NEWTON_NEAR && length >= 0.5 * before)) {
+            dse_newton_move(p, n, place, work->step);
+            return 0;
+        }
+        before = length;
+        next = dse_newton_advance(p, n, place, system, work, &damping);
+        if (next < 0.0) {
+            return length <= DSE_NEWTON_NEAR ? 0 : failure;
+        }
+        if (next <= DSE_NEWTON_TOLERANCE) {
+            dse_newton_move(p, n, place, work->next);
+            return 0;
+        }
+    }
+    return failure;
+}
+
+/* Solve the *n* equations of *system* for the unknowns at *place* among the values, from the values that stand there. *scale*
+ * is the size below which an unknown's changes do not matter relatively. 0 if it is solved to 1e-12 or to the limit of
+ * rounding, and everything *system* writes belongs to the solution; else *failure* or what *system* told, and the
+ * unknowns are as before. */
+static inline int dse_newton(dse_problem *p, uint32_t n, const uint32_t *place, const double *scale,
+    dse_system *system, int failure) {
+    struct dse_newton_work work;
+    double before[DSE_LARGEST_SYSTEM];
+    int code;
+    for (uint32_t k = 0; k < n; k++) {
+        before[k] = DSE_VALUES_OF(p)[place[k]];
+    }
+    code = dse_newton_iterate(p, n, place, scale, system, &work, failure);
+    if (!code) {
+        code = system(p, work.residual, NULL);
+    }
+    if (code) {
+        for (uint32_t k = 0; k < n; k++) {
+            DSE_VALUES_OF(p)[place[k]] = before[k];
+        }
+    }
+    return code;
+}
+
+#endif

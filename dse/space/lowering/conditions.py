@@ -1,0 +1,184 @@
+"""What makes a condition true, or false, as a formula; Kleene's undefined is what makes it neither."""
+
+from __future__ import annotations
+
+from dse.errors import DseError
+from dse.space.decisions import Site
+from dse.space.language.terms import (
+    Choose,
+    Constant,
+    Every,
+    Operation,
+    Quota,
+    SameChoice,
+    Some,
+    Standing,
+    Term,
+    leaves,
+    sites_of,
+)
+from dse.space.lowering.affine import OPPOSITE, compare, one_taken
+from dse.space.lowering.cells import holds_in_cells
+from dse.space.lowering.counts import counting
+from dse.space.lowering.formulas import (
+    FALSE,
+    TRUE,
+    Atom,
+    Formula,
+    conjoin,
+    disjoin,
+    literal,
+    negation,
+    same,
+)
+from dse.space.lowering.shape import Branch, Shape
+
+
+class Conditions:
+    """Formulas of the conditions of one expression; each condition is looked at once for each outcome.
+
+    The conditions must not fail, as a division by zero would: short cuts are not kept.
+    """
+
+    def __init__(self, shape: Shape) -> None:
+        self.shape = shape
+        self._known: dict[tuple[int, bool], Formula] = {}
+
+    def formula(self, term: Term, outcome: bool) -> Formula:
+        """Where *term* has the value *outcome*. Raises TooLargeError."""
+        key = (id(term), outcome)
+        if key not in self._known:
+            self._known[key] = self._formula(term, outcome)
+        return self._known[key]
+
+    def _formula(self, term: Term, outcome: bool) -> Formula:
+        shape = self.shape
+        match term:
+            case Constant(value):
+                return TRUE if bool(value) is outcome else FALSE
+            case Standing():
+                truth = _standing(shape, term)
+                return truth if outcome else negation(shape, truth)
+            case SameChoice():
+                return _same_choice(shape, term, outcome)
+            case Every(conditions):
+                return self._junction(conditions, outcome, every=outcome)
+            case Some(conditions):
+                return self._junction(conditions, outcome, every=not outcome)
+            case Operation("not", (operand,)):
+                return self.formula(operand, not outcome)
+            case Operation("xor" | "iff" as word, (left, right)):
+                alike = (word == "iff") is outcome
+                pairs = [(value, value if alike else not value) for value in (True, False)]
+                return disjoin(
+                    shape, [conjoin(shape, [self.formula(left, a), self.formula(right, b)]) for a, b in pairs]
+                )
+            case Operation() if term.operator in OPPOSITE:
+                found = compare(shape, term, outcome)
+                return found if found is not None else atom(shape, term, outcome)
+            case Choose(condition, yes, no):
+                met = conjoin(shape, [self.formula(condition, True), self.formula(yes, outcome)])
+                unmet = conjoin(shape, [self.formula(condition, False), self.formula(no, outcome)])
+                return disjoin(shape, [met, unmet])
+            case Quota():
+                return self._quota(term, outcome)
+        return atom(shape, term, outcome)
+
+    def _junction(self, conditions: tuple[Term, ...], outcome: bool, *, every: bool) -> Formula:
+        formulas = [self.formula(condition, outcome) for condition in conditions]
+        return conjoin(self.shape, formulas) if every else disjoin(self.shape, formulas)
+
+    def _quota(self, term: Quota, outcome: bool) -> Formula:
+        shape = self.shape
+        true = [self.formula(condition, True) for condition in term.conditions]
+        possible = [negation(shape, self.formula(condition, False)) for condition in term.conditions]
+        if all(same(one, other) for one, other in zip(true, possible, strict=True)):
+            # None of them is ever undefined, so both bounds are of one count.
+            found = counting(shape, true, term.low, term.high)
+            if found is not None:
+                return found if outcome else negation(shape, found)
+        if outcome:
+            bounds = [counting(shape, true, term.low, None), counting(shape, possible, None, term.high)]
+            return conjoin(shape, [one for one in bounds if one]) if all(bounds) else atom(shape, term, outcome)
+        beyond: list[Formula | None] = []
+        if term.low is not None:
+            beyond.append(counting(shape, possible, None, term.low - 1) if term.low else FALSE)
+        if term.high is not None:
+            beyond.append(counting(shape, true, term.high + 1, None))
+        return disjoin(shape, [one for one in beyond if one]) if all(beyond) else atom(shape, term, outcome)
+
+
+def atom(shape: Shape, term: Term, outcome: bool) -> Formula:
+    """The atom itself, or a literal or what it always is where it has one variable or none."""
+    scope = scope_of_term(term)
+    found = Atom(term, scope, outcome)
+    if len(scope) > 1:
+        return found
+    try:
+        holds = holds_in_cells(shape, found)
+    except DseError:
+        return found
+    if scope:
+        return literal(shape, scope[0], holds)
+    return TRUE if holds else FALSE
+
+
+def scope_of_term(term: Term) -> tuple[int, ...]:
+    """The variables *term* looks at, ascending."""
+    branches = {site.branch for leaf in leaves(term) for site in sites_of(leaf)}
+    return tuple(sorted({branch[0] for branch in branches if branch}))
+
+
+def _standing(shape: Shape, term: Standing) -> Formula:
+    # Where nothing is among the names, it is easier to say which names are not.
+    wanted = None not in term.named
+    found = _there(shape, [site for site in term.sites if (site.name in term.named) is wanted])
+    return found if wanted else negation(shape, found)
+
+
+def _there(shape: Shape, sites: list[Site]) -> Formula:
+    branches: list[Branch] = []
+    for site in sites:
+        if site.branch is None:
+            return TRUE
+        branches.append(site.branch)
+    return one_taken(shape, branches)
+
+
+def _same_choice(shape: Shape, term: SameChoice, outcome: bool) -> Formula:
+    """Alike are all that are there iff no two differ and two are there at all."""
+    pairs = [(first, second) for number, first in enumerate(term.places) for second in term.places[number + 1 :]]
+    different = disjoin(shape, [_differ(shape, first, second) for first, second in pairs])
+    if not outcome:
+        return different
+    alike = disjoin(shape, [_agree(shape, first, second) for first, second in pairs])
+    return alike if len(pairs) == 1 else conjoin(shape, [alike, negation(shape, different)])
+
+
+def _differ(shape: Shape, first: tuple[Site, ...], second: tuple[Site, ...]) -> Formula:
+    return disjoin(
+        shape,
+        [
+            conjoin(shape, [_there(shape, here), _there(shape, [site for site in second if site.name != name])])
+            for name, here in _by_name(first).items()
+        ],
+    )
+
+
+def _agree(shape: Shape, first: tuple[Site, ...], second: tuple[Site, ...]) -> Formula:
+    there = _by_name(second)
+    return disjoin(
+        shape,
+        [
+            conjoin(shape, [_there(shape, here), _there(shape, there[name])])
+            for name, here in _by_name(first).items()
+            if name in there
+        ],
+    )
+
+
+def _by_name(sites: tuple[Site, ...]) -> dict[str, list[Site]]:
+    found: dict[str, list[Site]] = {}
+    for site in sites:
+        found.setdefault(site.name, []).append(site)
+    return found

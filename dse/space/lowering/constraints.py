@@ -1,0 +1,95 @@
+"""The constraints of a design space as rules over its variables."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import suppress
+
+from dse.domain.design import DesignSpace
+from dse.domain.expression import Expression
+from dse.errors import DseError, Problem, raise_if_any
+from dse.space.flat import NOBODY, FlatSpace, Rule
+from dse.space.language.interpret import interpret_condition
+from dse.space.language.places import Places
+from dse.space.language.terms import Every, Term
+from dse.space.lowering.conditions import Conditions, scope_of_term
+from dse.space.lowering.failing import may_fail
+from dse.space.lowering.formulas import Atom, Formula, TooLargeError, negation
+from dse.space.lowering.rules import rules_of
+from dse.space.lowering.shape import Shape, shape_of
+
+MOST_CELLS = 4096
+"""Combinations of values up to which a rule becomes a table."""
+
+MOST_VALUES = 32_766
+"""Values of one decision: with their absence they must fit into the 16 bits of `dse.space.flat.Rows`."""
+
+
+def flatten(space: DesignSpace, most_cells: int = MOST_CELLS) -> FlatSpace:
+    """*space* with its constraints as rules that hold together iff no constraint's outcome is false.
+
+    Rules over variables with up to *most_cells* combinations of values become tables. Raises DseError, with all
+    problems, for constraints that make no sense, and for decisions of more than `MOST_VALUES` values.
+    """
+    shape = shape_of(space)
+    raise_if_any(_too_many_values(space, shape))
+    places = Places(space)
+    rules: list[Rule] = []
+    problems: list[Problem] = []
+    for number, constraint in enumerate(space.constraints):
+        try:
+            rules += lower(shape, places, constraint.rule, number, most_cells)
+        except DseError as error:
+            problems += error.problems
+    if problems:
+        raise DseError(*problems)
+    return FlatSpace(space.name, shape.variables, space.constraints, tuple(rules))
+
+
+def lower(shape: Shape, places: Places, expression: Expression, owner: int, most_cells: int = MOST_CELLS) -> list[Rule]:
+    """The rules that hold together iff the outcome of *expression* is not false. Raises DseError like `flatten`."""
+    term = interpret_condition(expression, places)
+    return rules_of(shape, expression, _parts(shape, expression, term), owner, most_cells)
+
+
+def selecting(space: DesignSpace, expression: Expression, most_cells: int = MOST_CELLS) -> list[Rule]:
+    """The rules that hold together iff the outcome of *expression* is true: where it is undefined they do not.
+
+    Nobody owns them. Raises DseError like `flatten`.
+    """
+    shape = shape_of(space)
+    term = interpret_condition(expression, Places(space))
+    formula: Formula = Atom(term, scope_of_term(term), outcome=True)
+    if not may_fail(shape, expression, term):
+        with suppress(TooLargeError):
+            formula = Conditions(shape).formula(term, True)
+    return rules_of(shape, expression, [formula], NOBODY, most_cells)
+
+
+def _too_many_values(space: DesignSpace, shape: Shape) -> Iterator[Problem]:
+    for variable in shape.variables:
+        number = len(variable.values)
+        if number > MOST_VALUES:
+            what = f"'{variable.path}' has {number:,} alternatives; one decision takes at most {MOST_VALUES:,}"
+            yield Problem(what, space.where, "group the alternatives: one decision between groups, one inside each")
+
+
+def _parts(shape: Shape, expression: Expression, term: Term) -> Iterator[Formula]:
+    """Formulas that hold together iff *term* is not false."""
+    if may_fail(shape, expression, term):
+        if isinstance(term, Every):
+            # Conditions before the failing one guard it, so it stays behind them; they hold by themselves, too.
+            for condition in term.conditions:
+                if may_fail(shape, expression, condition):
+                    break
+                yield from _parts(shape, expression, condition)
+        yield _as_written(term)
+        return
+    try:
+        yield negation(shape, Conditions(shape).formula(term, False))
+    except TooLargeError:
+        yield _as_written(term)
+
+
+def _as_written(term: Term) -> Formula:
+    return Atom(term, scope_of_term(term), outcome=False, denied=True)
