@@ -67,9 +67,10 @@ class Problems(list[Problem]):
         pass
 
     def __exit__(self, kind: object, error: BaseException | None, trace: object) -> bool:
-        if isinstance(error, DseError):
-            self += error.problems
-        return isinstance(error, DseError)
+        if not isinstance(error, DseError):
+            return False
+        self += error.problems
+        return True
 
 
 def raise_if_any(problems: Iterable[Problem]) -> None:

@@ -89,10 +89,9 @@ class XmlElement:
             return None
         return value
 
-    def flag(self, name: str, problems: list[Problem], *, default: bool = False) -> bool:
-        """The attribute as a truth value; *default* if it is not there, and a problem if it is none."""
-        value = self._read(name, flag_of, "true or false", problems)
-        return default if value is None else value
+    def flag(self, name: str, problems: list[Problem]) -> bool:
+        """The attribute as a truth value; False if it is not there, and with a problem if it is none."""
+        return bool(self._read(name, flag_of, "true or false", problems))
 
     def word(self, name: str, words: Collection[str], problems: list[Problem], default: str = "") -> str:
         """The attribute as one of *words*; *default* if it is not there, and a problem if it is another."""

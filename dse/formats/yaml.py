@@ -18,7 +18,7 @@ from dse.errors import DseError, Location, Problem, fail
 from dse.formats.compose import MOST_LEVELS, UNSAFE, compose, unsafe, visible
 from dse.formats.scalars import content_start, pieces, place_in
 
-Path_ = tuple[str | int, ...]
+KeyPath = tuple[str | int, ...]
 """Way from the top of a document to a value: mapping keys and list indices."""
 
 _MAX_BYTES = 10_000_000
@@ -44,14 +44,14 @@ class Document:
     data: Mapping[str, Any]
     file: str
     mark: Mark
-    pieces: Mapping[Path_, tuple[Piece, ...]] = field(default_factory=dict)
+    pieces: Mapping[KeyPath, tuple[Piece, ...]] = field(default_factory=dict)
 
     @property
     def top(self) -> Entry:
         """All of it."""
         return Entry(self, ())
 
-    def along(self, path: Path_) -> tuple[str, Mark, int]:
+    def along(self, path: KeyPath) -> tuple[str, Mark, int]:
         """The file and the mark of the value that as many steps of *path* lead to as there are, and their number."""
         file, mark, steps = self.file, self.mark, 0
         for step in path:
@@ -70,7 +70,7 @@ class Entry:
     """What stands at *path* in a document, if anything does."""
 
     document: Document
-    path: Path_
+    path: KeyPath
 
     def __getitem__(self, step: str | int) -> Entry:
         return Entry(self.document, (*self.path, step))
@@ -190,7 +190,7 @@ class _Reader:
     def __init__(self, file: str, text: str) -> None:
         self.file = file
         self.text = text
-        self.pieces: dict[Path_, tuple[Piece, ...]] = {}
+        self.pieces: dict[KeyPath, tuple[Piece, ...]] = {}
         self.problems: list[Problem] = []
 
     def expect_few(self, root: Any) -> None:
@@ -219,7 +219,7 @@ class _Reader:
                 advice = "an alias repeats all that its anchor (&name) holds; use fewer of them, or split the file"
                 raise fail(what, self._where(node), advice)
 
-    def value(self, node: Any, path: Path_, depth: int) -> tuple[Any, Mark]:
+    def value(self, node: Any, path: KeyPath, depth: int) -> tuple[Any, Mark]:
         """What *node*, at *path*, stands for, and where."""
         where = self._where(node)
         mark: Mark = [where.line, where.column]
@@ -242,7 +242,7 @@ class _Reader:
                 self.pieces[path] = found
         return value, mark
 
-    def _mapping(self, node: Any, path: Path_, depth: int) -> tuple[dict[str, Any], dict[str, Mark]]:
+    def _mapping(self, node: Any, path: KeyPath, depth: int) -> tuple[dict[str, Any], dict[str, Mark]]:
         result: dict[str, Any] = {}
         marks: dict[str, Mark] = {}
         for key_node, value_node in node.value:

@@ -7,7 +7,8 @@ from pathlib import Path
 from typing import Any
 
 from dse.errors import DseError, Location, Problem, Problems, fail, raise_if_any
-from dse.formats import Document, Entry, Mark, Path_, read_kept, shown
+from dse.formats.kept import read_kept
+from dse.formats.yaml import Document, Entry, KeyPath, Mark, shown
 from dse.loading.paths import named_file
 
 _DEEPEST = 20
@@ -71,11 +72,11 @@ def _join(mine: Document, other: Document, problems: Problems) -> Document:
     """*mine* with what *other* says besides; what both say is added to *problems*."""
     data, marks, pieces = {**mine.data}, {**mine.mark[2]}, {**mine.pieces}
 
-    def twice(path: Path_) -> None:
+    def twice(path: KeyPath) -> None:
         what = f"'{'.'.join(map(str, path))}' stands in an including file too"
         problems.add(what, Entry(other, path).key, f"see {Entry(mine, path).key}")
 
-    def take(source: Path_, target: Path_) -> None:
+    def take(source: KeyPath, target: KeyPath) -> None:
         found = {path: origin for path, origin in other.pieces.items() if path[: len(source)] == source}
         pieces.update({target + path[len(source) :]: origin for path, origin in found.items()})
 

@@ -8,7 +8,7 @@ from typing import Annotated, Any, ClassVar, TypeVar
 from pydantic import BaseModel, BeforeValidator, ConfigDict, ValidationError
 
 from dse.errors import DseError, Problem, closest
-from dse.formats import Entry, Path_
+from dse.formats.yaml import Entry, KeyPath
 
 
 class Section(BaseModel):
@@ -46,7 +46,7 @@ def read_section(entry: Entry, shape: type[S]) -> S:
 def _problems(top: Entry, shape: type[Section], error: ValidationError) -> Iterable[Problem]:
     findings = [(_entry(top, e["loc"]), e) for e in error.errors(include_url=False, include_context=True)]
     later = {entry.path[:-1] for entry, finding in findings if _is_later(shape, finding)}
-    merged: dict[Path_, list[tuple[Entry, Any]]] = {}
+    merged: dict[KeyPath, list[tuple[Entry, Any]]] = {}
     for entry, finding in findings:
         size = len(entry.path)
         if finding["type"] in _EXPECTED:
@@ -92,7 +92,7 @@ def _is_later(shape: type[Section], finding: Any) -> bool:
     return any(finding["loc"][-1] in section.later for section in _sections_at(shape, finding["loc"][:-1]))
 
 
-def _own_hint(shape: type[Section], path: Path_) -> str:
+def _own_hint(shape: type[Section], path: KeyPath) -> str:
     """What the section that *path* leads to says of its last key."""
     sections = _sections_at(shape, path[:-1]) if path else []
     return next((section.hints[str(path[-1])] for section in sections if str(path[-1]) in section.hints), "")

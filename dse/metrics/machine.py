@@ -12,8 +12,8 @@ from numpy.typing import NDArray
 
 from dse.domain.bench import VERDICTS, Judgement, Requirement, Verdict
 from dse.errors import fail
-from dse.metrics.verdicts import margin_of, verdict_of
-from dse.units import Dimension, Unit
+from dse.metrics.verdicts import margin_to_bounds, verdict_codes
+from dse.units import Unit
 
 Register = int
 TIME: Register = 0
@@ -48,13 +48,12 @@ class Check:
 class MetricProgram:
     """Metrics and requirements, compiled.
 
-    *signals* are the waveforms and *constants* the single values that `evaluate` needs. *dimensions* and
-    *units* say what each metric is and in which unit to show it; values are SI.
+    *signals* are the waveforms and *constants* the single values that `evaluate` needs. *units* are those to show the
+    metrics in; values are SI.
     """
 
     signals: tuple[str, ...]
     constants: tuple[str, ...]
-    dimensions: Mapping[str, Dimension]
     units: Mapping[str, Unit]
     inputs: Mapping[str, Register]
     literals: tuple[tuple[Register, float], ...]
@@ -104,8 +103,8 @@ def judge_failed(requirements: Sequence[Requirement]) -> tuple[Judgement, ...]:
 
 def _judge(check: Check, registers: Sequence[Any]) -> Judgement:
     value = float(registers[check.metric])
-    margin = float(margin_of(value, check.at_most, check.at_least))
-    verdict = VERDICTS[verdict_of(margin, _is_exercised(check, registers, value))]
+    margin = float(margin_to_bounds(value, check.at_most, check.at_least))
+    verdict = VERDICTS[verdict_codes(margin, _is_exercised(check, registers, value))]
     return Judgement(check.requirement, verdict, margin)
 
 

@@ -50,7 +50,6 @@ def _program(compiler: Compiler, metrics: Mapping[str, Metric], checks: Sequence
     return MetricProgram(
         tuple(name for name in compiler.inputs if name in compiler.signals),
         tuple(name for name in compiler.inputs if name not in compiler.signals),
-        dimensions,
         {
             name: metrics[name].unit if metrics[name].unit.symbol else si_unit(dimension)
             for name, dimension in dimensions.items()

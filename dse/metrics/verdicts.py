@@ -19,7 +19,7 @@ Codes = NDArray[np.uint8]
 N = TypeVar("N", float, NDArray[np.float64])
 
 
-def margin_of(value: N, at_most: float | None, at_least: float | None) -> N:
+def margin_to_bounds(value: N, at_most: float | None, at_least: float | None) -> N:
     """The distance of *value* to the nearer bound, of which there is one at least: negative outside, NaN where it is.
 
     An open side is no bound at infinity: an infinite time to collision would have no margin to it.
@@ -30,7 +30,7 @@ def margin_of(value: N, at_most: float | None, at_least: float | None) -> N:
     return found
 
 
-def verdict_of(margin: Any, exercised: Any, done: Any = True) -> Any:
+def verdict_codes(margin: Any, exercised: Any, done: Any = True) -> Any:
     """The verdict with that *margin* as its position in `VERDICTS`; all three may be arrays of runs.
 
     A metric that is undefined although the run exercised the requirement has not met it: no comparison with NaN holds.
@@ -38,7 +38,7 @@ def verdict_of(margin: Any, exercised: Any, done: Any = True) -> Any:
     return _BY_CASE[4 * done + 2 * exercised + (margin >= 0)]
 
 
-def overall(verdicts: Sequence[Codes], done: NDArray[np.bool_]) -> Codes:
+def overall_codes(verdicts: Sequence[Codes], done: NDArray[np.bool_]) -> Codes:
     """The verdict on all requirements: one failure fails a run, and without one a gap leaves it open."""
     ranks = [np.zeros(len(done), dtype=np.uint8), *(_RANK[codes] for codes in verdicts)]
     found: Codes = np.where(done, _BY_RANK[np.maximum.reduce(ranks)], _FAILED).astype(np.uint8)

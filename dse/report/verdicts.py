@@ -5,7 +5,7 @@ from __future__ import annotations
 from enum import IntEnum
 
 from dse.domain.bench import VERDICTS, Verdict
-from dse.metrics import Codes, margin_of, overall, verdict_of
+from dse.metrics.verdicts import Codes, margin_to_bounds, overall_codes, verdict_codes
 from dse.report.content.nouns import Floats, ReportContent, RequirementRow
 
 
@@ -24,18 +24,18 @@ Marks = Codes
 def marks_of(content: ReportContent, requirement: RequirementRow) -> Marks:
     """The mark of every run for one requirement."""
     margin = margins(content.metric(requirement.metric).values, requirement)
-    marks: Marks = verdict_of(margin, requirement.exercised, content.runs.done)
+    marks: Marks = verdict_codes(margin, requirement.exercised, content.runs.done)
     return marks
 
 
 def overall_marks(content: ReportContent) -> Marks:
     """The mark of every run for all requirements."""
-    return overall([marks_of(content, requirement) for requirement in content.requirements], content.runs.done)
+    return overall_codes([marks_of(content, requirement) for requirement in content.requirements], content.runs.done)
 
 
 def margins(values: Floats, requirement: RequirementRow) -> Floats:
     """The distance of *values* to the nearer bound, in their unit."""
-    return margin_of(values, requirement.at_most, requirement.at_least)
+    return margin_to_bounds(values, requirement.at_most, requirement.at_least)
 
 
 def outside(requirement: RequirementRow) -> str:

@@ -93,7 +93,7 @@ def test_values_are_read_as_xml_schema_writes_them_and_problems_stand_where_they
     assert root.real("bad", problems) is None
     assert root.whole("big", problems, most=255) is None
     assert root.whole("w", problems, least=0) is None
-    assert root.flag("k", problems, default=True)
+    assert not root.flag("k", problems)
     assert root.word("k", ("one", "three"), problems, "one") == "one"
     assert root.required("none", problems) == ""
     assert [problem.what for problem in problems] == [

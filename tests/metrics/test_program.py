@@ -133,7 +133,7 @@ def test_a_program_names_the_waveforms_and_constants_it_needs_and_its_units():
     assert program.signals == ("world.speed", "world.gap")
     assert program.constants == ("controller.set_speed",)
     assert {name: str(unit) for name, unit in program.units.items()} == {"a": "%", "b": "m*s", "c": "km/h", "d": "s"}
-    assert program.dimensions["d"] == parse_unit("s").dimension
+    assert program.units["d"].dimension == parse_unit("s").dimension
 
 
 def test_what_several_metrics_share_is_computed_once():

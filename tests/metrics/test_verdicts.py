@@ -10,7 +10,7 @@ from dse.domain.bench import VERDICTS, Metric, Requirement
 from dse.domain.component import Kind, Type
 from dse.expression.parse import parse_expression
 from dse.metrics.program import compile_metrics
-from dse.metrics.verdicts import margin_of, overall, verdict_of
+from dse.metrics.verdicts import margin_to_bounds, overall_codes, verdict_codes
 from dse.units import DIMENSIONLESS
 
 NUMBER = Type(Kind.REAL, DIMENSIONLESS)
@@ -21,11 +21,11 @@ def test_arrays_of_runs_are_judged_case_by_case():
     values, done = np.array([run.value for run in runs]), np.array([run.done for run in runs])
     each = []
     for number, (at_most, at_least) in enumerate(BOUNDS):
-        margin = margin_of(values, at_most, at_least)
+        margin = margin_to_bounds(values, at_most, at_least)
         assert margin == pytest.approx([run.margins[number] for run in runs], nan_ok=True)
-        each.append(verdict_of(margin, np.array([run.exercised[number] for run in runs]), done))
+        each.append(verdict_codes(margin, np.array([run.exercised[number] for run in runs]), done))
         assert [VERDICTS[code] for code in each[-1]] == [run.verdicts[number] for run in runs]
-    assert [VERDICTS[code] for code in overall(each, done)] == [run.overall for run in runs]
+    assert [VERDICTS[code] for code in overall_codes(each, done)] == [run.overall for run in runs]
 
 
 @pytest.mark.parametrize("run", [run for run in cases() if run.done], ids=str)
@@ -44,4 +44,4 @@ def test_a_run_is_judged_alike_as_it_is_made(run):
 
 
 def test_without_a_requirement_what_came_to_its_end_passes():
-    assert [VERDICTS[code] for code in overall([], np.array([True, False]))] == ["pass", "failed to run"]
+    assert [VERDICTS[code] for code in overall_codes([], np.array([True, False]))] == ["pass", "failed to run"]

@@ -130,8 +130,9 @@ def _parameters(entry: Entry, section: FactsSection, interface: Interface, probl
 
 def _properties(entry: Entry, section: FactsSection, problems: Problems) -> dict[str, Quantity]:
     found = {}
+    properties = entry["properties"]
     for name, raw in section.properties.items():
-        stated = entry["properties"][name]
+        stated = properties[name]
         check_name(name, stated.key, problems)
         with problems:
             found[name] = read_quantity(raw, stated.where)

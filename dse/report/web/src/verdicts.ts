@@ -1,4 +1,4 @@
-// Verdicts at the thresholds the reader has set; the same rules as dse/report/verdicts.py.
+// Verdicts at the thresholds the reader has set; the same rule as dse/metrics/verdicts.py (both are held to tests/verdict_cases.py).
 import type { Study } from "./study";
 
 export const PASS = 0;
