@@ -30,7 +30,7 @@ from dse.formats import pack_zip
 from dse.modelica.description import Described, describe_model, documentation
 from dse.modelica.emit.constant_data import slot_rows
 from dse.modelica.emit.model import DEFAULT_TOLERANCE, emit
-from dse.modelica.frontend.memory import Memory
+from dse.modelica.frontend.answer_cache import AnswerCache
 from dse.modelica.frontend.sources import ModelSources, library_contents, read_sources
 from dse.modelica.openmodelica import build_with_omc, find_omc, omc_version
 from dse.modelica.translate import Translated, TranslationError, translate
@@ -77,7 +77,7 @@ def check_modelica(component: Component, source: ModelicaSource, cache: Path | N
     if note.is_file():
         return
     try:
-        translate(component, sources, _memory(cache))
+        translate(component, sources, _answers(cache))
     except TranslationError as refusal:
         if source.compiler is ModelicaCompiler.AUTO and find_omc() is not None:
             return
@@ -121,7 +121,7 @@ def _by_dse(
     target = cache_folder(cache) / "built" / f"{named}-{content_key([*identity, machine])}.fmu"
     if target.is_file():
         return target
-    translated = translate(component, sources, _memory(cache))
+    translated = translate(component, sources, _answers(cache))
     contents = _contents(component, source, translated, named, token, version)
     library = platform.library(version, named)
     try:
@@ -133,8 +133,8 @@ def _by_dse(
     return keep_file(target, pack_zip({**contents, str(library): binary}))
 
 
-def _memory(cache: Path | None) -> Memory:
-    return Memory(cache_folder(cache) / "modelica", _implementation())
+def _answers(cache: Path | None) -> AnswerCache:
+    return AnswerCache(cache_folder(cache) / "modelica", _implementation())
 
 
 def _read(component: Component, source: ModelicaSource) -> ModelSources:

@@ -9,8 +9,8 @@ from dse.domain.component import Component, Kind, Parameter
 from dse.errors import DseError, Location, fail
 from dse.modelica.emit.variables import FmuVariable, Variability, variables
 from dse.modelica.flatten.flattening import flatten
+from dse.modelica.frontend.answer_cache import AnswerCache
 from dse.modelica.frontend.literal import Value
-from dse.modelica.frontend.memory import Memory
 from dse.modelica.frontend.result import FrontEndResult
 from dse.modelica.frontend.sources import ModelSources
 from dse.modelica.interface import starts
@@ -32,13 +32,13 @@ class TranslationError(DseError):
     """The model is not wrong, as far as is known, but cannot be translated."""
 
 
-def translate(component: Component, sources: ModelSources, memory: Memory) -> Translated:
-    """The model of *sources* with the values of *component*; *memory* keeps what the front-end said.
+def translate(component: Component, sources: ModelSources, answers: AnswerCache) -> Translated:
+    """The model of *sources* with the values of *component*; *answers* keeps what the front-end said.
 
     Raises TranslationError for what cannot be translated, and DseError for ports and parameters that do not fit.
     """
     try:
-        result = _instantiated(component, sources, memory)
+        result = _instantiated(component, sources, answers)
         flat = flatten(result)
     except DseError as error:
         raise TranslationError(*error.problems) from error
@@ -56,11 +56,11 @@ def translate(component: Component, sources: ModelSources, memory: Memory) -> Tr
 _MOST_ROUNDS = 10
 
 
-def _instantiated(component: Component, sources: ModelSources, memory: Memory) -> FrontEndResult:
+def _instantiated(component: Component, sources: ModelSources, answers: AnswerCache) -> FrontEndResult:
     """The flat system with the component's values for the structural parameters, of which each may bring others."""
     values: dict[str, Value] = {}
     for _ in range(_MOST_ROUNDS):
-        result = memory.compiled(sources, values)
+        result = answers.compiled(sources, values)
         wanted = {
             component.variable(parameter.name): value
             for parameter in component.parameters

@@ -19,7 +19,7 @@ _ROOT = "$library/"
 
 
 @dataclass(frozen=True, slots=True)
-class Memory:
+class AnswerCache:
     """Where answers are kept, and the name of the program that asks: another might ask for something else."""
 
     folder: Path
