@@ -5,8 +5,8 @@ from .xml_values import flag_of as flag_of, real_of as real_of, shortened as sho
 from .yaml import (
     Document as Document,
     Entry as Entry,
+    KeyPath as KeyPath,
     Mark as Mark,
-    Path_ as Path_,
     read_yaml as read_yaml,
     shown as shown,
 )

@@ -7,4 +7,9 @@ from .catalogue import (
     same as same,
 )
 from .program import MetricProgram as MetricProgram, compile_metrics as compile_metrics, judge_failed as judge_failed
-from .verdicts import Codes as Codes, margin_of as margin_of, overall as overall, verdict_of as verdict_of
+from .verdicts import (
+    Codes as Codes,
+    margin_to_bounds as margin_to_bounds,
+    overall_codes as overall_codes,
+    verdict_codes as verdict_codes,
+)
