@@ -6,7 +6,7 @@ import xml.etree.ElementTree as ET
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 
-from dse.fmu.describe import add_base_unit, xml_text
+from dse.fmu.c.describe import add_base_unit, xml_text
 from dse.modelica.emit.variables import Causality, FmuVariable, Variability
 from dse.modelica.flat import Kind
 from dse.units import UnitError, parse_unit

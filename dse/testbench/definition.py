@@ -88,7 +88,7 @@ def _configuration(prepared: PreparedBench, space: DesignSpace) -> DefinedConfig
         start={element.name: dict(sorted(element.start.items())) for element in elements},
         inside={e.name: _inside(e) for e in elements if e.texts or e.conversions},
         wires=tuple(f"{w.source}.{w.source_variable} -> {w.target}.{w.target_variable}" for w in prepared.system.wires),
-        columns=prepared.columns,
+        columns=prepared.recording.columns,
         constants=dict(sorted(prepared.constants.items())),
     )
 

@@ -22,7 +22,7 @@ def selected(space: DesignSpace, selection: Selection, where: Location | None = 
     return found
 
 
-def one(space: DesignSpace, wanted: str | None) -> Configuration:
+def one_configuration(space: DesignSpace, wanted: str | None) -> Configuration:
     """The valid configuration whose id starts with *wanted*; the first of all if it is None. Raises DseError."""
     if wanted is not None:
         return open_space(space).configuration(wanted)

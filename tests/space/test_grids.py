@@ -17,10 +17,9 @@ from dse.space.flat import ABSENT, FlatSpace, Fold, Gather, Ints, Linear, Rule, 
 from dse.space.methods.budget import Cost, TooMuchError
 from dse.space.methods.grid.density import heights
 from dse.space.methods.grid.exact import exact_count
-from dse.space.methods.grid.meeting import pairs
+from dse.space.methods.grid.meeting import pairs, summed
 from dse.space.methods.grid.split import Counting, Execution, counting, execute, split
 from dse.space.methods.grid.sweep import backward, forward
-from dse.space.methods.grid.words import running_sums
 from dse.space.methods.mdd.diagram import Diagram, compile_diagram, count
 
 
@@ -127,9 +126,9 @@ def counts_at_all_cuts(space: FlatSpace) -> list[int]:
             sum(
                 pairs(
                     found.sums,
-                    ours[node].ways,
+                    ours[node].digits,
                     own,
-                    running_sums(theirs[node].ways.reshape(other.shape), int(paths[node])),
+                    summed(theirs[node].digits, other, int(paths[node])),
                     other,
                 )
                 for node in ours.keys() & theirs.keys()

@@ -10,7 +10,7 @@ from dse.cosim.failing.failure import RunFailed
 from dse.cosim.simulator import Simulator
 from dse.loading.workspace import Workspace
 from dse.space.opened import open_space
-from dse.testbench.prepare import prepare
+from dse.testbench.prepare import prepare_bench
 
 ROOT = Path(__file__).parents[2]
 SPEED, RADIUS = 18.6, 0.31  # m/s; the world's wheels
@@ -20,7 +20,7 @@ SPEED, RADIUS = 18.6, 0.31  # m/s; the world's wheels
 def simulator(tmp_path_factory: pytest.TempPathFactory):
     bench = Workspace.around(ROOT).bench("acc_following")
     chosen = next(c for c in open_space(bench.design).configurations() if c.choices["powertrain"] == "combustion_6at")
-    prepared = prepare(bench, [chosen], cache=tmp_path_factory.mktemp("cache"))[chosen.id]
+    prepared = prepare_bench(bench, [chosen], cache=tmp_path_factory.mktemp("cache"))[chosen.id]
     with Simulator(prepared.system, ["world.speed", "powertrain.torque_front"]) as found:
         yield found
 

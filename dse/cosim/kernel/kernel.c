@@ -2,7 +2,7 @@
  * too, but for the plain case, which has a tight loop of its own here: fixed communication step, Jacobi.
  *
  * At t = k*step, for k = 0 … steps: read all outputs, record them, write all inputs, let every element step.
- * dse/cosim/oracle/reference.py is the same in plain Python and must agree with this bit for bit. */
+ * tests/oracle/reference.py is the same in plain Python and must agree with this bit for bit. */
 #include "master.h"
 #include "exchange_alone.h"
 #include "fused.h"

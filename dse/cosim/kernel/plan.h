@@ -1,5 +1,5 @@
-/* How a system is initialized and, unless it is a plain one, simulated: tables of operations that dse/cosim/plan.py
- * compiles. plan_layout.py mirrors every structure, field by field.
+/* How a system is initialized and, unless it is a plain one, simulated: tables of operations that
+ * dse/cosim/tables/method.py compiles. dse/cosim/binding/plan_layout.py mirrors every structure, field by field.
  *
  * Words: an element *shows* its outputs at the end of its own step; what it shows stays until it shows again. Values
  * *meet* at communication points. */

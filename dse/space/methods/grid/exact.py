@@ -6,14 +6,8 @@ Ways to each partial sum are carried from the root and from the terminal to a le
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-
-import numpy as np
-
-from dse.space.methods.grid.meeting import pairs
-from dse.space.methods.grid.nodes import Node
-from dse.space.methods.grid.split import Counting, Split, caps, counting, execute, split
-from dse.space.methods.grid.words import moduli, running_sums
+from dse.space.methods.grid.meeting import pairs, summed
+from dse.space.methods.grid.split import Counting, caps, counting, execute, split
 from dse.space.methods.mdd.diagram import Diagram, count
 
 MOST_MEMORY = 4e9
@@ -33,31 +27,13 @@ def exact_count(diagram: Diagram, most_memory: float = MOST_MEMORY, most_work: f
     if not isinstance(problem, Counting):
         return count(problem)
     found = split(problem, most_memory, most_work)
-    try:
-        return _counted(problem, found, caps(problem, found), None)
-    except OverflowError:
-        total, product = 0, 1
-        for modulus in moduli(count(problem.diagram)):
-            remainder = _counted(problem, found, ((), ()), modulus)
-            total += product * ((remainder - total) * pow(product, -1, modulus) % modulus)
-            product *= modulus
-        return total
-
-
-def _counted(
-    problem: Counting, found: Split, known: Sequence[Sequence[Mapping[Node, int]]], modulus: int | None
-) -> int:
-    """The count, or what has the same remainder. OverflowError if a number may have more than 64 bits."""
     before, after = (
-        execute(sweep, chosen, bounds, modulus).grids
-        for sweep, chosen, bounds in zip(found.sweeps, found.executions, known, strict=True)
+        execute(sweep, chosen, known).grids
+        for sweep, chosen, known in zip(found.sweeps, found.executions, caps(problem, found), strict=True)
     )
     own, other, paths = problem.ahead(found.cut), problem.behind(found.cut), found.sweeps[1].paths[-1]
     total = 0
     for node in before.keys() & after.keys():
-        ways = after[node].ways
-        # Of a great number of paths few may be within the bounds; the sum in doubles is a little off.
-        bound = min(int(paths[node]), int(1.01 * float(ways.sum(dtype=np.float64))) + 1)
-        ways = running_sums(ways.reshape(other.shape), bound, modulus)
-        total += pairs(problem.sums, before[node].ways, own, ways, other)
+        ways = summed(after[node].digits, other, int(paths[node]))
+        total += pairs(problem.sums, before[node].digits, own, ways, other)
     return total

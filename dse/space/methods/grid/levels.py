@@ -12,32 +12,36 @@ import numpy as np
 
 from dse.space.flat import Ints
 from dse.space.methods.budget import TooMuchError
+from dse.space.methods.grid.digits import LONGEST, Words, carry, digits_for, split, word
 from dse.space.methods.grid.nodes import Grid, Node, Swept
 from dse.space.methods.grid.sweep import Step, Sweep, cropped
-from dse.space.methods.grid.words import LONGEST, Words, reduce, word
 
 
-def run_levels(sweep: Sweep, modulus: int | None = None) -> Swept:
+def run_levels(sweep: Sweep) -> Swept:
     """All grids of a sweep, as `nodes.run` makes them; TooMuchError if more than 2^24 equal terms meet."""
-    grids: Words = np.zeros((1, prod(sweep.shapes[0])), np.uint16)
-    grids[0, 0] = 1
-    largest = [1]
+    start = np.zeros((1, prod(sweep.shapes[0])), np.uint16)
+    start[0, 0] = 1
+    digits, largest = [start], [1]
     met: dict[Node, int] = {(0, 0): 1}
     for level, (step, paths) in enumerate(zip(sweep.steps, sweep.paths[1:], strict=True), 1):
         terms = int(np.bincount(step.target, step.times).max())
         if terms >= LONGEST:
             raise TooMuchError("too many equal terms")
         bound = min(int(paths.max()), terms * step.most_gathered() * max(largest))
-        sums = np.zeros((len(paths), prod(step.box)), np.uint64 if modulus else word(bound))
-        _add(sums, grids, step)
-        reduce(sums, modulus)
-        kept = cropped(sums.reshape(len(sums), *step.box), step.crops, modulus)
-        stored = np.zeros((len(kept), *sweep.shapes[level]), kept.dtype)
-        stored[(slice(None), *(slice(0, crop.length) for crop in step.crops))] = kept
-        grids = stored.reshape(len(kept), -1)
-        largest = grids.max(axis=1).tolist()
+        sums = _added(digits, step, len(paths), bound)
+        boxes = cropped([total.reshape(len(total), *step.box) for total in sums], step.crops)
+        while len(boxes) > 1 and not boxes[-1].any():
+            boxes.pop()
+        digits = [np.zeros((len(paths), *sweep.shapes[level]), box.dtype) for box in boxes]
+        for stored, box in zip(digits, boxes, strict=True):
+            stored[(slice(None), *(slice(0, crop.length) for crop in step.crops))] = box
+        digits = [stored.reshape(len(paths), -1) for stored in digits]
+        largest = digits[0].max(axis=1).tolist() if len(digits) == 1 else paths.tolist()
         met.update(((level, node), number) for node, number in enumerate(largest))
-    return Swept({node: Grid(grids[node], number) for node, number in enumerate(largest) if number}, met)
+    grids = {
+        node: Grid(tuple(digit[node] for digit in digits), number) for node, number in enumerate(largest) if number
+    }
+    return Swept(grids, met)
 
 
 def memory_of_levels(sweep: Sweep, words: Sequence[int]) -> float:
@@ -50,16 +54,22 @@ def memory_of_levels(sweep: Sweep, words: Sequence[int]) -> float:
     return most
 
 
-def _add(sums: Words, grids: Words, step: Step) -> None:
-    """Add the terms up, shape (nodes, cells of the box)."""
+def _added(digits: list[Words], step: Step, nodes: int, bound: int) -> list[Words]:
+    """Sums of the terms, shape (nodes, cells of the box) each digit; not carried."""
+    kind, cells = word(bound) or np.uint64, prod(step.box)
+    sums: list[Words] = [np.zeros((nodes, cells), kind) for _ in range(digits_for(bound))]
+    parts = split(digits[0], len(sums)) if len(digits) == 1 < len(sums) else digits
     for chosen in _rounds(step):
         target, source, times = step.target[chosen], step.source[chosen], step.times[chosen]
         offset = int(step.offset[chosen[0]])
-        stop = min(offset + grids.shape[1], sums.shape[1])
-        moved = grids[source, : stop - offset].astype(sums.dtype, copy=False)
-        if int(times.max()) > 1:
-            moved *= times[:, None].astype(sums.dtype)
-        sums[target, offset:stop] += moved
+        for total, part in zip(sums, parts, strict=False):
+            stop = min(offset + part.shape[1], cells)
+            moved = part[source, : stop - offset].astype(kind, copy=False)
+            if int(times.max()) > 1:
+                moved *= times[:, None].astype(kind)
+            total[target, offset:stop] += moved
+    carry(sums)
+    return sums
 
 
 def _rounds(step: Step) -> list[Ints]:

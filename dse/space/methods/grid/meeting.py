@@ -10,7 +10,7 @@ from math import prod
 import numpy as np
 
 from dse.space.methods.grid.axes import Axis, Span
-from dse.space.methods.grid.words import Words, scalar_product
+from dse.space.methods.grid.digits import Digits, running_sums, scalar_product
 
 
 @dataclass(frozen=True, slots=True)
@@ -25,12 +25,17 @@ class Side:
         return tuple(span.length for span in self.spans)
 
 
-def pairs(sums: Sequence[Axis], own: Words, side: Side, others: Words, other: Side) -> int:
+def summed(grid: Digits, side: Side, paths: int) -> Digits:
+    """Ways to no more than each sum, along every axis; *paths* bounds their total."""
+    return running_sums(tuple(digit.reshape(side.shape) for digit in grid), paths)
+
+
+def pairs(sums: Sequence[Axis], own: Digits, side: Side, others: Digits, other: Side) -> int:
     """Ways of *own* times ways of *others* whose sums, added up, are within the bounds of every axis.
 
-    *others* counts the ways to no more than each sum along every axis, as `running_sums` does.
+    *others* as `summed` makes them.
     """
-    grid = own.reshape(side.shape)
+    grids = [digit.reshape(side.shape) for digit in own]
     corners = [[(1, axis.high)] if axis.low is None else [(1, axis.high), (-1, axis.low - 1)] for axis in sums]
     total = 0
     for corner in product(*corners):
@@ -39,6 +44,8 @@ def pairs(sums: Sequence[Axis], own: Words, side: Side, others: Words, other: Si
             place = bound - span.low - np.arange(span.length) - opposite.low
             kept.append(slice(0, int((place >= 0).sum())))
             places.append(np.minimum(place[place >= 0], opposite.length - 1))
-        sign = prod(sign for sign, _ in corner)
-        total += sign * scalar_product(grid[tuple(kept)], others[np.ix_(*places)])
+        ours = tuple(digit[tuple(kept)] for digit in grids)
+        total += prod(sign for sign, _ in corner) * scalar_product(
+            ours, tuple(digit[np.ix_(*places)] for digit in others)
+        )
     return total

@@ -3,18 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from contextlib import suppress
 from dataclasses import dataclass, replace
 from math import inf, log2, prod
 
 from dse.space.methods.budget import Cost, TooMuchError
 from dse.space.methods.grid.axes import Axis, Layers, Span, axes, pruned, reached, spans
 from dse.space.methods.grid.density import heights
+from dse.space.methods.grid.digits import BITS
 from dse.space.methods.grid.levels import memory_of_levels, run_levels
 from dse.space.methods.grid.meeting import Side
 from dse.space.methods.grid.nodes import Node, Swept, run
 from dse.space.methods.grid.sweep import Schedule, Sweep, backward, forward, schedule
-from dse.space.methods.grid.words import BITS
 from dse.space.methods.mdd.diagram import Diagram
 
 _CALL = 15_000
@@ -160,13 +159,9 @@ def execution(sweep: Sweep, sizes: Sequence[int], most_memory: float) -> Executi
     return Execution(found, found.memory)
 
 
-def execute(
-    sweep: Sweep, chosen: Execution, caps: Sequence[Mapping[Node, int]] = (), modulus: int | None = None
-) -> Swept:
-    """All grids of a sweep. OverflowError if a number may have more than 64 bits, and there is no modulus."""
-    if chosen.schedule is None:
-        return run_levels(sweep, modulus)
-    return run(sweep, chosen.schedule, caps, modulus)
+def execute(sweep: Sweep, chosen: Execution, caps: Sequence[Mapping[Node, int]] = ()) -> Swept:
+    """All grids of a sweep."""
+    return run_levels(sweep) if chosen.schedule is None else run(sweep, chosen.schedule, caps)
 
 
 def caps(problem: Counting, found: Split) -> tuple[Sequence[Mapping[Node, int]], Sequence[Mapping[Node, int]]]:
@@ -180,8 +175,7 @@ def caps(problem: Counting, found: Split) -> tuple[Sequence[Mapping[Node, int]],
         before = forward(problem.layers, sums, [problem.before[axis] for axis in kept], found.cut)
         after = backward(problem.layers, sums, [problem.after[axis] for axis in kept], found.cut)
         for sweep, known in zip((before, after), largest, strict=True):
-            with suppress(OverflowError):
-                known.append(execute(sweep, execution(sweep, [8] * len(sweep.shapes), found.cost.memory)).largest)
+            known.append(execute(sweep, execution(sweep, [8] * len(sweep.shapes), found.cost.memory)).largest)
     return largest
 
 
@@ -228,6 +222,6 @@ def _works(problem: Counting, rising: Sequence[float], falling: Sequence[float])
 def _term(side: Side, steps: Sequence[int], size: int) -> float:
     box = [length + step for length, step in zip(side.shape, steps, strict=True)]
     cells = prod(box) if _bits(box) <= _MOST_BITS else inf
-    # Greater numbers are counted several times over, by their remainders.
+    # Several digits are split and carried.
     work = cells * size / (4 if size <= 8 else 2)
     return min(work + _CALL, work * _AT_ONCE)

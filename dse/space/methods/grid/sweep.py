@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 
 from dse.space.flat import Ints
 from dse.space.methods.grid.axes import Axis, Layers, Span
-from dse.space.methods.grid.words import Words, reduce
+from dse.space.methods.grid.digits import Words, carry
 
 _SAFE = 1 << 62
 
@@ -82,15 +82,17 @@ def backward(layers: Layers, sums: Sequence[Axis], spans: Sequence[Sequence[Span
     return _sweep(layers, sums, spans, list(range(len(layers), cut - 1, -1)))
 
 
-def cropped(box: Words, crops: Sequence[Crop], modulus: int | None) -> Words:
-    """What stays of a box along its axes from the second on; *box* is overwritten."""
+def cropped(boxes: Sequence[Words], crops: Sequence[Crop]) -> list[Words]:
+    """What stays of the digits of a box along its axes from the second on; *boxes* are overwritten."""
+    kept = list(boxes)
     for axis, crop in enumerate(crops, 1):
         before: tuple[Any, ...] = (slice(None),) * axis
         if crop.gathered and crop.first:
-            box[(*before, crop.first)] += box[(*before, slice(0, crop.first))].sum(axis=axis, dtype=box.dtype)
-            reduce(box[(*before, crop.first)], modulus)
-        box = box[(*before, slice(crop.first, crop.first + crop.length))]
-    return box
+            for box in kept:
+                box[(*before, crop.first)] += box[(*before, slice(0, crop.first))].sum(axis=axis, dtype=box.dtype)
+            carry([box[(*before, crop.first)] for box in kept])
+        kept = [box[(*before, slice(crop.first, crop.first + crop.length))] for box in kept]
+    return kept
 
 
 def schedule(sweep: Sweep, sizes: Sequence[float]) -> Schedule:

@@ -15,7 +15,7 @@ Tell = Callable[[int, int], None]
 """Is told how many are made, of how many."""
 
 
-def together(keys: Iterable[Key], make: Callable[[Key], Made], tell: Tell | None = None) -> dict[Key, Made]:
+def in_parallel(keys: Iterable[Key], make: Callable[[Key], Made], tell: Tell | None = None) -> dict[Key, Made]:
     """What *make* makes of each of *keys*, several at a time.
 
     Raises one DseError with the problems of all. Interrupted, it begins nothing more.

@@ -39,7 +39,7 @@ def describe(subject: Subject, version: int) -> bytes:
         root.set("description", subject.title)
     root.set("generationTool", "dse")
     root.set("variableNamingConvention", "structured")
-    (_interface_2 if version == 2 else _interface_3)(root, subject)
+    _add_interface(root, subject, version)
     _add_units(root, subject.slots)
     _add_types(root, subject.slots, version)
     categories = ET.SubElement(root, "LogCategories")
@@ -47,7 +47,7 @@ def describe(subject: Subject, version: int) -> bytes:
     experiment = ET.SubElement(root, "DefaultExperiment", startTime="0.0")
     if subject.period is not None:
         experiment.set("stepSize", repr(subject.period))
-    (_variables_2 if version == 2 else _variables_3)(root, subject.slots, is_sampled=subject.period is not None)
+    _add_variables(root, subject, version)
     return xml_text(root)
 
 
@@ -62,7 +62,7 @@ def describe_sources(identifier: str, files: Iterable[str], include_folder: str,
     return xml_text(root)
 
 
-def identifier(name: str) -> str:
+def model_identifier(name: str) -> str:
     """*name* as an identifier of C, for ``modelIdentifier``."""
     plain = re.sub(r"[^0-9A-Za-z_]", "_", name)
     return plain if re.match(r"[A-Za-z_]", plain) else f"_{plain}"
@@ -75,30 +75,16 @@ def xml_text(root: ET.Element) -> bytes:
     return text + b"\n"
 
 
-def _interface_2(root: ET.Element, subject: Subject) -> None:
-    interface = ET.SubElement(
-        root,
-        "CoSimulation",
-        modelIdentifier=subject.identifier,
-        canHandleVariableCommunicationStepSize="true",
-        canNotUseMemoryManagementFunctions="true",
-        canGetAndSetFMUstate="true",
-        canSerializeFMUstate="true",
-    )
-    sources = ET.SubElement(interface, "SourceFiles")
-    for name in subject.files:
-        ET.SubElement(sources, "File", name=name)
-
-
-def _interface_3(root: ET.Element, subject: Subject) -> None:
-    ET.SubElement(
-        root,
-        "CoSimulation",
-        modelIdentifier=subject.identifier,
-        canHandleVariableCommunicationStepSize="true",
-        canGetAndSetFMUState="true",
-        canSerializeFMUState="true",
-    )
+def _add_interface(root: ET.Element, subject: Subject, version: int) -> None:
+    state = "FMUstate" if version == 2 else "FMUState"
+    frugal = ("canNotUseMemoryManagementFunctions",) if version == 2 else ()
+    able = ("canHandleVariableCommunicationStepSize", *frugal, f"canGetAndSet{state}", f"canSerialize{state}")
+    told = {"modelIdentifier": subject.identifier, **dict.fromkeys(able, "true")}
+    interface = ET.SubElement(root, "CoSimulation", told)
+    if version == 2:
+        sources = ET.SubElement(interface, "SourceFiles")
+        for name in subject.files:
+            ET.SubElement(sources, "File", name=name)
 
 
 def _add_units(root: ET.Element, slots: tuple[Slot, ...]) -> None:
@@ -143,46 +129,42 @@ def _add_types(root: ET.Element, slots: tuple[Slot, ...], version: int) -> None:
             ET.SubElement(parent, "Item", name=item, value=str(number))
 
 
-def _variables_2(root: ET.Element, slots: tuple[Slot, ...], is_sampled: bool) -> None:
+def _add_variables(root: ET.Element, subject: Subject, version: int) -> None:
     variables = ET.SubElement(root, "ModelVariables")
-    for slot in slots:
-        attributes = _common(slot, is_sampled)
-        variable = ET.SubElement(variables, "ScalarVariable", attributes)
-        ET.SubElement(variable, _TYPES_2[slot.type.kind], _typed(slot))
+    for slot in subject.slots:
+        common, typed = _common(slot, is_sampled=subject.period is not None), _typed(slot)
+        if version == 2:
+            ET.SubElement(ET.SubElement(variables, "ScalarVariable", common), _TYPES_2[slot.type.kind], typed)
+        else:
+            ET.SubElement(variables, _TYPES_3[slot.type.kind], {**common, **typed})
+    if version == 3:
+        _add_time(variables, subject.slots)
     structure = ET.SubElement(root, "ModelStructure")
-    outputs = [slot for slot in slots if slot.role is Role.OUTPUT]
-    for name in ("Outputs", "InitialUnknowns") if outputs else ():
-        group = ET.SubElement(structure, name)
+    outputs = [slot for slot in subject.slots if slot.role is Role.OUTPUT]
+    for name in ("Output", "InitialUnknown") if outputs else ():
+        group = ET.SubElement(structure, f"{name}s") if version == 2 else structure
         for slot in outputs:
-            unknown = ET.SubElement(group, "Unknown", index=str(slot.reference + 1))
-            if name == "Outputs":
+            if version == 2:
+                unknown = ET.SubElement(group, "Unknown", index=str(slot.reference + 1))
+            else:
+                unknown = ET.SubElement(group, name, valueReference=str(slot.reference))
+            if name == "Output":
                 unknown.set("dependencies", "")
 
 
-def _variables_3(root: ET.Element, slots: tuple[Slot, ...], is_sampled: bool) -> None:
-    variables = ET.SubElement(root, "ModelVariables")
-    for slot in slots:
-        attributes = {**_common(slot, is_sampled), **_typed(slot)}
-        ET.SubElement(variables, _TYPES_3[slot.type.kind], attributes)
-    time = "time"
-    while any(slot.name == time for slot in slots):
-        time += "_"
+def _add_time(variables: ET.Element, slots: tuple[Slot, ...]) -> None:
+    name = "time"
+    while any(slot.name == name for slot in slots):
+        name += "_"
     ET.SubElement(
         variables,
         "Float64",
-        name=time,
+        name=name,
         valueReference=str(len(slots)),
         causality="independent",
         variability="continuous",
         description="Simulation time in seconds",
     )
-    structure = ET.SubElement(root, "ModelStructure")
-    for name in ("Output", "InitialUnknown"):
-        for slot in slots:
-            if slot.role is Role.OUTPUT:
-                unknown = ET.SubElement(structure, name, valueReference=str(slot.reference))
-                if name == "Output":
-                    unknown.set("dependencies", "")
 
 
 _TYPES_2 = {
@@ -194,7 +176,7 @@ _TYPES_2 = {
 _TYPES_3 = {**_TYPES_2, Kind.REAL: "Float64", Kind.INTEGER: "Int32"}
 
 
-def _common(slot: Slot, is_sampled: bool) -> dict[str, str]:
+def _common(slot: Slot, *, is_sampled: bool) -> dict[str, str]:
     attributes = {"name": slot.name, "valueReference": str(slot.reference)}
     if slot.title:
         attributes["description"] = slot.title

@@ -7,7 +7,7 @@ from pathlib import Path
 
 from dse.domain.component import Component
 from dse.errors import fail
-from dse.fmu.together import together
+from dse.fmu.parallel import in_parallel
 from dse.loading.component.kind import KINDS, kind_of
 
 
@@ -37,4 +37,4 @@ def build_all(components: Iterable[Component], *, version: int = 2, cache: Path 
     Raises one DseError with the problems of all that cannot be built.
     """
     wanted = {component.name: component for component in components}
-    return together(wanted, lambda name: build(wanted[name], version=version, cache=cache))
+    return in_parallel(wanted, lambda name: build(wanted[name], version=version, cache=cache))

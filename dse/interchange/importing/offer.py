@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 from fractions import Fraction
 
@@ -12,9 +12,11 @@ from dse.domain.component import Causality, Component, Interface, Kind, Paramete
 from dse.domain.fmu import FmuModel, Variable
 from dse.errors import DseError
 from dse.expression.tokens import KEYWORDS
+from dse.formats.xml_values import flag_of, real_of, whole_of
+from dse.interchange.names import numbered
 from dse.loading.names import is_identifier
 from dse.system.binding import unit_of
-from dse.units import DIMENSIONLESS, LARGEST, LARGEST_WHOLE, Unit, coherent
+from dse.units import DIMENSIONLESS, LARGEST, LARGEST_WHOLE, Unit, UnitError, coherent, parse_unit
 
 MOST_VALUES = 64
 """Arrays with more values than that are left out."""
@@ -65,7 +67,7 @@ def offer(name: str, model: FmuModel, source: Source) -> Offer:
             items = ", ".join(f"{number} ({item})" for item, number in variable.items.items())
             told.append(f"{variable.name}: an int, as its items cannot be names: {items}")
         for label, value in zip(variable.labels, values, strict=True):
-            own = _free(_name(label), taken)
+            own = numbered(_name(label), lambda free: _collides(free, taken))
             taken.add(own)
             if own != label:
                 names[own] = label
@@ -143,8 +145,6 @@ def _type(variable: Variable, unit: Unit, *, is_parameter: bool) -> Type:
 
 def _sayable(unit: Unit) -> Unit:
     """The unit itself if its symbol means it everywhere, else the coherent one."""
-    from dse.units import UnitError, parse_unit
-
     try:
         is_known = parse_unit(unit.symbol) == unit
     except UnitError:
@@ -166,7 +166,7 @@ def _parameter(name: str, variable: Variable, type_: Type, unit: Unit, value: Va
         low = None if low is not None and value < low else low
         high = None if high is not None and value > high else high
     is_tunable = variable.variability == "tunable"
-    return Parameter(name, type_, value, low, high, is_tunable, _title(variable.description))
+    return Parameter(name, type_, value, low, high, is_tunable, " ".join(variable.description.split()))
 
 
 def _bound(number: float | None, type_: Type, unit: Unit) -> float | None:
@@ -182,15 +182,15 @@ def _value(start: str, type_: Type, unit: Unit, variable: Variable) -> Value:
         case Kind.TEXT:
             return start
         case Kind.BOOLEAN:
-            return start.strip() in ("true", "1")
+            return bool(flag_of(start))
         case Kind.INTEGER:
-            number = next(iter(variable.items.values())) if variable.items and not start else _whole(start)
+            number = next(iter(variable.items.values())) if variable.items and not start else whole_of(start) or 0
             if abs(number) > LARGEST_WHOLE:
                 raise _LeftOut(f"its start value {number} is too large")
             return number
         case Kind.ENUMERATION:
             by_number = {number: item for item, number in variable.items.items()}
-            return by_number.get(_whole(start), type_.items[0])
+            return by_number.get(whole_of(start) or 0, type_.items[0])
         case Kind.REAL:
             si = _si(_real(start), unit)
             if abs(si) > LARGEST:
@@ -198,19 +198,9 @@ def _value(start: str, type_: Type, unit: Unit, variable: Variable) -> Value:
             return float(si)
 
 
-def _whole(text: str) -> int:
-    try:
-        return int(text)
-    except ValueError:
-        return 0
-
-
 def _real(text: str) -> float:
-    try:
-        value = float(text)
-    except ValueError:
-        return 0.0
-    return value if math.isfinite(value) else 0.0
+    value = real_of(text)
+    return value if value is not None and math.isfinite(value) else 0.0
 
 
 def _si(value: float, unit: Unit) -> Fraction:
@@ -218,14 +208,9 @@ def _si(value: float, unit: Unit) -> Fraction:
     return Fraction(repr(value)) * unit.factor + unit.offset
 
 
-def _title(text: str) -> str:
-    return " ".join(text.split())
-
-
 def _name(label: str) -> str:
     """*label* as a dotted path of names: what no name can hold becomes an underscore."""
-    steps = [_step(step) for step in label.split(".")]
-    return ".".join(steps)
+    return ".".join(_step(step) for step in label.split("."))
 
 
 def _step(step: str) -> str:
@@ -235,13 +220,8 @@ def _step(step: str) -> str:
     return plain if is_identifier(plain) and plain not in KEYWORDS else f"{plain}_"
 
 
-def _free(name: str, taken: set[str]) -> str:
-    """*name*, with a number if it is taken, or if it is a group of others or lies in one."""
-    candidates: Iterator[str] = (name if number == 1 else f"{name}_{number}" for number in range(1, len(taken) + 3))
-    return next(candidate for candidate in candidates if not _collides(candidate, taken))
-
-
 def _collides(name: str, taken: set[str]) -> bool:
+    """Whether *name* is taken, or is a group of others or lies in one."""
     steps = name.split(".")
     above = {".".join(steps[:length]) for length in range(1, len(steps) + 1)}
     return bool(above & taken) or any(other.startswith(f"{name}.") for other in taken)

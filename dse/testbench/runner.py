@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from types import TracebackType
+from contextlib import AbstractContextManager
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,15 +15,15 @@ from dse.testbench.halved import Halved
 from dse.testbench.prepared import PreparedBench
 
 
-class Runner:
+class Runner(AbstractContextManager["Runner"]):
     """Runs one configuration again and again in this process, its FMUs loaded once."""
 
     def __init__(self, prepared: PreparedBench, *, progress: memoryview | None = None) -> None:
         self.prepared = prepared
         self._simulator = Simulator(
             prepared.system,
-            prepared.system_columns,
-            method=prepared.method,
+            prepared.recording.variables,
+            method=prepared.simulation.method,
             progress=progress,
             facts=prepared.facts,
             fused=prepared.fused,
@@ -31,7 +31,9 @@ class Runner:
         simulation = prepared.simulation
         self._time: NDArray[np.float64] = np.arange(simulation.steps + 1, dtype=np.float64) * simulation.step
         self._halved = Halved(prepared, self._simulator, progress) if simulation.check_step else None
-        self._kept = [prepared.columns.index(name) for name in prepared.kept]
+        self._constants = prepared.constants
+        self._columns = prepared.recording.columns
+        self._kept = [self._columns.index(name) for name in prepared.recording.kept]
 
     @property
     def runs_left(self) -> int | None:
@@ -43,7 +45,7 @@ class Runner:
         """Simulate *request*; a run that fails is a result, not an exception. Waveforms come only with *keep*."""
         prepared, simulation = self.prepared, self.prepared.simulation
         start = {}
-        constants = dict(prepared.constants)
+        constants = dict(self._constants)
         for name, value in request.point.items():
             setting = prepared.settings[name]
             start[setting.target] = constants[name] = as_number(value, setting.type)
@@ -52,7 +54,7 @@ class Runner:
         except RunFailed as error:
             return Run(request, Outcome.FAILED, {}, judge_failed(prepared.requirements), str(error))
         rows = np.ascontiguousarray(table.T)
-        columns = dict(zip(prepared.columns, rows, strict=True))
+        columns = dict(zip(self._columns, rows, strict=True))
         metrics, judgements = prepared.program.evaluate(self._time, columns, constants)
         problem = ""
         if self._halved is not None:
@@ -67,17 +69,12 @@ class Runner:
             self._halved.close()
         self._simulator.close()
 
-    def __enter__(self) -> Runner:
-        return self
-
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
+    def __exit__(self, *_: object) -> None:
         self.close()
 
     def _waveforms(self, table: NDArray[np.float64]) -> Waveforms:
         stride = self.prepared.simulation.stride
-        values = {self.prepared.columns[i]: np.ascontiguousarray(table[::stride, i]) for i in self._kept}
+        values = {self._columns[i]: np.ascontiguousarray(table[::stride, i]) for i in self._kept}
         return Waveforms(np.ascontiguousarray(self._time[::stride]), values)
 
 

@@ -12,30 +12,30 @@ from dse.domain.definition import StudyDefinition
 from dse.domain.design import Configuration
 from dse.domain.sampler import Nominal
 from dse.domain.study import Keep, Selection, Study
-from dse.errors import DseError, Location, Problem
+from dse.errors import DseError, Location, Problem, raise_if_any
 from dse.loading.bench.bench import read_setting
 from dse.loading.values import Raw
 from dse.testbench.definition import define
-from dse.testbench.prepare import prepare
+from dse.testbench.prepare import prepare_bench
 from dse.testbench.prepared import PreparedBench, Setting
 from dse.testbench.select import selected
 
 
 @dataclass(frozen=True, slots=True)
-class Plan:
-    """A study with its prepared benches by configuration id, and its definition as it is stored."""
+class PreparedStudy:
+    """A study with its benches by configuration id, and its definition as it is stored."""
 
     study: Study
-    prepared: Mapping[str, PreparedBench]
+    benches: Mapping[str, PreparedBench]
     definition: StudyDefinition
 
 
-def plan(study: Study, *, version: int = 2, cache: Path | None = None) -> Plan:
+def prepare_study(study: Study, *, version: int = 2, cache: Path | None = None) -> PreparedStudy:
     """Choose the configurations, build FMUs, assemble systems. Raises DseError with everything that is wrong."""
     configurations = selected(study.bench.design, study.selection, study.where)
-    prepared = prepare(study.bench, configurations, version=version, cache=cache)
-    require_variables(study, {name: bench.settings for name, bench in prepared.items()})
-    return Plan(study, prepared, define(study, prepared))
+    benches = prepare_bench(study.bench, configurations, version=version, cache=cache)
+    require_variables(study, {name: bench.settings for name, bench in benches.items()})
+    return PreparedStudy(study, benches, define(study, benches))
 
 
 def bench_study(bench: TestBench, selection: Selection | None = None) -> Study:
@@ -57,8 +57,7 @@ def with_settings(bench: TestBench, settings: Mapping[str, Raw], configuration: 
             values[name] = read_setting(name, raw, components, here, here)
         except DseError as error:
             problems += error.problems
-    if problems:
-        raise DseError(*problems)
+    raise_if_any(problems)
     return with_values(bench, values)
 
 
@@ -76,5 +75,4 @@ def require_variables(study: Study, settings: Mapping[str, Mapping[str, Setting]
             what = f"{len(lacking)} of {len(settings)} configurations cannot vary '{variable.name}', as {lacking[0]}"
             hint = "vary a parameter, or an input nothing is connected to, that all chosen configurations have"
             problems.append(Problem(what, variable.where, hint))
-    if problems:
-        raise DseError(*problems)
+    raise_if_any(problems)

@@ -2,145 +2,96 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable, Mapping
+from collections.abc import Collection, Iterator, Mapping, Set
+from dataclasses import dataclass, field
 
-from dse.domain.component import (
-    Causality,
-    Component,
-    Kind,
-    Parameter,
-    Type,
-    Value,
-    as_number,
-    same_signal,
-)
+from dse.domain.component import Causality, Component, Kind, Parameter, Port, Type, Value, as_number, same_signal
 from dse.domain.design import Connection
 from dse.domain.fmu import FmuModel, Variable
 from dse.domain.system import Conversion, Element, SystemStructure, Wire
 from dse.errors import DseError, Location, Problem, raise_if_any
 from dse.system.binding import IDENTITY, Binding, bind
 from dse.system.order import along_the_flow
-from dse.system.ports import find_port
 from dse.system.shapes import resized
 
 
-def assemble(
-    name: str,
-    parts: Mapping[str, Component],
-    connections: Iterable[Connection],
-    models: Mapping[str, FmuModel],
-    values: Mapping[str, Value],
-    outputs: Collection[str],
-    where: Location | None = None,
-) -> SystemStructure:
-    """Connect the FMUs of *parts*; *where* is the bench they stand on.
+@dataclass(frozen=True, slots=True)
+class WiredParts:
+    """Components by where they stand, what connects them, and what they are given.
 
-    *connections* join single ports (``sensor.target.gap -> controller.target.gap``). *models* holds the FMU of
-    each component by its name. *values* gives parameters and unconnected inputs as ``part.port``; *outputs*
-    names the output ports that shall be readable besides those that are wired. Raises DseError with every
+    *connections* join single ports (``sensor.target.gap -> controller.target.gap``): an output that is there to an
+    input that is there, one to each, as `dse.space.wiring.wire` gives them. *values* are those of parameters and
+    unconnected inputs, as ``part.port``; *where* is the bench that may give them.
+    """
+
+    parts: Mapping[str, Component]
+    connections: tuple[Connection, ...] = ()
+    values: Mapping[str, Value] = field(default_factory=dict)
+    where: Location | None = None
+
+    @property
+    def connected(self) -> frozenset[str]:
+        """The inputs that are connected."""
+        return frozenset(connection.target for connection in self.connections)
+
+    @property
+    def ports(self) -> dict[str, tuple[str, Port]]:
+        """Every port, with the part that has it, by ``part.port``."""
+        return {f"{part}.{p.name}": (part, p) for part, c in self.parts.items() for p in c.interface.ports}
+
+
+def assemble(name: str, wired: WiredParts, models: Mapping[str, FmuModel], outputs: Collection[str]) -> SystemStructure:
+    """Connect the FMUs of the parts; *models* holds that of each component by its name.
+
+    *outputs* names the output ports that shall be readable besides those that are wired. Raises DseError with every
     mismatch of unit, type, causality or FMU.
     """
-    problems: list[Problem] = []
-    joined = check_wiring(parts, connections, values, problems, where)
-    wanted = {connection.source for connection in joined} | set(outputs)
+    problems = list(wiring_problems(wired))
+    used = {end for connection in wired.connections for end in (connection.source, connection.target)} | set(outputs)
     elements = {
-        part: _element(part, component, models[component.name], joined, wanted, values, problems)
-        for part, component in parts.items()
-        if component.name in models
+        part: _element(part, component, models[component.name], used, wired.values, problems)
+        for part, component in wired.parts.items()
     }
     raise_if_any(problems)
+    ports = wired.ports
     wires = []
-    for connection in joined:
-        source, source_port, _ = find_port(connection.source, parts)
-        target, target_port, _ = find_port(connection.target, parts)
-        wires.append(Wire(source, parts[source].variable(source_port), target, parts[target].variable(target_port)))
-    return SystemStructure(name, tuple(elements[part] for part in along_the_flow(tuple(parts), wires)), tuple(wires))
+    for connection in wired.connections:
+        ends = (ports[end] for end in (connection.source, connection.target))
+        (source, given), (target, taken) = ((part, wired.parts[part].variable(port.name)) for part, port in ends)
+        wires.append(Wire(source, given, target, taken))
+    return SystemStructure(name, tuple(elements[part] for part in along_the_flow(tuple(elements), wires)), tuple(wires))
 
 
-def check_wiring(
-    parts: Mapping[str, Component],
-    connections: Iterable[Connection],
-    values: Mapping[str, Value],
-    problems: list[Problem],
-    where: Location | None = None,
-) -> list[Connection]:
-    """Check every connection and that every input has exactly one source or a value; needs no FMU.
-
-    *where* is the bench, which may give values.
-    """
-    joined: list[Connection] = []
-    sources: dict[str, Connection] = {}
-    refused: set[str] = set()
-    for connection in connections:
-        try:
-            _check(connection, parts)
-        except DseError as error:
-            problems += error.problems
-            refused.add(connection.target)
-            continue
-        first = sources.get(connection.target)
-        if first:
-            problems.append(
-                Problem(
-                    f"{connection}: the input has a source already: {first.source}",
-                    connection.where,
-                    f"the other connection is at {first.where}" if first.where else "",
-                )
-            )
-            continue
-        sources[connection.target] = connection
-        joined.append(connection)
-    for part, component in parts.items():
+def wiring_problems(wired: WiredParts) -> Iterator[Problem]:
+    """Connections of what does not fit, and inputs without or with two sources of their values; needs no FMU."""
+    ports = wired.ports
+    sources = {connection.target: connection for connection in wired.connections}
+    for connection in wired.connections:
+        (part, source), (_, target) = ports[connection.source], ports[connection.target]
+        difference = same_signal(source.type, target.type)
+        if difference:
+            fitting = [
+                f"{part}.{port.name}"
+                for port in wired.parts[part].interface.ports
+                if port.causality is Causality.OUTPUT and not same_signal(port.type, target.type)
+            ]
+            hint = f"connect {' or '.join(fitting[:3])}" if fitting else "both ends must carry the same unit and type"
+            yield Problem(f"{connection}: {difference}", connection.where, hint)
+    for part, component in wired.parts.items():
         ends = [f"{part}.{p.name}" for p in component.interface.ports if p.causality is Causality.INPUT]
-        # An input whose connection is refused is told of already.
-        loose = [end for end in ends if end not in sources and end not in values and end not in refused]
+        loose = [end for end in ends if end not in sources and end not in wired.values]
         if loose:
-            problems.append(_loose(part, component, loose, where))
-    for end in values:
-        if end in sources:
-            problems.append(
-                Problem(
-                    f"{end} is given a value and connected to {sources[end].source}", sources[end].where, "remove one"
-                )
-            )
-    return joined
+            yield _loose(part, component, loose, wired.where)
+    for end in (end for end in wired.values if end in sources):
+        what = f"{end} is given a value and connected to {sources[end].source}"
+        yield Problem(what, sources[end].where, "remove one")
 
 
 def check_fmu(component: Component, model: FmuModel) -> None:
     """Raise DseError unless *model* has all ports and parameters of *component*, of their types and units."""
     problems: list[Problem] = []
-    _element(component.name, component, model, (), (), {}, problems)
+    _element(component.name, component, model, set(), {}, problems)
     raise_if_any(problems)
-
-
-def _check(connection: Connection, parts: Mapping[str, Component]) -> None:
-    source_part, _, source = find_port(connection.source, parts, connection)
-    target_part, _, target = find_port(connection.target, parts, connection)
-    if source.causality is not Causality.OUTPUT:
-        raise DseError(
-            Problem(
-                f"{connection}: {connection.source} is an input",
-                connection.where,
-                _others(source_part, parts, Causality.OUTPUT),
-            )
-        )
-    if target.causality is not Causality.INPUT:
-        raise DseError(
-            Problem(
-                f"{connection}: {connection.target} is an output",
-                connection.where,
-                _others(target_part, parts, Causality.INPUT),
-            )
-        )
-    difference = same_signal(source.type, target.type)
-    if difference:
-        fitting = [
-            f"{source_part}.{port.name}"
-            for port in parts[source_part].interface.ports
-            if port.causality is Causality.OUTPUT and not same_signal(port.type, target.type)
-        ]
-        hint = f"connect {' or '.join(fitting[:3])}" if fitting else "both ends must carry the same unit and type"
-        raise DseError(Problem(f"{connection}: {difference}", connection.where, hint))
 
 
 def _loose(part: str, component: Component, ends: list[str], where: Location | None) -> Problem:
@@ -154,17 +105,11 @@ def _loose(part: str, component: Component, ends: list[str], where: Location | N
     return Problem(what, where or component.where, hint)
 
 
-def _others(part: str, parts: Mapping[str, Component], causality: Causality) -> str:
-    names = [port.name for port in parts[part].interface.ports if port.causality is causality]
-    return f"{causality}s of {part}: {', '.join(names)}" if names else f"{part} has no {causality}"
-
-
 def _element(
     part: str,
     component: Component,
     model: FmuModel,
-    joined: Iterable[Connection],
-    wanted: Collection[str],
+    used: Set[str],
     values: Mapping[str, Value],
     problems: list[Problem],
 ) -> Element:
@@ -172,19 +117,16 @@ def _element(
         model = resized(model, _sizes(part, component, model, values))
     except DseError as error:
         problems += error.problems
-    connected = {connection.target for connection in joined}
-    element = _Parts(component, model, problems)
+    element = _Gathered(component, model, problems)
     for port in component.interface.ports:
         end = f"{part}.{port.name}"
         bound = element.bind(port.name, port.type, str(port.causality))
         if bound is None:
             continue
-        if port.causality is Causality.OUTPUT:
-            if end in wanted:
-                element.outputs[bound.variable.name] = bound.variable
-        elif end in connected:
-            element.inputs[bound.variable.name] = bound.variable
-        elif end in values:
+        if end in used:
+            ends = element.outputs if port.causality is Causality.OUTPUT else element.inputs
+            ends[bound.variable.name] = bound.variable
+        elif end in values and port.causality is Causality.INPUT:
             element.give(bound, port.type, values[end])
     for parameter in component.parameters:
         given = values.get(f"{part}.{parameter.name}", parameter.start)
@@ -202,7 +144,7 @@ def _element(
     return Element(part, model, inputs, outputs, element.start, element.texts, element.conversions)
 
 
-class _Parts:
+class _Gathered:
     """What an element is made of, gathered port by port and parameter by parameter."""
 
     def __init__(self, component: Component, model: FmuModel, problems: list[Problem]) -> None:

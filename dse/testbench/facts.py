@@ -5,16 +5,16 @@ from __future__ import annotations
 import json
 import math
 from collections.abc import Mapping
-from dataclasses import fields
+from dataclasses import asdict, fields
 from pathlib import Path
 from typing import Any
 
+from dse.cache import cache_folder, keep_file
 from dse.cosim.probing.probe import PROBE_VERSION
 from dse.domain.component import Component
 from dse.domain.facts import Answer, FmuFacts, Question
 from dse.domain.fmu import FmuModel
 from dse.domain.system import SystemStructure
-from dse.fmu.cache import cache_folder, keep_file
 from dse.fmu.statics import shares_nothing
 from dse.fmu.toolchain.platforms import this_platform
 
@@ -33,7 +33,7 @@ def known_facts(model: FmuModel, *, cache: Path | None = None) -> FmuFacts | Non
 
 def keep_facts(facts: FmuFacts, *, cache: Path | None = None) -> Path:
     """Write *facts* where `known_facts` finds them. Raises DseError if the cache cannot be written."""
-    text = json.dumps(as_data(facts), indent=1, sort_keys=True) + "\n"
+    text = json.dumps(facts_as_data(facts), indent=1, sort_keys=True) + "\n"
     return keep_file(_file(facts.content_hash, facts.platform, facts.interface, cache), text.encode())
 
 
@@ -79,15 +79,15 @@ def consequences(facts: FmuFacts) -> tuple[str, ...]:
     return tuple(said)
 
 
-def as_data(facts: FmuFacts) -> dict[str, Any]:
+def facts_as_data(facts: FmuFacts) -> dict[str, Any]:
     """*facts* as JSON data; what was not measured is null."""
-    plain = {f.name: getattr(facts, f.name) for f in fields(facts)}
-    numbers = {name: None for name, value in plain.items() if isinstance(value, float) and math.isnan(value)}
-    words = {
-        "answers": {str(question): str(answer) for question, answer in facts.answers.items()},
-        "reasons": {str(question): reason for question, reason in facts.reasons.items()},
-    }
-    return plain | numbers | words
+    data = asdict(facts)
+    data |= {name: None for name, value in data.items() if isinstance(value, float) and math.isnan(value)}
+    words = {name: {str(question): str(text) for question, text in data[name].items()} for name in _BY_QUESTION}
+    return data | words
+
+
+_BY_QUESTION = ("answers", "reasons")
 
 
 def _from_json(data: Mapping[str, Any]) -> FmuFacts:
