@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ast
 import json
+import os
 import re
 import subprocess
 import sys
@@ -13,19 +14,23 @@ ROOT = Path(__file__).parents[2]
 STEP = re.compile(r"^\| `(dse/\S+\.py)` \| `([\w.]+)` \| (.*) \|$", re.MULTILINE)
 
 WATCHED = """
-import json, sys
+import json, sys, threading
+from dse.cli import main
 steps, seen = [tuple(step) for step in json.loads(sys.argv[1])], []
+files = {}
+for file, name in steps:
+    files.setdefault(name, []).append(file)
 
 def watch(frame, event, argument):
-    if event == "call":
-        code = frame.f_code
-        for file, name in steps:
-            if code.co_qualname == name and code.co_filename.endswith(file) and (file, name) not in seen:
-                seen.append((file, name))
+    if event == "call" and frame.f_code.co_qualname in files:
+        name = frame.f_code.co_qualname
+        step = next(((file, name) for file in files[name] if frame.f_code.co_filename.endswith(file)), None)
+        if step and step not in seen:
+            seen.append(step)
 
 sys.argv = ["dse", "explore", "small", "-o", sys.argv[2]]
 sys.setprofile(watch)
-from dse.cli import main
+threading.setprofile(watch)
 try:
     main()
 finally:
@@ -57,6 +62,7 @@ def test_every_step_of_the_walk_is_where_it_says():
 def test_the_walk_is_what_happens(example: Path, cache: Path, tmp_path: Path):
     told = [(file, name) for file, name, what in steps() if not what.startswith("*in a worker:*")]
     command = [sys.executable, "-c", WATCHED, json.dumps(told), str(tmp_path / "out")]
-    done = subprocess.run(command, cwd=example, env=environment(cache), capture_output=True, text=True, check=False)
+    where = {**os.environ, "DSE_CACHE": str(cache)}
+    done = subprocess.run(command, cwd=example, env=where, capture_output=True, text=True, check=False)
     assert "SEEN" in done.stdout, done.stderr
     assert [tuple(step) for step in json.loads(done.stdout.split("SEEN", 1)[1])] == told
