@@ -17,10 +17,10 @@ from statistics import median
 
 from dse.cosim.simulator import Simulator
 from dse.domain.component import Component, ModelicaSource
-from dse.fmu.build import build, build_all
+from dse.fmu.building import build, build_all
 from dse.loading.workspace import Workspace
-from dse.space.enumerate import configurations
-from dse.testbench.prepare import prepare
+from dse.space.opened import open_space
+from dse.testbench.prepare import prepare_bench
 from dse.testbench.prepared import PreparedBench
 
 ROOT = Path(__file__).parents[1]
@@ -38,11 +38,11 @@ def main() -> None:
 def show_steps(workspace: Workspace) -> None:
     bench = workspace.bench("acc_following")
     chosen = {}
-    for configuration in configurations(bench.design):
+    for configuration in open_space(bench.design).configurations():
         picked = dict(configuration.choices)
         if "video" not in picked and all(picked[place] == name for place, name in FIXED.items()):
             chosen.setdefault(picked["powertrain"], configuration)
-    prepared = prepare(bench, list(chosen.values()))
+    prepared = prepare_bench(bench, list(chosen.values()))
     benches = {name: prepared[configuration.id] for name, configuration in chosen.items()}
     spent = in_turns(benches)
     steps = benches[BASE].simulation.stop / benches[BASE].simulation.step
@@ -54,7 +54,7 @@ def show_steps(workspace: Workspace) -> None:
 
 def in_turns(benches: Mapping[str, PreparedBench]) -> dict[str, float]:
     """Median seconds of a run on reset instances, by powertrain."""
-    simulators = {name: Simulator(bench.system, bench.system_columns) for name, bench in benches.items()}
+    simulators = {name: Simulator(bench.system, bench.recording.variables) for name, bench in benches.items()}
     taken: dict[str, list[float]] = {name: [] for name in benches}
     for turn in range(TURNS + 2):
         for name, simulator in simulators.items():

@@ -21,17 +21,17 @@ sys.path.insert(0, str(Path(__file__).parent))
 import spaces
 from space_peers import peers
 
-from dse.space.engine import Engine
 from dse.space.flat import FlatSpace
-from dse.space.grid.exact import exact_count
-from dse.space.listing.blocks import blocks, first
 from dse.space.lowering import flatten
-from dse.space.mdd.diagram import compile_diagram, count
-from dse.space.optimum.emptiness import is_empty
+from dse.space.methods.engine import Engine
+from dse.space.methods.grid.exact import exact_count
+from dse.space.methods.listing.blocks import blocks, first
+from dse.space.methods.mdd.diagram import compile_diagram, count
+from dse.space.methods.optimum.emptiness import is_empty
+from dse.space.methods.sampling.estimate import estimate
+from dse.space.methods.sampling.sample import sample
 from dse.space.questions.conflict import conflict
 from dse.space.questions.impact import impact
-from dse.space.sampling.estimate import estimate
-from dse.space.sampling.sample import sample
 
 TRUE_L = 1003325110148026384508655
 UVL = Path(__file__).parents[2] / "shared" / "data" / "uvl"

@@ -18,6 +18,8 @@ from multiprocessing import get_context
 from pathlib import Path
 from statistics import median
 
+from dse.testbench.benches import PreparedBench
+
 from dse.domain.bench import Judgement, Verdict
 from dse.domain.definition import DefinedConfiguration, StudyDefinition
 from dse.domain.run import Outcome, Run, RunRequest
@@ -29,9 +31,8 @@ from dse.exploration.samplers.full_factorial import FullFactorial
 from dse.exploration.work import MakeRunner, Runnable
 from dse.loading.workspace import Workspace
 from dse.storage.folder import StudyFolder
-from dse.testbench.execute import Runner, make_runner
-from dse.testbench.plan import Plan, plan
-from dse.testbench.prepared import PreparedBench
+from dse.testbench.runner import Runner, make_runner
+from dse.testbench.study import PreparedStudy, prepare_study
 
 WORKERS = 2
 TURNS = 3
@@ -40,12 +41,12 @@ ROWS = 100_000
 
 def main() -> None:
     study = replace(Workspace.around(Path(__file__).parent).study("acc_gains"), keep=Keep.NEAR_BOUNDARY)
-    planned = plan(study)
+    planned = prepare_study(study)
     asked = first_ask(study, planned.definition)
     whole, kernel = [], []
     for _ in range(TURNS):
         kernel.append(kernel_alone(planned, asked))
-        whole.append(whole_study(study, planned.prepared, planned.definition, make_runner))
+        whole.append(whole_study(study, planned.benches, planned.definition, make_runner))
     print(f"{study.name}: {len(asked)} runs on {WORKERS} workers, median of {TURNS}")
     print(f"  kernel alone {len(asked) / median(kernel):8.0f} runs/s")
     print(f"  whole study  {len(asked) / median(whole):8.0f} runs/s")
@@ -84,11 +85,11 @@ def whole_study(study: Study, prepared: Mapping[str, Runnable], definition: Stud
     return seconds
 
 
-def kernel_alone(planned: Plan, asked: Sequence[RunRequest]) -> float:
+def kernel_alone(planned: PreparedStudy, asked: Sequence[RunRequest]) -> float:
     """Seconds *asked* takes in processes that only simulate, their start-up not counted."""
     share = [asked[worker::WORKERS] for worker in range(WORKERS)]
     with ProcessPoolExecutor(WORKERS, mp_context=get_context("spawn")) as pool:
-        return max(pool.map(simulate_only, [dict(planned.prepared)] * WORKERS, share))
+        return max(pool.map(simulate_only, [dict(planned.benches)] * WORKERS, share))
 
 
 def simulate_only(prepared: dict[str, PreparedBench], asked: Sequence[RunRequest]) -> float:

@@ -23,8 +23,8 @@ from dse.exploration.supervision.worker_threads import simulate
 from dse.exploration.work import Batch
 from dse.loading.workspace import Workspace
 from dse.storage.rows import Measures
-from dse.testbench.execute import make_runner
-from dse.testbench.plan import plan
+from dse.testbench.runner import make_runner
+from dse.testbench.study import prepare_study
 
 RUNS = 600
 TURNS = 5
@@ -32,11 +32,11 @@ TURNS = 5
 
 def main() -> None:
     study = Workspace.around(Path(__file__).parent).study("acc_gains")
-    planned = plan(study)
+    planned = prepare_study(study)
     asked = first_ask(study, planned.definition)
     name = asked[0].configuration
     batch = Batch(0, name, tuple(request for request in asked if request.configuration == name)[:RUNS])
-    prepared = planned.prepared[batch.configuration]
+    prepared = planned.benches[batch.configuration]
     assert prepared.thread_safe
     sys.setswitchinterval(1e-4)  # as a worker with threads does
     with tempfile.TemporaryDirectory(prefix="dse-bench-") as scratch:

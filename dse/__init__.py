@@ -13,7 +13,6 @@ TYPE_CHECKING = False  # type checkers take it for true; importing typing would 
 
 if TYPE_CHECKING:
     from dse.api.spaces.design import Design
-    from dse.api.spaces.explaining import Explanation
     from dse.api.spaces.ranking import Ranking
     from dse.api.studies.bench import Bench, Study
     from dse.api.studies.exploring import ExplorationInterruptedError, Progress
@@ -22,7 +21,8 @@ if TYPE_CHECKING:
     from dse.api.workspace import Workspace
     from dse.api.workspace import open_workspace as open  # noqa: A004  # dse.open(".") reads as it should
     from dse.errors import DseError, Problem
-    from dse.space.tally import Tally
+    from dse.space.methods.tally import Tally
+    from dse.space.questions.explain import Explanation
 
 __version__ = "0.1.0"
 
@@ -50,7 +50,7 @@ _PLACES = {
     "Bench": "api.studies.bench:Bench",
     "Design": "api.spaces.design:Design",
     "DseError": "errors:DseError",
-    "Explanation": "api.spaces.explaining:Explanation",
+    "Explanation": "space.questions.explain:Explanation",
     "ExplorationInterruptedError": "api.studies.exploring:ExplorationInterruptedError",
     "Problem": "errors:Problem",
     "Progress": "api.studies.exploring:Progress",
@@ -58,7 +58,7 @@ _PLACES = {
     "Results": "api.studies.results:Results",
     "Run": "api.studies.run:Run",
     "Study": "api.studies.bench:Study",
-    "Tally": "space.tally:Tally",
+    "Tally": "space.methods.tally:Tally",
     "Waveforms": "api.studies.run:Waveforms",
     "Workspace": "api.workspace:Workspace",
     "open": "api.workspace:open_workspace",

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import os
 import tempfile
+from collections.abc import Callable, Iterable
 from pathlib import Path
 
 from dse.errors import DseError, fail
@@ -41,6 +42,42 @@ def keep_file(target: Path, content: bytes) -> Path:
     finally:
         Path(aside).unlink(missing_ok=True)
     return target
+
+
+def keep_folder(target: Path, fill: Callable[[Path], None]) -> Path:
+    """Have *fill* fill a folder that becomes *target*, unless *target* is there already; returns *target*.
+
+    It is made aside and renamed into place: complete or absent, also for another process that makes the same.
+    """
+    import shutil
+
+    if target.is_dir():
+        return target
+    try:
+        target.parent.mkdir(parents=True, exist_ok=True)
+        aside = Path(tempfile.mkdtemp(prefix=".", suffix=".tmp", dir=target.parent))
+    except OSError as error:
+        raise unwritable(target.parent, error) from error
+    try:
+        fill(aside)
+        rename(aside, target)
+    except OSError as error:
+        raise unwritable(target.parent, error) from error
+    finally:
+        shutil.rmtree(aside, ignore_errors=True)
+    return target
+
+
+def content_key(entries: Iterable[tuple[str, bytes]]) -> str:
+    """32 hexadecimal digits that name these (name, bytes) pairs, in this order."""
+    import hashlib
+
+    digest = hashlib.sha256()
+    for name, content in entries:
+        for part in (name.encode(), content):
+            digest.update(len(part).to_bytes(8, "big"))
+            digest.update(part)
+    return digest.hexdigest()[:32]
 
 
 def kept(target: Path, key: str) -> bytes | None:

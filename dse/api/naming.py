@@ -5,13 +5,15 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from dse.errors import DseError, fail
+from dse.errors import DseError, Location, fail
 
 if TYPE_CHECKING:
-    from collections.abc import Collection
+    from collections.abc import Collection, Iterable
 
     from dse.domain.design import DesignSpace
+    from dse.domain.expression import Expression
     from dse.loading.workspace import Workspace
+    from dse.space.opened import OpenedSpace
 
 _NO_YAML = {
     ".fmu": ("an FMU", "'dse import fmu {0}' makes a component of it; 'dse probe {0}' finds out what it does"),
@@ -41,12 +43,32 @@ def space_of(
     It is looked for in *workspace*, else in that of `workspace_of`. Raises DseError with all problems.
     """
     from dse.loading.uvl.reading import read_uvl
-    from dse.space.check import check
-    from dse.space.switch import switched
+    from dse.space.check import check_space
+    from dse.space.narrowing.constraint_sets import switched
 
     path = Path(design)
     space = read_uvl(path) if path.suffix.lower() == ".uvl" else (workspace or workspace_of(design)).design(design)
-    problems = check(space)
+    problems = check_space(space)
     if problems:
         raise DseError(*problems)
     return switched(space, on, off)
+
+
+def opened(
+    design: str,
+    choose: Iterable[str] = (),
+    where: str | None = None,
+    on: Collection[str] = (),
+    off: Collection[str] = (),
+) -> OpenedSpace:
+    """The design space of `space_of`, opened for questions about a part of it. Raises DseError with all problems."""
+    from dse.space.opened import open_space
+
+    return open_space(space_of(design), choose, condition_of(where), on, off)
+
+
+def condition_of(text: str | None) -> Expression | None:
+    """The condition of ``--where``; its problems are located in the text of the option. Raises DseError."""
+    from dse.expression.parse import parse_expression
+
+    return None if text is None else parse_expression(text, Location("--where", 1, 1))

@@ -8,17 +8,17 @@ from typing import TYPE_CHECKING
 
 from dse.cosim.probing.child import ProbeLimits
 from dse.cosim.probing.probe import probe
-from dse.fmu.build import build
+from dse.fmu.building import build
 from dse.fmu.toolchain.platforms import this_platform
 from dse.fmu.unpack import open_fmu
 from dse.loading.workspace import Workspace
-from dse.testbench.trust import as_data, consequences, keep_facts, known_facts
+from dse.testbench.facts import consequences, facts_as_data, keep_facts, known_facts
 
 if TYPE_CHECKING:
     from dse.domain.facts import FmuFacts, Question
     from dse.domain.fmu import FmuModel
 
-__all__ = ["as_data", "consequences", "known_facts", "model_of", "probe_fmu"]
+__all__ = ["consequences", "facts_as_data", "known_facts", "model_of", "probe_fmu"]
 
 
 def model_of(name: str, *, version: int = 2) -> FmuModel:

@@ -168,3 +168,7 @@ class FmuModel:
     experiment: Experiment = field(default_factory=Experiment)
     title: str = ""
     prefix: str = ""
+
+    def variable_of(self, label: str) -> Variable:
+        """The variable called *label*, or the array one of whose values is (``name[2]``); KeyError if there is none."""
+        return self.variables.get(label) or self.variables[label.rpartition("[")[0]]

@@ -18,7 +18,7 @@ from dse.exploration.progress import Meter, Progress, Stage
 from dse.exploration.work import Batch, MakeRunner, Runnable, Work
 from dse.storage.folder import StudyFolder
 from dse.storage.rows import RowBlock
-from dse.testbench.execute import make_runner
+from dse.testbench.runner import make_runner
 
 _TELL_EVERY = 0.1
 

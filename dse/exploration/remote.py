@@ -13,12 +13,12 @@ from dataclasses import dataclass, replace
 from pathlib import Path, PurePath
 from typing import Any
 
+from dse.cache import cache_folder
 from dse.domain.fmu import FmuModel
 from dse.domain.run import Run, RunRequest, Waveforms
 from dse.errors import FreshProcessNeeded, Problem, fail
 from dse.exploration.failures import checked_run, failed_run, in_words
 from dse.exploration.work import PROGRESS_BYTES, Batch, MakeRunner, Runnable, Runner, Sink, Work
-from dse.fmu.cache import cache_folder
 from dse.storage.rows import Measures, RowBlock, block_of
 from dse.storage.waveforms import write_waveforms
 

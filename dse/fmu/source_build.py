@@ -7,8 +7,8 @@ import tempfile
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 
+from dse.cache import cache_folder, content_key, keep_file
 from dse.errors import DseError, Location, Problem
-from dse.fmu.cache import cache_folder, content_key, keep_file
 from dse.fmu.reading.build_description import Recipe, read_recipe
 from dse.fmu.reading.description import Description
 from dse.fmu.toolchain.compilation import CompilationError, compile_foreign, foreign_options

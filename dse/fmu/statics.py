@@ -6,9 +6,9 @@ import re
 from collections.abc import Iterator
 from pathlib import Path
 
+from dse.cache import cache_folder, content_key, keep_file
 from dse.domain.fmu import FmuModel
 from dse.errors import DseError
-from dse.fmu.cache import cache_folder, content_key, keep_file
 from dse.fmu.fusion.sources import NotOursError, OwnSources, own_sources
 from dse.fmu.toolchain.compilation import CompilationError, compile_assembly
 from dse.fmu.toolchain.compiler import find_compiler

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+from dataclasses import fields
 from pathlib import Path
 
+from dse.cache import cache_folder, keep_folder
 from dse.domain.fmu import FmiInterface, FmuModel
 from dse.errors import DseError, Location, fail
-from dse.fmu.cache import cache_folder, keep_folder
 from dse.fmu.reading.build_description import has_recipe
 from dse.fmu.reading.description import Description, read_description
 from dse.fmu.source_build import build_from_sources
@@ -31,25 +32,10 @@ def open_fmu(archive: Path, *, cache: Path | None = None, interface: FmiInterfac
     description = read_description(folder, where.file, interface=interface)
     if interface is None and not (_libraries(folder, description) or has_recipe(folder, description)):
         description = _of_exchange(folder, where) or description
-    return FmuModel(
-        archive=archive,
-        folder=folder,
-        library=_library(folder, description, where, cache),
-        version=description.version,
-        identifier=description.identifier,
-        token=description.token,
-        variables=description.variables,
-        capabilities=description.capabilities,
-        fixed_step=description.fixed_step,
-        content_hash=digest,
-        interface=description.interface,
-        exchange=description.exchange,
-        depends=description.depends,
-        initially_depends=description.initially_depends,
-        units=description.units,
-        experiment=description.experiment,
-        title=description.title,
-    )
+    # What is told of an FMU has the names it has in a model.
+    told = {f.name: getattr(description, f.name) for f in fields(FmuModel) if hasattr(description, f.name)}
+    library = _library(folder, description, where, cache)
+    return FmuModel(archive=archive, folder=folder, library=library, content_hash=digest, **told)
 
 
 def _of_exchange(folder: Path, where: Location) -> Description | None:

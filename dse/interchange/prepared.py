@@ -2,28 +2,29 @@
 
 from __future__ import annotations
 
-import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from dse.cosim.feasibility import require_kernel, simulation_problems
+from dse.cache import cache_folder
+from dse.cosim.feasibility import require_kernel
 from dse.domain.bench import Simulation
 from dse.domain.design import Configuration
-from dse.domain.facts import FmuFacts
-from dse.domain.fmu import Experiment, FmiInterface, FmuModel
+from dse.domain.fmu import FmiInterface, FmuModel
 from dse.domain.method import PLAIN, Method
-from dse.domain.system import SystemStructure
-from dse.errors import DseError, Location, Problem, fail, raise_if_any
-from dse.fmu.cache import cache_folder
+from dse.domain.run import Waveforms
+from dse.errors import DseError, Location, Problem, fail
+from dse.fmu.parallel import in_parallel
 from dse.fmu.unpack import open_fmu
 from dse.formats.yaml import shown
 from dse.interchange.reading.open import open_ssp
-from dse.interchange.resolving.resolve import Models, ResolvedSystem, system_of
-from dse.interchange.structure import Component, SspSystem
+from dse.interchange.resolving.network import Models
+from dse.interchange.resolving.resolve import ResolvedSystem, system_of
+from dse.interchange.structure import ExperimentSettings, SspComponent, SspSystem
 from dse.metrics.program import compile_metrics
-from dse.testbench.prepared import PreparedBench
-from dse.testbench.trust import facts_of
+from dse.testbench.prepare import with_facts
+from dse.testbench.prepared import PreparedBench, Recording
+from dse.testbench.timing import is_multiple
 
 _STEPS = 1000
 """Steps of an experiment for which nobody says how long they are."""
@@ -48,26 +49,31 @@ class PreparedPackage:
     timing: Timing
     bench: PreparedBench
 
+    def signals(self, recorded: Waveforms) -> Waveforms:
+        """What was recorded as the system's own connectors show it."""
+        values = {s.name: s.carry.apply_all(recorded.values[s.label]) for s in self.resolved.signals}
+        return Waveforms(recorded.time, values)
+
 
 def read_package(path: Path, variant: str | None = None, cache: Path | None = None) -> tuple[SspSystem, Models]:
     """The package at *path* with its FMUs opened. Raises DseError with the problems of all of them."""
     ssp = open_ssp(path, cache_folder(cache) / "ssp", variant)
-    models: dict[tuple[Path, str], FmuModel] = {}
-    problems: list[Problem] = []
+    components: dict[tuple[Path, str], SspComponent] = {}
     for component in ssp.places.values():
-        if component.key in models:
-            continue
-        wanted = None if component.implementation == "any" else FmiInterface(component.implementation)
-        try:
-            models[component.key] = open_fmu(component.fmu, cache=cache, interface=wanted)
-        except DseError as error:
-            # Where the FMU is named is what a person can change.
-            problems += [_of_fmu(component, problem) for problem in error.problems]
-    raise_if_any(problems)
-    return ssp, models
+        components.setdefault(component.key, component)
+    return ssp, in_parallel(components, lambda key: _opened(components[key], cache))
 
 
-def _of_fmu(component: Component, problem: Problem) -> Problem:
+def _opened(component: SspComponent, cache: Path | None) -> FmuModel:
+    wanted = None if component.implementation == "any" else FmiInterface(component.implementation)
+    try:
+        return open_fmu(component.fmu, cache=cache, interface=wanted)
+    except DseError as error:
+        raise DseError(*(_of_fmu(component, problem) for problem in error.problems)) from error
+
+
+def _of_fmu(component: SspComponent, problem: Problem) -> Problem:
+    """*problem* where the FMU is named, which a person can change."""
     place = str(problem.where).replace(shown(component.fmu), component.source) if problem.where else component.source
     return Problem(f"{place}: {problem.what}", component.where, problem.hint)
 
@@ -89,72 +95,54 @@ def prepare_ssp(
     The run may take *timeout* seconds. What *stop* and *step* (seconds) do not say is taken from the package, then from
     its FMUs' default experiments.
     """
+    require_kernel()
     ssp, models = read_package(path, variant, cache)
     resolved = system_of(ssp, models, settings=settings, record=record)
+    where = Location(shown(path))
     if not resolved.signals:
         hint = "add output connectors to its components, or name what to record"
-        raise fail("nothing in the package can be recorded", Location(shown(path)), hint)
-    where = Location(shown(path))
-    timing = timing_of(resolved.experiment, list(models.values()), stop, step, where)
+        raise fail("nothing in the package can be recorded", where, hint)
+    timing = timing_of(ssp.experiment, models.values(), stop, step, where)
     every = ssp.experiment.record_every if step is None else None
-    if not (every and _divides(timing.step, every) and _divides(every, timing.stop)):
+    if not (every and is_multiple(every, timing.step) and is_multiple(timing.stop, every)):
         every = timing.step
-    simulation = Simulation(timing.stop, timing.step, resolved.record, every, timeout=timeout, method=method)
-    facts = facts_of(resolved.structure, cache=cache)
-    _require_fit(resolved.structure, simulation, facts, where)
     bench = PreparedBench(
         configuration=Configuration("ssp", {}),
         system=resolved.structure,
-        simulation=simulation,
+        simulation=Simulation(timing.stop, timing.step, resolved.record, every, timeout=timeout, method=method),
         program=compile_metrics((), (), {}, frozenset()),
-        requirements=(),
-        columns=resolved.record,
-        system_columns=resolved.record,
-        kept=resolved.record,
-        settings={},
-        constants={},
-        method=method,
-        facts=facts,
+        recording=Recording(resolved.record, resolved.record, resolved.record),
     )
-    return PreparedPackage(ssp, resolved, timing, bench)
-
-
-def _require_fit(
-    system: SystemStructure, simulation: Simulation, facts: Mapping[str, FmuFacts], where: Location
-) -> None:
-    """Raise DseError, at *where*, with every reason why *system* cannot be simulated so."""
-    require_kernel()
-    problems = simulation_problems(system, simulation.method, facts, stop=simulation.stop, step=simulation.step)
-    raise_if_any(Problem(problem.what, problem.where or where, problem.hint) for problem in problems)
+    return PreparedPackage(ssp, resolved, timing, with_facts(bench, {}, where, cache=cache))
 
 
 def timing_of(
-    experiment: Experiment, models: Sequence[FmuModel], stop: float | None, step: float | None, where: Location
+    experiment: ExperimentSettings,
+    models: Collection[FmuModel],
+    stop: float | None,
+    step: float | None,
+    where: Location,
 ) -> Timing:
     """How long and how finely to simulate. Raises DseError if nobody says how long."""
     if experiment.start and stop is None:
         what = f"the experiment starts at {experiment.start:g} s; simulations start at 0 s in this version"
         raise fail(what, where, "say how long to simulate from 0 s on: --stop '10 s'")
-    stops = [m.experiment.stop - (m.experiment.start or 0.0) for m in models if m.experiment.stop is not None]
-    steps = [m.experiment.step for m in models if m.experiment.step]
-    if stop is not None:
-        stop_said_by = "asked for"
-    elif experiment.stop is not None:
-        stop, stop_said_by = experiment.stop, "the package"
-    elif stops:
-        stop, stop_said_by = max(stops), "its FMUs"
-    else:
+    own = [model.experiment for model in models]
+    stops = [said.stop - (said.start or 0.0) for said in own if said.stop is not None]
+    until, stop_said_by = _first(stop, experiment.stop, max(stops, default=None))
+    if until is None:
         what = "neither the package nor its FMUs say how long to simulate"
         raise fail(what, where, "say it: --stop '10 s'")
-    if step is not None:
-        return Timing(stop, step, stop_said_by, "asked for")
-    if experiment.step is not None:
-        return Timing(stop, experiment.step, stop_said_by, "the package")
-    if steps and _divides(min(steps), stop):
-        return Timing(stop, min(steps), stop_said_by, "its FMUs")
-    return Timing(stop, stop / _STEPS, stop_said_by, f"1/{_STEPS} of the time, as nobody says it")
+    least = min((said.step for said in own if said.step), default=None)
+    every, step_said_by = _first(step, experiment.step, least if least and is_multiple(until, least) else None)
+    if every is None:
+        every, step_said_by = until / _STEPS, f"1/{_STEPS} of the time, as nobody says it"
+    return Timing(until, every, stop_said_by, step_said_by)
 
 
-def _divides(step: float, stop: float) -> bool:
-    ratio = stop / step
-    return math.isfinite(ratio) and round(ratio) >= 1 and abs(ratio - round(ratio)) <= 1e-9 * ratio
+def _first(asked: float | None, package: float | None, fmus: float | None) -> tuple[float | None, str]:
+    """The first that is said, and who says it."""
+    for said, by in ((asked, "asked for"), (package, "the package"), (fmus, "its FMUs")):
+        if said is not None:
+            return said, by
+    return None, ""

@@ -45,6 +45,13 @@ class Connector:
     where: Location
     sizes: tuple[int | None, ...] = ()
 
+    @property
+    def gives(self) -> bool | None:
+        """Whether values come from it (True) or go to it (False), as seen from beside; None if both may be."""
+        if self.kind in ("output", "calculatedParameter", "constant", "local"):
+            return True
+        return False if self.kind in ("input", "parameter", "structuralParameter") else None
+
 
 @dataclass(frozen=True, slots=True)
 class Transformation:
@@ -62,31 +69,29 @@ class Transformation:
 
 
 @dataclass(frozen=True, slots=True)
-class Connection:
-    """A connection of two connectors of elements of a system, or of its own; the element is "" for those.
+class End:
+    """One end of a connection: a connector of an element, or of the system itself (then *element* is "").
 
-    Which of them is the source is decided by their kinds. *start_indices* and *end_indices* pick one value of an array.
+    *indices* pick one value of an array.
     """
 
-    start_element: str
-    start_connector: str
-    end_element: str
-    end_connector: str
+    element: str
+    connector: str
+    indices: tuple[int, ...] = ()
+
+    def __str__(self) -> str:
+        return f"{self.element}.{self.connector}" if self.element else self.connector
+
+
+@dataclass(frozen=True, slots=True)
+class SspConnection:
+    """A connection of two connectors; which of them is the source is decided by their kinds."""
+
+    start: End
+    end: End
     where: Location
     transformation: Transformation | None = None
     suppresses_unit_conversion: bool = False
-    start_indices: tuple[int, ...] = ()
-    end_indices: tuple[int, ...] = ()
-
-    @property
-    def start(self) -> str:
-        """The start as ``element.connector``."""
-        return f"{self.start_element}.{self.start_connector}" if self.start_element else self.start_connector
-
-    @property
-    def end(self) -> str:
-        """The end as ``element.connector``."""
-        return f"{self.end_element}.{self.end_connector}" if self.end_element else self.end_connector
 
     def __str__(self) -> str:
         return f"{self.start} - {self.end}"
@@ -96,7 +101,6 @@ class Connection:
 class ParameterValue:
     """One value of a parameter set; *type* is SSP's word, *values* has one text per value of an array."""
 
-    name: str
     type: str
     values: tuple[str, ...]
     where: Location
@@ -104,39 +108,25 @@ class ParameterValue:
 
 
 @dataclass(frozen=True, slots=True)
-class MappingEntry:
-    """A parameter of a set (*source*) that goes, transformed, to the *target* of a component or system."""
+class Assignment:
+    """A value that goes, transformed, to what is called *target* in the component or system where it is bound."""
 
-    source: str
     target: str
+    value: ParameterValue
     where: Location
     transformation: Transformation | None = None
     suppresses_unit_conversion: bool = False
 
 
 @dataclass(frozen=True, slots=True)
-class Binding:
-    """A parameter set that is applied to the element it stands at; with *mapping*, only what that names.
-
-    *prefix* is put before every name of the set. *mapping* is None if there is none.
-    """
-
-    name: str
-    values: tuple[ParameterValue, ...]
-    where: Location
-    prefix: str = ""
-    mapping: tuple[MappingEntry, ...] | None = None
-
-
-@dataclass(frozen=True, slots=True)
-class Component:
+class SspComponent:
     """An FMU in a system. *fmu* is the file; *implementation* is any, CoSimulation or ModelExchange."""
 
     name: str
     source: str
     fmu: Path
     connectors: tuple[Connector, ...]
-    bindings: tuple[Binding, ...]
+    assignments: tuple[Assignment, ...]
     where: Location
     implementation: str = "any"
 
@@ -164,14 +154,18 @@ class System:
     """
 
     name: str
-    elements: tuple[Component | DictionaryReference | System, ...]
-    connections: tuple[Connection, ...]
+    elements: tuple[SspComponent | DictionaryReference | System, ...]
+    connections: tuple[SspConnection, ...]
     connectors: tuple[Connector, ...]
-    bindings: tuple[Binding, ...]
-    where: Location
+    assignments: tuple[Assignment, ...]
     dictionaries: Mapping[str, Mapping[str, SignalType]] = field(default_factory=dict)
 
-    def element(self, name: str) -> Component | DictionaryReference | System | None:
+    @property
+    def parts(self) -> list[SspComponent | System]:
+        """The elements that are no references to signal dictionaries."""
+        return [element for element in self.elements if isinstance(element, SspComponent | System)]
+
+    def element(self, name: str) -> SspComponent | DictionaryReference | System | None:
         """The element called *name*, or None."""
         return next((element for element in self.elements if element.name == name), None)
 
@@ -199,18 +193,18 @@ class SspSystem:
     version: str
     system: System
     experiment: ExperimentSettings
-    variants: Mapping[str, str]
+    variants: Mapping[str, str] = field(default_factory=dict)
     notes: tuple[Problem, ...] = ()
 
     @property
-    def places(self) -> dict[str, Component]:
+    def places(self) -> dict[str, SspComponent]:
         """All components by their way from the top, ``outer.inner``, those of nested systems too, in order."""
         return dict(_places(self.system, ""))
 
 
-def _places(system: System, prefix: str) -> Iterator[tuple[str, Component]]:
-    for element in system.elements:
-        if isinstance(element, Component):
-            yield f"{prefix}{element.name}", element
-        elif isinstance(element, System):
-            yield from _places(element, f"{prefix}{element.name}.")
+def _places(system: System, prefix: str) -> Iterator[tuple[str, SspComponent]]:
+    for part in system.parts:
+        if isinstance(part, SspComponent):
+            yield f"{prefix}{part.name}", part
+        else:
+            yield from _places(part, f"{prefix}{part.name}.")

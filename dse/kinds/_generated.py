@@ -22,8 +22,8 @@ def build_generated(
     There is ``<struct>.h``, which defines the type *struct*, ``<struct>_init`` and ``<struct>_step``; with *step* the
     code is sampled. What is built so can be fused. The files are kept in the folder *cache*. Raises DseError.
     """
+    from dse.cache import cache_folder, content_key, keep_folder
     from dse.fmu.c.build import build_c
-    from dse.fmu.cache import cache_folder, content_key, keep_folder
 
     contents = {name: text.encode() for name, text in sorted(files.items())}
 

@@ -49,7 +49,7 @@ class FmuKind(ComponentKind[FmuSection, FmuSource]):
     def check(self, component: Component, source: FmuSource) -> None:
         """Raise DseError unless the FMU opens and has the component's ports and parameters."""
         from dse.fmu.unpack import open_fmu
-        from dse.system.assemble import check_fmu
+        from dse.system.assembly import check_fmu
 
         check_fmu(component, open_fmu(source.file))
 

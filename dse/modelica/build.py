@@ -7,12 +7,11 @@ from dataclasses import replace
 from functools import lru_cache
 from pathlib import Path
 
+from dse.cache import cache_folder, content_key, keep_file
 from dse.csolve import headers
 from dse.domain.component import Component, ModelicaCompiler, ModelicaSource
 from dse.errors import DseError, fail
-from dse.fmu.archive import pack
-from dse.fmu.cache import cache_folder, content_key, keep_file
-from dse.fmu.describe import describe_sources, identifier
+from dse.fmu.c.describe import describe_sources, model_identifier
 from dse.fmu.slot_table import SLOT_TABLE, SlotTable
 from dse.fmu.toolchain.compilation import (
     LANGUAGE_OPTIONS,
@@ -24,6 +23,7 @@ from dse.fmu.toolchain.compilation import (
 )
 from dse.fmu.toolchain.compiler import Compiler, find_compiler
 from dse.fmu.toolchain.platforms import this_platform
+from dse.formats.zipped import pack_zip
 from dse.modelica.description import Described, describe_model, documentation
 from dse.modelica.emit.constant_data import slot_rows
 from dse.modelica.emit.model import DEFAULT_TOLERANCE, emit
@@ -102,7 +102,7 @@ def _by_omc(
         what = f"component '{component.name}': omc writes FMI 2.0, not {version}"
         raise fail(what, component.where, "build it for FMI 2")
     keyed = [*_identity(component, source, sources, version), ("omc", omc_version(omc).encode())]
-    target = cache_folder(cache) / "built" / f"{identifier(component.name)}-{content_key(keyed)}.fmu"
+    target = cache_folder(cache) / "built" / f"{model_identifier(component.name)}-{content_key(keyed)}.fmu"
     return target if target.is_file() else keep_file(target, build_with_omc(component, source, sources, omc))
 
 
@@ -114,7 +114,7 @@ def _by_dse(
     identity = _identity(component, source, sources, version)
     token = "{" + content_key(identity) + "}"
     machine = ("build", repr((compiler.identity, options(compiler), MODEL_OPTIONS, platform.name)).encode())
-    named = identifier(component.name)
+    named = model_identifier(component.name)
     target = cache_folder(cache) / "built" / f"{named}-{content_key([*identity, machine])}.fmu"
     if target.is_file():
         return target
@@ -127,7 +127,7 @@ def _by_dse(
         said = "; ".join(f"{d.file}:{d.line}: {d.message}" if d.file else d.message for d in error.diagnostics[:3])
         what = f"component '{component.name}': the C made from {source.model} does not compile: {said}"
         raise fail(what, component.where, "this is a mistake of dse: please report it with the model") from error
-    return keep_file(target, pack({**contents, str(library): binary}))
+    return keep_file(target, pack_zip({**contents, str(library): binary}))
 
 
 def _answers(cache: Path | None) -> AnswerCache:

@@ -7,7 +7,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from html import escape
 
-from dse.fmu.describe import add_base_unit, xml_text
+from dse.fmu.c.describe import add_base_unit, xml_text
 from dse.modelica.emit.variables import Causality, FmuVariable, Variability
 from dse.modelica.flat_model import ScalarType
 from dse.units import UnitError, parse_unit

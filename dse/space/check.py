@@ -2,18 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable
 
-from dse.domain.component import Causality, Interface, Type, same_signal
+from dse.domain.component import Causality, Type, same_signal
 from dse.domain.design import Alternative, Compound, Connection, DesignSpace, Node, Optional, Part, walk
 from dse.errors import DseError, Problem
 from dse.loading.design.exchangeable import misfits
+from dse.space.configurations.wiring import PlacedPart, PortOf, port_pairs, two_sources
 from dse.space.language.evaluate import compile_in
 from dse.space.language.places import Places
-from dse.space.wiring import Place, PortOf, port_pairs, two_sources, with_bench
 
 
-def check(space: DesignSpace) -> list[Problem]:
+def check_space(space: DesignSpace) -> list[Problem]:
     """What is wrong with the constraints, the alternatives' interfaces and the connections of *space*.
 
     Constraints that are switched off are looked at, too.
@@ -31,36 +31,22 @@ def check(space: DesignSpace) -> list[Problem]:
     return problems
 
 
-def check_bench_connections(
-    space: DesignSpace, test_components: Mapping[str, Interface], connections: Iterable[Connection]
-) -> list[Problem]:
-    """What is wrong with a test bench's *connections* between its *test_components* and the parts of a design."""
-    root, _ = _place(space.root, "", optional=False)
-    problems: list[Problem] = []
-    for connection in connections:
-        try:
-            port_pairs(connection, with_bench(root, test_components, ()))
-        except DseError as error:
-            problems += error.problems
-    return problems
-
-
-def _place(node: Node, path: str, *, optional: bool) -> tuple[Place, frozenset[str]]:
+def _place(node: Node, path: str, *, optional: bool) -> tuple[PlacedPart, frozenset[str]]:
     """The place with every part there, alternatives by their interface; and the paths that may be left out."""
     match node:
         case Optional():
             return _place(node.content, path, optional=True)
         case Part() | Alternative():
             name = node.name if isinstance(node, Part) else node.options[0].name
-            place = Place(path, node.interface, {}, (), is_component=True, name=name)
+            place = PlacedPart(path, node.interface, {}, (), is_component=True, name=name)
             return place, frozenset({path} if optional else ())
         case Compound():
-            parts: dict[str, Place | None] = {}
+            parts: dict[str, PlacedPart | None] = {}
             missing = frozenset({path} if optional else ())
             for name, child in node.parts.items():
                 parts[name], below = _place(child, f"{path}.{name}" if path else name, optional=optional)
                 missing |= below
-            return Place(path, node.interface, parts, node.connections), missing
+            return PlacedPart(path, node.interface, parts, node.connections), missing
 
 
 def _wiring(path: str, compound: Compound) -> Iterable[Problem]:
@@ -91,7 +77,7 @@ def _wiring(path: str, compound: Compound) -> Iterable[Problem]:
             yield Problem(what, compound.where, f"add a connection '… -> {port.name}'")
 
 
-def _types(place: Place) -> Iterable[tuple[PortOf, Type]]:
+def _types(place: PlacedPart) -> Iterable[tuple[PortOf, Type]]:
     """The type of every port at and below *place*."""
     yield from (((place.path, port.name), port.type) for port in (place.interface.ports if place.interface else ()))
     for part in place.parts.values():

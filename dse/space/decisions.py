@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, replace
+from itertools import count
 from math import prod
 
 from dse.domain.component import Component
@@ -18,7 +19,7 @@ Condition = tuple[tuple[str, str], ...]
 
 
 @dataclass(frozen=True, slots=True)
-class Branch:
+class DecisionBranch:
     """One outcome of a decision, None for leaving the part out, and the decisions it brings along."""
 
     choice: str | None
@@ -34,7 +35,7 @@ class Decision:
 
     path: str
     position: int
-    branches: tuple[Branch, ...]
+    branches: tuple[DecisionBranch, ...]
 
 
 @dataclass(frozen=True, slots=True)
@@ -58,15 +59,14 @@ class Site:
 
 def decisions(space: DesignSpace) -> tuple[Decision, ...]:
     """The decisions that always exist, in the order of the file; the others hang below their branches."""
-    return _decisions(space.root, "", _Positions())
+    return _Survey().below(space.root, "", (), None)
 
 
 def sites(space: DesignSpace) -> tuple[Site, ...]:
     """Everything that can stand somewhere, in the order of the file; the root compound is not a site."""
-    times = Counter(decision.path for decision in flat(decisions(space)))
-    positions = _Positions()
-    found = (site for name, child in space.root.parts.items() for site in _sites(child, name, (), None, positions))
-    return tuple(replace(site, condition=_shortened(site.condition, times)) for site in found)
+    survey = _Survey()
+    times = Counter(decision.path for decision in flat(survey.below(space.root, "", (), None)))
+    return tuple(replace(site, condition=_shortened(site.condition, times)) for site in survey.sites[1:])
 
 
 def flat(tree: tuple[Decision, ...]) -> Iterator[Decision]:
@@ -77,65 +77,69 @@ def flat(tree: tuple[Decision, ...]) -> Iterator[Decision]:
             yield from flat(branch.decisions)
 
 
-def product_of(tree: tuple[Decision, ...]) -> int:
-    """In how many ways the decisions can be made, rules aside."""
-    return prod(sum(product_of(branch.decisions) for branch in decision.branches) for decision in tree)
+def made(
+    tree: tuple[Decision, ...], choice_at: Callable[[str], object]
+) -> Iterator[tuple[Decision, DecisionBranch | None]]:
+    """The decisions that the choices by path bring about, each with the branch that is chosen; None if none is."""
+    for decision in tree:
+        choice = choice_at(decision.path)
+        branch = next((branch for branch in decision.branches if branch.choice == choice), None)
+        yield decision, branch
+        if branch:
+            yield from made(branch.decisions, choice_at)
 
 
-class _Positions:
+def combinations(space: DesignSpace) -> int:
+    """In how many ways the decisions can be made, constraints aside; exact, and nothing is enumerated."""
+    return _product(decisions(space))
+
+
+def alternatives(space: DesignSpace) -> dict[str, tuple[str | None, ...]]:
+    """What can be chosen at each path where anything can, None for leaving it out, in the order of the file."""
+    found: dict[str, dict[str | None, None]] = {}
+    for decision in flat(decisions(space)):
+        found.setdefault(decision.path, {}).update((branch.choice, None) for branch in decision.branches)
+    return {path: tuple(choices) for path, choices in found.items()}
+
+
+def _product(tree: tuple[Decision, ...]) -> int:
+    return prod(sum(_product(branch.decisions) for branch in decision.branches) for decision in tree)
+
+
+class _Survey:
+    """Finds decisions, and on the way *sites*, their conditions in full."""
+
     def __init__(self) -> None:
-        self.next = 0
+        self.positions = count()
+        self.sites: list[Site] = []
 
-    def take(self) -> int:
-        self.next += 1
-        return self.next - 1
-
-
-def _decisions(node: Node, path: str, positions: _Positions) -> tuple[Decision, ...]:
-    match node:
-        case Part():
-            return ()
-        case Compound():
-            return tuple(
-                decision
-                for name, child in node.parts.items()
-                for decision in _decisions(child, _join(path, name), positions)
-            )
-        case Alternative() | Optional():
-            position = positions.take()
-            return (Decision(path, position, _branches(node, path, positions)),)
-
-
-def _branches(node: Node, path: str, positions: _Positions) -> tuple[Branch, ...]:
-    match node:
-        case Optional():
-            return (*_branches(node.content, path, positions), Branch(None, ()))
-        case Alternative():
-            return tuple(Branch(option.name, _decisions(option, path, positions)) for option in node.options)
-        case Part() | Compound():
-            return (Branch(node.name, _decisions(node, path, positions)),)
-
-
-def _sites(
-    node: Node, path: str, condition: Condition, branch: tuple[int, int] | None, positions: _Positions
-) -> Iterator[Site]:
-    match node:
-        case Part():
-            yield Site(path, node.name, node.component, condition, branch)
-        case Compound():
-            yield Site(path, node.name, None, condition, branch)
-            for name, child in node.parts.items():
-                yield from _sites(child, _join(path, name), condition, branch, positions)
-        case Alternative():
-            position = positions.take()
-            for number, option in enumerate(node.options):
-                below = (*condition, (path, option.name))
-                yield from _sites(option, path, below, (position, number), positions)
-        case Optional(Alternative() as content):
-            yield from _sites(content, path, condition, branch, positions)
-        case Optional(Part() | Compound() as content):
-            below = (*condition, (path, content.name))
-            yield from _sites(content, path, below, (positions.take(), 0), positions)
+    def below(
+        self, node: Node, path: str, condition: Condition, branch: tuple[int, int] | None
+    ) -> tuple[Decision, ...]:
+        """The decisions that are made wherever *node* is there."""
+        match node:
+            case Part():
+                self.sites.append(Site(path, node.name, node.component, condition, branch))
+                return ()
+            case Compound():
+                self.sites.append(Site(path, node.name, None, condition, branch))
+                return tuple(
+                    decision
+                    for name, child in node.parts.items()
+                    for decision in self.below(child, f"{path}.{name}" if path else name, condition, branch)
+                )
+            case Alternative(options) | Optional(Alternative(options)):
+                pass
+            case Optional(Part() | Compound() as content):
+                options = (content,)
+        position = next(self.positions)
+        branches = [
+            DecisionBranch(option.name, self.below(option, path, (*condition, (path, option.name)), (position, number)))
+            for number, option in enumerate(options)
+        ]
+        if isinstance(node, Optional):
+            branches.append(DecisionBranch(None, ()))
+        return (Decision(path, position, tuple(branches)),)
 
 
 def _shortened(condition: Condition, times: Mapping[str, int]) -> Condition:
@@ -144,7 +148,3 @@ def _shortened(condition: Condition, times: Mapping[str, int]) -> Condition:
         if times[condition[start][0]] == 1:
             return condition[start:]
     return condition
-
-
-def _join(path: str, name: str) -> str:
-    return f"{path}.{name}" if path else name

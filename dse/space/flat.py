@@ -163,6 +163,12 @@ class FlatSpace:
         """With further rules."""
         return replace(self, rules=(*self.rules, *rules))
 
+    def taking(self, variable: int, value: int) -> Table:
+        """The rule that *variable* takes *value*; one more than its last stands for `ABSENT`."""
+        mask = np.zeros(len(self.variables[variable].values) + 1, np.bool_)
+        mask[value] = True
+        return single(variable, mask)
+
     def row(self, choices: Mapping[str, str]) -> Rows:
         """Complete choices as a row, shape (variables,)."""
         row = np.full(len(self.variables), ABSENT, np.int16)
@@ -179,6 +185,14 @@ class FlatSpace:
             if name is not None:
                 chosen[variable.path] = name
         return chosen
+
+
+def by_path(variables: Sequence[Variable]) -> dict[str, list[int]]:
+    """The numbers of the variables of each path; several if architectures have decisions of one name."""
+    found: dict[str, list[int]] = {}
+    for number, variable in enumerate(variables):
+        found.setdefault(variable.path, []).append(number)
+    return found
 
 
 def single(variable: int, allowed: Bools) -> Table:

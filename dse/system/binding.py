@@ -34,7 +34,7 @@ def bind(component: Component, name: str, type_: Type, model: FmuModel, causalit
     """
     where = component.where
     label = component.variable(name)
-    variable = _find(label, model)
+    variable = find_variable(label, model)
     if variable is None:
         raise DseError(_missing(component, name, label, model, causalities))
     if variable.causality not in causalities:
@@ -74,13 +74,13 @@ def unit_of(name: str, variable: Variable, model: FmuModel, where: Location | No
     return Unit(variable.unit, Fraction(defined.factor), Fraction(defined.offset), dimension)
 
 
-def _find(label: str, model: FmuModel) -> Variable | None:
-    """The scalar called *label*, or the array one of whose elements is."""
-    variable = model.variables.get(label)
-    if variable is not None:
-        return variable if not variable.shape else None
-    array = model.variables.get(label[: label.rindex("[")]) if label.endswith("]") and "[" in label else None
-    return array if array is not None and array.shape and label in array.labels else None
+def find_variable(label: str, model: FmuModel) -> Variable | None:
+    """The scalar called *label*, or the array one of whose values is; None if there is none."""
+    try:
+        variable = model.variable_of(label)
+    except KeyError:
+        return None
+    return variable if label in variable.labels else None
 
 
 def _missing(component: Component, name: str, label: str, model: FmuModel, causalities: tuple[str, ...]) -> Problem:
@@ -88,7 +88,7 @@ def _missing(component: Component, name: str, label: str, model: FmuModel, causa
     if array is not None:
         what = f"'{label}' in the FMU of {component.name} is an array of shape {'x'.join(map(str, array.shape))}"
         return Problem(what, component.where, f"map one of its values: 'map: {{{name}: \"{array.labels[0]}\"}}'")
-    whole = model.variables.get(label[: label.rindex("[")]) if label.endswith("]") and "[" in label else None
+    whole = model.variables.get(label.rpartition("[")[0])
     if whole is not None and whole.shape:
         sizes = "x".join(map(str, whole.shape))
         what = f"the FMU of {component.name} has no '{label}': '{whole.name}' has {sizes} values"

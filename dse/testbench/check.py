@@ -10,19 +10,19 @@ from typing import ParamSpec
 
 from dse.domain.bench import TestBench
 from dse.domain.component import Component
-from dse.domain.design import Configuration
+from dse.domain.design import Configuration, DesignSpace
 from dse.domain.method import Coupling, Method
-from dse.errors import DseError, Problem
-from dse.fmu.together import together
+from dse.errors import DseError, Problem, raise_if_any
+from dse.fmu.parallel import in_parallel
 from dse.loading.component.kind import kind_of
 from dse.loading.workspace import Workspace
-from dse.space.check import check as check_space
-from dse.testbench.plan import require_variables
-from dse.testbench.prepare import check_bench, prepare, settable
-from dse.testbench.select import one, selected
+from dse.space.check import check_space
+from dse.testbench.prepare import check_bench, prepare_bench
+from dse.testbench.select import one_configuration, selected
+from dse.testbench.study import require_variables
+from dse.testbench.wired import wire_bench
 
 P = ParamSpec("P")
-
 
 OnProgress = Callable[[str, int, int, str], None]
 """Is told what is being checked, as "components": which one, of how many, and its name."""
@@ -62,7 +62,7 @@ def _components(workspace: Workspace, tell: OnProgress) -> list[Problem]:
             tell("components", number + 1, of, names[number])
 
     done(0, len(names))
-    return problems + _of(together, names, lambda name: _component(read[name]), done)
+    return problems + _of(in_parallel, names, lambda name: _component(read[name]), done)
 
 
 def _of(action: Callable[P, object], *args: P.args, **kwargs: P.kwargs) -> list[Problem]:
@@ -86,10 +86,12 @@ def _survey(workspace: Workspace, counts: dict[str, int]) -> None:
 
 
 def _design(workspace: Workspace, path: str) -> None:
-    problems = check_space(workspace.design(path))
-    if problems:
-        raise DseError(*problems)
-    one(workspace.design(path), None)
+    _first(workspace.design(path))
+
+
+def _first(space: DesignSpace) -> Configuration:
+    raise_if_any(check_space(space))
+    return one_configuration(space, None)
 
 
 def _component(component: Component) -> None:
@@ -100,13 +102,11 @@ def _component(component: Component) -> None:
 
 def _bench(workspace: Workspace, path: str) -> None:
     bench = workspace.bench(path)
-    problems = check_space(bench.design)
-    if problems:
-        raise DseError(*problems)
-    configuration = one(bench.design, None)
-    check_bench(bench, configuration)
+    configuration = _first(bench.design)
     if _asks_of_fmus(bench.simulation.method) or _is_finished(bench, configuration):
-        prepare(bench, [configuration])
+        prepare_bench(bench, [configuration])
+    else:
+        check_bench(bench, configuration)
 
 
 def _asks_of_fmus(method: Method) -> bool:
@@ -126,4 +126,4 @@ def _study(workspace: Workspace, path: str) -> None:
     if check_space(space):
         return  # the design's own file says what is wrong
     first = selected(space, study.selection, study.where)[0]
-    require_variables(study, {first.id: settable(study.bench, first)})
+    require_variables(study, {first.id: wire_bench(study.bench, first).settings})

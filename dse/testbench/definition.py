@@ -28,8 +28,8 @@ from dse.domain.method import PLAIN
 from dse.domain.run import ERROR_BAR
 from dse.domain.study import Study
 from dse.domain.system import Element
-from dse.space.decisions import decisions, flat
-from dse.space.output.totals import summed_properties
+from dse.space.decisions import alternatives
+from dse.space.output.sums import summed_properties
 from dse.testbench.prepared import PreparedBench
 from dse.units import Unit
 
@@ -61,7 +61,7 @@ def define(study: Study, prepared: Mapping[str, PreparedBench]) -> StudyDefiniti
 
 def places(space: DesignSpace) -> tuple[str, ...]:
     """The path of every decision, in the order of the file."""
-    return tuple(dict.fromkeys(decision.path for decision in flat(decisions(space))))
+    return tuple(alternatives(space))
 
 
 def describe_configuration(configuration: Configuration, space: DesignSpace) -> DefinedConfiguration:
@@ -88,7 +88,7 @@ def _configuration(prepared: PreparedBench, space: DesignSpace) -> DefinedConfig
         start={element.name: dict(sorted(element.start.items())) for element in elements},
         inside={e.name: _inside(e) for e in elements if e.texts or e.conversions},
         wires=tuple(f"{w.source}.{w.source_variable} -> {w.target}.{w.target_variable}" for w in prepared.system.wires),
-        columns=prepared.columns,
+        columns=prepared.recording.columns,
         constants=dict(sorted(prepared.constants.items())),
     )
 

@@ -7,26 +7,25 @@ from dataclasses import replace
 from pathlib import Path
 
 from dse.domain.bench import Simulation
-from dse.domain.component import Component
 from dse.domain.method import PLAIN
 from dse.errors import Problem, raise_if_any
 from dse.fmu.fusion.fuse import Wanted, fuse_all
-from dse.fmu.together import Tell
-from dse.testbench.plan import Plan
+from dse.fmu.parallel import Tell
+from dse.testbench.study import PreparedStudy
 
 
-def fused_plan(plan: Plan, *, cache: Path | None = None, tell: Tell | None = None) -> Plan:
-    """*plan* with a fused library for each of its benches: the same study with the same results, faster.
+def fuse_study(study: PreparedStudy, *, cache: Path | None = None, tell: Tell | None = None) -> PreparedStudy:
+    """*study* with a fused library for each of its benches: the same results, faster.
 
     *tell* is told how many libraries are made.
 
     Raises one DseError naming all that cannot be fused, located in the bench and the components.
     """
-    prepared = plan.prepared
-    raise_if_any([*_of_method(plan.study.bench.simulation), *_of_components(plan)])
-    wanted = {name: Wanted(bench.system, bench.system_columns, bench.method) for name, bench in prepared.items()}
+    raise_if_any([*_of_method(study.study.bench.simulation), *_of_components(study)])
+    benches = study.benches
+    wanted = {n: Wanted(b.system, b.recording.variables, b.simulation.method) for n, b in benches.items()}
     libraries = fuse_all(wanted, cache=cache, tell=tell)
-    return replace(plan, prepared={name: replace(bench, fused=libraries[name]) for name, bench in prepared.items()})
+    return replace(study, benches={name: replace(bench, fused=libraries[name]) for name, bench in benches.items()})
 
 
 def _of_method(simulation: Simulation) -> Iterator[Problem]:
@@ -45,12 +44,10 @@ def _of_method(simulation: Simulation) -> Iterator[Problem]:
         yield Problem(what, simulation.where, "leave out --fuse, or these keys")
 
 
-def _of_components(plan: Plan) -> Iterator[Problem]:
-    components: dict[str, Component] = {}
-    for bench in plan.prepared.values():
-        components |= {component.name: component for component in bench.configuration.parts.values()}
-    components |= {part.component.name: part.component for part in plan.study.bench.test_components}
-    for component in components.values():
+def _of_components(study: PreparedStudy) -> Iterator[Problem]:
+    standing = [c for bench in study.benches.values() for c in bench.configuration.parts.values()]
+    standing += [part.component for part in study.study.bench.test_components]
+    for component in {component.name: component for component in standing}.values():
         if component.source is not None and component.source.is_finished:
             what = f"{component.name} is a finished FMU, which cannot be fused"
             yield Problem(what, component.where, "leave out --fuse, or choose configurations without it")

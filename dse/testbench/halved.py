@@ -26,11 +26,11 @@ class Halved:
         self._prepared = prepared
         self._step = prepared.simulation.step / 2
         self._own: Simulator | None = None
-        if prepared.method.steps or prepared.method.adaptive:
+        if prepared.simulation.method.steps or prepared.simulation.method.adaptive:
             self._own = Simulator(
                 prepared.system,
-                prepared.system_columns,
-                method=finer(prepared.method),
+                prepared.recording.variables,
+                method=finer(prepared.simulation.method),
                 progress=progress,
                 facts=prepared.facts,
             )
@@ -52,7 +52,7 @@ class Halved:
             table = self._simulator.run(stop=prepared.simulation.stop, step=self._step, start=start)
         except RunFailed as error:
             return dict.fromkeys((f"{name}{ERROR_BAR}" for name in metrics), math.nan), f"with half the step: {error}"
-        columns = dict(zip(prepared.columns, np.ascontiguousarray(table.T), strict=True))
+        columns = dict(zip(prepared.recording.columns, np.ascontiguousarray(table.T), strict=True))
         finer, _ = prepared.program.evaluate(self._time, columns, constants)
         return {f"{name}{ERROR_BAR}": _distance(value, finer[name]) for name, value in metrics.items()}, ""
 

@@ -2,33 +2,28 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping
 from dataclasses import replace
 from typing import TypeVar
 
 from dse.domain.component import Component
-from dse.domain.design import Connection, split_path
+from dse.domain.design import split_path
 from dse.domain.method import Bond, Method
-from dse.errors import Location, Problem
+from dse.errors import Problem
+from dse.testbench.wired import WiredBench
 
 V = TypeVar("V")
 
 
-def method_of(
-    method: Method,
-    parts: Mapping[str, Component],
-    connections: Sequence[Connection],
-    behind: Mapping[str, str],
-    where: Location | None,
-    problems: list[Problem],
-) -> Method:
-    """*method* with the names of elements and their variables.
+def method_of(wired: WiredBench, problems: list[Problem]) -> Method:
+    """The bench's method with the names of elements and their variables.
 
     What is said of an architecture holds for all parts in it; what is said of a part of its own goes before. Parts
-    and bonds that the configuration does not have are left out. *behind* is that of ``faces``. A bond whose ends are
-    there but not wired to each other's part is added to *problems*, located at *where*.
+    and bonds that the configuration does not have are left out. A bond whose ends are there but not wired to each
+    other's part is added to *problems*.
     """
-    bonds = (_bond(bond, parts, connections, behind, where, problems) for bond in method.bonds)
+    method, parts = wired.bench.simulation.method, wired.parts
+    bonds = (_bond(bond, wired, problems) for bond in method.bonds)
     return replace(
         method,
         steps=_of_parts(method.steps, parts),
@@ -54,24 +49,16 @@ def _of_parts(values: Mapping[str, V], parts: Iterable[str]) -> dict[str, V]:
     return found
 
 
-def _bond(
-    bond: Bond,
-    parts: Mapping[str, Component],
-    connections: Sequence[Connection],
-    behind: Mapping[str, str],
-    where: Location | None,
-    problems: list[Problem],
-) -> Bond | None:
-    ends = [behind.get(name, name) for name in (bond.effort, bond.flow)]
-    split = [split_path(end, parts) for end in ends]
-    standing = [s for s in split if s is not None and parts[s[0]].interface.port(s[1])]
-    if len(standing) < 2:
+def _bond(bond: Bond, wired: WiredBench, problems: list[Problem]) -> Bond | None:
+    ends = [wired.faces.get(name, name) for name in (bond.effort, bond.flow)]
+    ports = wired.ports
+    if not all(end in ports for end in ends):
         return None
-    (effort, _), (flow, _) = standing
+    (effort, _), (flow, _) = (ports[end] for end in ends)
     for end, other in zip(ends, (flow, effort), strict=True):
-        if not any(c.source == end and c.target.startswith(f"{other}.") for c in connections):
+        if not any(c.source == end and c.target.startswith(f"{other}.") for c in wired.connections):
             what = f"bond '{bond.name}': {end} is not connected to {other}"
             hint = "effort and flow of a bond are each an input of the other's part"
-            problems.append(Problem(what, where, hint))
+            problems.append(Problem(what, wired.bench.simulation.where, hint))
             return None
-    return Bond(bond.name, signal_name(ends[0], parts), signal_name(ends[1], parts))
+    return Bond(bond.name, signal_name(ends[0], wired.parts), signal_name(ends[1], wired.parts))

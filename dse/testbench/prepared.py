@@ -11,44 +11,55 @@ from dse.domain.component import Type
 from dse.domain.design import Configuration
 from dse.domain.facts import FmuFacts
 from dse.domain.fused import FusedLibrary
-from dse.domain.method import PLAIN, Method
 from dse.domain.system import SystemStructure
 from dse.metrics.program import MetricProgram
 
 
 @dataclass(frozen=True, slots=True)
 class Setting:
-    """A parameter or unconnected input that a run may be given: its name in the system, and its type."""
+    """What a run may be given: its name in the system, its type, and its value at the bench's own point, in SI."""
 
     target: str
     type: Type
+    value: float
+
+
+@dataclass(frozen=True, slots=True)
+class Recording:
+    """What is recorded in every step: *columns* as ``part.port``, *variables* the same as the system calls them.
+
+    *kept* are the columns stored as waveforms.
+    """
+
+    columns: tuple[str, ...]
+    variables: tuple[str, ...]
+    kept: tuple[str, ...]
 
 
 @dataclass(frozen=True, slots=True)
 class PreparedBench:
     """What `Runner` simulates.
 
-    *columns* names what is recorded in every step, as ``part.port``; *system_columns* is the same in FMU
-    variables. *kept* are the columns stored as waveforms. *settings* is everything a point may set, and
-    *constants* the values metrics and targets use, in SI, at the bench's own point. *method* is the bench's, in
-    names of the system. *facts* tells what is known of elements; *thread_safe*, that all are known to bear being
-    simulated several times at once in threads. *fused* is the library made of the whole system, if there is one.
+    *simulation* is the bench's, its method in names of the system. *settings* is everything a point may set. *facts*
+    tells what is known of elements; *thread_safe*, that all are known to bear being simulated several times at once in
+    threads. *fused* is the library made of the whole system, if there is one.
     """
 
     configuration: Configuration
     system: SystemStructure
     simulation: Simulation
     program: MetricProgram
-    requirements: tuple[Requirement, ...]
-    columns: tuple[str, ...]
-    system_columns: tuple[str, ...]
-    kept: tuple[str, ...]
-    settings: Mapping[str, Setting]
-    constants: Mapping[str, float]
-    method: Method = PLAIN
+    recording: Recording
+    requirements: tuple[Requirement, ...] = ()
+    settings: Mapping[str, Setting] = field(default_factory=dict)
     facts: Mapping[str, FmuFacts] = field(default_factory=dict)
     thread_safe: bool = False
     fused: FusedLibrary | None = None
+
+    @property
+    def constants(self) -> dict[str, float]:
+        """The values metrics and targets use at the bench's own point."""
+        return {name: setting.value for name, setting in self.settings.items()}
 
     @property
     def timeout(self) -> float:

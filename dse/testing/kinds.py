@@ -15,12 +15,12 @@ from numpy.typing import NDArray
 from dse.cosim.simulator import Simulator
 from dse.domain.component import Causality, Component, Kind, Parameter, Port, Value
 from dse.errors import DseError
-from dse.fmu.build import build
+from dse.fmu.building import build
 from dse.fmu.unpack import open_fmu
 from dse.formats.yaml import read_yaml
 from dse.loading.component.kind import KINDS, kind_of
 from dse.loading.workspace import Workspace
-from dse.system.assemble import assemble, check_fmu
+from dse.system.assembly import WiredParts, assemble, check_fmu
 
 Files = Mapping[str, str | bytes]
 """Texts and contents by path below ``components/`` of a workspace: interfaces.yaml, NAME/component.yaml, …"""
@@ -153,8 +153,8 @@ def simulated(component: Component, cache: Path, values: Mapping[str, Value] | N
     ports = component.interface.ports
     held = {f"part.{port.name}": _one(port) for port in ports if port.causality is Causality.INPUT}
     outputs = [port.name for port in ports if port.causality is Causality.OUTPUT]
-    parts, models = {"part": component}, {component.name: model}
-    system = assemble("tested", parts, (), models, {**held, **(values or {})}, [f"part.{name}" for name in outputs])
+    wired = WiredParts({"part": component}, values={**held, **(values or {})})
+    system = assemble("tested", wired, {component.name: model}, [f"part.{name}" for name in outputs])
     sample_time = component.source.sample_time if component.source is not None else None
     with Simulator(system, [f"part.{component.variable(name)}" for name in outputs]) as simulator:
         return simulator.run(stop=1.0, step=sample_time or 0.01)

@@ -29,7 +29,7 @@ def test_a_count_is_a_number(design):
 
 
 def test_a_count_that_takes_long_is_an_estimate_that_says_so(design, monkeypatch):
-    monkeypatch.setattr("dse.space.engine.Engine.exact_count", lambda engine, most_work=0.0: None)
+    monkeypatch.setattr("dse.space.methods.engine.Engine.exact_count", lambda engine, most_work=0.0: None)
     found = design.count()
     assert isinstance(found, dse.Tally)
     assert found.low <= 227 <= found.high

@@ -12,8 +12,8 @@ from dse.cli.picking.picker import Picker
 from dse.domain.component import Component, Interface
 from dse.domain.design import Alternative, Compound, Constraint, DesignSpace, Optional, Part
 from dse.expression.parse import parse_expression
-from dse.space.engine import Engine
-from dse.space.enumerate import configurations
+from dse.space.configurations.ids import IdentifiedChoices
+from dse.space.opened import open_space
 from dse.units import parse_quantity
 
 
@@ -56,7 +56,7 @@ class Seen:
 
 def driven(*groups, space=SPACE):
     """The page's result, and what it showed at first and after each group of keys."""
-    app, seen = Picker(space, Engine.of(space)), Seen()
+    app, seen = Picker(space, open_space(space).picking()), Seen()
 
     async def drive():
         async with app.run_test(size=(110, 30)) as pilot:
@@ -69,7 +69,7 @@ def driven(*groups, space=SPACE):
                 seen.look(app)
 
     asyncio.run(drive())
-    return app.return_value, seen
+    return app.return_value and dict(app.return_value.choices), seen
 
 
 def test_the_page_shows_decisions_options_counts_and_sums():
@@ -116,12 +116,12 @@ def test_finishing_needs_everything_decided_and_gives_the_configuration():
     choices, seen = driven(("enter", "enter"), ("f",), ("down", "down", "enter", "down", "enter"), ("f",))
     assert any("p.engine" in note for note in seen.notes[2])
     assert choices == {"s": "a", "p": "hybrid", "p.engine": "e"}
-    assert choices in [dict(c.choices) for c in configurations(SPACE)]
+    assert choices in [dict(c.choices) for c in open_space(SPACE).configurations()]
 
 
 def test_the_first_that_is_left_can_be_taken():
     choices, _ = driven(("c",))
-    assert choices == dict(next(configurations(SPACE)).choices)
+    assert choices == dict(next(open_space(SPACE).configurations()).choices)
 
 
 def test_leaving_gives_nothing():
@@ -129,9 +129,10 @@ def test_leaving_gives_nothing():
 
 
 def test_the_outcome_names_the_configuration_and_its_choices():
-    first = next(configurations(SPACE))
-    assert outcome(first.choices) == f"configuration {first.id}\n--choose s=a --choose p=hybrid --choose p.engine=d"
-    assert choices_yaml(SPACE, first.choices).splitlines() == [
+    first = next(open_space(SPACE).configurations())
+    chosen = IdentifiedChoices(first.choices)
+    assert outcome(chosen) == f"configuration {first.id}\n--choose s=a --choose p=hybrid --choose p.engine=d"
+    assert choices_yaml(SPACE, chosen).splitlines() == [
         "design: car",
         f"configuration: {first.id}",
         "choices:",

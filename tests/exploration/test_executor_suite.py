@@ -8,10 +8,10 @@ from pathlib import Path
 
 import pytest
 
+from dse.cache import cache_folder
 from dse.domain.fmu import FmuModel
 from dse.errors import DseError
 from dse.exploration.remote import packed, parcel
-from dse.fmu.cache import cache_folder
 from dse.loading.extensions import EXECUTORS
 from dse.testing.executors import ExecutorSuite, SmallBench, batches, work_in
 

@@ -101,7 +101,7 @@ def killed_on_the_way(folder: Path, keep: Keep, workers: int, kills: int, second
     """Explore into *folder*, killed with all workers *kills* times at random moments; how often it was alive then."""
     here = Path(__file__).parent
     script = folder.with_suffix(".py")
-    paths = [str(here), str(here.parents[1]), str(here.parents[1] / "examples" / "plugin")]
+    paths = [str(here), str(here.parent), str(here.parents[1]), str(here.parents[1] / "examples" / "plugin")]
     text = SCRIPT.format(paths=paths, folder=str(folder), keep=str(keep), workers=workers, seconds=seconds)
     script.write_text(text, encoding="utf-8")
     moments = random.Random(f"{keep} {workers}")  # noqa: S311  # no secret

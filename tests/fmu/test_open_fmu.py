@@ -13,7 +13,7 @@ import pytest
 from fmu.descriptions import FMI_1
 
 from dse.errors import DseError
-from dse.fmu.build import build
+from dse.fmu.building import build
 from dse.fmu.toolchain.platforms import this_platform
 from dse.fmu.unpack import open_fmu
 

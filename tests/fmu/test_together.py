@@ -7,12 +7,12 @@ import threading
 import pytest
 
 from dse.errors import DseError, fail
-from dse.fmu.together import together
+from dse.fmu.parallel import in_parallel
 
 
 def test_everything_is_made_and_counted() -> None:
     told: list[tuple[int, int]] = []
-    assert together([3, 1, 2], str, lambda made, of: told.append((made, of))) == {3: "3", 1: "1", 2: "2"}
+    assert in_parallel([3, 1, 2], str, lambda made, of: told.append((made, of))) == {3: "3", 1: "1", 2: "2"}
     assert told == [(1, 3), (2, 3), (3, 3)]
 
 
@@ -23,7 +23,7 @@ def test_the_problems_of_all_are_told() -> None:
         return key
 
     with pytest.raises(DseError) as caught:
-        together(range(5), make)
+        in_parallel(range(5), make)
     assert {problem.what for problem in caught.value.problems} == {"1 is odd", "3 is odd"}
 
 
@@ -41,5 +41,5 @@ def test_an_interrupt_begins_nothing_more() -> None:
         raise KeyboardInterrupt
 
     with pytest.raises(KeyboardInterrupt):
-        together(range(1000), make, interrupt)
+        in_parallel(range(1000), make, interrupt)
     assert len(begun) < 1000

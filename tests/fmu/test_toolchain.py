@@ -8,7 +8,7 @@ import sys
 import pytest
 
 from dse.errors import DseError
-from dse.fmu.build import build
+from dse.fmu.building import build
 from dse.fmu.toolchain.compiler import find_compiler
 from dse.fmu.unpack import open_fmu
 

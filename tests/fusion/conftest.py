@@ -15,7 +15,7 @@ from dse.domain.component import Causality, Component, CSource, Interface, Kind,
 from dse.domain.fmu import FmuModel
 from dse.domain.fused import FusedLibrary
 from dse.domain.system import Element, SystemStructure, Wire
-from dse.fmu.build import build
+from dse.fmu.building import build
 from dse.fmu.fusion.fuse import fuse
 from dse.fmu.unpack import open_fmu
 

@@ -6,7 +6,7 @@ import tempfile
 from collections.abc import Callable
 from pathlib import Path
 
-from dse.fmu.build import build
+from dse.fmu.building import build
 from dse.testing.kinds import Files, lay_out, the_component
 
 INTERFACES = "interfaces:\n  gain:\n    inputs: {u: m}\n    outputs: {y: m}\n"

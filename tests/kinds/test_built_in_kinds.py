@@ -6,7 +6,7 @@ import pytest
 from kinds.examples import EXAMPLES, written
 
 from dse.errors import DseError
-from dse.fmu.build import build
+from dse.fmu.building import build
 from dse.loading.component.kind import KINDS, kind_of
 from dse.testing.kinds import Files, KindSuite, lay_out, the_component
 

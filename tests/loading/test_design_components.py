@@ -7,10 +7,10 @@ from command_line import run_dse
 
 from dse.domain.component import NO_INTERFACE
 from dse.errors import DseError
-from dse.fmu.build import build
+from dse.fmu.building import build
 from dse.loading.workspace import Workspace
-from dse.space.check import check
-from dse.space.enumerate import configurations
+from dse.space.check import check_space
+from dse.space.opened import open_space
 
 
 def problems(action, *arguments):
@@ -86,7 +86,9 @@ def test_what_has_no_source_is_refused_by_name_when_it_is_built(files):
 def test_a_bench_that_wants_to_simulate_a_component_without_source_names_it(files):
     files.write("components/cheap.yaml", "components:\n  cheap: {implements: sensor, properties: {cost: 1 EUR}}\n")
     files.edit("designs/car.yaml", "[radar]", "[cheap]")
-    assert [c.choices for c in configurations(Workspace(files.root).design("car"))] == [{"sensor": "cheap"}]
+    assert [c.choices for c in open_space(Workspace(files.root).design("car")).configurations()] == [
+        {"sensor": "cheap"}
+    ]
     done = run_dse(files.root, "simulate", "following", cache=files.root / "cache")
     assert done.returncode == 1
     assert "components/cheap.yaml:2:3: component 'cheap' has no source, so there is nothing to build" in done.stderr
@@ -96,10 +98,10 @@ def test_a_bench_that_wants_to_simulate_a_component_without_source_names_it(file
 def test_what_implements_nothing_cannot_be_connected(files):
     files.write("components/cheap.yaml", "components: {cheap: {}}\n")
     files.edit("designs/car.yaml", "[radar]", "[cheap]")
-    (problem,) = check(Workspace(files.root).design("car"))
+    (problem,) = check_space(Workspace(files.root).design("car"))
     assert str(problem.where) == "designs/car.yaml:7:7"
     assert "'cheap' has no interface, so nothing can be connected to it" in problem.what
-    ((_, what, _),) = problems(list, configurations(Workspace(files.root).design("car")))
+    ((_, what, _),) = problems(list, open_space(Workspace(files.root).design("car")).configurations())
     assert "'cheap' has no interface" in what
 
 
@@ -139,6 +141,6 @@ def test_a_connection_inside_an_alternative_that_is_not_the_first_is_checked_for
         "            implements: drive\n            compound: {engine: engine, gearbox: gearbox}\n"
         "            connections: [demand -> engine.demand, engine.shaft -> gearbox.shaft, gearbox.force -> force]\n",
     )
-    (problem,) = check(Workspace(files.root).design("van"))
+    (problem,) = check_space(Workspace(files.root).design("van"))
     assert str(problem.where) == "designs/van.yaml:10:52"
     assert problem.what == "drive.engine.shaft -> drive.gearbox.shaft: units differ: N.m and N"

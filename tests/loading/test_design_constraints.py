@@ -8,9 +8,9 @@ from dse.domain.component import NO_INTERFACE
 from dse.errors import DseError
 from dse.expression.parse import parse_expression
 from dse.loading.workspace import Workspace
-from dse.space.check import check
-from dse.space.enumerate import configurations
-from dse.space.switch import switched
+from dse.space.check import check_space
+from dse.space.narrowing.constraint_sets import switched
+from dse.space.opened import open_space
 
 COMPONENTS = """\
 components:
@@ -68,8 +68,8 @@ def design(tmp_path, monkeypatch):
 
 
 def left(space):
-    assert check(space) == []
-    return {configuration.id for configuration in configurations(space)}
+    assert check_space(space) == []
+    return {configuration.id for configuration in open_space(space).configurations()}
 
 
 def text_of(space):
@@ -111,13 +111,13 @@ def test_every_form_is_one_condition_with_the_same_configurations(design, form, 
 
 def test_a_range_of_a_parameter_keeps_the_components_that_cover_it(design):
     space = design("{gains: {range: {sensor.gain: [1, 3]}}, delays: {range: {sensor.delay: [0.5 s, 2 s]}}}")
-    assert {configuration.choices["sensor"] for configuration in configurations(space)} == {"radar"}
+    assert {configuration.choices["sensor"] for configuration in open_space(space).configurations()} == {"radar"}
 
 
 def test_at_least_two_of_three_leaves_what_counting_by_hand_leaves(design):
     space = design("{two: {at_least: {2: [sensor is radar, controller is pd, spare is present]}}}")
-    kept = [c.choices for c in configurations(space)]
-    whole = [c.choices for c in configurations(design())]
+    kept = [c.choices for c in open_space(space).configurations()]
+    whole = [c.choices for c in open_space(design()).configurations()]
     assert kept == [c for c in whole if (c["sensor"] == "radar") + (c["controller"] == "pd") + ("spare" in c) >= 2]
 
 
@@ -142,7 +142,7 @@ def test_a_constraint_in_a_container_has_its_names_and_holds_where_it_is_there(d
 
 
 def test_a_constraint_in_an_architecture_leaves_the_other_architectures_alone(design):
-    everything = list(configurations(design()))
+    everything = list(open_space(design()).configurations())
     kept = left(design(inner="{none: {require: 1 > 2}}"))
     assert kept == {c.id for c in everything if c.choices["drive"] != "hybrid"}
     kept = left(design(trailer="{none: {forbid: [axle is small]}}"))
@@ -167,7 +167,7 @@ def test_nested_architectures_guard_with_every_choice_on_the_way(tmp_path, desig
         "drive is hybrid and drive.engine is twin implies same_choice(drive.engine.left, drive.engine.right)"
     )
     assert space.constraints[0].name == "drive.hybrid.engine.twin: same"
-    assert all(c.choices.get("drive.engine") != "twin" for c in configurations(space))
+    assert all(c.choices.get("drive.engine") != "twin" for c in open_space(space).configurations())
 
 
 def test_constraints_of_the_root_and_of_the_file_share_their_names(tmp_path, design):
@@ -225,15 +225,16 @@ def test_a_set_that_does_not_exist_is_refused_with_the_one_that_is_meant(design)
 
 def test_what_is_wrong_in_a_set_that_is_off_is_found(design):
     space = design("{a: {require: sensr is radar, set: us}}", sets=SETS)
-    assert [p.what for p in check(space)] == ["unknown place 'sensr'"]
+    assert [p.what for p in check_space(space)] == ["unknown place 'sensr'"]
 
 
 def test_components_without_source_and_interface_are_enumerated(design):
     space = design()
     assert all(
-        part.interface == NO_INTERFACE and part.source is None for part in next(configurations(space)).parts.values()
+        part.interface == NO_INTERFACE and part.source is None
+        for part in next(open_space(space).configurations()).parts.values()
     )
-    assert check(space) == []
+    assert check_space(space) == []
 
 
 REFUSED = [
@@ -301,6 +302,6 @@ def test_a_property_and_parameter_of_one_name_is_refused_as_a_range(design, tmp_
 
 def test_what_is_wrong_inside_a_container_points_into_the_container(design):
     space = design(inner="{a: {require: sum(mass) <= 3 EUR}}")
-    (problem,) = check(space)
+    (problem,) = check_space(space)
     assert (problem.where.line, problem.where.column) == (14, 12 + len("constraints: {a: {require: sum(mass) <= ") + 1)
     assert "cannot compare mass and currency" in problem.what

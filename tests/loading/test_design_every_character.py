@@ -6,7 +6,7 @@ import pytest
 
 from dse.errors import DseError
 from dse.loading.workspace import Workspace
-from dse.space.check import check
+from dse.space.check import check_space
 
 COMPONENTS = """\
 components:
@@ -187,7 +187,7 @@ def workspace(tmp_path_factory):
 def problems(workspace, text):
     (workspace / "designs/car.yaml").write_text(text, encoding="utf-8")
     try:
-        return list(check(Workspace(workspace).design("car")))
+        return list(check_space(Workspace(workspace).design("car")))
     except DseError as error:
         return list(error.problems)
 

@@ -21,7 +21,7 @@ from dse.loading.uvl.reading import read_uvl_text
 from dse.loading.uvl.tokens import Source
 from dse.loading.workspace import Workspace
 from dse.loading.writing.design import write_components, write_design
-from dse.space.check import check
+from dse.space.check import check_space
 from dse.units import parse_quantity
 
 ROOT = Path(__file__).parents[2]
@@ -191,7 +191,7 @@ constraints
     space = read_uvl_text(Source("menu.uvl", text))
     again = written_and_read(space, tmp_path)
     assert_same(again, space)
-    assert check(again) == []
+    assert check_space(again) == []
     assert valid(again) == valid(space)
     assert again.constraints[-2].because == "Raw => Egg | !Two"
 

@@ -2,16 +2,17 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import pytest
 
-from dse.domain.design import Connection
 from dse.domain.method import PLAIN, Adaptive, Algorithm, Bond, Coupling, Extrapolation, Method
 from dse.errors import DseError
 from dse.loading.workspace import Workspace
 from dse.testbench.check import check_workspace
 from dse.testbench.method import method_of
-from dse.testbench.prepare import parts_and_wiring
-from dse.testbench.select import one
+from dse.testbench.select import one_configuration
+from dse.testbench.wired import WiredBench, wire_bench
 
 BENCH = "testbenches/following.yaml"
 ROAD = """\
@@ -127,30 +128,34 @@ def test_a_bond_that_is_not_there_cannot_be_recorded(files):
         Workspace(files.root).bench("following")
 
 
+def roads(files, said: Method, *places: str) -> WiredBench:
+    """The component at all *places* of a bench with this method."""
+    workspace = Workspace(files.root)
+    bench = workspace.bench("following")
+    bench = replace(bench, simulation=replace(bench.simulation, method=said))
+    parts = dict.fromkeys(places, workspace.component("road"))
+    return WiredBench(parts, bench=bench, configuration=one_configuration(bench.design, None), faces={})
+
+
 def test_bench_names_become_those_of_elements(files):
     wired(files)
     workspace = with_keys(
         files, "steps: {controller: 5 ms}, bonds: {axle: {effort: controller.torque, flow: world.speed}}"
     )
     bench = workspace.bench("following")
-    parts, connections = parts_and_wiring(bench, one(bench.design, None))
-    found = method_of(bench.simulation.method, parts, connections, {}, None, [])
+    found = method_of(wire_bench(bench, one_configuration(bench.design, None)), [])
     assert found.steps == {"controller": 0.005}
     assert found.bonds == (Bond("axle", "controller.torque", "world.speed"),)
 
 
 def test_what_is_said_of_an_architecture_holds_for_its_parts_unless_they_have_their_own(files):
-    road = Workspace(files.root).component("road")
-    parts = {"powertrain.engine": road, "powertrain.gearbox": road, "world": road}
     said = Method(steps={"powertrain": 0.001, "powertrain.engine": 0.002, "absent": 0.003})
-    found = method_of(said, parts, [], {}, None, [])
+    found = method_of(roads(files, said, "powertrain.engine", "powertrain.gearbox", "world"), [])
     assert found.steps == {"powertrain.engine": 0.002, "powertrain.gearbox": 0.001}
 
 
 def test_a_bond_of_an_absent_part_is_left_out(files):
-    road = Workspace(files.root).component("road")
     said = Method(bonds=(Bond("axle", "world.speed", "powertrain.torque"),))
-    wires = [Connection("world.speed", "powertrain.speed")]
     problems: list = []
-    assert method_of(said, {"world": road}, wires, {}, None, problems).bonds == ()
+    assert method_of(roads(files, said, "world"), problems).bonds == ()
     assert problems == []

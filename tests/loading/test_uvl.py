@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 from dse.domain.design import Alternative, Compound, Optional, Part
 from dse.loading.uvl.reading import read_uvl, read_uvl_text
 from dse.loading.uvl.tokens import Source
-from dse.space.check import check
+from dse.space.check import check_space
 from dse.space.decisions import sites
 from dse.space.language.evaluate import compile_in
 from dse.space.language.places import Places
@@ -87,7 +87,7 @@ def test_constraints_keep_the_words_of_the_file_and_their_place():
 
 def test_a_model_is_a_sound_design_space_with_a_configuration_for_each_selection():
     space = read(SANDWICH)
-    assert check(space) == []
+    assert check_space(space) == []
     # No sauce 2, mustard 1 (with cheese it costs 8.25), ketchup with cheese 7.25; each with ham, egg or both.
     assert count(space) == 3 * 3
 
@@ -213,7 +213,7 @@ def test_a_tree_of_100_levels_is_a_design_space():
         text += " " * (2 * level + 1) + f"F{level}\n" + " " * (2 * level + 2) + ("optional\n", "[0..1]\n")[level % 2]
     text += " " * 300 + "Last\n"
     space = read(text)
-    assert check(space) == []
+    assert check_space(space) == []
     assert count(space) == 100
 
 

@@ -13,7 +13,7 @@ sys.path.insert(0, str(Path(__file__).parent))
 from modelica_components import Built, MakeModel, component
 
 from dse.domain.fmu import FmuModel
-from dse.fmu.build import build
+from dse.fmu.building import build
 from dse.fmu.toolchain import compilation
 from dse.fmu.unpack import open_fmu
 

@@ -10,7 +10,7 @@ from slaves import instance, run_cs, run_master
 
 from dse.domain.component import Causality, Component, Kind, ModelicaSource
 from dse.domain.fmu import FmuModel
-from dse.fmu.build import build
+from dse.fmu.building import build
 from dse.fmu.unpack import open_fmu
 from dse.loading.workspace import Workspace
 

@@ -13,10 +13,10 @@ from hybrid_system import integrate
 from dse.cosim.simulator import Simulator
 from dse.domain.component import Causality, Component, Interface, Kind, ModelicaSource, Port, Type
 from dse.domain.design import Connection
-from dse.fmu.build import build_all
+from dse.fmu.building import build_all
 from dse.fmu.unpack import open_fmu
 from dse.loading.workspace import Workspace
-from dse.system.assemble import assemble
+from dse.system.assembly import WiredParts, assemble
 from dse.units import parse_unit
 
 HERE = Path(__file__).parent
@@ -59,10 +59,10 @@ def loop_of_fmus(cache: Path) -> np.ndarray:
     parts = {"car": following(), "controller": Workspace.around(COMPONENTS).component("pd_acc")}
     archives = build_all(parts.values(), cache=cache)
     models = {name: open_fmu(archive, cache=cache) for name, archive in archives.items()}
-    connections = [Connection(*text.split(" -> ")) for text in CONNECTIONS]
+    connections = tuple(Connection(*text.split(" -> ")) for text in CONNECTIONS)
     values = {"controller.set_speed": SET_SPEED, "controller.set_gap": SET_GAP}
     record = ["car.speed", "car.gap"]
-    system = assemble("loop", parts, connections, models, values, record)
+    system = assemble("loop", WiredParts(parts, connections, values), models, record)
     with Simulator(system, record) as simulator:
         return simulator.run(stop=STEP * STEPS, step=STEP)
 

@@ -11,8 +11,8 @@ import pytest
 from dse.domain.component import Component
 from dse.domain.diagram import Diagram, Link
 from dse.loading.workspace import Workspace
-from dse.report.component_layout import lay_out
-from dse.report.component_picture import draw, pictured
+from dse.pictures.component import draw, pictured
+from dse.pictures.component_layout import lay_out
 
 COMPONENTS = Path(__file__).parents[2] / "components"
 

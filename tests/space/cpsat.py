@@ -8,7 +8,7 @@ import numpy as np
 from ortools.sat.python import cp_model
 
 from dse.space.flat import ABSENT, Clause, FlatSpace, Ints, Linear, Rows, Table
-from dse.space.listing.recheck import recheck
+from dse.space.methods.listing.recheck import recheck
 
 Chosen = Sequence[Sequence["cp_model.LiteralT"]]
 """For each variable what says that it takes a value, `ABSENT` last."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dse.space.mdd.diagram import Diagram
+from dse.space.methods.mdd.diagram import Diagram
 
 
 def contains(diagram: Diagram, row: tuple[int, ...]) -> bool:

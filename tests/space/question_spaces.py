@@ -14,10 +14,10 @@ from dse.domain.design import Alternative, Compound, Constraint, DesignSpace, No
 from dse.errors import DseError
 from dse.expression.parse import parse_expression
 from dse.space.decisions import sites
-from dse.space.engine import Engine
 from dse.space.flat import Rows
 from dse.space.language.evaluate import compile_in
 from dse.space.language.places import Places
+from dse.space.methods.engine import Engine
 
 EXAMPLES = settings(deadline=None, max_examples=25, suppress_health_check=list(HealthCheck))
 SMALL = 200
@@ -122,11 +122,13 @@ def same_choices(found: Mapping[str, str], wanted: Mapping[str, str]) -> bool:
     return dict(found) == dict(wanted)
 
 
+class _Undiagrammed(Engine):
+    diagram = None
+
+
 def without_diagram(engine: Engine) -> Engine:
     """The same questions, put to what answers where no diagram fits."""
-    other = Engine(engine.flat)
-    other.__dict__["diagram"] = None
-    return other
+    return _Undiagrammed(engine.flat)
 
 
 def listed(engine: Engine) -> Iterator[tuple[int, ...]]:

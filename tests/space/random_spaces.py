@@ -16,7 +16,7 @@ from dse.domain.component import Component, Interface, Kind, Parameter, Type
 from dse.domain.design import Alternative, Compound, Constraint, DesignSpace, Node, Optional, Part
 from dse.errors import DseError
 from dse.expression.parse import parse_expression
-from dse.space.decisions import Site, decisions, product_of, sites
+from dse.space.decisions import Site, combinations, sites
 from dse.space.flat import NOTHING, Bools, Clause, FlatSpace, Fold, Gather, Linear, Rows, Rule, Table
 from dse.space.language.evaluate import compile_in
 from dse.space.language.places import Places
@@ -49,7 +49,7 @@ def bare_space(draw: st.DrawFn, most: int = MOST_CONFIGURATIONS) -> DesignSpace:
     parts: dict[str, Node] = {}
     for name in "pqrstuv"[: draw(st.integers(2, 7))]:
         grown = {**parts, name: _node(draw, components, 2)}
-        if product_of(decisions(DesignSpace("random", Compound("random", grown)))) > most:
+        if combinations(DesignSpace("random", Compound("random", grown))) > most:
             break
         parts = grown
     return DesignSpace("random", Compound("random", parts or {"p": Part(components[0])}))

@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 
 from dse.errors import DseError
-from dse.space.budget import TooMuchError
 from dse.space.flat import FlatSpace, Fold, Gather, Ints, Linear, Variable
-from dse.space.mdd.diagram import compile_diagram
-from dse.space.optimum.best import best, best_valued
+from dse.space.methods.budget import TooMuchError
+from dse.space.methods.mdd.diagram import compile_diagram
+from dse.space.methods.optimum.best import best, best_valued
 
 
 def places(number: int, values: int) -> FlatSpace:

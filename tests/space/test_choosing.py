@@ -8,8 +8,8 @@ from random_spaces import ANY
 from dse.domain.component import Component
 from dse.domain.design import Alternative, Compound, DesignSpace, Optional, Part
 from dse.errors import DseError
-from dse.space.choosing import choosing, completed, kept_choices, read_choices
-from dse.space.engine import Engine
+from dse.space.methods.engine import Engine
+from dse.space.narrowing.choosing import choosing, completed, kept_choices, read_choices
 
 
 def part(name):

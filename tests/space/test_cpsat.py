@@ -13,9 +13,9 @@ from random_spaces import design_spaces
 
 from dse.space.flat import Clause, FlatSpace, Ints, Linear, Rule, Table, Variable, Wide
 from dse.space.lowering import flatten
-from dse.space.mdd.diagram import compile_diagram
-from dse.space.optimum.best import best, sums
-from dse.space.optimum.emptiness import is_empty
+from dse.space.methods.mdd.diagram import compile_diagram
+from dse.space.methods.optimum.best import best, sums
+from dse.space.methods.optimum.emptiness import is_empty
 
 
 @settings(max_examples=50, deadline=None)

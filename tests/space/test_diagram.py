@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from paths import contains
 
 from dse.space.flat import ABSENT, Bools, Clause, FlatSpace, Table, Variable
-from dse.space.mdd.diagram import (
+from dse.space.methods.mdd.diagram import (
     compile_diagram,
     completions,
     count,
@@ -17,7 +17,7 @@ from dse.space.mdd.diagram import (
     occurrences,
     restrict,
 )
-from dse.space.mdd.growth import TooWideError
+from dse.space.methods.mdd.growth import TooWideError
 
 EVERYTHING = settings(max_examples=120, deadline=None)
 
@@ -222,7 +222,7 @@ def test_a_layer_expanded_in_many_blocks_is_the_same(monkeypatch: pytest.MonkeyP
     rules = tuple(Table((n, n + 3), draw.random((5, 5)) < 0.7) for n in range(9))
     space = FlatSpace("blocks", variables, (), rules)
     at_once = compile_diagram(space)
-    monkeypatch.setattr("dse.space.mdd.growth._BLOCK", 40)
+    monkeypatch.setattr("dse.space.methods.mdd.growth._BLOCK", 40)
     in_blocks = compile_diagram(space)
     assert max(len(layer) for layer in at_once.layers) > 40
     assert all(np.array_equal(a, b) for a, b in zip(at_once.layers, in_blocks.layers, strict=True))

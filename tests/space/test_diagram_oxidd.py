@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from dse.space.flat import Bools, Clause, FlatSpace, Rule, Table, Variable
-from dse.space.mdd.diagram import compile_diagram, count, occurrences
+from dse.space.methods.mdd.diagram import compile_diagram, count, occurrences
 
 bdd: Any = pytest.importorskip("oxidd.bdd")
 

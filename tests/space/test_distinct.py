@@ -4,7 +4,7 @@ import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st
 
-from dse.space.mdd.distinct import distinct, distinct_rows
+from dse.space.methods.mdd.distinct import distinct, distinct_rows
 
 LARGE = 2**62
 

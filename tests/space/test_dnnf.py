@@ -9,14 +9,14 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from dse.space.dnnf.compile import compile_dnnf
-from dse.space.dnnf.counter import MOST_STATES
-from dse.space.dnnf.queries import count, occurrences
-from dse.space.dnnf.rows import rows, sample
-from dse.space.dnnf.satisfy import conflict, satisfiable
-from dse.space.dnnf.trim import UnsupportedError, trim
 from dse.space.flat import ABSENT, Bools, Clause, FlatSpace, Fold, Gather, Linear, Rows, Rule, Table, Variable, Wide
-from dse.space.mdd.growth import TooWideError
+from dse.space.methods.dnnf.compile import compile_dnnf
+from dse.space.methods.dnnf.counter import MOST_STATES
+from dse.space.methods.dnnf.queries import count, occurrences
+from dse.space.methods.dnnf.rows import rows, sample
+from dse.space.methods.dnnf.satisfy import conflict, satisfiable
+from dse.space.methods.dnnf.trim import UnsupportedError, trim
+from dse.space.methods.mdd.growth import TooWideError
 
 
 def space(variables: list[Variable], *rules: Rule) -> FlatSpace:

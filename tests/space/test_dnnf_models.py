@@ -11,12 +11,12 @@ import pytest
 from feature_models import feature_model
 
 from dse.loading.uvl.reading import read_uvl
-from dse.space.dnnf.compile import Dnnf, compile_dnnf
-from dse.space.dnnf.queries import count, occurrences
-from dse.space.dnnf.rows import rows, sample
-from dse.space.dnnf.satisfy import conflict, satisfiable
 from dse.space.flat import ABSENT, Clause, FlatSpace, Rows, Table
 from dse.space.lowering import flatten
+from dse.space.methods.dnnf.compile import Dnnf, compile_dnnf
+from dse.space.methods.dnnf.queries import count, occurrences
+from dse.space.methods.dnnf.rows import rows, sample
+from dse.space.methods.dnnf.satisfy import conflict, satisfiable
 
 SHARED = Path(__file__).parents[3] / "shared/data/uvl"
 MODELS = ("android51", "automotive01", "busybox854", "routefinding")

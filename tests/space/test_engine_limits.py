@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 
 from dse.errors import DseError
-from dse.space import engine as engines
-from dse.space.engine import Engine
 from dse.space.flat import FlatSpace, Linear, Table, Variable
-from dse.space.sampling.tilt import TooRareError
-from dse.space.tally import Tally
+from dse.space.methods import listed
+from dse.space.methods.engine import Engine
+from dse.space.methods.sampling.tilt import TooRareError
+from dse.space.methods.tally import Tally
 
 
 def coins(number, *rules):
@@ -30,22 +30,22 @@ def too_rare(*_args, **_kwargs):
 
 
 def test_what_a_bound_proves_empty_is_neither_expanded_nor_counted(monkeypatch):
-    monkeypatch.setattr("dse.space.mdd.expand.expand", never)
-    monkeypatch.setattr("dse.space.grid.exact.exact_count", never)
+    monkeypatch.setattr("dse.space.methods.mdd.expand.expand", never)
+    monkeypatch.setattr("dse.space.methods.grid.exact.exact_count", never)
     assert Engine(coins(40, heads(40, None, 15), heads(40, 18, None))).count() == Tally(0)
 
 
 def test_rows_to_draw_from_are_kept_up_to_so_many_decisions(monkeypatch):
-    monkeypatch.setattr("dse.space.sampling.sample.sample", too_rare)
+    monkeypatch.setattr("dse.space.methods.sampling.sample.sample", too_rare)
     space = coins(10, heads(10, 1, 1))
-    monkeypatch.setattr(engines, "_KEPT_CELLS", 100)
+    monkeypatch.setattr(listed, "_KEPT_CELLS", 100)
     assert Engine(space).sample(5).sum(axis=1).tolist() == [1] * 5
-    monkeypatch.setattr(engines, "_KEPT_CELLS", 99)
+    monkeypatch.setattr(listed, "_KEPT_CELLS", 99)
     with pytest.raises(DseError, match="too rare to be drawn"):
         Engine(space).sample(5)
 
 
 def test_a_narrowed_engine_compiles_nothing_before_it_is_asked(monkeypatch):
-    monkeypatch.setattr("dse.space.mdd.ordering.compile_best", never)
+    monkeypatch.setattr("dse.space.methods.mdd.ordering.compile_best", never)
     engine = Engine(coins(3, Table((0, 1), np.ones((3, 3), np.bool_), 0)))
     assert engine.only([]).flat.rules == ()

@@ -6,20 +6,26 @@ import numpy as np
 import pytest
 
 from dse.errors import DseError
-from dse.space import entangled as module
-from dse.space.entangled import Entangled
 from dse.space.flat import FlatSpace, Linear, Table, Variable
-from dse.space.sampling.tilt import EmptyError
-from dse.space.tally import Tally
+from dse.space.methods import entangled as module
+from dse.space.methods.entangled import Entangled
+from dse.space.methods.sampling.tilt import EmptyError
+from dse.space.methods.tally import Tally
 
 NEVER = Table((), np.array(False))
 
 
+class Graphless(Entangled):
+    graph = None
+
+
+class Opaque(Graphless):
+    _logical = None
+
+
 def entangled(number, *rules):
     """Yes-or-no decisions, as if their rules had no graph together."""
-    found = Entangled(FlatSpace("coins", tuple(Variable(f"c{i}", ("no", "yes")) for i in range(number)), (), rules))
-    found.__dict__["graph"] = None
-    return found
+    return Graphless(FlatSpace("coins", tuple(Variable(f"c{i}", ("no", "yes")) for i in range(number)), (), rules))
 
 
 def heads(number, low, high):
@@ -30,9 +36,7 @@ def pigeons(number):
     holes = tuple(f"h{n}" for n in range(number))
     apart = ~np.eye(number + 1, dtype=np.bool_)
     rules = tuple(Table((a, b), apart) for b in range(number + 1) for a in range(b))
-    found = Entangled(FlatSpace("pigeons", tuple(Variable(f"p{n}", holes) for n in range(number + 1)), (), rules))
-    found.__dict__.update(graph=None, _logical=None)
-    return found
+    return Opaque(FlatSpace("pigeons", tuple(Variable(f"p{n}", holes) for n in range(number + 1)), (), rules))
 
 
 def test_nothing_is_left_where_nothing_meets_the_logical_rules():

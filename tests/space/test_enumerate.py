@@ -12,12 +12,16 @@ from dse.domain.component import Component, Interface
 from dse.domain.design import Alternative, Compound, Constraint, DesignSpace, Optional, Part
 from dse.errors import DseError
 from dse.expression.parse import parse_expression
-from dse.space.enumerate import configurations, count, engine_of, find, total, violated
-from dse.space.identify import Identifier
+from dse.space.configurations.ids import Identifier, identify
+from dse.space.configurations.resolve import resolve
+from dse.space.decisions import combinations
 from dse.space.language.evaluate import compile_in
 from dse.space.language.places import Places
-from dse.space.resolve import identify, resolve
-from dse.space.tally import Tally
+from dse.space.methods.engine import Engine
+from dse.space.methods.tally import Tally
+from dse.space.opened import open_space
+from dse.space.questions.explain import broken_by
+from dse.space.questions.finding import find
 from dse.units import parse_quantity
 
 ANY = Interface("any", ())
@@ -34,8 +38,12 @@ def space(parts, *rules):
     return DesignSpace("car", Compound("car", parts), constraints)
 
 
+def violated(a_space, choices):
+    return tuple(entry.constraint.name for entry in broken_by(a_space, choices))
+
+
 def choices_of(a_space):
-    return [dict(configuration.choices) for configuration in configurations(a_space)]
+    return [dict(configuration.choices) for configuration in open_space(a_space).configurations()]
 
 
 SENSOR = Alternative((part("a"), part("b"), part("c")))
@@ -45,8 +53,8 @@ POWERTRAIN = Alternative((part("a"), HYBRID))
 
 
 def test_an_optional_container_doubles_the_configurations():
-    assert total(space({"s": SENSOR})) == 3
-    assert total(space({"s": SENSOR, "o": Optional(part("a"))})) == 6
+    assert combinations(space({"s": SENSOR})) == 3
+    assert combinations(space({"s": SENSOR, "o": Optional(part("a"))})) == 6
 
 
 def test_the_order_is_that_of_the_file_with_the_last_part_fastest():
@@ -62,27 +70,27 @@ def test_the_order_is_that_of_the_file_with_the_last_part_fastest():
 
 
 def test_parts_that_are_no_decision_are_parts_but_no_choices():
-    configuration = next(configurations(space({"s": part("b"), "p": Compound("p", {"x": part("c")})})))
+    configuration = next(open_space(space({"s": part("b"), "p": Compound("p", {"x": part("c")})})).configurations())
     assert configuration.choices == {}
     assert {path: component.name for path, component in configuration.parts.items()} == {"s": "b", "p.x": "c"}
     assert configuration.total("cost") == 6.0
 
 
 def test_a_space_of_one_design_has_one_configuration():
-    assert (total(space({"s": part("a")})), count(space({"s": part("a")}))) == (1, Tally(1))
+    assert (combinations(space({"s": part("a")})), open_space(space({"s": part("a")})).count()) == (1, Tally(1))
 
 
 def test_the_total_of_a_huge_space_is_exact_and_its_first_design_comes_at_once():
     parts = {f"p{i}": SENSOR for i in range(60)}
     huge = space(parts, "p0 is not a")
-    assert total(huge) == 3**60
-    first = next(configurations(huge))
+    assert combinations(huge) == 3**60
+    first = next(open_space(huge).configurations())
     assert first.choices["p0"] == "b"
 
 
 def test_a_constraint_on_early_decisions_is_counted_without_visiting_the_rest():
     parts = {f"p{i}": SENSOR for i in range(60)}
-    assert count(space(parts, "p0 is not a")) == Tally(2 * 3**59)
+    assert open_space(space(parts, "p0 is not a")).count() == Tally(2 * 3**59)
 
 
 def test_a_sum_over_a_huge_space_is_counted_exactly():
@@ -91,49 +99,53 @@ def test_a_sum_over_a_huge_space_is_counted_exactly():
     powers = [1]
     for _ in range(60):
         powers = [sum(powers[max(i - 2, 0) : i + 1]) for i in range(len(powers) + 2)]
-    assert count(space(parts, "sum(cost) <= 150 EUR")) == Tally((3**60 + powers[60]) // 2)
+    assert open_space(space(parts, "sum(cost) <= 150 EUR")).count() == Tally((3**60 + powers[60]) // 2)
 
 
 def test_a_condition_that_is_undefined_selects_nothing():
     parts = {"s": Optional(SENSOR), "t": ENGINE}
     wanted = parse_expression("s.cost < 3 EUR")
-    found = [dict(c.choices) for c in configurations(space(parts), wanted)]
+    found = [dict(c.choices) for c in open_space(space(parts), where=wanted).configurations()]
     assert [c["s"] for c in found] == ["a", "a", "b", "b"]
     both = parse_expression("s.cost < 3 EUR and t is d or sum(cost) > 9 EUR")
-    listed = {c.id for c in configurations(space(parts), both)}
+    listed = {c.id for c in open_space(space(parts), where=both).configurations()}
     rule = compile_in(both, Places(space(parts)))
-    assert listed == {c.id for c in configurations(space(parts)) if rule.outcome(c.choices)}
+    assert listed == {c.id for c in open_space(space(parts)).configurations() if rule.outcome(c.choices)}
 
 
 def test_a_partial_design_that_breaks_a_rule_is_not_continued():
     parts = {"s": SENSOR, **{f"p{i}": SENSOR for i in range(40)}}
     # 2·3^40 of 3^41 designs break the rule; visiting them would not end.
-    listed = list(islice(configurations(space(parts, "s is c")), 3))
+    listed = list(islice(open_space(space(parts, "s is c")).configurations(), 3))
     assert {configuration.choices["s"] for configuration in listed} == {"c"}
 
 
 def test_an_id_survives_another_order_of_the_file():
-    one = {c.id: c.choices for c in configurations(space({"s": SENSOR, "p": POWERTRAIN}))}
+    one = {c.id: c.choices for c in open_space(space({"s": SENSOR, "p": POWERTRAIN})).configurations()}
     shuffled = Alternative((Compound("hybrid", dict(reversed(HYBRID.parts.items())), (), ANY), part("a")))
-    other = {c.id: c.choices for c in configurations(space({"p": shuffled, "s": Alternative(SENSOR.options[::-1])}))}
+    other = {
+        c.id: c.choices
+        for c in open_space(space({"p": shuffled, "s": Alternative(SENSOR.options[::-1])})).configurations()
+    }
     assert one == other
-    assert len(one) == total(space({"s": SENSOR, "p": POWERTRAIN})) == 9
+    assert len(one) == combinations(space({"s": SENSOR, "p": POWERTRAIN})) == 9
 
 
 def test_an_id_survives_new_alternatives_and_new_parts_that_are_left_out():
-    before = {c.id: c.choices for c in configurations(space({"s": SENSOR, "p": POWERTRAIN}))}
+    before = {c.id: c.choices for c in open_space(space({"s": SENSOR, "p": POWERTRAIN})).configurations()}
     more = Alternative((part("f"), *SENSOR.options))
     grown = space({"new": Optional(part("a")), "s": more, "p": POWERTRAIN, "fixed": part("b")}, "sum(cost) < 99 EUR")
-    after = {c.id: c.choices for c in configurations(grown)}
+    after = {c.id: c.choices for c in open_space(grown).configurations()}
     assert before.items() <= after.items()
     assert len(after) == 2 * 4 * 3
 
 
 def test_ids_of_a_block_are_those_of_its_configurations():
     twice = space({"p": POWERTRAIN, "ß": Optional(SENSOR), "a": ENGINE, "fixed": part("a")})
-    engine = engine_of(twice)
+    engine = open_space(twice).engine
     ids = [name for rows in engine.blocks() for name in Identifier(engine.flat.variables).ids(rows)]
-    assert ids == [identify(c.choices) for c in configurations(twice)] == [c.id for c in configurations(twice)]
+    listed = list(open_space(twice).configurations())
+    assert ids == [identify(c.choices) for c in listed] == [c.id for c in listed]
 
 
 def test_an_id_is_ten_letters_and_digits_and_never_changes():
@@ -142,28 +154,28 @@ def test_an_id_is_ten_letters_and_digits_and_never_changes():
 
 def test_a_configuration_is_found_by_its_id_or_its_beginning():
     a_space = space({"s": SENSOR})
-    wanted = list(configurations(a_space))[1]
-    assert find(a_space, wanted.id) == find(a_space, wanted.id[:8]) == wanted
+    wanted = list(open_space(a_space).configurations())[1]
+    assert open_space(a_space).configuration(wanted.id) == open_space(a_space).configuration(wanted.id[:8]) == wanted
     with pytest.raises(DseError, match="no valid configuration 'zzz'"):
-        find(a_space, "zzz")
+        open_space(a_space).configuration("zzz")
     with pytest.raises(DseError, match="no valid configuration ''"):
-        find(a_space, "")
+        open_space(a_space).configuration("")
 
 
 def test_a_search_for_an_id_ends_and_says_how_far_it_got():
     huge = space({f"p{i}": SENSOR for i in range(30)})
-    first = next(configurations(huge))
-    assert find(huge, first.id) == first
+    first = next(open_space(huge).configurations())
+    assert open_space(huge).configuration(first.id) == first
     with pytest.raises(DseError, match=r"among the first [\d,]+ of 'car'") as caught:
-        find(huge, "zzzzzzzzzz", most=1000)
+        find(huge, Engine.of(huge), "zzzzzzzzzz", most=1000)
     assert "--choose" in str(caught.value)
     with pytest.raises(DseError, match="may stand for several"):
-        find(huge, first.id[:8], most=1000)
+        find(huge, Engine.of(huge), first.id[:8], most=1000)
 
 
 def test_choices_become_a_configuration_only_if_they_fit():
     a_space = space({"s": SENSOR, "p": POWERTRAIN, "o": Optional(part("a"))})
-    listed = next(configurations(a_space))
+    listed = next(open_space(a_space).configurations())
     assert resolve(a_space, listed.choices) == listed
     with pytest.raises(DseError) as caught:
         resolve(a_space, {"s": "x", "p.engine": "d", "o": "a"})
@@ -178,7 +190,7 @@ def test_two_architectures_may_use_the_same_place_for_different_decisions():
     inner = Compound("deep", {"k": Alternative((part("a"), part("b")))}, (), ANY)
     other = Compound("other", {"engine": Alternative((part("d"), inner)), "x": Optional(part("c"))}, (), ANY)
     twice = {"p": Alternative((HYBRID, other)), "s": SENSOR}
-    assert total(space(twice)) == (2 + 3 * 2) * 3
+    assert combinations(space(twice)) == (2 + 3 * 2) * 3
     assert [c["p"] for c in choices_of(space(twice, "p.engine is d", "s is a"))] == ["hybrid", "other", "other"]
     # hybrid has a gearbox of 6.5 EUR: d = 4.5, e = 5.5, a = 1.5, b = 2.5, c = 3.5.
     cheap = choices_of(space(twice, "sum(cost, p) < 5 EUR", "s is a"))
@@ -187,7 +199,7 @@ def test_two_architectures_may_use_the_same_place_for_different_decisions():
         {"p": "other", "p.engine": "deep", "p.engine.k": "a", "s": "a"},
         {"p": "other", "p.engine": "deep", "p.engine.k": "b", "s": "a"},
     ]
-    assert count(space(twice, "p.engine is deep implies p.x is c")) == Tally((2 + 2 + 2) * 3)
+    assert open_space(space(twice, "p.engine is deep implies p.x is c")).count() == Tally((2 + 2 + 2) * 3)
 
 
 def test_the_constraints_a_design_breaks_are_named():
@@ -197,7 +209,7 @@ def test_the_constraints_a_design_breaks_are_named():
 
 def test_every_constraint_that_cannot_be_understood_is_reported_before_the_first_design():
     with pytest.raises(DseError) as caught:
-        configurations(space({"s": SENSOR}, "t is a", "s is z"))
+        open_space(space({"s": SENSOR}, "t is a", "s is z")).configurations()
     assert len(caught.value.problems) == 2
 
 
@@ -270,7 +282,7 @@ def rules_for(design):
 @given(designs, st.data())
 def test_listing_and_counting_agree_with_brute_force(design, data):
     everything = brute(Compound("", design), "")
-    assert total(space(design)) == len(everything) == len(choices_of(space(design)))
+    assert combinations(space(design)) == len(everything) == len(choices_of(space(design)))
     has_costs = any(name in COSTS for _, names in everything for name in names.values())
     known = rules_for(design) if has_costs else []
     first = next(iter(design))
@@ -282,7 +294,7 @@ def test_listing_and_counting_agree_with_brute_force(design, data):
     constrained = space(design, *(text for text, _ in chosen))
     expected = [choices for choices, names in everything if all(holds(names) for _, holds in chosen)]
     assert choices_of(constrained) == expected
-    assert count(constrained) == Tally(len(expected))
+    assert open_space(constrained).count() == Tally(len(expected))
     for choices in expected:
         assert violated(constrained, choices) == ()
 
@@ -290,8 +302,8 @@ def test_listing_and_counting_agree_with_brute_force(design, data):
 @settings(max_examples=50, deadline=None)
 @given(designs, st.data())
 def test_a_constraint_never_adds_a_configuration_and_ids_are_unique(design, data):
-    free = [configuration.id for configuration in configurations(space(design))]
+    free = [configuration.id for configuration in open_space(space(design)).configurations()]
     text, _ = data.draw(st.sampled_from([rule for rule in rules_for(design) if "sum(cost, " not in rule[0]]))
-    bound = [configuration.id for configuration in configurations(space(design, text))]
+    bound = [configuration.id for configuration in open_space(space(design, text)).configurations()]
     assert set(bound) <= set(free)
     assert len(set(free)) == len(free)

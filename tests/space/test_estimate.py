@@ -8,12 +8,12 @@ import numpy as np
 import pytest
 
 from dse.space.flat import FlatSpace, Fold, Gather, Linear, Table, Variable, Wide
-from dse.space.mdd.diagram import compile_diagram
-from dse.space.mdd.expand import expand
-from dse.space.sampling import sample as sampling
-from dse.space.sampling.estimate import estimate, estimate_occurrences
-from dse.space.sampling.tilt import EmptyError, TooRareError
-from dse.space.tally import Tally
+from dse.space.methods.mdd.diagram import compile_diagram
+from dse.space.methods.mdd.expand import expand
+from dse.space.methods.sampling import sample as sampling
+from dse.space.methods.sampling.estimate import estimate, estimate_occurrences
+from dse.space.methods.sampling.tilt import EmptyError, TooRareError
+from dse.space.methods.tally import Tally
 
 
 def coins(number, *rules):
@@ -61,7 +61,7 @@ CASES = {
 @pytest.fixture
 def small_batches(monkeypatch):
     """Batches that are soon drawn; their means scatter more, which is the harder test of an interval."""
-    monkeypatch.setattr("dse.space.sampling.estimate._BATCH", 200)
+    monkeypatch.setattr("dse.space.methods.sampling.estimate._BATCH", 200)
 
 
 @pytest.mark.sampled(8)

@@ -10,10 +10,10 @@ from dse.domain.component import Component, Interface, Kind, Parameter, Type
 from dse.domain.design import Alternative, Compound, Constraint, DesignSpace, Optional, Part
 from dse.errors import DseError, Location
 from dse.expression.parse import parse_expression
-from dse.space.check import check
-from dse.space.enumerate import configurations
+from dse.space.check import check_space
 from dse.space.language.evaluate import compile_in
 from dse.space.language.places import Places
+from dse.space.opened import open_space
 from dse.units import parse_quantity, parse_unit
 
 ANY = Interface("any", ())
@@ -132,10 +132,10 @@ def test_a_condition_is_evaluated_exactly_on_what_is_chosen(text, small, full):
 def test_an_undefined_constraint_holds_but_an_undefined_selection_does_not_select():
     rule = parse_expression("rear.range > 100 m")
     space = DesignSpace("car", CAR.root, (Constraint("far", rule),))
-    held = list(configurations(space))
+    held = list(open_space(space).configurations())
     assert held
     assert all("rear" not in configuration.choices for configuration in held)
-    assert list(configurations(space, rule)) == []
+    assert list(open_space(space, where=rule).configurations()) == []
 
 
 @pytest.mark.parametrize(
@@ -195,7 +195,9 @@ def test_a_range_that_is_not_there_is_refused_by_the_name_of_the_component(text,
     fast = part("fast", speed, parameter("open", 1.0, unit="m/s"), mode, cost="1 EUR")
     fast = Part(replace(fast.component, where=Location("parts/fast.yaml", 1, 1)))
     parts = {"a": Alternative((slow, fast)), "b": Compound("b", {"c": slow}, (), ANY)}
-    (problem,) = check(DesignSpace("car", Compound("car", parts), (Constraint("c", parse_expression(text, HERE)),)))
+    (problem,) = check_space(
+        DesignSpace("car", Compound("car", parts), (Constraint("c", parse_expression(text, HERE)),))
+    )
     assert what in problem.what
     assert hint in problem.hint
     assert problem.where == Location(HERE.file, HERE.line, HERE.column + offset)
@@ -251,7 +253,7 @@ REFUSED = [
 @pytest.mark.parametrize(("text", "offset", "what", "hint"), REFUSED, ids=[text for text, *_ in REFUSED])
 def test_a_constraint_that_makes_no_sense_is_refused_at_its_column(text, offset, what, hint):
     space = DesignSpace("car", CAR.root, (Constraint("c", parse_expression(text, HERE)),))
-    (problem,) = check(space)
+    (problem,) = check_space(space)
     assert what in problem.what
     assert hint in problem.hint
     assert problem.where == Location(HERE.file, HERE.line, HERE.column + offset)
@@ -265,4 +267,4 @@ def test_a_property_of_two_kinds_names_both_components():
 
 
 def test_a_good_space_has_no_problems():
-    assert check(CAR) == []
+    assert check_space(CAR) == []

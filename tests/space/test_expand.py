@@ -25,9 +25,9 @@ from dse.space.flat import (
     Variable,
     Wide,
 )
-from dse.space.mdd.diagram import compile_diagram, count
-from dse.space.mdd.expand import expand
-from dse.space.mdd.growth import TooWideError
+from dse.space.methods.mdd.diagram import compile_diagram, count
+from dse.space.methods.mdd.expand import expand
+from dse.space.methods.mdd.growth import TooWideError
 
 THOROUGH = settings(max_examples=150, deadline=None)
 
@@ -229,7 +229,7 @@ def test_a_layer_expanded_in_many_blocks_is_the_same(monkeypatch: pytest.MonkeyP
     rules = (Linear(weights, -5, 9), Wide((Fold(Gather.PRODUCT, factors, NOTHING),), AtLeast(10**60, False)))
     space = FlatSpace("blocks", variables, (), rules)
     at_once = expand(compile_diagram(space))
-    monkeypatch.setattr("dse.space.mdd.growth._BLOCK", 40)
+    monkeypatch.setattr("dse.space.methods.mdd.growth._BLOCK", 40)
     in_blocks = expand(compile_diagram(space))
     assert max(len(layer) for layer in at_once.layers) > 10
     assert all(np.array_equal(a, b) for a, b in zip(at_once.layers, in_blocks.layers, strict=True))

@@ -14,8 +14,8 @@ from dse.domain.component import Component, Interface
 from dse.domain.design import Alternative, Compound, Constraint, DesignSpace, Optional, Part
 from dse.errors import DseError
 from dse.expression.parse import parse_expression
-from dse.space.engine import Engine
-from dse.space.enumerate import configurations
+from dse.space.methods.engine import Engine
+from dse.space.opened import open_space
 from dse.space.output import export
 from dse.space.output.export import WRITERS, save
 from dse.space.output.sheet import Sheet
@@ -58,7 +58,7 @@ def written(form, space=SPACE, blocks=None):
 def expected():
     """Id, choices and sums of every configuration, from the configurations themselves."""
     found = []
-    for configuration in configurations(SPACE):
+    for configuration in open_space(SPACE).configurations():
         sums = {}
         for name in ("cost", "mass"):
             given = [c.properties[name].si for c in configuration.parts.values() if name in c.properties]
@@ -104,7 +104,9 @@ def test_parquet_has_regular_row_groups_however_the_blocks_come(monkeypatch):
 def test_json_says_choices_components_and_sums_with_units(form):
     _, data = written(form)
     objects = json.loads(data) if form == "json" else [json.loads(line) for line in data.decode().splitlines()]
-    for found, (name, choices, sums), configuration in zip(objects, expected(), configurations(SPACE), strict=True):
+    for found, (name, choices, sums), configuration in zip(
+        objects, expected(), open_space(SPACE).configurations(), strict=True
+    ):
         assert (found["id"], found["choices"]) == (name, choices)
         assert found["components"] == {path: component.name for path, component in configuration.parts.items()}
         units = {"cost": "EUR", "mass": "kg"}
@@ -145,7 +147,7 @@ def test_sums_are_rounded_once_however_fine_the_numbers_are():
     rows = engine.rows(99)
     exact = [
         sum(c.properties["cost"].si for c in found.parts.values() if "cost" in c.properties)
-        for found in configurations(space)
+        for found in open_space(space).configurations()
     ]
     assert total.values(rows)[:-1].tolist() == [float(value) for value in exact[:-1]]
     assert math.isnan(total.values(rows)[-1])

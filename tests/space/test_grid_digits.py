@@ -10,12 +10,12 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from dse.space.flat import FlatSpace, Linear, Variable
-from dse.space.grid.digits import BITS, Digits, carry, digits_for, running_sums, scalar_product, split, word
-from dse.space.grid.levels import run_levels
-from dse.space.grid.nodes import Grid, run
-from dse.space.grid.split import Counting, counting
-from dse.space.grid.sweep import Sweep, backward, forward, schedule
-from dse.space.mdd.diagram import compile_diagram
+from dse.space.methods.grid.digits import BITS, Digits, carry, digits_for, running_sums, scalar_product, split, word
+from dse.space.methods.grid.levels import run_levels
+from dse.space.methods.grid.nodes import Grid, run
+from dse.space.methods.grid.split import Counting, counting
+from dse.space.methods.grid.sweep import Sweep, backward, forward, schedule
+from dse.space.methods.mdd.diagram import compile_diagram
 
 
 def digits(numbers: list[int], shape: tuple[int, ...], number: int) -> Digits:

@@ -28,14 +28,14 @@ from dse.space.flat import (
     Variable,
     Wide,
 )
-from dse.space.listing import search
-from dse.space.listing.blocks import blocks, first
-from dse.space.listing.recheck import valid
-from dse.space.mdd.diagram import compile_diagram
-from dse.space.mdd.expand import expand
-from dse.space.optimum.best import best, best_valued
-from dse.space.optimum.emptiness import is_empty
-from dse.space.optimum.pareto import pareto
+from dse.space.methods.listing import search
+from dse.space.methods.listing.blocks import blocks, first
+from dse.space.methods.listing.recheck import valid
+from dse.space.methods.mdd.diagram import compile_diagram
+from dse.space.methods.mdd.expand import expand
+from dse.space.methods.optimum.best import best, best_valued
+from dse.space.methods.optimum.emptiness import is_empty
+from dse.space.methods.optimum.pareto import pareto
 
 MANY = settings(max_examples=60, deadline=None)
 Row = tuple[int, ...]

@@ -8,9 +8,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from dse.space.flat import Clause, FlatSpace, Rule, Table, Variable
-from dse.space.mdd.diagram import compile_diagram, count
-from dse.space.mdd.growth import TooWideError
-from dse.space.mdd.ordering import compile_best, proposed
+from dse.space.methods.mdd.diagram import compile_diagram, count
+from dse.space.methods.mdd.growth import TooWideError
+from dse.space.methods.mdd.ordering import compile_best, proposed
 
 
 def shuffled_chain(length: int, seed: int) -> FlatSpace:

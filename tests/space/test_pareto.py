@@ -5,8 +5,8 @@ import pytest
 
 from dse.errors import DseError
 from dse.space.flat import FlatSpace, Ints, Linear, Variable
-from dse.space.mdd.diagram import compile_diagram
-from dse.space.optimum.pareto import pareto
+from dse.space.methods.mdd.diagram import compile_diagram
+from dse.space.methods.optimum.pareto import pareto
 
 
 def places(number: int) -> FlatSpace:

@@ -8,13 +8,13 @@ from hypothesis import strategies as st
 from dse.domain.component import Component, Interface
 from dse.domain.design import Alternative, Compound, Constraint, DesignSpace, Optional, Part
 from dse.expression.parse import parse_expression
-from dse.space import engine as engines
-from dse.space.engine import Engine
 from dse.space.lowering import flatten
-from dse.space.mdd.growth import TooWideError
-from dse.space.output.totals import totals
-from dse.space.picking import Picking
-from dse.space.tally import Tally
+from dse.space.methods import engine as engines
+from dse.space.methods.engine import Engine
+from dse.space.methods.mdd.growth import TooWideError
+from dse.space.methods.tally import Tally
+from dse.space.output.sums import property_sums
+from dse.space.questions.picking import Picking
 from dse.units import parse_quantity
 
 
@@ -43,6 +43,11 @@ def picking(*rules):
     return Picking(Engine.of(space(*rules)))
 
 
+def forced(picked):
+    """What follows by itself, by decision."""
+    return {number: picked.settled(number) for number in {*picked.decisions} - {*picked.open} - {*dict(picked.picks)}}
+
+
 def left(picked):
     rows = picked.engine.rows(1000)
     for variable, value in picked.picks:
@@ -64,7 +69,7 @@ def test_nested_decisions_appear_when_their_architecture_is_chosen():
 
 def test_what_follows_is_filled_in_and_marked_as_forced():
     chosen = picking("s is a implies p is hybrid", "p is hybrid implies o is absent").pick(S, 0)
-    assert chosen.forced == {P: 1, O: 1}
+    assert forced(chosen) == {P: 1, O: 1}
     assert chosen.open == (ENGINE, MOTOR)
     assert not chosen.options(P)[0].is_possible
     assert chosen.options(P)[0].tally == Tally(0)
@@ -83,14 +88,13 @@ def test_another_pick_takes_the_place_of_the_first_and_drops_what_hung_below_it(
 def test_when_all_is_settled_a_single_configuration_is_left():
     chosen = picking("sum(cost) <= 8 EUR", "p is bev").pick(S, 0)
     assert chosen.is_complete
-    assert chosen.engine.flat.choices(chosen.row()) == {"s": "a", "p": "bev"}
+    assert chosen.first().choices == {"s": "a", "p": "bev"}
 
 
 def test_sums_range_over_what_is_left():
     a_space = space("sum(cost) <= 9 EUR")
-    (cost,) = totals(a_space)
-    chosen = Picking(Engine.of(a_space)).pick(P, 1)
-    (found,) = chosen.ranges([cost])
+    chosen = Picking(Engine.of(a_space), property_sums(a_space)).pick(P, 1)
+    (found,) = chosen.ranges()
     assert (found.low, found.high, found.exact) == (6.0, 9.0, True)
 
 
@@ -98,18 +102,18 @@ def test_where_the_sums_do_not_fit_into_the_layers_counts_and_ranges_say_that_th
     def too_wide(*_):
         raise TooWideError
 
-    monkeypatch.setattr("dse.space.mdd.expand.expand", too_wide)
+    monkeypatch.setattr("dse.space.methods.mdd.expand.expand", too_wide)
     monkeypatch.setattr(engines.Engine, "count", lambda self, **_: Tally(15, False, 13, 16))
     a_space = space("sum(cost) <= 9 EUR", "sum(cost) >= 7 EUR")
     # Tables of one cell at most: the sum stays a sum.
-    chosen = Picking(Engine(flatten(a_space, 1))).pick(P, 1)
+    chosen = Picking(Engine(flatten(a_space, 1)), property_sums(a_space)).pick(P, 1)
     rows = left(chosen)
     assert len(rows) == 14
     for option in chosen.options(S):
         number = int((rows[:, S] == option.value).sum())
         assert option.is_possible is (number > 0)
         assert option.tally.exact or option.tally.low <= number <= option.tally.high
-    (found,) = chosen.ranges(totals(a_space))
+    (found,) = chosen.ranges()
     assert not found.exact
     assert (found.low, found.high) == (7.0, 9.0)
 
@@ -131,7 +135,7 @@ def test_any_walk_agrees_with_the_list(data):
         option = data.draw(st.sampled_from(options))
         chosen = chosen.pick(variable, option.value)
         assert chosen.left == option.tally == Tally(len(left(chosen)))
-        for number, value in chosen.forced.items():
+        for number, value in forced(chosen).items():
             assert set(left(chosen)[:, number].tolist()) == {value}
         for number in chosen.open:
             assert len(set(left(chosen)[:, number].tolist())) > 1

@@ -14,8 +14,8 @@ from dse.domain.component import Component
 from dse.domain.design import Alternative, Compound, DesignSpace, Part
 from dse.errors import DseError
 from dse.expression.parse import parse_expression
-from dse.space.engine import Engine
 from dse.space.language.evaluate import compile_value
+from dse.space.methods.engine import Engine
 from dse.space.questions.nearest import nearest
 from dse.space.questions.optimum import Aim, best_configurations, pareto_set
 from dse.units import parse_quantity

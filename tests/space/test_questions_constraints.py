@@ -12,7 +12,7 @@ from question_spaces import EXAMPLES, asked, without_diagram
 
 from dse.errors import DseError
 from dse.space.questions.conflict import conflict
-from dse.space.questions.explain import explain
+from dse.space.questions.explain import broken_by
 from dse.space.questions.impact import impact
 from dse.space.questions.minimal import minimal_conflict
 from dse.space.questions.occurrence import occurrences
@@ -69,7 +69,7 @@ def test_a_minimal_conflict_is_one_of_the_smallest_sets_that_conflict(conflicts)
 @given(asked(), st.integers(0, 1_000_000))
 def test_an_explanation_names_exactly_the_constraints_that_are_broken(found, place):
     row = place % len(found.rows)
-    broken = [entry.constraint for entry in explain(found.space, found.choices[row])]
+    broken = [entry.constraint for entry in broken_by(found.space, found.choices[row])]
     assert broken == [c for c, holds in zip(found.space.constraints, found.holds[row], strict=True) if not holds]
 
 

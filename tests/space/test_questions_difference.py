@@ -5,6 +5,7 @@ from __future__ import annotations
 from hypothesis import given
 from question_spaces import EXAMPLES, asked, related, without_diagram
 
+from dse.space.methods.engine import Engine
 from dse.space.questions.difference import difference
 from dse.space.questions.overlay import overlay
 
@@ -17,13 +18,13 @@ def valid_choices(found):
 @given(related())
 def test_what_is_common_makes_the_same_choices_in_both_spaces(both):
     before, after = both
-    found = difference(before.space, after.space)
+    found = difference(before.engine, after.engine)
     common = valid_choices(before) & valid_choices(after)
     assert found.before.value == before.valid().sum()
     assert found.after.value == after.valid().sum()
     assert found.common.value == len(common)
-    assert difference(after.space, before.space).common.value == len(common)
-    laid = before.engine.like(overlay(before.engine.flat, after.engine.flat))
+    assert difference(after.engine, before.engine).common.value == len(common)
+    laid = Engine(overlay(before.engine.flat, after.engine.flat), before.engine)
     for engine in (laid, without_diagram(laid)):
         rows = [row for block in engine.blocks() for row in block]
         assert {frozenset(laid.flat.choices(row).items()) for row in rows} == common
@@ -33,7 +34,7 @@ def test_what_is_common_makes_the_same_choices_in_both_spaces(both):
 @given(related())
 def test_alternatives_that_came_and_went_are_those_of_the_lists(both):
     before, after = both
-    found = difference(before.space, after.space)
+    found = difference(before.engine, after.engine)
     old, new = ({(v.path, x) for v in one.engine.flat.variables for x in v.values} for one in both)
     assert set(found.removed) == old - new
     assert set(found.added) == new - old
@@ -44,6 +45,6 @@ def test_alternatives_that_came_and_went_are_those_of_the_lists(both):
 @EXAMPLES
 @given(asked())
 def test_a_space_does_not_differ_from_itself(found):
-    same = difference(found.space, found.space)
+    same = difference(found.engine, found.engine)
     assert same.removed == same.added == same.constraints_removed == same.constraints_added == same.changed == ()
     assert same.before == same.after == same.common

@@ -15,10 +15,10 @@ from dse.errors import DseError
 from dse.expression.parse import parse_expression
 from dse.loading.workspace import Workspace
 from dse.loading.writing.design import write_components, write_design
-from dse.space.check import check
+from dse.space.check import check_space
+from dse.space.configurations.resolve import Resolver
 from dse.space.decisions import decisions, flat
-from dse.space.refine import refine, spanned
-from dse.space.resolve import Resolver
+from dse.space.narrowing.refine import refine, spanned
 from dse.units import parse_quantity
 
 SHAFT = Interface("shaft", (Port("out", Causality.OUTPUT, Type(Kind.REAL)),))
@@ -80,7 +80,7 @@ def assert_refined(rules, subset):
     except DseError:
         assert not expected
         return
-    assert check(refined) == []
+    assert check_space(refined) == []
     # Ids depend on the choices alone.
     assert valid(refined) == expected
 
@@ -239,5 +239,5 @@ def test_a_refined_space_is_written_as_a_file_with_the_same_configurations(subse
     (tmp_path / "components/all.yaml").write_text(write_components(components), encoding="utf-8")
     (tmp_path / "designs/car.yaml").write_text(write_design(refined), encoding="utf-8")
     again = Workspace(tmp_path).design("car")
-    assert check(again) == []
+    assert check_space(again) == []
     assert [c.id for c in configurations(again)] == [c.id for c in configurations(refined)]

@@ -15,17 +15,17 @@ from dse.domain.component import NO_INTERFACE, Component
 from dse.domain.design import Alternative, Compound, DesignSpace, Part
 from dse.errors import DseError
 from dse.expression.parse import parse_expression
-from dse.space.budget import TooMuchError
 from dse.space.flat import FlatSpace, Ints, Linear, Variable
-from dse.space.listing.blocks import first
 from dse.space.lowering import flatten
 from dse.space.lowering.objective import FoldedObjective, objective
-from dse.space.mdd.diagram import compile_diagram
-from dse.space.optimum import regions
-from dse.space.optimum.emptiness import is_empty
-from dse.space.optimum.optimizer import Optimizer
-from dse.space.optimum.pareto import pareto
-from dse.space.optimum.regions import best_valued
+from dse.space.methods.budget import TooMuchError
+from dse.space.methods.listing.blocks import first
+from dse.space.methods.mdd.diagram import compile_diagram
+from dse.space.methods.optimum import regions
+from dse.space.methods.optimum.emptiness import is_empty
+from dse.space.methods.optimum.optimizer import Optimizer
+from dse.space.methods.optimum.pareto import pareto
+from dse.space.methods.optimum.regions import best_valued
 
 QUIET = settings(max_examples=80, deadline=None, suppress_health_check=[HealthCheck.filter_too_much])
 

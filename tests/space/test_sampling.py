@@ -13,10 +13,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from dse.space.flat import ABSENT, FlatSpace, Fold, Gather, Linear, Table, Variable, Wide
-from dse.space.mdd.diagram import compile_diagram
-from dse.space.mdd.expand import expand
-from dse.space.sampling.sample import MOST_DRAWS, sample, tilted_walks, walk
-from dse.space.sampling.tilt import EmptyError, TooRareError, tilt
+from dse.space.methods.mdd.diagram import compile_diagram
+from dse.space.methods.mdd.expand import expand
+from dse.space.methods.sampling.sample import MOST_DRAWS, sample, tilted_walks, walk
+from dse.space.methods.sampling.tilt import EmptyError, TooRareError, tilt
 
 SUSPICIOUS = 4.5
 """Standard deviations a chi-square statistic may lie off; seeds are fixed, so a test passes for ever or never."""
@@ -146,7 +146,7 @@ def test_the_same_seed_gives_the_same_rows_and_a_larger_sample_starts_with_a_sma
 def test_the_size_of_a_block_changes_nothing(monkeypatch):
     diagram = compile_diagram(SPACES["two sums, one two-sided"])
     expected = sample(diagram, 1000, 7)
-    monkeypatch.setattr("dse.space.sampling.sample._BLOCK", 97)
+    monkeypatch.setattr("dse.space.methods.sampling.sample._BLOCK", 97)
     assert (sample(diagram, 1000, 7) == expected).all()
 
 

@@ -9,7 +9,7 @@ import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st
 
-from dse.space.sampling.uniform import bits, draw, generator, tabulate
+from dse.space.methods.sampling.uniform import bits, draw, generator, tabulate
 
 SHARES = st.lists(st.one_of(st.just(0.0), st.floats(1e-30, 1e30)), min_size=1, max_size=9).filter(any)
 

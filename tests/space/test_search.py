@@ -5,9 +5,9 @@ from itertools import islice
 import numpy as np
 import pytest
 
-from dse.space.budget import TooMuchError
 from dse.space.flat import Clause, FlatSpace, Linear, Table, Variable
-from dse.space.listing.search import first, rows
+from dse.space.methods.budget import TooMuchError
+from dse.space.methods.listing.search import first, rows
 
 ONE = np.array([False, True, False])
 

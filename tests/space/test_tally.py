@@ -7,7 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from dse.cli.spaces import number_text, tally_cell, tally_text
-from dse.space.tally import Tally, significant
+from dse.space.methods.tally import Tally, significant
 
 
 @given(st.integers(0, 10**40), st.integers(1, 6))

@@ -12,7 +12,7 @@ from dse.domain.fmu import FmuModel, UnitDefinition, Variable
 from dse.domain.system import Conversion
 from dse.errors import DseError
 from dse.kinds.fmu import FmuSource
-from dse.system.assemble import assemble
+from dse.system.assembly import WiredParts, assemble
 from dse.system.binding import bind
 from dse.units import is_rounded, parse_unit
 
@@ -146,7 +146,7 @@ def test_ports_on_one_array_are_one_variable_and_wires_of_their_own():
         "sink": model(Variable("u", 1, "Float64", "input", Kind.REAL, shape=(2,), sized_by=("",))),
     }
     wires = [Connection("s.a", "t.a"), Connection("s.b", "t.b")]
-    system = assemble("x", {"s": given, "t": taken}, wires, fmus, {}, [])
+    system = assemble("x", WiredParts({"s": given, "t": taken}, tuple(wires)), fmus, [])
     assert [v.name for v in system.element("s").outputs] == ["y"]
     assert [v.name for v in system.element("t").inputs] == ["u"]
     assert [(w.source_variable, w.target_variable) for w in system.wires] == [("y[1]", "u[2]"), ("y[2]", "u[1]")]
@@ -160,8 +160,8 @@ def test_a_structural_parameter_sizes_the_arrays_of_its_element():
         output("y", shape=(2,), sized_by=("n",)),
     )
     with pytest.raises(DseError, match=r"has no 'y\[3\]'"):
-        assemble("x", {"s": part}, [], {"source": fmu}, {}, ["s.b"])
-    element = assemble("x", {"s": part}, [], {"source": fmu}, {"s.n": 3}, ["s.b"]).element("s")
+        assemble("x", WiredParts({"s": part}), {"source": fmu}, ["s.b"])
+    element = assemble("x", WiredParts({"s": part}, (), {"s.n": 3}), {"source": fmu}, ["s.b"]).element("s")
     assert element.outputs[0].shape == (3,)
     assert element.start == {"n": 3.0}
 
@@ -170,11 +170,12 @@ def test_a_text_goes_to_a_variable_that_takes_texts():
     text = Parameter("file", Type(Kind.TEXT), "a.csv")
     part = Component("p", Interface("i", ()), source=FmuSource(Path("p.fmu")), parameters=(text,))
     fmu = model(Variable("file", 0, "String", "parameter", None))
-    assert assemble("x", {"p": part}, [], {"p": fmu}, {}, []).element("p").texts == {"file": "a.csv"}
-    assert assemble("x", {"p": part}, [], {"p": fmu}, {"p.file": "b"}, []).element("p").texts == {"file": "b"}
+    assert assemble("x", WiredParts({"p": part}), {"p": fmu}, []).element("p").texts == {"file": "a.csv"}
+    given = WiredParts({"p": part}, (), {"p.file": "b"})
+    assert assemble("x", given, {"p": fmu}, []).element("p").texts == {"file": "b"}
     number = model(Variable("file", 0, "Float64", "parameter", Kind.REAL))
     with pytest.raises(DseError, match="is real, not string"):
-        assemble("x", {"p": part}, [], {"p": number}, {}, [])
+        assemble("x", WiredParts({"p": part}), {"p": number}, [])
 
 
 @pytest.mark.parametrize(("inside", "outside"), [("rpm", "Hz"), ("Hz", "rad/s"), ("deg/s", "kHz")])
@@ -220,7 +221,7 @@ def sized_part() -> Component:
 
 def test_an_array_that_became_too_small_is_told_by_its_size():
     with pytest.raises(DseError) as caught:
-        assemble("x", {"s": sized_part()}, [], {"x": sized()}, {"s.m": 2}, [])
+        assemble("x", WiredParts({"s": sized_part()}, (), {"s.m": 2}), {"x": sized()}, [])
     (found,) = caught.value.problems
     assert found.what == "the FMU of x has no 'y[3]': 'y' has 2 values"
     assert found.hint == "its size is set by 'm'"
@@ -228,15 +229,16 @@ def test_an_array_that_became_too_small_is_told_by_its_size():
 
 def test_an_array_beyond_all_measure_is_refused_before_its_values_get_names():
     with pytest.raises(DseError, match=r"with m = 200000000 the array 'y' has 200,000,000 values"):
-        assemble("x", {"s": sized_part()}, [], {"x": sized()}, {"s.m": 200_000_000}, [])
+        assemble("x", WiredParts({"s": sized_part()}, (), {"s.m": 200_000_000}), {"x": sized()}, [])
 
 
 def test_a_number_that_is_none_of_an_enumerations_items_is_refused():
     kind = Variable("k", 1, "Int64", "parameter", Kind.ENUMERATION, start=("1",), items={"Option 1": 1, "Option 2": 7})
     part = Component("p", Interface("i", ()), parameters=(Parameter("k", Type(Kind.INTEGER), 1),))
-    assert assemble("x", {"p": part}, [], {"p": model(kind)}, {"p.k": 7}, []).element("p").start == {"k": 7.0}
+    given = WiredParts({"p": part}, (), {"p.k": 7})
+    assert assemble("x", given, {"p": model(kind)}, []).element("p").start == {"k": 7.0}
     with pytest.raises(DseError) as caught:
-        assemble("x", {"p": part}, [], {"p": model(kind)}, {"p.k": 3}, [])
+        assemble("x", WiredParts({"p": part}, (), {"p.k": 3}), {"p": model(kind)}, [])
     (found,) = caught.value.problems
     assert found.what == "'k' in the FMU of p cannot be 3: it is an enumeration"
     assert found.hint == "its items: 1 (Option 1), 7 (Option 2)"

@@ -10,8 +10,8 @@ from dse.exploration.executors.local import Local
 from dse.exploration.loop import explore
 from dse.loading.workspace import Workspace
 from dse.storage.folder import StudyFolder
-from dse.testbench.execute import make_runner
-from dse.testbench.plan import plan
+from dse.testbench.runner import make_runner
+from dse.testbench.study import prepare_study
 
 FILES = {
     "components/interfaces.yaml": """\
@@ -96,9 +96,9 @@ def workspace(tmp_path: Path) -> Workspace:
 @pytest.mark.thorough
 def test_each_bad_run_is_a_row_that_names_the_fmu_the_call_and_the_time(workspace, tmp_path):
     study = workspace.study("moods")
-    planned = plan(study, cache=tmp_path / "cache")
+    planned = prepare_study(study, cache=tmp_path / "cache")
     with StudyFolder.create(tmp_path / "out", planned.definition) as store:
-        summary = explore(study, planned.prepared, store, executor=Local(workers=2), make_runner=make_runner)
+        summary = explore(study, planned.benches, store, executor=Local(workers=2), make_runner=make_runner)
         good, crashed, hung, nonsense = store.table().runs()
     assert summary.failed == 3
     assert good.problem == ""

@@ -11,9 +11,9 @@ import pytest
 from dse.domain.method import Adaptive, Method
 from dse.domain.run import Outcome, RunRequest
 from dse.loading.workspace import Workspace
-from dse.testbench.execute import Runner
 from dse.testbench.halved import finer
-from dse.testbench.plan import bench_study, plan
+from dse.testbench.runner import Runner
+from dse.testbench.study import bench_study, prepare_study
 
 FILES = {
     "components/interfaces.yaml": """\
@@ -90,8 +90,8 @@ def bench(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
 
 
 def run_of(bench, **point: float):
-    planned = plan(bench_study(bench))
-    ((identity, prepared),) = planned.prepared.items()
+    planned = prepare_study(bench_study(bench))
+    ((identity, prepared),) = planned.benches.items()
     with Runner(prepared) as executor:
         return executor.run(RunRequest(0, identity, point), keep=False), planned
 

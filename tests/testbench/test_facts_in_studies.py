@@ -15,9 +15,9 @@ from dse.exploration.loop import explore
 from dse.fmu.toolchain.platforms import this_platform
 from dse.loading.workspace import Workspace
 from dse.storage.folder import StudyFolder
-from dse.testbench.execute import make_runner
-from dse.testbench.plan import Plan, bench_study, plan
-from dse.testbench.trust import keep_facts
+from dse.testbench.facts import keep_facts
+from dse.testbench.runner import make_runner
+from dse.testbench.study import PreparedStudy, bench_study, prepare_study
 
 FILES = {
     "components/interfaces.yaml": "interfaces:\n  source: {outputs: {y: m}}\n",
@@ -76,17 +76,17 @@ def workspace(tmp_path: Path) -> Workspace:
     return Workspace(tmp_path)
 
 
-def know(planned: Plan, cache: Path, answers: dict[Question, Answer], instances: int = 0) -> None:
-    (prepared,) = planned.prepared.values()
+def know(planned: PreparedStudy, cache: Path, answers: dict[Question, Answer], instances: int = 0) -> None:
+    (prepared,) = planned.benches.values()
     (content,) = {element.model.content_hash for element in prepared.system.elements}
     known = FmuFacts(content, this_platform().name, "fragile", 2, "CoSimulation", answers, instances=instances)
     keep_facts(known, cache=cache)
 
 
-def problems(planned: Plan, folder: Path, threads: int = 1) -> list[str]:
+def problems(planned: PreparedStudy, folder: Path, threads: int = 1) -> list[str]:
     with StudyFolder.create(folder, planned.definition) as store:
         explore(
-            planned.study, planned.prepared, store, executor=Local(workers=1, threads=threads), make_runner=make_runner
+            planned.study, planned.benches, store, executor=Local(workers=1, threads=threads), make_runner=make_runner
         )
         return [run.problem for run in store.table().runs() if run.problem]
 
@@ -95,34 +95,34 @@ def problems(planned: Plan, folder: Path, threads: int = 1) -> list[str]:
 @pytest.mark.thorough
 def test_a_process_is_renewed_before_an_fmu_dies_of_too_many_instances(workspace, tmp_path, keep):
     study, cache = replace(workspace.study("gains"), keep=keep), tmp_path / "cache"
-    unknown = plan(study, cache=cache)
+    unknown = prepare_study(study, cache=cache)
     (died,) = problems(unknown, tmp_path / "unknown")
     assert died.startswith("crashed (signal 11)")
     know(unknown, cache, {Question.LASTS: Answer.NO, Question.RESETS: Answer.NO}, instances=12)
-    assert problems(plan(study, cache=cache), tmp_path / "known") == []
+    assert problems(prepare_study(study, cache=cache), tmp_path / "known") == []
 
 
 def test_what_is_known_changes_neither_the_study_nor_its_numbers(workspace, tmp_path):
     study, cache = workspace.study("gains"), tmp_path / "cache"
-    before = plan(study, cache=cache)
+    before = prepare_study(study, cache=cache)
     know(before, cache, {Question.RESETS: Answer.NO, Question.THREADS: Answer.NO})
-    after = plan(study, cache=cache)
+    after = prepare_study(study, cache=cache)
     assert after.definition == before.definition
 
 
 def test_a_system_its_fmus_do_not_bear_is_refused_before_the_first_run(workspace, tmp_path):
     bench, cache = workspace.bench("two"), tmp_path / "cache"
     study = bench_study(bench)
-    know(plan(study, cache=cache), cache, {Question.COEXISTS: Answer.NO})
+    know(prepare_study(study, cache=cache), cache, {Question.COEXISTS: Answer.NO})
     with pytest.raises(DseError, match=r"two\.yaml.*head, tail: fragile does not bear several instances"):
-        plan(study, cache=cache)
+        prepare_study(study, cache=cache)
 
 
 def test_threads_are_taken_only_where_they_are_known_to_be_borne(workspace, tmp_path):
     study, cache = workspace.study("gains"), tmp_path / "cache"
-    (ours,) = plan(study, cache=cache).prepared.values()
+    (ours,) = prepare_study(study, cache=cache).benches.values()
     assert not ours.thread_safe  # its instances have a variable in common
     for answer in (Answer.YES, Answer.NO):
-        know(plan(study, cache=cache), cache, {Question.THREADS: answer})
-        (probed,) = plan(study, cache=cache).prepared.values()
+        know(prepare_study(study, cache=cache), cache, {Question.THREADS: answer})
+        (probed,) = prepare_study(study, cache=cache).benches.values()
         assert probed.thread_safe is (answer is Answer.YES)

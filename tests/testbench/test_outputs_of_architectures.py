@@ -11,7 +11,7 @@ from dse.domain.bench import TestBench as Bench
 from dse.domain.design import Configuration
 from dse.errors import DseError
 from dse.loading.workspace import Workspace
-from dse.space.enumerate import configurations
+from dse.space.opened import open_space
 from dse.testbench.prepare import check_bench
 
 ROOT = Path(__file__).parents[2]
@@ -23,7 +23,7 @@ def bench() -> Bench:
 
 
 def with_powertrain(bench: Bench, name: str) -> Configuration:
-    return next(c for c in configurations(bench.design) if c.choices["powertrain"] == name)
+    return next(c for c in open_space(bench.design).configurations() if c.choices["powertrain"] == name)
 
 
 def recording(bench: Bench, *names: str) -> Bench:

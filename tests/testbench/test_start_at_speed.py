@@ -9,8 +9,8 @@ import pytest
 from dse.cosim.failing.failure import RunFailed
 from dse.cosim.simulator import Simulator
 from dse.loading.workspace import Workspace
-from dse.space.enumerate import configurations
-from dse.testbench.prepare import prepare
+from dse.space.opened import open_space
+from dse.testbench.prepare import prepare_bench
 
 ROOT = Path(__file__).parents[2]
 SPEED, RADIUS = 18.6, 0.31  # m/s; the world's wheels
@@ -19,8 +19,8 @@ SPEED, RADIUS = 18.6, 0.31  # m/s; the world's wheels
 @pytest.fixture(scope="module")
 def simulator(tmp_path_factory: pytest.TempPathFactory):
     bench = Workspace.around(ROOT).bench("acc_following")
-    chosen = next(c for c in configurations(bench.design) if c.choices["powertrain"] == "combustion_6at")
-    prepared = prepare(bench, [chosen], cache=tmp_path_factory.mktemp("cache"))[chosen.id]
+    chosen = next(c for c in open_space(bench.design).configurations() if c.choices["powertrain"] == "combustion_6at")
+    prepared = prepare_bench(bench, [chosen], cache=tmp_path_factory.mktemp("cache"))[chosen.id]
     with Simulator(prepared.system, ["world.speed", "powertrain.torque_front"]) as found:
         yield found
 

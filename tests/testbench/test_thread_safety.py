@@ -10,7 +10,7 @@ from dse.fmu.statics import static_names
 from dse.fmu.toolchain.compilation import compile_assembly
 from dse.fmu.toolchain.compiler import find_compiler
 from dse.loading.workspace import Workspace
-from dse.testbench.plan import bench_study, plan
+from dse.testbench.study import bench_study, prepare_study
 
 FILES = {
     "components/interfaces.yaml": "interfaces:\n  source: {outputs: {y: m}}\n",
@@ -55,8 +55,8 @@ def test_a_c_component_with_static_variables_is_not_simulated_in_threads(
         (tmp_path / name).write_text(text, encoding="utf-8")
     study = bench_study(Workspace(tmp_path).bench("one"))
     for _ in range(2):  # found out, and remembered
-        planned = plan(study, cache=tmp_path / "cache", version=version)
-        assert [bench.thread_safe for bench in planned.prepared.values()] == [safe]
+        planned = prepare_study(study, cache=tmp_path / "cache", version=version)
+        assert [bench.thread_safe for bench in planned.benches.values()] == [safe]
 
 
 @pytest.mark.parametrize(

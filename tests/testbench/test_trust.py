@@ -16,7 +16,7 @@ from dse.domain.fmu import Capabilities, FmiInterface, FmuModel
 from dse.domain.system import Element, SystemStructure
 from dse.fmu.toolchain.platforms import this_platform
 from dse.kinds.fmu import FmuSource
-from dse.testbench.trust import consequences, facts_of, is_thread_safe, keep_facts, known_facts
+from dse.testbench.facts import consequences, facts_of, is_thread_safe, keep_facts, known_facts
 
 HASH = "5a" * 32
 

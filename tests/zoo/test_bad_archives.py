@@ -8,7 +8,7 @@ import pytest
 
 from dse.errors import DseError
 from dse.fmu.unpack import open_fmu
-from dse.testbench.plan import plan
+from dse.testbench.study import prepare_study
 from zoo.bad_archives import BAD_ARCHIVES, build_bad
 from zoo.workspace import lay_out
 
@@ -39,7 +39,7 @@ def test_a_bad_archive_is_refused_by_name_and_leaves_nothing(name: str, archives
 def test_a_study_is_told_of_all_bad_archives_at_once_and_does_not_begin(archives: Path, tmp_path: Path) -> None:
     workspace = lay_out(tmp_path / "work", ["tame"], {name: archives / f"{name}.fmu" for name in BAD_ARCHIVES})
     with pytest.raises(DseError) as caught:
-        plan(workspace.study("zoo"), cache=tmp_path / "cache")
+        prepare_study(workspace.study("zoo"), cache=tmp_path / "cache")
     for name in BAD_ARCHIVES:
         concerned = [str(problem) for problem in caught.value.problems if name in str(problem)]
         assert len(concerned) == 1, name

@@ -15,8 +15,8 @@ from dse.domain.run import Outcome, Run, Waveforms
 from dse.exploration.executors.local import Local
 from dse.exploration.loop import Explored, explore
 from dse.storage.folder import StudyFolder
-from dse.testbench.execute import make_runner
-from dse.testbench.plan import plan
+from dse.testbench.runner import make_runner
+from dse.testbench.study import prepare_study
 from zoo.animals import ANIMALS
 from zoo.workspace import lay_out
 
@@ -50,15 +50,15 @@ class Visit:
 
 def visit(folder: Path, chosen: Sequence[str]) -> Visit:
     study = lay_out(folder / "work", chosen).study("zoo")
-    planned = plan(study, cache=folder / "cache")
-    animals = {name: bench.system.element("head").model.archive.stem for name, bench in planned.prepared.items()}
+    planned = prepare_study(study, cache=folder / "cache")
+    animals = {name: bench.system.element("head").model.archive.stem for name, bench in planned.benches.items()}
     desk, here = folder / "desk", Path.cwd()
     desk.mkdir()
     # A relative folder, as the command line has it: a worker that has gone elsewhere would not find it.
     os.chdir(desk)
     try:
         with StudyFolder.create(Path("out"), planned.definition) as store:
-            summary = explore(study, planned.prepared, store, executor=Local(workers=2), make_runner=make_runner)
+            summary = explore(study, planned.benches, store, executor=Local(workers=2), make_runner=make_runner)
             runs: dict[str, list[Run]] = {name: [] for name in chosen}
             waveforms: dict[str, list[Waveforms | None]] = {name: [] for name in chosen}
             for run in store.table().runs():

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
 from typing import TYPE_CHECKING, Any
 
 from dse.api.showing import described
@@ -11,8 +10,7 @@ if TYPE_CHECKING:
     import pandas as pd
     import pyarrow as pa
 
-    from dse.domain.design import DesignSpace
-    from dse.space.flat import Rows
+    from dse.space.opened import OpenedSpace
     from dse.storage.folder import StudyFolder
 
 
@@ -41,20 +39,12 @@ def runs_table(folder: StudyFolder) -> pa.Table:
     return pa.table(list(arrays.values()), schema=pa.schema(fields))
 
 
-def configurations_frame(space: DesignSpace, blocks: Iterable[Rows]) -> pd.DataFrame:
+def configurations_frame(opened: OpenedSpace, limit: int | None) -> pd.DataFrame:
     """One row per configuration by id: the choices, None where nothing stands, and the sums, units in ``attrs``."""
-    import numpy as np
     import pandas as pd
 
-    from dse.space.output.sheet import Sheet
-
-    sheet = Sheet(space)
-    found = [np.zeros((0, len(sheet.variables)), np.int16), *blocks]
-    rows = np.concatenate(found)
-    columns: dict[str, Any] = {
-        place.path: [place.names[code] if code >= 0 else None for code in place.of(rows).tolist()]
-        for place in sheet.places
-    }
+    sheet, rows = opened.sheet(), opened.rows(limit)
+    columns: dict[str, Any] = {place.path: place.chosen(rows) for place in sheet.places}
     columns |= {f"sum({total.name})": total.values(rows) for total in sheet.totals}
     frame = pd.DataFrame(columns, pd.Index(sheet.ids(rows), name="id"))
     frame.attrs["units"] = {f"sum({total.name})": total.unit.symbol for total in sheet.totals}

@@ -11,7 +11,7 @@ from dse.api.showing.html import table
 if TYPE_CHECKING:
     import pandas as pd
 
-    from dse.api.spaces.question import Question
+    from dse.space.opened import OpenedSpace
     from dse.space.questions.optimum import Aim, Ranked
     from dse.units import Unit
 
@@ -22,17 +22,15 @@ class Ranking(Sequence["Ranked"]):
     Each entry has ``id``, ``choices`` and ``values``, exact and in SI, one for each aim.
     """
 
-    def __init__(self, question: Question, aims: Sequence[Aim], entries: Sequence[Ranked]) -> None:
-        self.question = question
+    def __init__(self, opened: OpenedSpace, aims: Sequence[Aim], entries: Sequence[Ranked]) -> None:
+        self.opened = opened
         self.aims = tuple(aims)
         self._entries = tuple(entries)
 
     @cached_property
     def units(self) -> tuple[Unit, ...]:
         """The unit each aim is shown in."""
-        from dse.space.questions.optimum import display_unit
-
-        return tuple(display_unit(self.question.space, aim) for aim in self.aims)
+        return tuple(self.opened.unit_of(aim) for aim in self.aims)
 
     def shown(self) -> list[list[float]]:
         """The values of each entry in `units`."""
@@ -75,10 +73,10 @@ class Ranking(Sequence["Ranked"]):
         return self._entries[place]
 
     def __repr__(self) -> str:
-        return f"<Ranking of {self.question.title()}: {', '.join(' '.join(row) for row in self._rows())}>"
+        return f"<Ranking of {self.opened.title()}: {', '.join(' '.join(row) for row in self._rows())}>"
 
     def _repr_html_(self) -> str:
-        return table(self.question.title(), ("id", *map(str, self.aims)), self._rows())
+        return table(self.opened.title(), ("id", *map(str, self.aims)), self._rows())
 
     def _rows(self) -> list[list[str]]:
         return [[entry.id, *texts] for entry, texts in zip(self._entries, self.texts(), strict=True)]

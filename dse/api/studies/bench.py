@@ -85,7 +85,7 @@ class Bench(_Named[TestBench]):
 
     def run(self, folder: str | Path, **options: Unpack[Exploring]) -> Results:
         """Run the bench on every valid configuration, into a study folder; see `Study.explore`."""
-        from dse.testbench.plan import bench_study
+        from dse.testbench.study import bench_study
 
         return Study(bench_study(self.noun)).explore(folder, **options)
 

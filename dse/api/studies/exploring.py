@@ -15,9 +15,9 @@ from dse.exploration.progress import Progress
 from dse.exploration.supervision.single_run import simulate_alone
 from dse.storage.database.header import StudyHeader
 from dse.storage.folder import StudyFolder
-from dse.testbench.execute import make_runner
-from dse.testbench.fuse import fused_plan
-from dse.testbench.plan import Plan, plan
+from dse.testbench.fuse import fuse_study
+from dse.testbench.runner import make_runner
+from dse.testbench.study import PreparedStudy, prepare_study
 
 if TYPE_CHECKING:
     from dse.domain.run import Run
@@ -45,15 +45,15 @@ class ExploreOptions:
     fmi: int = 2
 
 
-def ready(study: Study, fmi: int = 2, *, fuse: bool = False, tell: Tell | None = None) -> Plan:
+def ready(study: Study, fmi: int = 2, *, fuse: bool = False, tell: Tell | None = None) -> PreparedStudy:
     """*study* with all that has to be built for it. Raises DseError."""
     say = tell or (lambda _: None)
     say("building FMUs, assembling configurations")
-    planned = plan(study, version=fmi)
+    planned = prepare_study(study, version=fmi)
     if not fuse:
         return planned
     say("fusing configurations")
-    return fused_plan(planned, tell=lambda made, all_: say(f"fusing configurations: {made} of {all_}"))
+    return fuse_study(planned, tell=lambda made, all_: say(f"fusing configurations: {made} of {all_}"))
 
 
 def explore_into(
@@ -73,7 +73,7 @@ def explore_into(
     if options.fresh:
         StudyFolder.discard(folder)
     with StudyFolder.resume(folder, planned.definition) as store:
-        return explore(study, planned.prepared, store, executor=executor, on_progress=on_progress)
+        return explore(study, planned.benches, store, executor=executor, on_progress=on_progress)
 
 
 def executor_of(study: Study, options: ExploreOptions) -> Executor:
@@ -87,10 +87,10 @@ def executor_of(study: Study, options: ExploreOptions) -> Executor:
     return load_executor(ExecutorChoice(choice.name, {**choice.options, **given}))
 
 
-def alone(study: Study, fmi: int, *, fuse: bool = False, tell: Tell | None = None) -> tuple[Run, Plan]:
+def alone(study: Study, fmi: int, *, fuse: bool = False, tell: Tell | None = None) -> tuple[Run, PreparedStudy]:
     """The single run of *study*, made in a process of its own, with waveforms; and what it was made from."""
     planned = ready(study, fmi, fuse=fuse, tell=tell)
-    ((name, prepared),) = planned.prepared.items()
+    ((name, prepared),) = planned.benches.items()
     if tell:
         tell("simulating")
     return simulate_alone(prepared, make_runner, name, StudyHeader(planned.definition).measures), planned

@@ -11,15 +11,15 @@ from dse.api.showing.described import si_unit
 from dse.api.studies.exploring import Tell, alone, ready
 from dse.api.studies.run import Run
 from dse.domain.study import Selection
-from dse.testbench.plan import bench_study, with_settings
-from dse.testbench.select import one
+from dse.testbench.select import one_configuration
+from dse.testbench.study import bench_study, with_settings
 
 if TYPE_CHECKING:
     from dse.domain.bench import TestBench
     from dse.domain.design import Configuration
     from dse.domain.study import Study
     from dse.loading.values import Raw
-    from dse.testbench.plan import Plan
+    from dse.testbench.study import PreparedStudy
 
 
 def simulate_once(
@@ -46,7 +46,9 @@ def simulate_once(
 
 def study_of_bench(bench: TestBench, configuration: str | None = None) -> Study:
     """The study of *bench* on the configuration whose id starts so, or on every valid one."""
-    return bench_study(bench, None if configuration is None else Selection((one(bench.design, configuration).id,)))
+    if configuration is None:
+        return bench_study(bench)
+    return bench_study(bench, Selection((one_configuration(bench.design, configuration).id,)))
 
 
 def fused_libraries(
@@ -54,7 +56,7 @@ def fused_libraries(
 ) -> dict[str, Path]:
     """The fused library of each configuration of `study_of_bench`, by its id."""
     planned = ready(study_of_bench(bench, configuration), fmi, fuse=True, tell=tell)
-    return {name: bench.fused.path for name, bench in planned.prepared.items() if bench.fused is not None}
+    return {name: bench.fused.path for name, bench in planned.benches.items() if bench.fused is not None}
 
 
 def write_package(
@@ -63,39 +65,32 @@ def write_package(
     """Write the configuration as `simulate_once` has it as an SSP package; returns it and how many elements it has."""
     from dse.interchange.structure import ExperimentSettings
     from dse.interchange.writing.write import write_ssp
-    from dse.testbench.prepare import prepare
+    from dse.testbench.prepare import prepare_bench
 
     study = _single(bench, configuration, settings)
-    chosen = one(bench.design, *study.selection.ids)
-    prepared = prepare(study.bench, [chosen], version=fmi)[chosen.id]
+    chosen = one_configuration(bench.design, *study.selection.ids)
+    prepared = prepare_bench(study.bench, [chosen], version=fmi)[chosen.id]
     simulation = prepared.simulation
     times = ExperimentSettings(0.0, simulation.stop, simulation.step, simulation.record_every)
     write_ssp(target, bench.name, prepared.system, times)
     return chosen, len(prepared.system.elements)
 
 
-def recorded_units(planned: Plan) -> dict[str, str]:
+def recorded_units(planned: PreparedStudy) -> dict[str, str]:
     """The SI unit of each waveform that is kept of the study's runs."""
     from dse.domain.component import Kind
     from dse.domain.method import BONDS
-    from dse.space.wiring import faces
-    from dse.testbench.prepare import parts_and_wiring
+    from dse.testbench.wired import wire_bench
 
-    bench = planned.study.bench
     kept: dict[str, str] = {}
-    for prepared in planned.prepared.values():
-        found = {f"{BONDS}.{bond.name}": "J" for bond in bench.simulation.method.bonds}
-        parts, _ = parts_and_wiring(bench, prepared.configuration)
-        for path, component in parts.items():
-            for port in component.interface.ports:
-                is_number = port.type.kind is Kind.REAL
-                found[f"{path}.{port.name}"] = si_unit(port.type.unit.symbol) if is_number else ""
-        behind = faces(bench.design, prepared.configuration.choices)
-        found |= {face: found[source] for face, source in behind.items()}
-        kept |= {name: found[name] for name in prepared.kept}
+    for prepared in planned.benches.values():
+        wired = wire_bench(planned.study.bench, prepared.configuration)
+        units = {name: si_unit(t.unit.symbol) if t.kind is Kind.REAL else "" for name, t in wired.signals.items()}
+        units |= {f"{BONDS}.{bond.name}": "J" for bond in prepared.simulation.method.bonds}
+        kept |= {name: units[name] for name in prepared.recording.kept}
     return kept
 
 
 def _single(bench: TestBench, configuration: str | None, settings: Mapping[str, Raw]) -> Study:
-    chosen = one(bench.design, configuration)
+    chosen = one_configuration(bench.design, configuration)
     return bench_study(with_settings(bench, settings, chosen), Selection((chosen.id,)))

@@ -57,7 +57,7 @@ def build(
 
 
 def _fmus(names: list[str] | None, version: int, workspace: Path) -> dict[str, Path]:
-    from dse.fmu.build import build_all
+    from dse.fmu.building import build_all
     from dse.loading.component.kind import kind_of
     from dse.loading.workspace import Workspace
 

@@ -47,7 +47,7 @@ def components(
 
 
 def _draw(components: list[Component], folder: Path) -> None:
-    from dse.report.component_picture import draw, pictured
+    from dse.pictures.component import draw, pictured
 
     folder.mkdir(parents=True, exist_ok=True)
     for component in components:

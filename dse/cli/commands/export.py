@@ -8,8 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from dse.api.naming import space_of, workspace_of
-from dse.api.spaces.question import ask
+from dse.api.naming import opened, space_of, workspace_of
 from dse.cli.app import group
 from dse.cli.arguments import Bench, Choose, Configuration, Design, FmiVersion, Off, On, Settings, Where
 from dse.cli.terminal import console, say
@@ -48,13 +47,10 @@ def export_csv(
 
     A line for each configuration: its id, the choice at each place, the sums the constraints speak of.
     """
-    from dse.space.output.export import save
-    from dse.space.output.sheet import Sheet
-
     if target.suffix.lower() != ".csv":
         raise typer.BadParameter(f"'{target.name}' must end in .csv", param_hint="--output")
-    question = ask(space_of(design), choose, where, on, off)
-    written = save(Sheet(question.space), question.engine.blocks(), target)
+    part = opened(design, choose, where, on, off)
+    written = part.save(part.blocks(), target)
     say(f"{target}: {written:,} configuration{'' if written == 1 else 's'}")
 
 

@@ -119,11 +119,11 @@ def _counted(things: Sized, what: str) -> str:
 
 def _files(space: DesignSpace, folder: Path) -> dict[Path, str]:
     """What to write, by path. Raises DseError if one of the files is there already."""
+    from dse.domain.design import Part, walk
     from dse.errors import Location, Problem, raise_if_any
     from dse.loading.writing.design import write_components, write_design
-    from dse.space.decisions import sites
 
-    components = {site.name: site.component for site in sites(space) if site.component}
+    components = {node.name: node.component for _, node in walk(space.root) if isinstance(node, Part)}
     files = {
         folder / "components" / f"{space.name}.yaml": write_components(components.values()),
         folder / "designs" / f"{space.name}.yaml": write_design(space),

@@ -54,7 +54,7 @@ def probe(
 
     What was found is kept in the cache, and all simulations act on it: an FMU that lies about its reset is never reset.
     """
-    from dse.api.probing import as_data, known_facts, model_of, probe_fmu
+    from dse.api.probing import facts_as_data, known_facts, model_of, probe_fmu
     from dse.domain.facts import Answer, Question
 
     found: list[FmuFacts] = []
@@ -72,7 +72,7 @@ def probe(
         if output is Output.TABLE:
             _show(name, model, facts)
     if output is Output.JSON:
-        print_json([{"fmu": name, **as_data(facts)} for name, facts in zip(names, found, strict=True)])
+        print_json([{"fmu": name, **facts_as_data(facts)} for name, facts in zip(names, found, strict=True)])
     failed = any(facts.answer(Question.RUNS) is not Answer.YES for facts in found)
     raise typer.Exit(RUNS_FAILED if failed else DONE)
 

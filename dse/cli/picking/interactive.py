@@ -13,11 +13,11 @@ from dse.errors import fail
 
 if TYPE_CHECKING:
     from dse.domain.design import DesignSpace
-    from dse.space.decisions import Choices
-    from dse.space.engine import Engine
+    from dse.space.configurations.ids import IdentifiedChoices
+    from dse.space.opened import OpenedSpace
 
 
-def choose(space: DesignSpace, engine: Engine, target: Path | None) -> None:
+def choose(part: OpenedSpace, target: Path | None) -> None:
     """Let the user choose one configuration; print its id and its choices, or save them to *target*, a YAML file.
 
     Raises DseError if this is not a terminal, or if *target* cannot be written.
@@ -27,39 +27,35 @@ def choose(space: DesignSpace, engine: Engine, target: Path | None) -> None:
     if not (sys.stdin.isatty() and sys.stdout.isatty()):
         hint = "without one, use --where, or dse space count … --choose PLACE=CHOICE"
         raise fail("--interactive needs a terminal", None, hint)
-    if engine.is_empty():
-        raise fail(
-            f"'{space.name}' has no valid configuration", space.where, f"ask why: dse space conflict {space.name}"
-        )
+    space = part.space
+    if part.is_empty():
+        hint = f"ask why: dse space conflict {space.name}"
+        raise fail(f"'{space.name}' has no valid configuration", space.where, hint)
     from dse.cli.picking.picker import Picker
 
-    choices = Picker(space, engine).run()
-    if choices is None:
+    chosen = Picker(space, part.picking()).run()
+    if chosen is None:
         return
-    say(outcome(choices))
+    say(outcome(chosen))
     if target is not None:
-        target.write_text(choices_yaml(space, choices), encoding="utf-8", newline="\n")
+        target.write_text(choices_yaml(space, chosen), encoding="utf-8", newline="\n")
         say(f"choices: {target}")
 
 
-def outcome(choices: Choices) -> str:
+def outcome(chosen: IdentifiedChoices) -> str:
     """The id of a configuration, and the options that name it on a command line."""
-    from dse.space.identify import identify
-
-    options = " ".join(f"--choose {path}={name}" for path, name in choices.items())
-    return f"configuration {identify(choices)}\n{options}".rstrip()
+    options = " ".join(f"--choose {path}={name}" for path, name in chosen.choices.items())
+    return f"configuration {chosen.id}\n{options}".rstrip()
 
 
-def choices_yaml(space: DesignSpace, choices: Choices) -> str:
+def choices_yaml(space: DesignSpace, chosen: IdentifiedChoices) -> str:
     """The choices as a YAML document: ``design``, ``configuration`` (its id) and ``choices`` by path."""
     import io
 
     from ruamel.yaml import YAML
 
-    from dse.space.identify import identify
-
     writer = YAML()
     writer.default_flow_style = False
     stream = io.StringIO()
-    writer.dump({"design": space.name, "configuration": identify(choices), "choices": dict(choices)}, stream)
+    writer.dump({"design": space.name, "configuration": chosen.id, "choices": dict(chosen.choices)}, stream)
     return stream.getvalue()

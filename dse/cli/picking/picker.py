@@ -15,11 +15,9 @@ from textual.widgets.option_list import Option as Line
 from dse.cli.spaces import short, tally_text
 from dse.domain.design import DesignSpace
 from dse.errors import DseError
-from dse.space.decisions import Choices
-from dse.space.engine import Engine
-from dse.space.output.totals import totals
-from dse.space.picking import Option, Picking, Range
-from dse.space.tally import Tally
+from dse.space.configurations.ids import IdentifiedChoices
+from dse.space.methods.tally import Tally
+from dse.space.questions.picking import Option, Picking, Range
 
 LEFT_OUT = "(left out)"
 """How a part that is left out is called."""
@@ -29,8 +27,8 @@ _PARTS = " ▏▎▍▌▋▊▉█"
 _NAMED = 8
 
 
-class Picker(App[Choices]):
-    """Picks one configuration of *space*; returns its choices, or None if the user leaves."""
+class Picker(App[IdentifiedChoices]):
+    """Picks one configuration of *space*; returns it, or None if the user leaves."""
 
     TITLE = "dse enumerate --interactive"
     ENABLE_COMMAND_PALETTE = False
@@ -54,16 +52,15 @@ class Picker(App[Choices]):
         Binding("escape", "close_search", "Close search", show=False),
     ]
 
-    def __init__(self, space: DesignSpace, engine: Engine) -> None:
+    def __init__(self, space: DesignSpace, picking: Picking) -> None:
         super().__init__()
         self.space = space
-        self.picking = Picking(engine)
+        self.picking = picking
         self.history: list[Picking] = []
         self.options: tuple[Option, ...] = ()
         self.ranges: tuple[Range, ...] = ()
         self.current: int | None = None
-        self._sums = totals(space)
-        self._depths = _depths(engine)
+        self._depths = _depths(picking)
 
     def compose(self) -> ComposeResult:
         """The widgets, from top to bottom."""
@@ -121,7 +118,7 @@ class Picker(App[Choices]):
     def action_reset(self) -> None:
         """Take back everything."""
         if self.picking.picks:
-            self._step(Picking(self.picking.engine))
+            self._step(self.picking.reset())
 
     def action_search(self) -> None:
         """Open the search."""
@@ -141,7 +138,7 @@ class Picker(App[Choices]):
         if self.picking.is_complete:
             self.action_complete()
             return
-        paths = [self.picking.engine.flat.variables[number].path for number in self.picking.open]
+        paths = [self.picking.variables[number].path for number in self.picking.open]
         listed = ", ".join(paths[:_NAMED]) + (", …" if len(paths) > _NAMED else "")
         self.notify(f"still open: {listed}" if paths else "nothing is left", severity="warning")
 
@@ -154,11 +151,10 @@ class Picker(App[Choices]):
         self.exit(None)
 
     def _first_left(self) -> Callable[[], None]:
-        row = self.picking.row()
-        if row is None:
+        chosen = self.picking.first()
+        if chosen is None:
             return lambda: self.notify("nothing is left", severity="warning")
-        choices = self.picking.engine.flat.choices(row)
-        return lambda: self.exit(choices)
+        return lambda: self.exit(chosen)
 
     def _step(self, picking: Picking) -> None:
         self.history.append(self.picking)
@@ -175,7 +171,7 @@ class Picker(App[Choices]):
             decisions = picking.decisions
             shown = current if current in decisions else next(iter(decisions), None)
             options = picking.options(shown) if shown is not None else ()
-            ranges = picking.ranges(self._sums)
+            ranges = picking.ranges()
             return lambda: self._show(picking, shown, options, ranges)
 
         self._work(calculated)
@@ -218,7 +214,7 @@ class Picker(App[Choices]):
 
     def _show_decisions(self, wanted: str) -> None:
         decisions = self.query_one("#decisions", OptionList)
-        variables = self.picking.engine.flat.variables
+        variables = self.picking.variables
         found = [number for number in self.picking.decisions if wanted.lower() in variables[number].path.lower()]
         with self.prevent(OptionList.OptionHighlighted):
             decisions.clear_options()
@@ -227,7 +223,7 @@ class Picker(App[Choices]):
                 decisions.highlighted = found.index(self.current)
 
     def _decision(self, number: int) -> Text:
-        variable = self.picking.engine.flat.variables[number]
+        variable = self.picking.variables[number]
         value = self.picking.settled(number)
         text = Text("  " * self._depths[number] + variable.path)
         if value is None:
@@ -244,7 +240,7 @@ class Picker(App[Choices]):
         if self.current is None:
             options.border_title = "nothing to decide"
             return
-        options.border_title = self.picking.engine.flat.variables[self.current].path
+        options.border_title = self.picking.variables[self.current].path
         settled = self.picking.settled(self.current)
         most = max((option.tally.value for option in self.options), default=0)
         width = max((len(option.name or LEFT_OUT) for option in self.options), default=0)
@@ -270,9 +266,9 @@ class Picker(App[Choices]):
         return text.append(f"{len(names)} constraints: {listed}" if names else "no constraints", "dim")
 
 
-def _depths(engine: Engine) -> list[int]:
+def _depths(picking: Picking) -> list[int]:
     depths: list[int] = []
-    for variable in engine.flat.variables:
+    for variable in picking.variables:
         depths.append(0 if variable.parent is None else depths[variable.parent[0]] + 1)
     return depths
 

@@ -7,19 +7,19 @@ from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
 
+from dse.cache import cache_folder, content_key, keep_file
 from dse.domain.component import Component, CSource
 from dse.errors import DseError, Location, Problem
-from dse.fmu.archive import pack
+from dse.fmu.c.describe import Subject, describe, describe_sources, model_identifier
 from dse.fmu.c.glue import Demand, glue, slot_rows
 from dse.fmu.c.slots import slots
 from dse.fmu.c.staging import LIST_IT, StagedSources, stage
-from dse.fmu.cache import cache_folder, content_key, keep_file
-from dse.fmu.describe import Subject, describe, describe_sources, identifier
 from dse.fmu.slot_table import SLOT_TABLE, SlotTable
 from dse.fmu.toolchain.compilation import LANGUAGE_OPTIONS, CompilationError, Diagnostic, compile_library, options
 from dse.fmu.toolchain.compiler import Compiler, find_compiler
 from dse.fmu.toolchain.platforms import this_platform
 from dse.formats.yaml import shown
+from dse.formats.zipped import pack_zip
 
 
 def build_c(component: Component, source: CSource, *, version: int, cache: Path | None = None) -> Path:
@@ -41,7 +41,7 @@ def build_c(component: Component, source: CSource, *, version: int, cache: Path 
         binary = _compile(compiler, contents, subject, library.name)
     except CompilationError as error:
         raise DseError(*_problems(error, component, staged, demands)) from error
-    return keep_file(target, pack({**contents, str(library): binary}))
+    return keep_file(target, pack_zip({**contents, str(library): binary}))
 
 
 _RUNTIME = Path(__file__).parents[1] / "runtime"
@@ -61,7 +61,7 @@ def _contents(
     user[f"sources/{SLOT_TABLE}"] = SlotTable(f"component/{staged.header}", slot_rows(variables)).to_bytes()
     subject = Subject(
         name=component.name,
-        identifier=identifier(component.name),
+        identifier=model_identifier(component.name),
         title=component.title,
         token="",
         period=source.step,

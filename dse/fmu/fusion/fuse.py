@@ -7,16 +7,16 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+from dse.cache import cache_folder, content_key, keep_file
 from dse.domain.fused import FusedLibrary
 from dse.domain.method import PLAIN, Method
 from dse.domain.system import SystemStructure
 from dse.errors import Problem, fail, raise_if_any
-from dse.fmu.cache import cache_folder, content_key, keep_file
 from dse.fmu.fusion.check import fusion_problems, not_ours, unknown_place
 from dse.fmu.fusion.loop import Seat, loop_text
 from dse.fmu.fusion.part import Part, build_part
 from dse.fmu.fusion.sources import NotOursError, OwnSources, own_sources, runtime_file
-from dse.fmu.together import Tell, together
+from dse.fmu.parallel import Tell, in_parallel
 from dse.fmu.toolchain.compilation import CompilationError, compile_object, link_library, options
 from dse.fmu.toolchain.compiler import Compiler, find_compiler
 from dse.fmu.toolchain.platforms import this_platform
@@ -47,8 +47,8 @@ def fuse_all(
     """
     sources = _sources(wanted.values())
     compiler = find_compiler()
-    parts = together(sources, lambda library: _part(library, sources[library], compiler, cache))
-    return together(wanted, lambda key: _library(wanted[key], sources, parts, compiler, cache), tell)
+    parts = in_parallel(sources, lambda library: _part(library, sources[library], compiler, cache))
+    return in_parallel(wanted, lambda key: _library(wanted[key], sources, parts, compiler, cache), tell)
 
 
 _REPORT = "this is a mistake of dse: please report it with the components; without --fuse they can be simulated"

@@ -8,7 +8,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
-from dse.fmu.cache import cache_folder, content_key, keep_file, keep_folder
+from dse.cache import cache_folder, content_key, keep_file, keep_folder
 from dse.fmu.fusion.layout import Layout, layout_unit, read_layout
 from dse.fmu.fusion.sources import OwnSources, is_runtime, runtime_file
 from dse.fmu.toolchain.compilation import MODEL_OPTIONS, compile_assembly, compile_object, options

@@ -33,7 +33,7 @@ _LINKED = ("m", "pthread", "dl", "rt")
 
 
 @dataclass(frozen=True, slots=True)
-class Unit:
+class SourceFile:
     """One C file, by its path in ``sources/``, and the options it is compiled with."""
 
     path: str
@@ -45,7 +45,7 @@ class Unit:
 class Recipe:
     """How a library is made: its units, and the system's libraries it is linked with."""
 
-    units: tuple[Unit, ...]
+    units: tuple[SourceFile, ...]
     libraries: tuple[str, ...] = ()
 
 
@@ -65,7 +65,7 @@ def read_recipe(folder: Path, description: Description, name: str) -> Recipe:
         root = read_xml_file(path, f"{name}/sources/{_FILE}")
         recipe = _from_build_description(root, description, problems)
     else:
-        recipe = Recipe(tuple(Unit(file, (), description.where) for file in description.source_files))
+        recipe = Recipe(tuple(SourceFile(file, (), description.where) for file in description.source_files))
     problems += _missing(folder / "sources", recipe.units)
     if problems:
         raise DseError(*problems)
@@ -99,12 +99,12 @@ def _from_build_description(root: XmlElement, description: Description, problems
     return Recipe(units, tuple(libraries))
 
 
-def _units(group: XmlElement, problems: list[Problem]) -> Iterator[Unit]:
+def _units(group: XmlElement, problems: list[Problem]) -> Iterator[SourceFile]:
     options = tuple(_options(group, problems))
     for file in group.all("SourceFile"):
         name = file.required("name", problems)
         if name:
-            yield Unit(str(PurePosixPath(name)), options, file.where)
+            yield SourceFile(str(PurePosixPath(name)), options, file.where)
 
 
 def _options(group: XmlElement, problems: list[Problem]) -> Iterator[str]:
@@ -135,7 +135,7 @@ def _options(group: XmlElement, problems: list[Problem]) -> Iterator[str]:
         yield f"-I{name}"
 
 
-def _missing(sources: Path, units: Iterable[Unit]) -> Iterator[Problem]:
+def _missing(sources: Path, units: Iterable[SourceFile]) -> Iterator[Problem]:
     for unit in units:
         name = shortened(unit.path)
         if not _is_inside(unit.path):

@@ -13,9 +13,8 @@ from pathlib import Path
 from dse.domain.fmu import Capabilities, Exchange, Experiment, FmiInterface, UnitDefinition, Variable
 from dse.errors import DseError, Location, Problem, fail
 from dse.fmu.reading.declared_types import read_types
-from dse.fmu.reading.fmi1 import direct_dependencies, read_implementation, read_variables_1
-from dse.fmu.reading.interfaces import Offered, choose_interface, read_experiment, read_identifier
-from dse.fmu.reading.model_structure import Structure, catalog, read_exchange, read_structure
+from dse.fmu.reading.interfaces import choose_interface, read_experiment
+from dse.fmu.reading.model_structure import catalog, direct_dependencies, read_exchange, read_structure
 from dse.fmu.reading.units import read_units
 from dse.fmu.reading.variables import Listed, read_variables
 from dse.formats.xml import XmlElement, read_xml_file
@@ -69,24 +68,23 @@ def read_description(folder: Path, name: str | None = None, *, interface: FmiInt
         what = f"it does not describe an FMU: its root is <{shortened(root.tag)}>, not <fmiModelDescription>"
         raise fail(what, root.where)
     version = _version(root)
-    if version == 1 and interface is FmiInterface.MODEL_EXCHANGE:
-        raise fail("model exchange of FMI 1.0 is not supported", root.where)
     problems: list[Problem] = []
     experiment = read_experiment(root, problems)
-    offered = (
-        _interface_1(root, experiment, problems)
-        if version == 1
-        else choose_interface(root, version, interface, experiment, problems)
-    )
+    offered = choose_interface(root, version, interface, experiment, problems)
     token = _token(root, version, problems)
     units = read_units(root, problems) if version > 1 else {}
     types = read_types(root, version, problems)
-    listed = read_variables_1(root, types, problems) if version == 1 else read_variables(root, version, types, problems)
+    listed = read_variables(root, version, types, problems)
     if version < 3:
         listed = list(_one_input_each(listed))
     problems += _contradictions(listed, version, file)
     _raise_some(problems, file)
-    structure, exchange = _structure(root, version, listed, offered, problems)
+    variables = catalog(listed, version)
+    structure = direct_dependencies(listed) if version == 1 else read_structure(root, variables)
+    exchange = None
+    if offered.interface is FmiInterface.MODEL_EXCHANGE:
+        needs = offered.needs_completed_step
+        exchange = read_exchange(root, variables, needs_completed_step=needs, problems=problems)
     _raise_some(problems, file)
     return Description(
         version=version,
@@ -125,30 +123,6 @@ def _token(root: XmlElement, version: int, problems: list[Problem]) -> str:
     if name not in root.attributes:
         problems.append(Problem(f"there is no {name}", root.where))
     return root.get(name)
-
-
-def _interface_1(root: XmlElement, experiment: Experiment, problems: list[Problem]) -> Offered:
-    capabilities = read_implementation(root, problems)
-    return Offered(
-        interface=FmiInterface.CO_SIMULATION,
-        element=root,
-        identifier=read_identifier(root, problems),
-        capabilities=capabilities,
-        fixed_step=None if capabilities.can_handle_variable_step else experiment.step,
-    )
-
-
-def _structure(
-    root: XmlElement, version: int, listed: list[Listed | None], offered: Offered, problems: list[Problem]
-) -> tuple[Structure, Exchange | None]:
-    if version == 1:
-        return direct_dependencies(listed), None
-    variables = catalog(listed, version)
-    structure = read_structure(root, variables)
-    if offered.interface is FmiInterface.CO_SIMULATION:
-        return structure, None
-    needs = offered.needs_completed_step
-    return structure, read_exchange(root, variables, needs_completed_step=needs, problems=problems)
 
 
 def _one_input_each(listed: Iterable[Listed | None]) -> Iterator[Listed | None]:

@@ -1,9 +1,10 @@
-"""The interfaces an FMU of FMI 2.0 or 3.0 offers, and what it says it can do in each."""
+"""The interfaces an FMU offers, and what it says it can do in each."""
 
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
 
 from dse.domain.fmu import Capabilities, Experiment, FmiInterface
 from dse.errors import DseError, Problem, fail
@@ -13,9 +14,39 @@ from dse.formats.xml_values import shortened
 _NEEDS_TOOL = "needsExecutionTool"
 _IN_WORDS = {FmiInterface.CO_SIMULATION: "co-simulation", FmiInterface.MODEL_EXCHANGE: "model exchange"}
 
+_EVERY_VERSION = {
+    "can_handle_variable_step": "canHandleVariableCommunicationStepSize",
+    "once_per_process": "canBeInstantiatedOnlyOncePerProcess",
+}
+_UP_TO_2 = {
+    **_EVERY_VERSION,
+    "can_interpolate_inputs": "canInterpolateInputs",
+    # Spelled like this in the standard.
+    "can_run_asynchronously": "canRunAsynchronuously",
+}
+_CAPABILITIES: Mapping[int, Mapping[str, str]] = {
+    1: _UP_TO_2,
+    2: {
+        **_UP_TO_2,
+        "can_save_state": "canGetAndSetFMUstate",
+        "provides_directional_derivatives": "providesDirectionalDerivative",
+        "needs_tool": _NEEDS_TOOL,
+    },
+    3: {
+        **_EVERY_VERSION,
+        "can_save_state": "canGetAndSetFMUState",
+        "has_event_mode": "hasEventMode",
+        "can_return_early": "mightReturnEarlyFromDoStep",
+        "provides_intermediate_update": "providesIntermediateUpdate",
+        "provides_directional_derivatives": "providesDirectionalDerivatives",
+        "needs_tool": _NEEDS_TOOL,
+    },
+}
+"""The attribute behind each of `Capabilities`, by version."""
+
 
 @dataclass(frozen=True, slots=True)
-class Offered:
+class ChosenInterface:
     """One interface: *element* is its own, *identifier* names its library; *fixed_step* as in FmuModel."""
 
     interface: FmiInterface
@@ -28,11 +59,13 @@ class Offered:
 
 def choose_interface(
     root: XmlElement, version: int, wanted: FmiInterface | None, experiment: Experiment, problems: list[Problem]
-) -> Offered:
+) -> ChosenInterface:
     """The interface *wanted*, or else co-simulation before model exchange; those that need no other tool come first.
 
     Raises DseError if there is none; what is wrong with the one taken goes to *problems*.
     """
+    if version == 1:
+        return _of_version_1(root, wanted, experiment, problems)
     there = [(kind, element) for kind in FmiInterface for element in root.all(kind)]
     possible = [pair for pair in there if wanted in (None, pair[0])]
     if not possible:
@@ -40,23 +73,38 @@ def choose_interface(
     # Whether the tool is there shows when the FMU is instantiated: what wraps Python code says that it needs Python.
     kind, element = min(possible, key=lambda pair: pair[1].flag(_NEEDS_TOOL, problems))
     identifier = read_identifier(element, problems)
+    capabilities = _capabilities(element, version, problems)
     if kind is FmiInterface.MODEL_EXCHANGE:
-        return Offered(
-            interface=kind,
-            element=element,
-            identifier=identifier,
-            capabilities=_in_model_exchange(element, version, problems),
-            needs_completed_step=_needs_completed_step(element, version, problems),
-        )
-    capabilities = _in_co_simulation(element, version, problems)
-    internal = _positive(element, "fixedInternalStepSize", problems)
-    return Offered(
-        interface=kind,
-        element=element,
-        identifier=identifier,
-        capabilities=capabilities,
-        fixed_step=None if capabilities.can_handle_variable_step else internal or experiment.step,
-    )
+        # The solver is ours, so every step is possible.
+        needs = _needs_completed_step(element, version, problems)
+        capabilities = replace(capabilities, can_handle_variable_step=True)
+        return ChosenInterface(kind, element, identifier, capabilities, needs_completed_step=needs)
+    step = _positive(element, "fixedInternalStepSize", problems) or experiment.step
+    fixed_step = None if capabilities.can_handle_variable_step else step
+    return ChosenInterface(kind, element, identifier, capabilities, fixed_step)
+
+
+def _of_version_1(
+    root: XmlElement, wanted: FmiInterface | None, experiment: Experiment, problems: list[Problem]
+) -> ChosenInterface:
+    if wanted is FmiInterface.MODEL_EXCHANGE:
+        raise fail("model exchange of FMI 1.0 is not supported", root.where)
+    implementation = root.child("Implementation")
+    if implementation is None:
+        what = "the FMU is for model exchange of FMI 1.0, which is not supported"
+        raise fail(what, root.where, "export it for co-simulation, or for FMI 2.0 or 3.0")
+    kind = next((child for child in implementation.children if child.tag.startswith("CoSimulation_")), None)
+    if kind is None:
+        raise fail("<Implementation> has no CoSimulation_StandAlone", implementation.where)
+    told = kind.child("Capabilities")
+    capabilities = Capabilities() if told is None else _capabilities(told, 1, problems)
+    capabilities = replace(capabilities, needs_tool=kind.tag == "CoSimulation_Tool")
+    fixed_step = None if capabilities.can_handle_variable_step else experiment.step
+    return ChosenInterface(FmiInterface.CO_SIMULATION, root, read_identifier(root, problems), capabilities, fixed_step)
+
+
+def _capabilities(element: XmlElement, version: int, problems: list[Problem]) -> Capabilities:
+    return Capabilities(**{name: element.flag(said, problems) for name, said in _CAPABILITIES[version].items()})
 
 
 def read_identifier(element: XmlElement, problems: list[Problem]) -> str:
@@ -89,48 +137,6 @@ def _nothing_of_use(root: XmlElement, wanted: FmiInterface | None, there: list[F
         what = "the FMU is for scheduled execution only, which is not supported"
         return fail(what, root.where, "export it for co-simulation or model exchange")
     return fail("there is neither <CoSimulation> nor <ModelExchange>", root.where)
-
-
-def _in_co_simulation(element: XmlElement, version: int, problems: list[Problem]) -> Capabilities:
-    def says(name: str) -> bool:
-        return element.flag(name, problems)
-
-    if version == 2:
-        return Capabilities(
-            can_handle_variable_step=says("canHandleVariableCommunicationStepSize"),
-            can_save_state=says("canGetAndSetFMUstate"),
-            can_interpolate_inputs=says("canInterpolateInputs"),
-            # Spelled like this in the standard.
-            can_run_asynchronously=says("canRunAsynchronuously"),
-            provides_directional_derivatives=says("providesDirectionalDerivative"),
-            once_per_process=says("canBeInstantiatedOnlyOncePerProcess"),
-            needs_tool=says(_NEEDS_TOOL),
-        )
-    return Capabilities(
-        can_handle_variable_step=says("canHandleVariableCommunicationStepSize"),
-        can_save_state=says("canGetAndSetFMUState"),
-        has_event_mode=says("hasEventMode"),
-        can_return_early=says("mightReturnEarlyFromDoStep"),
-        provides_intermediate_update=says("providesIntermediateUpdate"),
-        provides_directional_derivatives=says("providesDirectionalDerivatives"),
-        once_per_process=says("canBeInstantiatedOnlyOncePerProcess"),
-        needs_tool=says(_NEEDS_TOOL),
-    )
-
-
-def _in_model_exchange(element: XmlElement, version: int, problems: list[Problem]) -> Capabilities:
-    state, derivative = (
-        ("canGetAndSetFMUstate", "providesDirectionalDerivative")
-        if version == 2
-        else ("canGetAndSetFMUState", "providesDirectionalDerivatives")
-    )
-    return Capabilities(
-        can_handle_variable_step=True,
-        can_save_state=element.flag(state, problems),
-        provides_directional_derivatives=element.flag(derivative, problems),
-        once_per_process=element.flag("canBeInstantiatedOnlyOncePerProcess", problems),
-        needs_tool=element.flag(_NEEDS_TOOL, problems),
-    )
 
 
 def _needs_completed_step(element: XmlElement, version: int, problems: list[Problem]) -> bool:

@@ -1,4 +1,4 @@
-"""ModelStructure of FMI 2.0 and 3.0: which output depends on what, and the states and derivatives of a model."""
+"""Which output depends on what, and the states and derivatives of a model (ModelStructure from FMI 2.0 on)."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ Dependencies = Mapping[str, tuple[str, ...]]
 
 
 @dataclass(frozen=True, slots=True)
-class Structure:
+class ModelDependencies:
     """What a description says of how its variables depend on each other; both mappings are those of FmuModel."""
 
     depends: Dependencies
@@ -59,19 +59,36 @@ def catalog(listed: Sequence[Listed | None], version: int) -> Catalog:
     return Catalog(version, found)
 
 
-def read_structure(root: XmlElement, variables: Catalog) -> Structure:
+def read_structure(root: XmlElement, variables: Catalog) -> ModelDependencies:
     """The dependencies of outputs.
 
     An output of which nothing is said, or what cannot be, is left out: it may depend on everything.
     """
     exact = (one for group in variables.found.values() for one in group if _keeps_its_start(one))
-    return Structure(
+    return ModelDependencies(
         depends=_dependencies(root, "Outputs", "Output", _AT_ANY_TIME, variables),
         initially_depends={
             **_dependencies(root, "InitialUnknowns", "InitialUnknown", _INITIALLY, variables),
             **{one.variable.name: () for one in exact},
         },
     )
+
+
+def direct_dependencies(listed: Sequence[Listed | None]) -> ModelDependencies:
+    """The inputs each output of FMI 1.0 says it depends on directly; nothing is known of initialization.
+
+    An output that names what is no variable is left out: it may depend on everything.
+    """
+    causalities = {one.variable.name: one.variable.causality for one in listed if one is not None}
+    depends: dict[str, tuple[str, ...]] = {}
+    for one in listed:
+        told = one.element.child("DirectDependency") if one is not None else None
+        if one is None or told is None or one.variable.causality != "output":
+            continue
+        sources = dict.fromkeys(name.text.strip() for name in told.all("Name"))
+        if causalities.keys() >= sources.keys():
+            depends[one.variable.name] = tuple(name for name in sources if causalities[name] == "input")
+    return ModelDependencies(depends, {})
 
 
 def read_exchange(

@@ -9,7 +9,7 @@ from dse.domain.fmu import UnitDefinition
 from dse.errors import Problem
 from dse.formats.xml import XmlElement
 
-_BASE_UNITS = ("kg", "m", "s", "A", "K", "mol", "cd", "rad")
+BASE_UNITS = ("kg", "m", "s", "A", "K", "mol", "cd", "rad")
 
 
 def read_units(root: XmlElement, problems: list[Problem]) -> Mapping[str, UnitDefinition]:
@@ -31,7 +31,7 @@ def read_units(root: XmlElement, problems: list[Problem]) -> Mapping[str, UnitDe
 
 def base_unit(base: XmlElement, problems: list[Problem]) -> UnitDefinition:
     """What a ``BaseUnit`` element of FMI 2.0, FMI 3.0 or SSP says."""
-    exponents = {name: base.whole(name, problems, least=-100, most=100) for name in _BASE_UNITS}
+    exponents = {name: base.whole(name, problems, least=-100, most=100) for name in BASE_UNITS}
     factor, offset = base.real("factor", problems), base.real("offset", problems)
     if factor is not None and (factor == 0 or not math.isfinite(factor)):
         problems.append(Problem(f"<{base.tag}>: the factor cannot be {factor:g}", base.where))

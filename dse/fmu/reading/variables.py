@@ -15,8 +15,7 @@ from dse.fmu.reading.starts import read_start
 from dse.formats.xml import XmlElement
 from dse.formats.xml_values import shortened
 
-MOST_REFERENCES = 2**32
-KINDS: Mapping[str, Kind | None] = {
+VALUE_KINDS: Mapping[str, Kind | None] = {
     "Real": Kind.REAL,
     "Float32": Kind.REAL,
     "Float64": Kind.REAL,
@@ -27,11 +26,8 @@ KINDS: Mapping[str, Kind | None] = {
     "Binary": None,
     "Clock": None,
 }
-TYPES: Mapping[int, frozenset[str]] = {
-    1: frozenset(("Real", "Integer", "Boolean", "Enumeration", "String")),
-    2: frozenset(("Real", "Integer", "Boolean", "Enumeration", "String")),
-    3: frozenset(KINDS) - {"Real", "Integer"},
-}
+_TYPES_1 = frozenset(("Real", "Integer", "Boolean", "Enumeration", "String"))
+_TYPES = {1: _TYPES_1, 2: _TYPES_1, 3: frozenset(VALUE_KINDS) - {"Real", "Integer"}}
 """The names of a version's types, as its descriptions spell them."""
 
 _CAUSALITIES = ("parameter", "calculatedParameter", "input", "output", "local", "independent")
@@ -59,39 +55,35 @@ def read_variables(
     """
     model = root.child("ModelVariables")
     if model is None:
-        problems.append(Problem("there is no <ModelVariables>", root.where))
+        if version > 1:
+            problems.append(Problem("there is no <ModelVariables>", root.where))
         return []
     sizes = sizes_told(model) if version == 3 else {}
-    listed = [_listed(element, version, types, sizes, problems) for element in variable_elements(model, version)]
+    elements = model.children if version == 3 else model.all("ScalarVariable")
+    listed = [_listed(element, version, types, sizes, problems) for element in elements]
+    if version == 1:
+        return list(_with_bases(listed, problems))
     aliases = [alias for one in listed if one is not None for alias in _aliases(one, problems)] if version == 3 else []
     return [*listed, *aliases]
 
 
-def variable_elements(model: XmlElement, version: int) -> Iterator[XmlElement]:
-    """The elements below ModelVariables that are variables."""
-    for element in model.children:
-        if version == 3 or element.tag == "ScalarVariable":
-            yield element
-
-
-def typed_element(element: XmlElement, version: int, problems: list[Problem]) -> XmlElement | None:
+def _typed(element: XmlElement, version: int, problems: list[Problem]) -> XmlElement | None:
     """The element that has the attributes of a variable's type; None and a problem if there is none."""
-    names = TYPES[version]
     candidates = (element,) if version == 3 else element.children
-    typed = next((child for child in candidates if child.tag in names), None)
+    typed = next((child for child in candidates if child.tag in _TYPES[version]), None)
     if typed is None:
         problems.append(Problem(f"{_subject(element)} has no type of FMI {version}.0", element.where))
     return typed
 
 
-def reference_of(element: XmlElement, problems: list[Problem]) -> int | None:
+def _reference(element: XmlElement, problems: list[Problem]) -> int | None:
     """A variable's value reference; None and a problem if there is none."""
     if "valueReference" not in element.attributes:
         problems.append(Problem(f"{_subject(element)} has no value reference", element.where))
-    return element.whole("valueReference", problems, least=0, most=MOST_REFERENCES - 1)
+    return element.whole("valueReference", problems, least=0, most=2**32 - 1)
 
 
-def values_told(
+def _values_told(
     typed: XmlElement, version: int, types: Mapping[str, DeclaredType], problems: list[Problem]
 ) -> DeclaredType:
     """What a variable says of its values, with what its declared type adds."""
@@ -105,30 +97,25 @@ def values_told(
     return told
 
 
-def accessor(base: str, version: int) -> str:
-    """The type by whose functions a variable of the type *base* is read and written."""
-    if base == "Enumeration":
-        return "Int64" if version == 3 else "Integer"
-    return base
-
-
 def _listed(
     element: XmlElement, version: int, types: Mapping[str, DeclaredType], sizes: Sizes, problems: list[Problem]
 ) -> Listed | None:
     name, before = element.required("name", problems), len(problems)
-    reference = reference_of(element, problems)
-    typed = typed_element(element, version, problems)
+    reference = _reference(element, problems)
+    typed = _typed(element, version, problems)
     if typed is None or reference is None or not name:
         return None
     subject = f"variable '{shortened(name)}'"
-    causalities = (*_CAUSALITIES, "structuralParameter") if version == 3 else _CAUSALITIES
-    causality = element.word("causality", causalities, problems, "local")
-    # Some tools call what was a parameter in the model a constant parameter; nobody can set it.
-    if causality == "parameter" and element.get("variability").strip() == "constant":
-        causality = "local"
-    told = values_told(typed, version, types, problems)
-    fmi_type, kind = accessor(typed.tag, version), KINDS[typed.tag]
+    told = _values_told(typed, version, types, problems)
+    fmi_type, kind = typed.tag, VALUE_KINDS[typed.tag]
+    if fmi_type == "Enumeration":  # read and written by the functions of a whole number
+        fmi_type = "Int64" if version == 3 else "Integer"
     shape, sized_by = read_shape(element, subject, sizes, problems) if version == 3 else ((), ())
+    start = read_start(typed, fmi_type, version, subject, problems) if prod(shape) else ()
+    if version == 1:
+        causality, variability = _words_1(element, kind, has_start=bool(start), problems=problems)
+    else:
+        causality, variability = _words(element, version, kind, problems)
     variable = Variable(
         name=name,
         reference=reference,
@@ -136,8 +123,8 @@ def _listed(
         causality=causality,
         kind=kind,
         unit=told.unit,
-        start=read_start(typed, fmi_type, version, subject, problems) if prod(shape) else (),
-        variability=_variability(element, causality, kind, problems),
+        start=start,
+        variability=variability,
         shape=shape,
         sized_by=sized_by,
         items=told.items,
@@ -149,10 +136,9 @@ def _listed(
         is_clocked=bool(element.get("clocks").strip()),
         is_intermediate=element.flag("intermediateUpdate", problems),
     )
-    if len(problems) == before and len(variable.start) not in (0, 1, variable.size):
-        of = f"{variable.size} elements" if variable.shape else "a single one"
-        what = f"{subject} has {len(variable.start)} start values for {of}"
-        problems.append(Problem(what, typed.where))
+    if len(problems) == before and len(start) not in (0, 1, variable.size):
+        of = f"{variable.size} elements" if shape else "a single one"
+        problems.append(Problem(f"{subject} has {len(start)} start values for {of}", typed.where))
     initial = element.word("initial", _INITIALS, problems)
     derivative = typed.whole("derivative", problems, least=0)
     return Listed(variable, element, derivative, initial) if len(problems) == before else None
@@ -163,18 +149,23 @@ def _subject(element: XmlElement) -> str:
     return f"variable '{shortened(name)}'" if name else f"<{element.tag}>"
 
 
-def _variability(element: XmlElement, causality: str, kind: Kind | None, problems: list[Problem]) -> str:
-    """As it is said, or as the FMI documents say it is if nothing is said."""
+def _words(element: XmlElement, version: int, kind: Kind | None, problems: list[Problem]) -> tuple[str, str]:
+    """Causality and variability as they are said, or as the FMI documents say they are if nothing is said."""
+    causalities = (*_CAUSALITIES, "structuralParameter") if version == 3 else _CAUSALITIES
+    causality = element.word("causality", causalities, problems, "local")
     said = element.word("variability", _VARIABILITIES, problems)
+    # Some tools call what was a parameter in the model a constant parameter; nobody can set it.
+    if causality == "parameter" and said == "constant":
+        causality = "local"
     if said == "constant" and causality in ("input", "structuralParameter"):
         what = f"{_subject(element)} is constant and {causality}, which excludes each other"
         problems.append(Problem(what, element.where))
     if causality in _PARAMETERS:
-        return said if said in ("fixed", "tunable", "constant") else "fixed"
+        return causality, said if said in ("fixed", "tunable", "constant") else "fixed"
     # Descriptions that call everything continuous are common; only real numbers can be.
     if kind is not Kind.REAL and said in ("", "continuous"):
-        return "discrete"
-    return said or "continuous"
+        return causality, "discrete"
+    return causality, said or "continuous"
 
 
 def _aliases(one: Listed, problems: list[Problem]) -> Iterator[Listed]:
@@ -184,3 +175,42 @@ def _aliases(one: Listed, problems: list[Problem]) -> Iterator[Listed]:
         yield replace(
             one, variable=replace(one.variable, name=name, description=description, alias_of=one.variable.name)
         )
+
+
+_CAUSALITIES_1 = ("input", "output", "internal", "none")
+_VARIABILITIES_1 = ("constant", "parameter", "discrete", "continuous")
+_ALIASES_1 = ("noAlias", "alias", "negatedAlias")
+
+
+def _words_1(element: XmlElement, kind: Kind | None, *, has_start: bool, problems: list[Problem]) -> tuple[str, str]:
+    """Causality and variability in FMI 1.0, as FMI 2.0 would call them."""
+    causality = element.word("causality", _CAUSALITIES_1, problems, "internal")
+    variability = element.word("variability", _VARIABILITIES_1, problems, "continuous")
+    if variability == "parameter":
+        if causality == "output":
+            return "output", "fixed"
+        # Without a start it follows from others, and cannot be set.
+        return ("parameter" if has_start else "calculatedParameter"), "fixed"
+    if variability == "continuous" and kind is not Kind.REAL:
+        variability = "discrete"
+    return (causality if causality in ("input", "output") else "local"), variability
+
+
+def _with_bases(listed: list[Listed | None], problems: list[Problem]) -> Iterator[Listed | None]:
+    """What FMI 1.0 lists, with its aliases: variables that share a reference with one that is none."""
+    said = [one and one.element.word("alias", _ALIASES_1, problems, "noAlias") for one in listed]
+    pairs = list(zip(listed, said, strict=True))
+    bases: dict[tuple[str, int], str] = {}
+    for one, alias in pairs:
+        if one is not None and alias == "noAlias":
+            bases.setdefault((one.variable.fmi_type, one.variable.reference), one.variable.name)
+    for one, alias in pairs:
+        if one is None or alias == "noAlias":
+            yield one
+            continue
+        variable, is_negated = one.variable, alias == "negatedAlias"
+        if is_negated and variable.kind in (Kind.ENUMERATION, None):
+            what = f"{_subject(one.element)} is a negated alias, but has no opposite"
+            problems.append(Problem(what, one.element.where))
+        base = bases.get((variable.fmi_type, variable.reference), "")
+        yield replace(one, variable=replace(variable, alias_of=base, is_negated=is_negated))

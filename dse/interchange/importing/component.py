@@ -3,25 +3,26 @@
 from __future__ import annotations
 
 import re
-import shutil
 from dataclasses import dataclass, replace
 from pathlib import Path
 
 from dse.domain.component import Component, Interface, Value
-from dse.errors import Location, Problem, fail, raise_if_any
+from dse.errors import Location, Problem, raise_if_any
 from dse.fmu.unpack import open_fmu
 from dse.formats.yaml import shown
 from dse.formats.yaml_text import write_value
+from dse.interchange.importing.files import write_new
+from dse.interchange.importing.offer import implementing, offer
+from dse.interchange.names import numbered
 from dse.kinds.fmu import FmuSource
 from dse.loading.names import check_choice
 from dse.loading.workspace import Workspace
 from dse.loading.writing.component import write_fmu_component, write_interfaces
-from dse.system.fmu_component import implementing, offer
 from dse.units import DIMENSIONLESS
 
 
 @dataclass(frozen=True, slots=True)
-class Imported:
+class ImportedComponent:
     """A component that was written to *path*.
 
     *starts* are the FMU's own values of its inputs, as a test bench gives them. *left_out* are variables it does
@@ -36,7 +37,9 @@ class Imported:
     told: tuple[str, ...]
 
 
-def import_component(file: Path, folder: Path, name: str | None = None, *, cache: Path | None = None) -> Imported:
+def import_component(
+    file: Path, folder: Path, name: str | None = None, *, cache: Path | None = None
+) -> ImportedComponent:
     """Copy the FMU in *file* into the workspace *folder* and write its component beside it.
 
     It implements that interface of the workspace whose ports it has by name, kind and dimension if all its inputs are
@@ -57,18 +60,14 @@ def import_component(file: Path, folder: Path, name: str | None = None, *, cache
     component = offered.component
     has_own = component.interface.name not in known or component.interface != known[component.interface.name]
     if has_own:
-        component = replace(component, interface=replace(component.interface, name=_free(own, set(known))))
-    target.mkdir(parents=True)
-    try:
-        shutil.copyfile(file, target / f"{own}.fmu")
-        if has_own:
-            _write(target / "interfaces.yaml", write_interfaces([component.interface]))
-        _write(target / "component.yaml", write_fmu_component(component, f"{own}.fmu"))
-    except OSError as error:
-        shutil.rmtree(target, ignore_errors=True)
-        raise fail(f"cannot be written: {error.strerror or error}", Location(shown(target))) from error
+        component = replace(component, interface=replace(component.interface, name=numbered(own, known.__contains__)))
+    path = target / "component.yaml"
+    texts = {path: write_fmu_component(component, f"{own}.fmu")}
+    if has_own:
+        texts[target / "interfaces.yaml"] = write_interfaces([component.interface])
+    write_new(texts, {target / f"{own}.fmu": file})
     starts = (_start(component, port, value) for port, value in offered.starts.items())
-    return Imported(component, target / "component.yaml", has_own, tuple(starts), offered.left_out, offered.told)
+    return ImportedComponent(component, path, has_own, tuple(starts), offered.left_out, offered.told)
 
 
 def name_of(file: Path) -> str:
@@ -85,11 +84,3 @@ def _start(component: Component, name: str, value: Value) -> str:
 
 def _interfaces(folder: Path) -> dict[str, Interface]:
     return dict(Workspace(folder).interfaces) if (folder / "components").is_dir() else {}
-
-
-def _free(name: str, taken: set[str]) -> str:
-    return next(c for c in (name, *(f"{name}_{number}" for number in range(2, len(taken) + 3))) if c not in taken)
-
-
-def _write(path: Path, text: str) -> None:
-    path.write_text(text, encoding="utf-8", newline="\n")

@@ -9,185 +9,182 @@ from pathlib import Path
 from dse.domain.component import Component, Interface, Kind, Port, Type, same_signal
 from dse.domain.design import Connection
 from dse.domain.fmu import FmuModel
-from dse.domain.system import Element, SystemStructure, Wire
+from dse.domain.system import Element, Wire
 from dse.errors import DseError, Location, Problem, raise_if_any
-from dse.interchange.importing.names import free_name
+from dse.interchange.importing.offer import offer
+from dse.interchange.names import each_named, free_word
 from dse.interchange.resolving.resolve import ResolvedSystem
-from dse.interchange.structure import Component as SspComponent
+from dse.interchange.structure import SspComponent, SspSystem
 from dse.interchange.writing.connections import carries_the_same
 from dse.kinds.fmu import FmuSource
 from dse.system.binding import bind
-from dse.system.fmu_component import offer
 
 
 @dataclass(slots=True)
 class Catalogue:
-    """The components of a workspace while it is made, by the content of their FMUs; *left_out* tells what they lack."""
+    """The components of a workspace while it is made, with their FMUs, by name; *left_out* tells what they lack."""
 
+    components: dict[str, Component] = field(default_factory=dict)
+    models: dict[str, FmuModel] = field(default_factory=dict)
     left_out: list[str] = field(default_factory=list)
     _names: dict[str, str] = field(default_factory=dict)
-    _components: dict[str, Component] = field(default_factory=dict)
-    _models: dict[str, FmuModel] = field(default_factory=dict)
     _labels: dict[str, dict[str, str]] = field(default_factory=dict)
 
-    def component(self, place: SspComponent, element: Element) -> Component:
-        """The component for what stands at *place*; the same for the same FMU."""
+    def take(self, place: SspComponent, element: Element) -> str:
+        """The name of the component for what stands at *place*; the same for the same FMU."""
         model = element.model
         name = self._names.get(model.content_hash)
         if name is None:
-            name = free_name(Path(place.source.partition("#")[0]).stem, self._components)
+            name = free_word(Path(place.source.partition("#")[0]).stem, self.components)
             made = offer(name, model, FmuSource(Path(f"{name}.fmu")))
+            component = made.component
             self.left_out += [f"{name}: {what}" for what in made.left_out]
             self._names[model.content_hash] = name
-            self._components[name], self._models[name] = made.component, model
-        elif [v.shape for v in self._models[name].variables.values()] != [v.shape for v in model.variables.values()]:
+            self.components[name], self.models[name] = component, model
+            known = (*(port.name for port in component.interface.ports), *(p.name for p in component.parameters))
+            self._labels[name] = {component.variable(own): own for own in known}
+        elif [v.shape for v in self.models[name].variables.values()] != [v.shape for v in model.variables.values()]:
             what = f"{element.name}: two uses of its FMU have arrays of different sizes, which a workspace cannot say"
             raise DseError(Problem(what, place.where))
-        return self._components[name]
+        return name
 
-    def named(self, name: str) -> Component:
-        """The component called *name*, as it is by now."""
-        return self._components[name]
-
-    def model(self, component: Component) -> FmuModel:
-        """The FMU of *component*."""
-        return self._models[component.name]
-
-    def replace(self, component: Component) -> None:
-        """Put *component* in the place of the one of its name."""
-        self._components[component.name] = component
-
-    def components(self) -> Iterator[tuple[Component, Path]]:
-        """Each component with the archive of its FMU."""
-        for name, component in self._components.items():
-            yield component, self._models[name].archive
+    def own_name(self, component: str, label: str) -> str | None:
+        """What *component* calls the value *label* of its FMU; None if it does not have it."""
+        return self._labels[component].get(label)
 
     def interfaces(self) -> list[Interface]:
         """Every interface a component implements, each once."""
-        return list({c.interface.name: c.interface for c in self._components.values()}.values())
+        return list({c.interface.name: c.interface for c in self.components.values()}.values())
 
-    def own_name(self, component: Component, label: str) -> str | None:
-        """What *component* calls the value *label* of its FMU; None if it does not have it."""
-        labels = self._labels.get(component.name)
-        if labels is None:
-            known = (*(port.name for port in component.interface.ports), *(p.name for p in component.parameters))
-            labels = self._labels[component.name] = {component.variable(own): own for own in known}
-        return labels.get(label)
 
-    def connect(
-        self,
-        resolved: ResolvedSystem,
-        names: Mapping[str, str],
-        components: dict[str, Component],
-    ) -> tuple[Connection, ...]:
-        """The wires as connections of ports; types of ports are changed to fit, *components* are those after it.
+@dataclass(frozen=True, slots=True)
+class Parts:
+    """A package's elements in words of a workspace: *names* are those of their parts, *kinds* of the components there.
 
-        Raises DseError for every wire a workspace has no words for.
-        """
-        problems: list[Problem] = []
-        ends = []
-        for wire in _single(resolved.structure):
-            source, target = components[wire.source], components[wire.target]
-            start, end = self.own_name(source, wire.source_variable), self.own_name(target, wire.target_variable)
-            if start is None or end is None:
-                lacking = (
-                    f"{wire.source}.{wire.source_variable}"
-                    if start is None
-                    else f"{wire.target}.{wire.target_variable}"
-                )
-                what = f"{_text(wire)}: '{lacking}' cannot be a port of a workspace"
-                where = _place(resolved, wire)
-                problems.append(Problem(what, where, "ports are numbers, truth values and items of enumerations"))
-            else:
-                ends.append((wire, (source.name, start), (target.name, end)))
-        raise_if_any(problems)
-        self._agree(ends)
-        for name, component in components.items():
-            components[name] = self._components[component.name]
-        for wire, first, last in ends:
-            problems += self._misfits(resolved.structure, wire, first, last, _place(resolved, wire))
-        raise_if_any(problems)
-        return tuple(
-            Connection(f"{names[wire.source]}.{first[1]}", f"{names[wire.target]}.{last[1]}")
-            for wire, first, last in ends
+    The catalogue's components change as more is known of them.
+    """
+
+    resolved: ResolvedSystem
+    catalogue: Catalogue
+    names: Mapping[str, str]
+    kinds: Mapping[str, str]
+
+    def component(self, element: str) -> Component:
+        """What stands there."""
+        return self.catalogue.components[self.kinds[element]]
+
+    def own_name(self, element: str, label: str) -> str | None:
+        """The port or parameter behind the value *label*; None if there is none."""
+        return self.catalogue.own_name(self.kinds[element], label)
+
+    def where(self, element: str, label: str) -> Location | None:
+        """Where in the package the value, or the whole array it is one of, is connected or given."""
+        places, name = self.resolved.places, f"{element}.{label}"
+        return places.get(name) or places.get(name.rpartition("[")[0])
+
+
+def take_parts(ssp: SspSystem, resolved: ResolvedSystem, catalogue: Catalogue) -> Parts:
+    """The parts of *resolved*, which *ssp* was made to, their components in the *catalogue*."""
+    elements = resolved.structure.elements
+    kinds = {element.name: catalogue.take(ssp.places[element.name], element) for element in elements}
+    return Parts(resolved, catalogue, each_named(kinds, free_word), kinds)
+
+
+_PortOf = tuple[str, str]
+"""A port by the names of its component and its own."""
+
+
+def connect(parts: Parts) -> tuple[Connection, ...]:
+    """The wires as connections of ports; types of ports are changed to fit.
+
+    Raises DseError for every wire a workspace has no words for.
+    """
+    problems: list[Problem] = []
+    ends: list[tuple[Wire, _PortOf, _PortOf]] = []
+    for wire in _single(parts.resolved):
+        start = parts.own_name(wire.source, wire.source_variable)
+        end = parts.own_name(wire.target, wire.target_variable)
+        if start is None or end is None:
+            given, taken = f"{wire.source}.{wire.source_variable}", f"{wire.target}.{wire.target_variable}"
+            what = f"{_text(wire)}: '{given if start is None else taken}' cannot be a port of a workspace"
+            where = parts.where(wire.target, wire.target_variable)
+            problems.append(Problem(what, where, "ports are numbers, truth values and items of enumerations"))
+        else:
+            ends.append((wire, (parts.kinds[wire.source], start), (parts.kinds[wire.target], end)))
+    raise_if_any(problems)
+    _agree(parts.catalogue, [(start, end) for _, start, end in ends])
+    raise_if_any(problem for wire, start, end in ends for problem in _misfits(parts, wire, start, end))
+    return tuple(
+        Connection(f"{parts.names[wire.source]}.{start}", f"{parts.names[wire.target]}.{end}")
+        for wire, (_, start), (_, end) in ends
+    )
+
+
+def _agree(catalogue: Catalogue, ends: list[tuple[_PortOf, _PortOf]]) -> None:
+    """Give ports without a unit that of what they are connected to, and items the numbers they are where needed."""
+    for _ in range(len(ends) + 1):
+        before = dict(catalogue.components)
+        for start, end in ends:
+            source, target = _type(catalogue, start), _type(catalogue, end)
+            if not same_signal(source, target):
+                continue
+            if source.kind is target.kind is Kind.REAL:
+                if not target.unit.dimension and not _unit(catalogue, end):
+                    _retype(catalogue, end, source)
+                elif not source.unit.dimension and not _unit(catalogue, start):
+                    _retype(catalogue, start, target)
+            elif {source.kind, target.kind} <= {Kind.ENUMERATION, Kind.INTEGER}:
+                _retype(catalogue, start, Type(Kind.INTEGER))
+                _retype(catalogue, end, Type(Kind.INTEGER))
+        if before == catalogue.components:
+            return
+
+
+def _type(catalogue: Catalogue, end: _PortOf) -> Type:
+    port = catalogue.components[end[0]].interface.port(end[1])
+    return port.type if port else Type(Kind.TEXT)
+
+
+def _unit(catalogue: Catalogue, end: _PortOf) -> str:
+    return catalogue.models[end[0]].variable_of(catalogue.components[end[0]].variable(end[1])).unit
+
+
+def _retype(catalogue: Catalogue, end: _PortOf, type_: Type) -> None:
+    component = catalogue.components[end[0]]
+    ports = tuple(Port(p.name, p.causality, type_) if p.name == end[1] else p for p in component.interface.ports)
+    catalogue.components[end[0]] = replace(component, interface=replace(component.interface, ports=ports))
+
+
+def _misfits(parts: Parts, wire: Wire, start: _PortOf, end: _PortOf) -> Iterator[Problem]:
+    catalogue, where = parts.catalogue, parts.where(wire.target, wire.target_variable)
+    types = [_type(catalogue, port) for port in (start, end)]
+    difference = same_signal(*types)
+    if difference:
+        yield Problem(f"{_text(wire)}: {difference}", where, "a workspace connects what is of one type and unit")
+        return
+    try:
+        source, target = (
+            bind(catalogue.components[name], port, type_, catalogue.models[name], ("input", "output")).conversion
+            for (name, port), type_ in zip((start, end), types, strict=True)
         )
-
-    def _agree(self, ends: list[tuple[Wire, tuple[str, str], tuple[str, str]]]) -> None:
-        """Give ports without a unit that of what they are connected to, and items the numbers they are where needed."""
-        for _ in range(len(ends) + 1):
-            before = dict(self._components)
-            for _, start, end in ends:
-                source, target = self._type(start), self._type(end)
-                if not same_signal(source, target):
-                    continue
-                if source.kind is target.kind is Kind.REAL:
-                    if not target.unit.dimension and not self._unit(end):
-                        self._retype(end, source)
-                    elif not source.unit.dimension and not self._unit(start):
-                        self._retype(start, target)
-                elif {source.kind, target.kind} <= {Kind.ENUMERATION, Kind.INTEGER}:
-                    self._retype(start, Type(Kind.INTEGER))
-                    self._retype(end, Type(Kind.INTEGER))
-            if before == self._components:
-                return
-
-    def _type(self, end: tuple[str, str]) -> Type:
-        port = self._components[end[0]].interface.port(end[1])
-        return port.type if port else Type(Kind.TEXT)
-
-    def _unit(self, end: tuple[str, str]) -> str:
-        label = self._components[end[0]].variable(end[1])
-        variables = self._models[end[0]].variables
-        variable = variables.get(label) or variables[label.rpartition("[")[0]]
-        return variable.unit
-
-    def _retype(self, end: tuple[str, str], type_: Type) -> None:
-        component = self._components[end[0]]
-        ports = tuple(Port(p.name, p.causality, type_) if p.name == end[1] else p for p in component.interface.ports)
-        self._components[end[0]] = replace(component, interface=replace(component.interface, ports=ports))
-
-    def _misfits(
-        self,
-        structure: SystemStructure,
-        wire: Wire,
-        start: tuple[str, str],
-        end: tuple[str, str],
-        where: Location | None,
-    ) -> Iterator[Problem]:
-        source, target = self._type(start), self._type(end)
-        difference = same_signal(source, target)
-        if difference:
-            yield Problem(f"{_text(wire)}: {difference}", where, "a workspace connects what is of one type and unit")
-            return
-        try:
-            bound = [
-                bind(self._components[name], port, type_, self._models[name], ("input", "output"))
-                for (name, port), type_ in ((start, source), (end, target))
-            ]
-        except DseError as error:
-            yield from (Problem(f"{_text(wire)}: {p.what}", where, p.hint) for p in error.problems)
-            return
-        if not carries_the_same(wire, structure, bound[0].conversion, bound[1].conversion):
-            what = f"{_text(wire)}: its transformation is nothing a workspace has words for"
-            yield Problem(what, where, "let a component do it, or simulate the package as it is: dse simulate FILE.ssp")
+    except DseError as error:
+        yield from (Problem(f"{_text(wire)}: {p.what}", where, p.hint) for p in error.problems)
+        return
+    if not carries_the_same(wire, parts.resolved.structure, source, target):
+        what = f"{_text(wire)}: its transformation is nothing a workspace has words for"
+        yield Problem(what, where, "let a component do it, or simulate the package as it is: dse simulate FILE.ssp")
 
 
-def _single(structure: SystemStructure) -> Iterator[Wire]:
+def _single(resolved: ResolvedSystem) -> Iterator[Wire]:
     """The wires with those of whole arrays as one for each value."""
-    for wire in structure.wires:
-        source = structure.element(wire.source).model.variables.get(wire.source_variable)
-        target = structure.element(wire.target).model.variables.get(wire.target_variable)
+    for wire in resolved.structure.wires:
+        source = resolved.structure.element(wire.source).model.variables.get(wire.source_variable)
+        target = resolved.structure.element(wire.target).model.variables.get(wire.target_variable)
         if source is not None and target is not None and source.shape:
             for start, end in zip(source.labels, target.labels, strict=True):
                 yield replace(wire, source_variable=start, target_variable=end)
         else:
             yield wire
-
-
-def _place(resolved: ResolvedSystem, wire: Wire) -> Location | None:
-    """Where in the package *wire*, or the whole array it is one value of, is connected."""
-    name = f"{wire.target}.{wire.target_variable}"
-    return resolved.places.get(name) or resolved.places.get(name.rpartition("[")[0])
 
 
 def _text(wire: Wire) -> str:

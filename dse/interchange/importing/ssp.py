@@ -9,19 +9,21 @@ from pathlib import Path
 from dse.domain.bench import Simulation
 from dse.domain.component import Causality, Component, Interface, Kind, Type, Value
 from dse.domain.design import Alternative, Compound, Connection, DesignSpace, Node, Part
-from dse.errors import DseError, Location, Problem, fail, raise_if_any
+from dse.errors import DseError, Location, Problem, raise_if_any
 from dse.fmu.unpack import open_fmu
 from dse.formats.yaml import shown
-from dse.interchange.importing.names import free_name, part_names
-from dse.interchange.importing.parts import Catalogue
+from dse.interchange.importing.files import write_new
+from dse.interchange.importing.parts import Catalogue, Parts, connect, take_parts
 from dse.interchange.importing.values import given_values
+from dse.interchange.names import free_word
 from dse.interchange.prepared import read_package, timing_of
-from dse.interchange.resolving.resolve import Models, ResolvedSystem, system_of
+from dse.interchange.resolving.network import Models
+from dse.interchange.resolving.resolve import system_of
 from dse.interchange.structure import SspSystem
 from dse.loading.writing.bench import write_bench
 from dse.loading.writing.component import write_fmu_component, write_interfaces
 from dse.loading.writing.design import write_design
-from dse.space.enumerate import configurations
+from dse.space.opened import open_space
 
 
 @dataclass(frozen=True, slots=True)
@@ -34,7 +36,7 @@ class ImportedBench:
 
 
 @dataclass(frozen=True, slots=True)
-class Imported:
+class ImportedWorkspace:
     """What was written, the benches that can be simulated, and what of the package could not be kept."""
 
     files: tuple[Path, ...]
@@ -44,7 +46,7 @@ class Imported:
 
 @dataclass(frozen=True, slots=True)
 class _Variant:
-    """One variant in the words of a workspace."""
+    """One variant in the words of a workspace; *told* is what of it could not be kept."""
 
     ssp: SspSystem
     bench: str
@@ -52,11 +54,17 @@ class _Variant:
     connections: tuple[Connection, ...]
     parameters: Mapping[str, tuple[Value, Type]]
     simulation: Simulation
+    told: tuple[str, ...]
+
+    @property
+    def title(self) -> str:
+        """What the package calls it, unless the bench is called so."""
+        return "" if self.ssp.name == self.bench else self.ssp.name
 
 
 def import_ssp(
     path: Path, folder: Path, *, stop: float | None = None, step: float | None = None, cache: Path | None = None
-) -> Imported:
+) -> ImportedWorkspace:
     """Make the workspace *folder* of the package at *path*; nothing that is there is overwritten.
 
     Benches simulate to *stop* in steps of *step* (seconds); None for what the package says.
@@ -66,65 +74,49 @@ def import_ssp(
     """
     first, _ = read_package(path, None, cache)
     catalogue = Catalogue()
-    told: list[str] = []
     variants: list[_Variant] = []
     problems: list[Problem] = []
-    for name in (first.variant, *(other for other in first.variants if other != first.variant)):
+    for name in dict.fromkeys((first.variant, *first.variants)):
         try:
+            ssp, models = read_package(path, name, cache)
+            _require_usual_kind(ssp, models, cache)
+            resolved = system_of(ssp, models)
+            timing = timing_of(ssp.experiment, models.values(), stop, step, Location(shown(path)))
+            every = ssp.experiment.record_every if (stop, step) == (None, None) else None
+            simulation = Simulation(timing.stop, timing.step, (), every or timing.step)
             taken = [variant.bench for variant in variants]
-            variants.append(_variant(path, name, catalogue, taken, told, (stop, step), cache))
+            variants.append(_variant(ssp, take_parts(ssp, resolved, catalogue), simulation, taken))
         except DseError as error:
             problems += error.problems
     raise_if_any(problems)
     spaces, benches = _designs(variants, catalogue)
     texts: dict[Path, str] = {}
     archives: dict[Path, Path] = {}
-    for component, archive in catalogue.components():
+    for component in catalogue.components.values():
         own = folder / "components" / component.name
-        archives[own / f"{component.name}.fmu"] = archive
+        archives[own / f"{component.name}.fmu"] = catalogue.models[component.name].archive
         texts[own / "component.yaml"] = write_fmu_component(component, f"{component.name}.fmu")
     texts[folder / "components" / "interfaces.yaml"] = write_interfaces(catalogue.interfaces())
     for space in spaces:
         texts[folder / "designs" / f"{space.name}.yaml"] = write_design(space)
     for variant, (_, design) in zip(variants, benches, strict=True):
-        title = "" if variant.ssp.name == variant.bench else variant.ssp.name
         metrics = _metrics(variant)
-        text = write_bench(variant.bench, title, design, variant.parameters, variant.simulation, metrics)
+        text = write_bench(variant.bench, variant.title, design, variant.parameters, variant.simulation, metrics)
         texts[folder / "testbenches" / f"{variant.bench}.yaml"] = text
-    _write(texts, archives)
-    files = tuple(sorted((*texts, *archives)))
-    return Imported(files, tuple(bench for bench, _ in benches), tuple(dict.fromkeys((*catalogue.left_out, *told))))
+    write_new(texts, archives)
+    told = dict.fromkeys((*catalogue.left_out, *(text for variant in variants for text in variant.told)))
+    return ImportedWorkspace(tuple(sorted((*texts, *archives))), tuple(bench for bench, _ in benches), tuple(told))
 
 
-def _variant(
-    path: Path,
-    variant: str,
-    catalogue: Catalogue,
-    taken: list[str],
-    told: list[str],
-    times: tuple[float | None, float | None],
-    cache: Path | None,
-) -> _Variant:
-    ssp, models = read_package(path, variant, cache)
-    _require_usual_kind(ssp, models, cache)
-    resolved = system_of(ssp, models)
-    told += [f"{note}" for note in resolved.notes]
-    names = part_names(resolved.structure)
-    components = {
-        element.name: catalogue.component(ssp.places[element.name], element) for element in resolved.structure.elements
-    }
-    connections = catalogue.connect(resolved, names, components)
-    order = [name for name in ssp.places if name in names]
-    parts = {names[name]: components[name] for name in order}
-    parameters = given_values(resolved, names, catalogue, components)
-    where = Location(shown(path))
-    timing = timing_of(resolved.experiment, list(models.values()), *times, where)
-    every = ssp.experiment.record_every if times == (None, None) else None
-    record = _record(resolved, names, catalogue, components, told)
-    simulation = Simulation(timing.stop, timing.step, record, every or timing.step)
+def _variant(ssp: SspSystem, parts: Parts, simulation: Simulation, taken: list[str]) -> _Variant:
+    connections = connect(parts)
+    parameters = given_values(parts)
+    told = [str(note) for note in parts.resolved.notes]
+    simulation = replace(simulation, record=_record(parts, told))
     # Variants are told apart by their files, as with 'dse simulate --variant'; the first is the system itself.
     name = ssp.name if ssp.variant == next(iter(ssp.variants)) else ssp.variant
-    return _Variant(ssp, free_name(name, taken), parts, connections, parameters, simulation)
+    own = {parts.names[place]: parts.component(place) for place in ssp.places}
+    return _Variant(ssp, free_word(name, taken), own, connections, parameters, simulation, tuple(told))
 
 
 def _require_usual_kind(ssp: SspSystem, models: Models, cache: Path | None) -> None:
@@ -140,22 +132,15 @@ def _require_usual_kind(ssp: SspSystem, models: Models, cache: Path | None) -> N
     )
 
 
-def _record(
-    resolved: ResolvedSystem,
-    names: Mapping[str, str],
-    catalogue: Catalogue,
-    components: Mapping[str, Component],
-    told: list[str],
-) -> tuple[str, ...]:
+def _record(parts: Parts, told: list[str]) -> tuple[str, ...]:
     record: list[str] = []
-    for signal in resolved.signals:
+    for signal in parts.resolved.signals:
         element = ".".join(signal.way)
-        label = signal.label.removeprefix(f"{element}.")
-        own = catalogue.own_name(components[element], label)
-        if own is None or components[element].interface.port(own) is None:
+        own = parts.own_name(element, signal.label.removeprefix(f"{element}."))
+        if own is None or parts.component(element).interface.port(own) is None:
             told.append(f"'{signal.name}' is not recorded: it is no output that a port can be")
             continue
-        record.append(f"{names[element]}.{own}")
+        record.append(f"{parts.names[element]}.{own}")
         if signal.name != signal.label and not signal.carry.is_linear_identity:
             told.append(f"the system's output '{signal.name}' is recorded as {record[-1]}, without its transformation")
     return tuple(dict.fromkeys(record))
@@ -180,7 +165,7 @@ def _designs(
     for group in shared:
         space = _space(group, catalogue)
         spaces.append(space)
-        found = list(configurations(space))
+        found = list(open_space(space).configurations())
         for variant in group:
             wanted = {place: component.name for place, component in variant.parts.items()}
             meant = next(c for c in found if {path: part.name for path, part in c.parts.items()} == wanted)
@@ -204,7 +189,7 @@ def _fits(variant: _Variant, first: _Variant, catalogue: Catalogue) -> bool:
     if changed.keys() & {component.name for component in first.parts.values()}:
         return False
     for component in changed.values():
-        catalogue.replace(component)
+        catalogue.components[component.name] = component
     return True
 
 
@@ -219,10 +204,9 @@ def _space(group: list[_Variant], catalogue: Catalogue) -> DesignSpace:
     parts: dict[str, Node] = {}
     for place in first.parts:
         options = dict.fromkeys(variant.parts[place].name for variant in group)
-        nodes = tuple(Part(catalogue.named(name)) for name in options)
+        nodes = tuple(Part(catalogue.components[name]) for name in options)
         parts[place] = nodes[0] if len(nodes) == 1 else Alternative(nodes)
-    title = "" if first.ssp.name == first.bench else first.ssp.name
-    return DesignSpace(first.bench, Compound(first.bench, parts, first.connections), title=title)
+    return DesignSpace(first.bench, Compound(first.bench, parts, first.connections), title=first.title)
 
 
 def _metrics(variant: _Variant) -> dict[str, tuple[str, str]]:
@@ -232,22 +216,5 @@ def _metrics(variant: _Variant) -> dict[str, tuple[str, str]]:
         place, _, name = signal.partition(".")
         port = variant.parts[place].interface.port(name)
         if port is not None and port.type.kind is Kind.REAL:
-            found[free_name(f"{signal} at the end", found)] = f"final({signal})", port.type.unit.symbol
+            found[free_word(f"{signal} at the end", found)] = f"final({signal})", port.type.unit.symbol
     return found
-
-
-def _write(texts: Mapping[Path, str], archives: Mapping[Path, Path]) -> None:
-    raise_if_any(
-        Problem("the file is there already", Location(str(path)), "move it away; nothing is overwritten")
-        for path in (*texts, *archives)
-        if path.exists()
-    )
-    try:
-        for path, archive in archives.items():
-            path.parent.mkdir(parents=True, exist_ok=True)
-            path.write_bytes(archive.read_bytes())
-        for path, text in texts.items():
-            path.parent.mkdir(parents=True, exist_ok=True)
-            path.write_text(text, encoding="utf-8", newline="\n")
-    except OSError as error:
-        raise fail(f"cannot be written: {error.strerror or error}", Location(str(error.filename))) from error

@@ -8,58 +8,52 @@ from pathlib import Path, PurePosixPath
 from dse.errors import DseError, Location, fail
 from dse.formats.xml import XmlElement, read_xml
 from dse.formats.xml_values import shortened
-from dse.interchange.reading.common import Findings, expect
-from dse.interchange.reading.package import Package, follow, read_file
-from dse.interchange.reading.parameters import inline, read_mapping, read_parameters
-from dse.interchange.structure import Binding
+from dse.interchange.reading.common import Findings, inline
+from dse.interchange.reading.package import PackageFile
+from dse.interchange.reading.parameters import read_mapping, read_parameters
+from dse.interchange.structure import Assignment
 
 _SET = "application/x-ssp-parameter-set"
 _MAPPING = "application/x-ssp-parameter-mapping"
-_BASES = ("SSD", "component")
 _MOST_BYTES = 128 * 2**20
 
 
-def read_bindings(
-    package: Package, file: PurePosixPath, element: XmlElement, fmu: Path | None, found: Findings
-) -> tuple[Binding, ...]:
-    """The bindings of *element*, which stands in the package's *file*; what is wrong with them goes to *found*.
+def read_bindings(file: PackageFile, element: XmlElement, fmu: Path | None, found: Findings) -> tuple[Assignment, ...]:
+    """What the bindings of *element*, which stands in *file*, give; what is wrong with them goes to *found*.
 
     *fmu* is the component's archive, in which sets and mappings may lie, too.
     """
-    bindings = []
-    for group in element.all("ParameterBindings"):
-        expect(group, set(), {"ParameterBinding"}, found)
-        for child in group.all("ParameterBinding"):
-            try:
-                bindings.append(_binding(package, file, child, fmu, found))
-            except DseError as error:
-                found.problems += error.problems
-    return tuple(bindings)
+    assigned: list[Assignment] = []
+    for child in found.listed(element, "ParameterBindings", "ParameterBinding"):
+        try:
+            assigned += _binding(file, child, fmu, found)
+        except DseError as error:
+            found.problems += error.problems
+    return tuple(assigned)
 
 
-def _binding(package: Package, file: PurePosixPath, element: XmlElement, fmu: Path | None, found: Findings) -> Binding:
-    expect(element, {"type", "source", "sourceBase", "prefix"}, {"ParameterValues", "ParameterMapping"}, found)
+def _binding(file: PackageFile, element: XmlElement, fmu: Path | None, found: Findings) -> tuple[Assignment, ...]:
+    found.expect(element, {"type", "source", "sourceBase", "prefix"}, {"ParameterValues", "ParameterMapping"})
     _require_type(element, _SET, "parameter set")
     values = element.child("ParameterValues")
     if element.get("source"):
         if values is not None:
             raise fail("a binding with a 'source' has no <ParameterValues>", values.where, "remove one of them")
-        root = _named(package, file, element, fmu, found)
+        root = _named(file, element, fmu, found)
     elif values is None:
         raise fail("the binding has neither a 'source' nor <ParameterValues>", element.where)
     else:
         root = inline(values, "ParameterSet")
-    parameters = read_parameters(root, found)
-    mapping = None
+    prefix = element.get("prefix")
+    parameters = {prefix + name: value for name, value in read_parameters(root, found).items()}
     mapped = element.child("ParameterMapping")
-    if mapped is not None:
-        expect(mapped, {"type", "source", "sourceBase"}, {"ParameterMapping"}, found)
-        _require_type(mapped, _MAPPING, "parameter mapping")
-        rules = (
-            _named(package, file, mapped, fmu, found) if mapped.get("source") else inline(mapped, "ParameterMapping")
-        )
-        mapping = read_mapping(rules, found)
-    return Binding(root.get("name"), parameters, element.where, element.get("prefix"), mapping)
+    if mapped is None:
+        return tuple(Assignment(name, value, value.where) for name, value in parameters.items())
+    # With a mapping, only what it names is applied (SSP, ParameterBindings).
+    found.expect(mapped, {"type", "source", "sourceBase"}, {"ParameterMapping"})
+    _require_type(mapped, _MAPPING, "parameter mapping")
+    rules = _named(file, mapped, fmu, found) if mapped.get("source") else inline(mapped, "ParameterMapping")
+    return read_mapping(rules, parameters, found)
 
 
 def _require_type(element: XmlElement, expected: str, what: str) -> None:
@@ -68,13 +62,13 @@ def _require_type(element: XmlElement, expected: str, what: str) -> None:
         raise fail(f"the {what} is of the type '{shortened(type_)}', which is not supported", element.where)
 
 
-def _named(package: Package, file: PurePosixPath, element: XmlElement, fmu: Path | None, found: Findings) -> XmlElement:
+def _named(file: PackageFile, element: XmlElement, fmu: Path | None, found: Findings) -> XmlElement:
     source = element.get("source")
-    if element.word("sourceBase", _BASES, found.problems, "SSD") == "SSD":
-        return read_file(package, follow(package, file, source, element.where))
+    if element.word("sourceBase", ("SSD", "component"), found.problems, "SSD") == "SSD":
+        return file.read(source, element.where)
     if fmu is None:
         raise fail(f"'{shortened(source)}' is to lie in the component, which is no FMU", element.where)
-    called = package.place(PurePosixPath(fmu.relative_to(package.folder).as_posix()))
+    called = file.package.place(PurePosixPath(fmu.relative_to(file.package.folder).as_posix()))
     return read_xml(_entry(fmu, source, element.where), f"{called}/{source}")
 
 

@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Mapping
+from collections.abc import Container, Iterator, Mapping, Set
 from dataclasses import dataclass, field
 
 from dse.domain.fmu import UnitDefinition
-from dse.errors import Problem, closest, fail
+from dse.errors import Location, Problem, closest, fail
+from dse.fmu.reading.units import BASE_UNITS, base_unit
+from dse.fmu.reading.variables import VALUE_KINDS
 from dse.formats.xml import XmlElement
 from dse.formats.xml_values import shortened
 from dse.interchange.structure import NamedUnit, SignalType, Transformation
@@ -19,16 +21,15 @@ SSV = "http://ssp-standard.org/SSP1/SystemStructureParameterValues"
 SSM = "http://ssp-standard.org/SSP1/SystemStructureParameterMapping"
 SSB = "http://ssp-standard.org/SSP1/SystemStructureSignalDictionary"
 
-REALS = ("Real", "Float64", "Float32")
-INTEGERS = ("Integer", "Int8", "UInt8", "Int16", "UInt16", "Int32", "UInt32", "Int64", "UInt64")
-TYPES = (*REALS, *INTEGERS, "Boolean", "String", "Enumeration", "Binary", "Clock")
-TRANSFORMATIONS = (
-    "LinearTransformation",
-    "BooleanMappingTransformation",
-    "IntegerMappingTransformation",
-    "EnumerationMappingTransformation",
+TYPES = frozenset(VALUE_KINDS)
+TRANSFORMATIONS = frozenset(
+    {
+        "LinearTransformation",
+        "BooleanMappingTransformation",
+        "IntegerMappingTransformation",
+        "EnumerationMappingTransformation",
+    }
 )
-BASE_UNITS = ("kg", "m", "s", "A", "K", "mol", "cd", "rad")
 
 OWN_ANNOTATION = "dse.simulation"
 """Type of the annotation of an experiment in which this program keeps what SSP has no words for."""
@@ -42,13 +43,72 @@ META = frozenset({"author", "fileversion", "copyright", "license", "generationTo
 EXTRAS = frozenset({"Annotations", "MetaData", "Signature"})
 """Elements that any element may hold and that say nothing of how it is simulated."""
 
+NOTHING: frozenset[str] = frozenset()
+
 
 @dataclass(slots=True)
 class Findings:
-    """What is wrong with a package, and what in it is of no use here."""
+    """What is wrong with a package, and what in it is of no use here, as its elements are read."""
 
     problems: list[Problem] = field(default_factory=list)
     notes: list[Problem] = field(default_factory=list)
+
+    def add(self, what: str, where: Location, hint: str = "") -> None:
+        """One more thing that is wrong."""
+        self.problems.append(Problem(what, where, hint))
+
+    def expect(self, element: XmlElement, attributes: Set[str] = NOTHING, children: Set[str] = NOTHING) -> None:
+        """Every attribute and child that SSP does not know here is wrong; annotations are of no use."""
+        for name in element.attributes:
+            # Attributes of other namespaces (xsi:schemaLocation) belong to others.
+            if not name.startswith("{") and name not in attributes | BASE:
+                hint = closest(name, attributes | BASE)
+                self.add(f"<{element.tag}> has no attribute '{name}'", element.where, hint)
+        for child in element.children:
+            if child.tag in EXTRAS:
+                self.notes += _extras(child)
+            elif child.tag not in children:
+                hint = closest(child.tag, children | EXTRAS)
+                self.add(f"<{child.tag}> cannot stand in <{element.tag}>", child.where, hint)
+
+    def listed(self, element: XmlElement, group: str, tag: str) -> Iterator[XmlElement]:
+        """The elements called *tag* in each *group* of *element*, which may hold nothing else."""
+        for found in element.all(group):
+            self.expect(found, NOTHING, {tag})
+            yield from found.all(tag)
+
+    def new(self, element: XmlElement, taken: Container[str], what: str, attribute: str = "name") -> str:
+        """The name (or other attribute) of *element*, a *what*; a problem if it has none, or one that is *taken*."""
+        name = element.required(attribute, self.problems)
+        if name in taken:
+            self.add(f"{what} '{shortened(name)}' is there twice", element.where)
+        return name
+
+    def finite(self, element: XmlElement, name: str) -> float | None:
+        """The attribute as a finite number; None if it is not there, and a problem if it is no such number."""
+        value = element.real(name, self.problems)
+        if value is not None and not math.isfinite(value):
+            self.add(f"<{element.tag}>: '{name}' cannot be {value:g}", element.where)
+            return None
+        return value
+
+    def positive(self, element: XmlElement, name: str) -> float | None:
+        """The attribute as a positive number; None if it is not there, and a problem if it is no such number."""
+        value = self.finite(element, name)
+        if value is not None and value <= 0:
+            self.add(f"<{element.tag}>: '{name}' must be positive, not {value:g}", element.where)
+            return None
+        return value
+
+
+def _extras(element: XmlElement) -> list[Problem]:
+    if element.tag != "Annotations":
+        return [Problem(f"<{element.tag}> is not used", element.where)]
+    return [
+        Problem(f"the annotation '{shortened(annotation.get('type'))}' is not used", annotation.where)
+        for annotation in element.all("Annotation")
+        if annotation.get("type") != OWN_ANNOTATION and not any(a.tag == STEP_ELEMENT for a in annotation.walk())
+    ]
 
 
 @dataclass(frozen=True, slots=True)
@@ -73,95 +133,40 @@ def require_root(root: XmlElement, tag: str, namespace: str) -> None:
         raise fail(what, root.where, "export it as SSP 1.0 or 2.0")
 
 
-def expect(
-    element: XmlElement,
-    attributes: frozenset[str] | set[str],
-    children: frozenset[str] | set[str],
-    found: Findings,
-) -> None:
-    """Add a problem for every attribute and child that SSP does not know here, and a note for every annotation."""
-    for name in element.attributes:
-        # Attributes of other namespaces (xsi:schemaLocation) belong to others.
-        if not name.startswith("{") and name not in attributes | BASE:
-            hint = closest(name, attributes | BASE)
-            found.problems.append(Problem(f"<{element.tag}> has no attribute '{name}'", element.where, hint))
-    for child in element.children:
-        if child.tag in EXTRAS:
-            found.notes += _extras(child)
-        elif child.tag not in children:
-            hint = closest(child.tag, children | EXTRAS)
-            found.problems.append(Problem(f"<{child.tag}> cannot stand in <{element.tag}>", child.where, hint))
-
-
-def _extras(element: XmlElement) -> list[Problem]:
-    if element.tag != "Annotations":
-        return [Problem(f"<{element.tag}> is not used", element.where)]
-    return [
-        Problem(f"the annotation '{shortened(annotation.get('type'))}' is not used", annotation.where)
-        for annotation in element.all("Annotation")
-        if annotation.get("type") != OWN_ANNOTATION and not any(a.tag == STEP_ELEMENT for a in annotation.walk())
-    ]
+def inline(element: XmlElement, tag: str) -> XmlElement:
+    """The single child *tag* that *element* holds. Raises DseError if it holds something else."""
+    if len(element.children) == 1 and element.children[0].tag == tag:
+        return element.children[0]
+    raise fail(f"<{element.tag}> must hold one <{tag}>", element.where)
 
 
 def read_scope(root: XmlElement, found: Findings) -> Scope:
     """The units and enumerations that the file of *root* defines."""
     units: dict[str, UnitDefinition] = {}
-    for group in root.all("Units"):
-        expect(group, set(), {"Unit"}, found)
-        for element in group.all("Unit"):
-            expect(element, {"name"}, {"BaseUnit"}, found)
-            name = element.required("name", found.problems)
-            if name in units:
-                found.problems.append(Problem(f"the unit '{shortened(name)}' is there twice", element.where))
-            base = element.child("BaseUnit")
-            if base is None:
-                found.problems.append(Problem(f"the unit '{shortened(name)}' has no <BaseUnit>", element.where))
-            else:
-                units[name] = _definition(base, found)
+    for element in found.listed(root, "Units", "Unit"):
+        found.expect(element, {"name"}, {"BaseUnit"})
+        name = found.new(element, units, "the unit")
+        base = element.child("BaseUnit")
+        if base is None:
+            found.add(f"the unit '{shortened(name)}' has no <BaseUnit>", element.where)
+        else:
+            found.expect(base, {*BASE_UNITS, "factor", "offset"})
+            units[name] = base_unit(base, found.problems)
     enumerations: dict[str, Mapping[str, int]] = {}
-    for group in root.all("Enumerations"):
-        expect(group, set(), {"Enumeration"}, found)
-        for element in group.all("Enumeration"):
-            expect(element, {"name"}, {"Item"}, found)
-            name = element.required("name", found.problems)
-            if name in enumerations:
-                found.problems.append(Problem(f"the enumeration '{shortened(name)}' is there twice", element.where))
-            enumerations[name] = _items(element, found)
+    for element in found.listed(root, "Enumerations", "Enumeration"):
+        found.expect(element, {"name"}, {"Item"})
+        enumerations[found.new(element, enumerations, "the enumeration")] = _items(element, found)
     return Scope(units, enumerations)
-
-
-def _definition(base: XmlElement, found: Findings) -> UnitDefinition:
-    expect(base, {*BASE_UNITS, "factor", "offset"}, set(), found)
-    exponents = {name: base.whole(name, found.problems, least=-99, most=99) or 0 for name in BASE_UNITS}
-    factor, offset = finite(base, "factor", found), finite(base, "offset", found)
-    if factor == 0:
-        found.problems.append(Problem("a unit's factor cannot be 0", base.where))
-        factor = None
-    return UnitDefinition(
-        1.0 if factor is None else factor, offset or 0.0, {name: n for name, n in exponents.items() if n}
-    )
-
-
-def finite(element: XmlElement, name: str, found: Findings) -> float | None:
-    """The attribute as a finite number; None if it is not there, and a problem if it is no such number."""
-    value = element.real(name, found.problems)
-    if value is not None and not math.isfinite(value):
-        found.problems.append(Problem(f"<{element.tag}>: '{name}' cannot be {value:g}", element.where))
-        return None
-    return value
 
 
 def _items(element: XmlElement, found: Findings) -> dict[str, int]:
     items: dict[str, int] = {}
     for item in element.all("Item"):
-        expect(item, {"name", "value"}, set(), found)
-        name = item.required("name", found.problems)
+        found.expect(item, {"name", "value"})
         value = item.whole("value", found.problems)
         if value is None and "value" not in item.attributes:
-            found.problems.append(Problem("<Item> has no 'value'", item.where))
-        if name in items:
-            found.problems.append(Problem(f"the item '{shortened(name)}' is there twice", item.where))
-        items[name] = value or 0
+            found.add("<Item> has no 'value'", item.where)
+        items[found.new(item, items, "the item")] = value or 0
     return items
 
 
@@ -173,15 +178,12 @@ def unit_of(element: XmlElement, scope: Scope) -> NamedUnit | None:
 
 def read_type(element: XmlElement, scope: Scope, found: Findings) -> SignalType | None:
     """The type said in *element*, or None if none is."""
-    typed = [child for child in element.children if child.tag in TYPES]
-    if len(typed) > 1:
-        found.problems.append(Problem(f"<{element.tag}> has more than one type", typed[1].where))
-    if not typed:
+    child = _single(element, TYPES, "type", found)
+    if child is None:
         return None
-    child = typed[0]
     if child.tag == "Clock":
         return SignalType(child.tag)
-    expect(child, {"unit", "name", "mime-type"}, set(), found)
+    found.expect(child, {"unit", "name", "mime-type"})
     items = None
     if child.tag == "Enumeration":
         name = child.required("name", found.problems)
@@ -192,33 +194,36 @@ def read_type(element: XmlElement, scope: Scope, found: Findings) -> SignalType 
     return SignalType(child.tag, unit_of(child, scope), items)
 
 
+def _single(element: XmlElement, tags: Set[str], what: str, found: Findings) -> XmlElement | None:
+    """The one child that has one of *tags*; None if there is none."""
+    said = [child for child in element.children if child.tag in tags]
+    if len(said) > 1:
+        found.add(f"<{element.tag}> has more than one {what}", said[1].where)
+    return said[0] if said else None
+
+
 def read_sizes(element: XmlElement, found: Findings) -> tuple[int | None, ...]:
     """The sizes said by the <Dimension> elements in *element*; None for one that depends on something."""
     sizes = []
     for child in element.all("Dimension"):
-        expect(child, {"size", "sizeConnector"}, set(), found)
+        found.expect(child, {"size", "sizeConnector"})
         sizes.append(child.whole("size", found.problems, least=1, most=2**31))
     return tuple(sizes)
 
 
 def read_transformation(element: XmlElement, found: Findings) -> Transformation | None:
     """The transformation said in *element*, or None if none is."""
-    said = [child for child in element.children if child.tag in TRANSFORMATIONS]
-    if len(said) > 1:
-        found.problems.append(Problem(f"<{element.tag}> has more than one transformation", said[1].where))
-    if not said:
+    child = _single(element, TRANSFORMATIONS, "transformation", found)
+    if child is None:
         return None
-    child = said[0]
     if child.tag == "LinearTransformation":
-        expect(child, {"factor", "offset"}, set(), found)
-        factor, offset = finite(child, "factor", found), finite(child, "offset", found)
+        found.expect(child, {"factor", "offset"})
+        factor, offset = found.finite(child, "factor"), found.finite(child, "offset")
         return Transformation(child.tag, 1.0 if factor is None else factor, offset or 0.0, where=child.where)
-    expect(child, set(), {"MapEntry"}, found)
+    found.expect(child, NOTHING, {"MapEntry"})
     entries: dict[str, str] = {}
     for entry in child.all("MapEntry"):
-        expect(entry, {"source", "target"}, set(), found)
-        source, target = entry.required("source", found.problems), entry.required("target", found.problems)
-        if source in entries:
-            found.problems.append(Problem(f"the source '{shortened(source)}' is there twice", entry.where))
-        entries[source] = target
+        found.expect(entry, {"source", "target"})
+        target = entry.required("target", found.problems)
+        entries[found.new(entry, entries, "the source", "source")] = target
     return Transformation(child.tag, entries=tuple(entries.items()), where=child.where)

@@ -5,12 +5,13 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from pathlib import PurePosixPath
 
-from dse.errors import DseError, Location, Problem, closest, fail
+from dse.errors import DseError, Location, closest, fail
 from dse.formats.xml import XmlElement
 from dse.formats.xml_values import shortened, whole_of
 from dse.interchange.reading.bindings import read_bindings
 from dse.interchange.reading.common import (
     META,
+    NOTHING,
     OWN_ANNOTATION,
     SSD,
     STEP_ELEMENT,
@@ -18,8 +19,7 @@ from dse.interchange.reading.common import (
     TYPES,
     Findings,
     Scope,
-    expect,
-    finite,
+    inline,
     read_scope,
     read_sizes,
     read_transformation,
@@ -27,22 +27,23 @@ from dse.interchange.reading.common import (
     require_root,
 )
 from dse.interchange.reading.dictionary import read_dictionary
-from dse.interchange.reading.package import DEFAULT, Package, Target, follow, open_package, read_file
-from dse.interchange.reading.parameters import inline
+from dse.interchange.reading.package import DEFAULT, Package, PackageFile, Target, open_package
 from dse.interchange.structure import (
-    Component,
-    Connection,
     Connector,
     DictionaryReference,
+    End,
     ExperimentSettings,
     SignalType,
+    SspComponent,
+    SspConnection,
+    SspSystem,
     System,
 )
 
-FMU = "application/x-fmu-sharedlibrary"
-DEFINITION = "application/x-ssp-definition"
-PACKAGE = "application/x-ssp-package"
-DICTIONARY = "application/x-ssp-signal-dictionary"
+_FMU = "application/x-fmu-sharedlibrary"
+_DEFINITION = "application/x-ssp-definition"
+_PACKAGE = "application/x-ssp-package"
+_DICTIONARY = "application/x-ssp-signal-dictionary"
 
 _KINDS = ("input", "output", "parameter", "calculatedParameter", "structuralParameter", "constant", "local", "inout")
 _MOST_LEVELS = 20
@@ -52,34 +53,25 @@ _CONTENT = frozenset(
 )
 
 
-@dataclass(frozen=True, slots=True)
-class Description:
-    """What one ``.ssd`` file says."""
-
-    name: str
-    version: str
-    system: System
-    experiment: ExperimentSettings
-
-
-def read_description(package: Package, file: PurePosixPath, found: Findings, level: int = 0) -> Description:
-    """Read the package's ``.ssd`` *file* and all it names. Raises DseError if it is none; all else goes to *found*."""
-    here = Location(package.place(file))
+def read_description(package: Package, name: PurePosixPath, found: Findings, level: int = 0) -> SspSystem:
+    """What the package's ``.ssd`` file says, and all it names. Raises DseError if it is none; the rest is *found*."""
+    here = Location(package.place(name))
     if level > _MOST_LEVELS:
         raise fail(f"packages and systems are nested more than {_MOST_LEVELS} levels deep", here)
-    root = read_file(package, follow(package, PurePosixPath(DEFAULT), str(file), here))
+    root = PackageFile(package, PurePosixPath(DEFAULT)).read(str(name), here)
     require_root(root, "SystemStructureDescription", SSD)
     children = {"System", "Enumerations", "Units", "DefaultExperiment", "SSDVariant"}
-    expect(root, META | {"version", "name"}, children, found)
+    found.expect(root, META | {"version", "name"}, children)
     top = root.child("System")
     if top is None:
         raise fail("there is no <System>", root.where)
-    reader = _Reader(package, file, root, read_scope(root, found), found)
-    return Description(
-        root.required("name", found.problems),
-        root.get("version"),
-        reader.system(top, level),
-        _experiment(root, top, found),
+    reader = _Reader(PackageFile(package, name), root, read_scope(root, found), found)
+    return SspSystem(
+        name=root.required("name", found.problems),
+        variant=name.stem,
+        version=root.get("version"),
+        system=reader.system(top, level),
+        experiment=_experiment(root, top, found),
     )
 
 
@@ -87,169 +79,150 @@ def _experiment(root: XmlElement, top: XmlElement, found: Findings) -> Experimen
     element = root.child("DefaultExperiment")
     said: dict[str, float | None] = {}
     if element is not None:
-        expect(element, {"startTime", "stopTime"}, set(), found)
-        said = {"start": finite(element, "startTime", found), "stop": _positive(element, "stopTime", found)}
+        found.expect(element, {"startTime", "stopTime"})
+        said = {"start": found.finite(element, "startTime"), "stop": found.positive(element, "stopTime")}
         for annotation in element.below("Annotations", "Annotation"):
             if annotation.get("type") == OWN_ANNOTATION:
                 for own in annotation.children:
-                    said["step"] = _positive(own, "step", found)
-                    said["record_every"] = _positive(own, "recordEvery", found)
+                    said["step"] = found.positive(own, "step")
+                    said["record_every"] = found.positive(own, "recordEvery")
     if said.get("step") is None:
         extras = (extra for tag in ("Annotations", "SimulationInformation") for extra in top.all(tag))
         masters = [master for extra in extras for master in extra.walk() if master.tag == STEP_ELEMENT]
         if masters:
-            said["step"] = _positive(masters[0], "stepSize", found)
+            said["step"] = found.positive(masters[0], "stepSize")
     return ExperimentSettings(**said)
-
-
-def _positive(element: XmlElement, name: str, found: Findings) -> float | None:
-    value = finite(element, name, found)
-    if value is not None and value <= 0:
-        found.problems.append(Problem(f"<{element.tag}>: '{name}' must be positive, not {value:g}", element.where))
-        return None
-    return value
 
 
 @dataclass(frozen=True, slots=True)
 class _Reader:
     """Reads the elements of one file."""
 
-    package: Package
-    file: PurePosixPath
+    file: PackageFile
     root: XmlElement
     scope: Scope
     found: Findings
 
     def system(self, element: XmlElement, level: int) -> System:
+        found = self.found
         if level > _MOST_LEVELS:
             raise fail(f"packages and systems are nested more than {_MOST_LEVELS} levels deep", element.where)
-        expect(element, {"name"}, _ELEMENT | _CONTENT, self.found)
-        elements: list[Component | DictionaryReference | System] = []
+        found.expect(element, {"name"}, _ELEMENT | _CONTENT)
+        elements: list[SspComponent | DictionaryReference | System] = []
         names: set[str] = set()
         for child in element.below("Elements"):
-            expect(child, set(), {"Component", "SignalDictionaryReference", "System"}, self.found)
+            found.expect(child, NOTHING, {"Component", "SignalDictionaryReference", "System"})
             for inner in child.children:
                 name = inner.get("name")
                 if name in names:
-                    what = f"two elements are called '{shortened(name)}'"
-                    self.found.problems.append(Problem(what, inner.where, "rename one of them"))
+                    found.add(f"two elements are called '{shortened(name)}'", inner.where, "rename one of them")
                 names.add(name)
                 try:
                     elements += self._element(inner, level)
                 except DseError as error:
-                    self.found.problems += error.problems
+                    found.problems += error.problems
         return System(
-            element.required("name", self.found.problems),
+            element.required("name", found.problems),
             tuple(elements),
             tuple(self._connection(c) for c in element.below("Connections", "Connection")),
             self._connectors(element),
-            read_bindings(self.package, self.file, element, None, self.found),
-            element.where,
-            dict(self._dictionaries(element)),
+            read_bindings(self.file, element, None, found),
+            self._dictionaries(element),
         )
 
-    def _element(self, element: XmlElement, level: int) -> list[Component | DictionaryReference | System]:
+    def _element(self, element: XmlElement, level: int) -> list[SspComponent | DictionaryReference | System]:
         name = element.required("name", self.found.problems)
         match element.tag:
             case "System":
                 return [self.system(element, level + 1)]
             case "SignalDictionaryReference":
-                expect(element, {"name", "dictionary"}, _ELEMENT, self.found)
+                self.found.expect(element, {"name", "dictionary"}, _ELEMENT)
                 named = element.required("dictionary", self.found.problems)
                 return [DictionaryReference(name, named, self._connectors(element), element.where)]
             case "Component":
                 return [self._component(name, element, level)]
         return []
 
-    def _component(self, name: str, element: XmlElement, level: int) -> Component | System:
-        expect(element, {"name", "type", "source", "implementation"}, _ELEMENT, self.found)
+    def _component(self, name: str, element: XmlElement, level: int) -> SspComponent | System:
+        self.found.expect(element, {"name", "type", "source", "implementation"}, _ELEMENT)
         source = element.get("source")
         if not source:
             what = f"component '{shortened(name)}' has no 'source', so there is nothing to simulate"
             raise fail(what, element.where, "name its FMU, as resources/part.fmu")
-        type_ = element.get("type", FMU)
-        if type_ not in (FMU, DEFINITION, PACKAGE):
+        type_ = element.get("type", _FMU)
+        if type_ not in (_FMU, _DEFINITION, _PACKAGE):
             what = f"component '{shortened(name)}' is of the type '{shortened(type_)}', which is not supported"
             raise fail(what, element.where, "components are FMUs, systems (.ssd) or packages (.ssp)")
-        target = follow(self.package, self.file, source, element.where)
-        if type_ == FMU:
-            bindings = read_bindings(self.package, self.file, element, target.path, self.found)
-            implementation = element.word(
-                "implementation", ("any", "CoSimulation", "ModelExchange"), self.found.problems, "any"
-            )
+        target = self.file.follow(source, element.where)
+        if type_ == _FMU:
+            assigned = read_bindings(self.file, element, target.path, self.found)
+            kinds = ("any", "CoSimulation", "ModelExchange")
+            implementation = element.word("implementation", kinds, self.found.problems, "any")
             connectors = self._connectors(element)
-            return Component(name, source, target.path, connectors, bindings, element.where, implementation)
-        inner = self._nested(type_, source, target, element, level)
+            return SspComponent(name, source, target.path, connectors, assigned, element.where, implementation)
+        inner = self._nested(type_, target, element, level)
         # Bindings of the component come after those of the system it stands for (SSP, ParameterBindings).
-        bindings = read_bindings(self.package, self.file, element, None, self.found)
-        return replace(inner, name=name, bindings=(*inner.bindings, *bindings))
+        assigned = read_bindings(self.file, element, None, self.found)
+        return replace(inner, name=name, assignments=(*inner.assignments, *assigned))
 
-    def _nested(self, type_: str, source: str, target: Target, element: XmlElement, level: int) -> System:
-        if type_ == PACKAGE:
-            package, variant = open_package(target.path, self.package.into)
-            package = replace(package, called=self.package.place(target.file))
+    def _nested(self, type_: str, target: Target, element: XmlElement, level: int) -> System:
+        package = self.file.package
+        if type_ == _PACKAGE:
+            inner, variant = open_package(target.path, package.into)
+            inner = replace(inner, called=package.place(target.file))
             file = PurePosixPath(target.fragment or f"{variant}.ssd")
-            return read_description(package, file, self.found, level + 1).system
-        if not source.startswith("#"):
-            return read_description(self.package, target.file, self.found, level + 1).system
-        meant = [e for e in self.root.walk() if e.tag == "System" and e.get("id") == target.fragment]
-        if not meant:
-            known = [e.get("id") for e in self.root.walk() if e.tag == "System" and e.get("id")]
+            return read_description(inner, file, self.found, level + 1).system
+        if not element.get("source").startswith("#"):
+            return read_description(package, target.file, self.found, level + 1).system
+        systems = [e for e in self.root.walk() if e.tag == "System" and e.get("id")]
+        meant = next((e for e in systems if e.get("id") == target.fragment), None)
+        if meant is None:
             what = f"no system in this file has the id '{shortened(target.fragment)}'"
-            raise fail(what, element.where, closest(target.fragment, known))
-        return self.system(meant[0], level + 1)
+            raise fail(what, element.where, closest(target.fragment, [e.get("id") for e in systems]))
+        return self.system(meant, level + 1)
 
     def _connectors(self, element: XmlElement) -> tuple[Connector, ...]:
         connectors: dict[str, Connector] = {}
         for child in element.below("Connectors", "Connector"):
-            expect(child, {"name", "kind"}, {*TYPES, "ConnectorGeometry", "Dimension"}, self.found)
-            name = child.required("name", self.found.problems)
+            self.found.expect(child, {"name", "kind"}, TYPES | {"ConnectorGeometry", "Dimension"})
+            name = self.found.new(child, connectors, "connector")
             kind = child.word("kind", _KINDS, self.found.problems)
             if "kind" not in child.attributes:
-                self.found.problems.append(Problem(f"connector '{shortened(name)}' has no 'kind'", child.where))
-            if name in connectors:
-                self.found.problems.append(Problem(f"connector '{shortened(name)}' is there twice", child.where))
+                self.found.add(f"connector '{shortened(name)}' has no 'kind'", child.where)
             type_ = read_type(child, self.scope, self.found)
             connectors[name] = Connector(name, kind, type_, child.where, read_sizes(child, self.found))
         return tuple(connectors.values())
 
-    def _connection(self, element: XmlElement) -> Connection:
+    def _connection(self, element: XmlElement) -> SspConnection:
         ends = {f"{end}{what}" for end in ("start", "end") for what in ("Element", "Connector", "Indices")}
-        expect(element, ends | {"suppressUnitConversion"}, {*TRANSFORMATIONS, "ConnectionGeometry"}, self.found)
-        return Connection(
-            element.get("startElement"),
-            element.required("startConnector", self.found.problems),
-            element.get("endElement"),
-            element.required("endConnector", self.found.problems),
+        self.found.expect(element, ends | {"suppressUnitConversion"}, TRANSFORMATIONS | {"ConnectionGeometry"})
+        return SspConnection(
+            self._end(element, "start"),
+            self._end(element, "end"),
             element.where,
             read_transformation(element, self.found),
             element.flag("suppressUnitConversion", self.found.problems),
-            self._indices(element, "startIndices"),
-            self._indices(element, "endIndices"),
         )
 
-    def _indices(self, element: XmlElement, name: str) -> tuple[int, ...]:
-        numbers = [whole_of(text) for text in element.get(name).split()]
+    def _end(self, element: XmlElement, end: str) -> End:
+        text = element.get(f"{end}Indices")
+        numbers = [whole_of(number) for number in text.split()]
         indices = tuple(number for number in numbers if number is not None)
         if len(indices) < len(numbers):
-            what = f"'{name}' is '{shortened(element.get(name))}', no list of whole numbers"
-            self.found.problems.append(Problem(what, element.where))
-        return indices
+            self.found.add(f"'{end}Indices' is '{shortened(text)}', no list of whole numbers", element.where)
+        return End(element.get(f"{end}Element"), element.required(f"{end}Connector", self.found.problems), indices)
 
     def _dictionaries(self, element: XmlElement) -> dict[str, dict[str, SignalType]]:
         dictionaries: dict[str, dict[str, SignalType]] = {}
         for child in element.below("SignalDictionaries", "SignalDictionary"):
-            expect(child, {"name", "type", "source"}, {"SignalDictionary"}, self.found)
+            self.found.expect(child, {"name", "type", "source"}, {"SignalDictionary"})
             name = child.required("name", self.found.problems)
-            type_, source = child.get("type", DICTIONARY), child.get("source")
+            type_, source = child.get("type", _DICTIONARY), child.get("source")
             try:
-                if type_ != DICTIONARY:
+                if type_ != _DICTIONARY:
                     what = f"signal dictionary '{shortened(name)}' is of the type '{shortened(type_)}'"
                     raise fail(f"{what}, which is not supported", child.where)
-                if source:
-                    root = read_file(self.package, follow(self.package, self.file, source, child.where))
-                else:
-                    root = inline(child, "SignalDictionary")
+                root = self.file.read(source, child.where) if source else inline(child, "SignalDictionary")
                 dictionaries[name] = read_dictionary(root, self.found)
             except DseError as error:
                 self.found.problems += error.problems

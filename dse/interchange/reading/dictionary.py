@@ -2,27 +2,24 @@
 
 from __future__ import annotations
 
-from dse.errors import Problem
 from dse.formats.xml import XmlElement
 from dse.formats.xml_values import shortened
-from dse.interchange.reading.common import META, SSB, TYPES, Findings, expect, read_scope, read_type, require_root
+from dse.interchange.reading.common import META, SSB, TYPES, Findings, read_scope, read_type, require_root
 from dse.interchange.structure import SignalType
 
 
 def read_dictionary(root: XmlElement, found: Findings) -> dict[str, SignalType]:
     """The entries of an ``ssb:SignalDictionary``. Raises DseError if *root* is none; all else goes to *found*."""
     require_root(root, "SignalDictionary", SSB)
-    expect(root, META | {"version"}, {"DictionaryEntry", "Enumerations", "Units"}, found)
+    found.expect(root, META | {"version"}, {"DictionaryEntry", "Enumerations", "Units"})
     scope = read_scope(root, found)
     entries: dict[str, SignalType] = {}
     for element in root.all("DictionaryEntry"):
-        expect(element, {"name"}, {*TYPES, "Dimension"}, found)
-        name = element.required("name", found.problems)
-        if name in entries:
-            found.problems.append(Problem(f"the entry '{shortened(name)}' is there twice", element.where))
+        found.expect(element, {"name"}, TYPES | {"Dimension"})
+        name = found.new(element, entries, "the entry")
         type_ = read_type(element, scope, found)
         if type_ is None:
-            found.problems.append(Problem(f"the entry '{shortened(name)}' has no type", element.where))
+            found.add(f"the entry '{shortened(name)}' has no type", element.where)
         else:
             entries[name] = type_
     return entries

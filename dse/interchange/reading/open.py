@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path, PurePosixPath
 
 from dse.errors import DseError, Location, closest, fail, raise_if_any
@@ -28,17 +29,9 @@ def open_ssp(path: Path, into: Path, variant: str | None = None) -> SspSystem:
         hint = closest(variant or default, names) if variant else f"name a variant: {', '.join(names)}"
         raise fail(f"it has no variant '{variant or default}'", Location(shown(path)), hint)
     found = Findings()
-    description = read_description(package, PurePosixPath(f"{meant}.ssd"), found)
+    ssp = read_description(package, PurePosixPath(f"{meant}.ssd"), found)
     raise_if_any(found.problems)
-    return SspSystem(
-        description.name,
-        meant,
-        description.version,
-        description.system,
-        description.experiment,
-        names,
-        tuple(dict.fromkeys(found.notes)),
-    )
+    return replace(ssp, variants=names, notes=tuple(dict.fromkeys(found.notes)))
 
 
 def _names(package: Package) -> dict[str, str]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import posixpath
 import re
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -61,40 +62,39 @@ def variants(package: Package) -> Iterator[PurePosixPath]:
     yield from (PurePosixPath(name) for name in sorted(names, key=lambda name: (name != default, name)))
 
 
-def follow(package: Package, base: PurePosixPath, uri: str, where: Location) -> Target:
-    """What *uri* leads to, as it stands in the package's file *base*.
+@dataclass(frozen=True, slots=True)
+class PackageFile:
+    """The file *name* of a package, in which URIs of others may stand."""
 
-    Raises DseError, at *where*: a scheme (``http:``), a path that is absolute or leads out of the package, or no file.
-    """
-    text, _, fragment = uri.partition("#")
-    name = unquote(text)
-    if re.match(r"[A-Za-z][A-Za-z0-9+.\-]*:", name):
-        what = f"'{shortened(uri)}' is not in the package"
-        raise fail(what, where, "only files that lie in the package are read; put it into resources/")
-    if name.startswith("/") or "\\" in name or "\0" in name:
-        raise fail(f"'{shortened(uri)}' is no relative path", where, "as resources/part.fmu")
-    file = base
-    if name:
-        parts: list[str] = list(base.parent.parts)
-        for part in PurePosixPath(name).parts:
-            if part != "..":
-                parts.append(part)
-            elif parts:
-                parts.pop()
-            else:
-                raise fail(f"'{shortened(uri)}' leads out of the package", where, "put the file into resources/")
-        file = PurePosixPath(*parts)
-    path = (package.folder / file).resolve()
-    if not path.is_relative_to(package.folder):
-        raise fail(f"'{shortened(uri)}' leads out of the package", where, "put the file into resources/")
-    if not is_file(path):
-        raise fail(f"there is no file '{shortened(str(file))}' in the package", where, _alike(package, file))
-    return Target(file, path, unquote(fragment))
+    package: Package
+    name: PurePosixPath
 
+    def follow(self, uri: str, where: Location) -> Target:
+        """What *uri* leads to.
 
-def read_file(package: Package, target: Target) -> XmlElement:
-    """The root of an XML file of the package. Raises DseError."""
-    return read_xml_file(target.path, package.place(target.file))
+        Raises DseError, at *where*: a scheme (``http:``), a path that is absolute or leads out of the package, or no
+        file.
+        """
+        text, _, fragment = uri.partition("#")
+        name = unquote(text)
+        if re.match(r"[A-Za-z][A-Za-z0-9+.\-]*:", name):
+            what = f"'{shortened(uri)}' is not in the package"
+            raise fail(what, where, "only files that lie in the package are read; put it into resources/")
+        if name.startswith("/") or "\\" in name or "\0" in name:
+            raise fail(f"'{shortened(uri)}' is no relative path", where, "as resources/part.fmu")
+        file = PurePosixPath(posixpath.normpath(self.name.parent / name)) if name else self.name
+        folder = self.package.folder
+        path = (folder / file).resolve()
+        if ".." in file.parts or not path.is_relative_to(folder):
+            raise fail(f"'{shortened(uri)}' leads out of the package", where, "put the file into resources/")
+        if not is_file(path):
+            raise fail(f"there is no file '{shortened(str(file))}' in the package", where, _alike(self.package, file))
+        return Target(file, path, unquote(fragment))
+
+    def read(self, uri: str, where: Location) -> XmlElement:
+        """The root of the XML file that *uri* leads to. Raises DseError."""
+        target = self.follow(uri, where)
+        return read_xml_file(target.path, self.package.place(target.file))
 
 
 def _alike(package: Package, file: PurePosixPath) -> str:

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from dse.errors import Problem, fail
+from collections.abc import Mapping
+
+from dse.errors import Problem
 from dse.formats.xml import XmlElement
 from dse.formats.xml_values import shortened
 from dse.interchange.reading.common import (
@@ -12,79 +14,66 @@ from dse.interchange.reading.common import (
     TRANSFORMATIONS,
     TYPES,
     Findings,
-    expect,
     read_scope,
     read_transformation,
     require_root,
     unit_of,
 )
-from dse.interchange.structure import MappingEntry, ParameterValue
+from dse.interchange.structure import Assignment, ParameterValue
 
-_VALUES = frozenset(TYPES) - {"Clock"}
-_TEXTS = ("String", "Binary")
+_VALUES = TYPES - {"Clock"}
 
 
-def read_parameters(root: XmlElement, found: Findings) -> tuple[ParameterValue, ...]:
-    """The values of an ``ssv:ParameterSet``. Raises DseError if *root* is none; all else goes to *found*."""
+def read_parameters(root: XmlElement, found: Findings) -> dict[str, ParameterValue]:
+    """The values, by name, of an ``ssv:ParameterSet``. Raises DseError if *root* is none; all else goes to *found*."""
     require_root(root, "ParameterSet", SSV)
-    expect(root, META | {"version", "name"}, {"Parameters", "Enumerations", "Units"}, found)
+    found.expect(root, META | {"version", "name"}, {"Parameters", "Enumerations", "Units"})
     scope = read_scope(root, found)
     values: dict[str, ParameterValue] = {}
-    for group in root.all("Parameters"):
-        expect(group, set(), {"Parameter"}, found)
-        for element in group.all("Parameter"):
-            expect(element, {"name"}, _VALUES | {"Dimension"}, found)
-            name = element.required("name", found.problems)
-            if name in values:
-                found.problems.append(Problem(f"the parameter '{shortened(name)}' is there twice", element.where))
-            typed = [child for child in element.children if child.tag in _VALUES]
-            if len(typed) != 1:
-                found.problems.append(Problem(f"<Parameter> '{shortened(name)}' needs one value", element.where))
-                continue
-            values[name] = ParameterValue(
-                name, typed[0].tag, _texts(typed[0], found), element.where, unit_of(typed[0], scope)
-            )
-    return tuple(values.values())
+    for element in found.listed(root, "Parameters", "Parameter"):
+        found.expect(element, {"name"}, _VALUES | {"Dimension"})
+        name = found.new(element, values, "the parameter")
+        typed = [child for child in element.children if child.tag in _VALUES]
+        if len(typed) != 1:
+            found.add(f"<Parameter> '{shortened(name)}' needs one value", element.where)
+            continue
+        (value,) = typed
+        values[name] = ParameterValue(value.tag, _texts(value, found), element.where, unit_of(value, scope))
+    return values
 
 
 def _texts(element: XmlElement, found: Findings) -> tuple[str, ...]:
-    expect(element, {"value", "unit", "name", "mime-type"}, {"Value"}, found)
+    found.expect(element, {"value", "unit", "name", "mime-type"}, {"Value"})
     listed = [child.get("value") for child in element.all("Value")]
     if listed:
         return tuple(listed)
     if "value" not in element.attributes:
-        found.problems.append(Problem(f"<{element.tag}> has no 'value'", element.where))
+        found.add(f"<{element.tag}> has no 'value'", element.where)
     text = element.get("value")
     # SSP 2.0 writes the values of an array with blanks in between; a text or an item's name may hold some itself.
-    return (text,) if element.tag in (*_TEXTS, "Enumeration") else tuple(text.split())
+    return (text,) if element.tag in ("String", "Binary", "Enumeration") else tuple(text.split())
 
 
-def read_mapping(root: XmlElement, found: Findings) -> tuple[MappingEntry, ...]:
-    """The entries of an ``ssm:ParameterMapping``. Raises DseError if *root* is none; all else goes to *found*."""
+def read_mapping(root: XmlElement, values: Mapping[str, ParameterValue], found: Findings) -> tuple[Assignment, ...]:
+    """What the entries of an ``ssm:ParameterMapping`` do with *values*.
+
+    Raises DseError if *root* is none; all else goes to *found*.
+    """
     require_root(root, "ParameterMapping", SSM)
-    expect(root, META | {"version"}, {"MappingEntry"}, found)
-    entries = []
+    found.expect(root, META | {"version"}, {"MappingEntry"})
+    assigned: list[Assignment] = []
     targets: set[str] = set()
     for element in root.all("MappingEntry"):
-        expect(element, {"source", "target", "suppressUnitConversion"}, set(TRANSFORMATIONS), found)
-        target = element.required("target", found.problems)
+        found.expect(element, {"source", "target", "suppressUnitConversion"}, TRANSFORMATIONS)
+        source, target = element.required("source", found.problems), element.required("target", found.problems)
         if target in targets:
-            found.problems.append(Problem(f"'{shortened(target)}' is the target of two entries", element.where))
+            found.add(f"'{shortened(target)}' is the target of two entries", element.where)
         targets.add(target)
-        entries.append(
-            MappingEntry(
-                element.required("source", found.problems),
-                target,
-                element.where,
-                read_transformation(element, found),
-                element.flag("suppressUnitConversion", found.problems),
-            )
-        )
-    return tuple(entries)
-
-
-def inline(element: XmlElement, tag: str) -> XmlElement:
-    """The single child *tag* that *element* holds. Raises DseError if it holds something else."""
-    if len(element.children) == 1 and element.children[0].tag == tag:
-        return element.children[0]
-    raise fail(f"<{element.tag}> must hold one <{tag}>", element.where)
+        transformation = read_transformation(element, found)
+        suppresses = element.flag("suppressUnitConversion", found.problems)
+        if source in values:
+            assigned.append(Assignment(target, values[source], element.where, transformation, suppresses))
+        else:
+            what = f"the parameter set has no '{shortened(source)}', so that '{shortened(target)}' is not set"
+            found.notes.append(Problem(what, element.where))
+    return tuple(assigned)

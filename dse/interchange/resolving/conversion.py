@@ -2,20 +2,17 @@
 
 from __future__ import annotations
 
-import math
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from fractions import Fraction
 
 from dse.domain.component import Kind
-from dse.domain.fmu import UnitDefinition
+from dse.domain.fmu import FmuModel, UnitDefinition, Variable
+from dse.fmu.reading.variables import VALUE_KINDS
 from dse.formats.xml_values import flag_of, whole_of
+from dse.interchange.resolving.carry import SAME, Carry, ConversionError
 from dse.interchange.structure import NamedUnit, SignalType, Transformation
 from dse.units import SI_SYMBOLS, UnitError, counts_otherwise, is_rounded, parse_unit
-
-
-class ConversionError(ValueError):
-    """Why a value cannot go from one connector to the other."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -32,85 +29,19 @@ class Form:
     is_relative: bool = False
 
 
-@dataclass(frozen=True, slots=True)
-class Carry:
-    """``factor * value + offset``, or by *table*: what it does not list stays as it is. Exact."""
-
-    factor: Fraction = Fraction(1)
-    offset: Fraction = Fraction(0)
-    table: Mapping[int, int] | None = None
-
-    @classmethod
-    def of(cls, factor: float, offset: float) -> Carry:
-        """The linear one with these numbers."""
-        return cls(Fraction(factor), Fraction(offset))
-
-    @property
-    def is_linear_identity(self) -> bool:
-        """Whether numbers stay as they are, apart from *table*."""
-        return self.factor == 1 and self.offset == 0
-
-    def apply(self, value: float) -> float:
-        """The value at the other end."""
-        if self.table is not None:
-            return float(self.table.get(int(value), int(value)))
-        if self.is_linear_identity:
-            return value
-        if not math.isfinite(value):
-            return value * float(self.factor)
-        return as_float(Fraction(value) * self.factor + self.offset)
-
-    @property
-    def numbers(self) -> tuple[float, float]:
-        """Factor and offset, rounded. Raises ConversionError if they are beyond the range of numbers."""
-        numbers = as_float(self.factor), as_float(self.offset)
-        if not all(map(math.isfinite, numbers)) or numbers[0] == 0 != self.factor:
-            raise ConversionError("its factor and offset are beyond the range of numbers")
-        return numbers
-
-    def then(self, other: Carry) -> Carry:
-        """This, and *other* after it."""
-        if self.table is None and other.table is None:
-            return Carry(self.factor * other.factor, self.offset * other.factor + other.offset)
-        if not (self.is_linear_identity and other.is_linear_identity):
-            raise ConversionError("a table of values and a linear transformation follow one another")
-        first, second = self.table or {}, other.table or {}
-        return Carry(
-            table={
-                value: second.get(first.get(value, value), first.get(value, value))
-                for value in sorted({*first, *second})
-            }
-        )
-
-
-SAME = Carry()
-
-
-def as_float(value: Fraction) -> float:
-    """The nearest floating-point number; infinite beyond their range, as in their own arithmetic."""
-    try:
-        return float(value)
-    except OverflowError:
-        return math.inf if value > 0 else -math.inf
-
-
-KINDS: Mapping[str, str] = {
-    **dict.fromkeys(("Real", "Float64", "Float32"), Kind.REAL),
-    **dict.fromkeys(
-        ("Integer", "Int8", "UInt8", "Int16", "UInt16", "Int32", "UInt32", "Int64", "UInt64"), Kind.INTEGER
-    ),
-    "Boolean": Kind.BOOLEAN,
-    "Enumeration": Kind.ENUMERATION,
-    "String": "String",
-    "Binary": "Binary",
-    "Clock": "Clock",
-}
-"""The kind of each of SSP's types."""
+KINDS: Mapping[str, str] = {name: kind or name for name, kind in VALUE_KINDS.items()}
+"""The kind of each of SSP's types, which are called as FMI's; its own name for what is no number."""
 
 
 def form_of(type_: SignalType) -> Form:
     """How a connector of this type gives its values."""
     return Form(KINDS[type_.name], type_.unit, type_.items)
+
+
+def form_of_variable(variable: Variable, model: FmuModel) -> Form:
+    """How the FMU gives the values of *variable*."""
+    unit = NamedUnit(variable.unit, model.units.get(variable.unit)) if variable.unit else None
+    return Form(variable.kind or variable.fmi_type, unit, variable.items or None, variable.is_relative)
 
 
 def carry(
@@ -227,16 +158,20 @@ def _table(source: Form, target: Form, transformation: Transformation) -> dict[i
         case "BooleanMappingTransformation":
             if (source.kind, target.kind) != (Kind.BOOLEAN, Kind.BOOLEAN):
                 raise ConversionError(f"a Boolean table is not for {source.kind} and {target.kind}")
-            listed = {_flag(a): _flag(b) for a, b in transformation.entries}
+            listed = _entries(transformation, flag_of, "neither true nor false")
             return {value: listed.get(value, value) for value in (0, 1)}
         case "IntegerMappingTransformation":
             whole = (Kind.INTEGER, Kind.ENUMERATION)
             if source.kind not in whole or target.kind not in whole:
                 raise ConversionError(f"an integer table is not for {source.kind} and {target.kind}")
-            table = {_whole(a): _whole(b) for a, b in transformation.entries}
+            table = _entries(transformation, whole_of, "no whole number")
             values = set(source.items.values()) if source.items else set()
             table = {value: table.get(value, value) for value in sorted({*table, *values})}
-            _require_items(target, [table[value] for value in values or table])
+            strange = [
+                table[value] for value in values or table if target.items and table[value] not in target.items.values()
+            ]
+            if strange:
+                raise ConversionError(f"{strange[0]} is the value of no item of the target")
             return table
     if (source.kind, target.kind) != (Kind.ENUMERATION, Kind.ENUMERATION):
         raise ConversionError(f"a table of items is not for {source.kind} and {target.kind}")
@@ -246,34 +181,18 @@ def _table(source: Form, target: Form, transformation: Transformation) -> dict[i
     for name in named:
         if name not in source.items:
             raise ConversionError(f"'{name}' is no item of the source: {', '.join(source.items)}")
-    found: dict[int, int] = {}
-    for name, value in source.items.items():
-        meant = named.get(name, name)
-        if meant not in target.items:
-            raise ConversionError(f"'{meant}' is no item of the target: {', '.join(target.items)}")
-        found[value] = target.items[meant]
-    return found
+    meant = {value: named.get(name, name) for name, value in source.items.items()}
+    for name in meant.values():
+        if name not in target.items:
+            raise ConversionError(f"'{name}' is no item of the target: {', '.join(target.items)}")
+    return {value: target.items[name] for value, name in meant.items()}
 
 
-def _require_items(target: Form, values: list[int]) -> None:
-    if target.items:
-        strange = [value for value in values if value not in target.items.values()]
-        if strange:
-            raise ConversionError(f"{strange[0]} is the value of no item of the target")
-
-
-def _flag(text: str) -> int:
-    value = flag_of(text)
-    if value is None:
-        raise ConversionError(f"'{text}' is neither true nor false")
-    return int(value)
-
-
-def _whole(text: str) -> int:
-    value = whole_of(text)
-    if value is None:
-        raise ConversionError(f"'{text}' is no whole number")
-    return value
+def _entries(transformation: Transformation, read: Callable[[str], int | None], otherwise: str) -> dict[int, int]:
+    for text in (text for entry in transformation.entries for text in entry):
+        if read(text) is None:
+            raise ConversionError(f"'{text}' is {otherwise}")
+    return {int(read(a) or 0): int(read(b) or 0) for a, b in transformation.entries}
 
 
 def merged(form: Form, said: Form | None) -> Form:
@@ -284,10 +203,6 @@ def merged(form: Form, said: Form | None) -> Form:
         raise ConversionError(f"the connector is {said.kind}, the FMU's variable {form.kind}")
     if form.unit is None:
         return replace(form, unit=said.unit)
-    if said.unit is not None and said.unit.name != form.unit.name and _differ(said.unit, form.unit):
+    if said.unit and said.unit.name != form.unit.name and not _units(said.unit, form.unit).is_linear_identity:
         raise ConversionError(f"the connector is in {said.unit.name}, the FMU's variable in {form.unit.name}")
     return form
-
-
-def _differ(a: NamedUnit, b: NamedUnit) -> bool:
-    return not _units(a, b).is_linear_identity

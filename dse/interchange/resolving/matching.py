@@ -2,26 +2,25 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 
-from dse.domain.fmu import FmiInterface, FmuModel, Variable
+from dse.domain.fmu import FmiInterface, Variable
 from dse.errors import DseError, Problem, closest
-from dse.interchange.resolving.network import Network, Way
-from dse.interchange.resolving.routes import Surroundings
+from dse.interchange.resolving.network import Network
 
 
-def interface_problems(network: Network, models: Mapping[Way, FmuModel]) -> Iterator[Problem]:
+def interface_problems(network: Network) -> Iterator[Problem]:
     """Components whose FMU is not of the kind they ask for."""
     for way, component in network.components.items():
         wanted = component.implementation
-        if wanted != "any" and models[way].interface != FmiInterface(wanted):
+        if wanted != "any" and network.models[way].interface != FmiInterface(wanted):
             yield Problem(f"{'.'.join(way)}: its FMU has no {wanted}", component.where, 'use implementation="any"')
 
 
-def connector_problems(surroundings: Surroundings) -> Iterator[Problem]:
+def connector_problems(network: Network) -> Iterator[Problem]:
     """Connectors of components that do not match their FMU."""
-    for node, connector in surroundings.network.connectors.items():
-        model = surroundings.models.get(node.way)
+    for node, connector in network.connectors.items():
+        model = network.models.get(node.way)
         if model is None:
             continue
         variable = model.variables.get(node.connector)
@@ -40,7 +39,7 @@ def connector_problems(surroundings: Surroundings) -> Iterator[Problem]:
             shape = " x ".join(map(str, variable.shape)) or "a scalar"
             yield Problem(f"{node}: its dimensions are not those of the FMU's variable, {shape}", connector.where)
         try:
-            surroundings.form(node)
+            network.form(node)
         except DseError as error:
             yield from error.problems
 

@@ -2,29 +2,33 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
+from pathlib import Path
 
-from dse.errors import DseError, Problem, closest, fail
-from dse.interchange.resolving.conversion import Form, form_of
+from dse.domain.fmu import FmuModel, Variable
+from dse.errors import DseError, Problem, closest, fail, raise_if_any
+from dse.interchange.resolving.carry import ConversionError
+from dse.interchange.resolving.conversion import Form, form_of, form_of_variable, merged
 from dse.interchange.structure import (
-    Component,
-    Connection,
     Connector,
     DictionaryReference,
+    End,
     SignalType,
+    SspComponent,
+    SspConnection,
     System,
 )
+
+Models = Mapping[tuple[Path, str], FmuModel]
+"""The FMUs of a package by `SspComponent.key`."""
 
 Way = tuple[str, ...]
 """Names of the elements that lead to a place, from the top; () is the top itself."""
 
-_GIVING = ("output", "calculatedParameter", "constant", "local")
-_TAKING = ("input", "parameter", "structuralParameter")
-
 
 @dataclass(frozen=True, slots=True)
-class Node:
+class Endpoint:
     """A connector of the element at *way*, or a signal of the dictionary called *dictionary* of the system there."""
 
     way: Way
@@ -32,76 +36,103 @@ class Node:
     dictionary: str = ""
 
     def __str__(self) -> str:
-        return ".".join(
-            (*self.way, self.dictionary, self.connector) if self.dictionary else (*self.way, self.connector)
-        )
+        return ".".join(name for name in (*self.way, self.dictionary, self.connector) if name)
 
 
 @dataclass(frozen=True, slots=True)
 class Hop:
     """From *source* to *target*; the indices pick one value of an array, () is all of it."""
 
-    source: Node
-    target: Node
-    connection: Connection
+    source: Endpoint
+    target: Endpoint
+    connection: SspConnection
     source_indices: tuple[int, ...]
     target_indices: tuple[int, ...]
 
 
 @dataclass(slots=True)
 class Network:
-    """Everything between the FMUs.
+    """The FMUs of a package and everything between them.
 
-    *components* and *systems* are by their way. *hops* are by the connector (and indices) they lead to,
-    *arrivals* are those indices by connector. *forms* holds
-    what connectors of systems and signals of dictionaries say of their type; *connectors* holds all connectors.
+    *components*, their *models*, and *systems* are by their way. *hops* are by the connector (and indices) they lead
+    to, *arrivals* are those indices by connector. *forms* holds what connectors of systems and signals of dictionaries
+    say of their type; *connectors* holds all connectors.
     """
 
-    components: dict[Way, Component] = field(default_factory=dict)
+    components: dict[Way, SspComponent] = field(default_factory=dict)
+    models: dict[Way, FmuModel] = field(default_factory=dict)
     systems: dict[Way, System] = field(default_factory=dict)
-    hops: dict[tuple[Node, tuple[int, ...]], Hop] = field(default_factory=dict)
-    arrivals: dict[Node, list[tuple[int, ...]]] = field(default_factory=dict)
-    forms: dict[Node, Form] = field(default_factory=dict)
-    connectors: dict[Node, Connector] = field(default_factory=dict)
+    hops: dict[tuple[Endpoint, tuple[int, ...]], Hop] = field(default_factory=dict)
+    arrivals: dict[Endpoint, list[tuple[int, ...]]] = field(default_factory=dict)
+    forms: dict[Endpoint, Form] = field(default_factory=dict)
+    connectors: dict[Endpoint, Connector] = field(default_factory=dict)
+
+    def variable(self, node: Endpoint) -> Variable | None:
+        """The FMU's variable behind *node*; None if it is a connector of a system."""
+        model = self.models.get(node.way) if not node.dictionary else None
+        return model.variables.get(node.connector) if model else None
+
+    def form(self, node: Endpoint) -> Form | None:
+        """How values are given at *node*, as far as that is said there. Raises DseError for a contradiction."""
+        variable = self.variable(node)
+        if variable is None:
+            return self.forms.get(node)
+        connector = self.connectors.get(node)
+        said = form_of(connector.type) if connector and connector.type else None
+        try:
+            return merged(form_of_variable(variable, self.models[node.way]), said)
+        except ConversionError as error:
+            raise fail(f"{node}: {error}", connector.where if connector else None) from None
 
 
-def network_of(system: System) -> Network:
+def network_of(system: System, models: Models) -> Network:
     """The network of *system* and all systems in it. Raises DseError with every connection that cannot be."""
     network = Network()
     problems: list[Problem] = []
-    _add(network, system, (), {}, problems)
-    if problems:
-        raise DseError(*problems)
+    _add(network, system, (), {}, models, problems)
+    raise_if_any(problems)
     return network
 
 
-Scope = Mapping[str, tuple[Way, Mapping[str, SignalType]]]
+_Dictionaries = Mapping[str, tuple[Way, Mapping[str, SignalType]]]
 """The signal dictionaries known in a system, by name: where each is defined, and its entries."""
 
 
-def _add(network: Network, system: System, way: Way, outer: Scope, problems: list[Problem]) -> None:
+@dataclass(frozen=True, slots=True)
+class _Scope:
+    """A system where it stands, with the signal dictionaries of its own and of the systems around it."""
+
+    network: Network
+    system: System
+    way: Way
+    dictionaries: _Dictionaries
+
+
+def _add(
+    network: Network, system: System, way: Way, outer: _Dictionaries, models: Models, problems: list[Problem]
+) -> None:
+    own = {name: (way, entries) for name, entries in system.dictionaries.items()}
+    scope = _Scope(network, system, way, {**outer, **own})
     network.systems[way] = system
-    scope = {**outer, **{name: (way, entries) for name, entries in system.dictionaries.items()}}
     for connector in system.connectors:
-        node = Node(way, connector.name)
+        node = Endpoint(way, connector.name)
         network.connectors[node] = connector
         if connector.type is not None:
             network.forms[node] = form_of(connector.type)
     for element in system.elements:
         inner = (*way, element.name)
         if isinstance(element, System):
-            _add(network, element, inner, scope, problems)
+            _add(network, element, inner, scope.dictionaries, models, problems)
             continue
-        for connector in element.connectors:
-            network.connectors[Node(inner, connector.name)] = connector
-        if isinstance(element, Component):
-            network.components[inner] = element
-        elif element.dictionary not in scope:
+        network.connectors |= {Endpoint(inner, connector.name): connector for connector in element.connectors}
+        if isinstance(element, SspComponent):
+            network.components[inner], network.models[inner] = element, models[element.key]
+        elif element.dictionary not in scope.dictionaries:
             what = f"there is no signal dictionary '{element.dictionary}'"
-            problems.append(Problem(what, element.where, closest(element.dictionary, scope)))
+            problems.append(Problem(what, element.where, closest(element.dictionary, scope.dictionaries)))
     for connection in system.connections:
         try:
-            hop = _hop(network, system, way, scope, connection)
+            hop = _hop(scope, connection)
         except DseError as error:
             problems += error.problems
             continue
@@ -114,79 +145,67 @@ def _add(network: Network, system: System, way: Way, outer: Scope, problems: lis
         network.arrivals.setdefault(hop.target, []).append(hop.target_indices)
 
 
-@dataclass(frozen=True, slots=True)
-class _End:
-    """One end of a connection, seen from inside the system: it gives values, takes them, or either (None)."""
-
-    node: Node
-    gives: bool | None
-    indices: tuple[int, ...]
-
-
-def _hop(network: Network, system: System, way: Way, scope: Scope, connection: Connection) -> Hop:
-    start = _end(network, system, way, scope, connection, at_start=True)
-    end = _end(network, system, way, scope, connection, at_start=False)
-    if start.gives is None and end.gives is None:
+def _hop(scope: _Scope, connection: SspConnection) -> Hop:
+    ends = [(*_placed(scope, connection, end), end.indices) for end in (connection.start, connection.end)]
+    (_, start_gives, _), (_, end_gives, _) = ends
+    if start_gives is None and end_gives is None:
         what = f"{connection}: both ends may give and take, so nothing says which way values go"
         raise fail(what, connection.where, "make one of them an input or an output")
-    if start.gives is not None and start.gives == end.gives:
-        both = "give values" if start.gives else "take values"
+    if start_gives == end_gives:
+        both = "give values" if start_gives else "take values"
         raise fail(f"{connection}: both ends {both}", connection.where, "connect an output to an input")
-    source, target = (start, end) if start.gives or end.gives is False else (end, start)
-    if _is_late(network, source.node, target.node):
+    if not (start_gives or end_gives is False):
+        ends.reverse()
+    (source, _, source_indices), (target, _, target_indices) = ends
+    if _is_late(scope.network, source, target):
         what = f"{connection}: a calculated parameter that sets a parameter is not supported"
         raise fail(what, connection.where, "give the parameter a value")
-    return Hop(source.node, target.node, connection, source.indices, target.indices)
+    return Hop(source, target, connection, source_indices, target_indices)
 
 
-def _end(network: Network, system: System, way: Way, scope: Scope, connection: Connection, *, at_start: bool) -> _End:
-    name, connector = (
-        (connection.start_element, connection.start_connector)
-        if at_start
-        else (connection.end_element, connection.end_connector)
-    )
-    indices = connection.start_indices if at_start else connection.end_indices
-    if not name:
-        own = next((c for c in system.connectors if c.name == connector), None)
-        if own is None:
-            hint = closest(connector, [c.name for c in system.connectors])
-            raise fail(f"{connection}: system '{system.name}' has no connector '{connector}'", connection.where, hint)
+def _placed(scope: _Scope, connection: SspConnection, end: End) -> tuple[Endpoint, bool | None]:
+    """The connector at *end*, and whether it gives values as seen from inside of the system; None for either."""
+    system = scope.system
+    if not end.element:
+        own = _connector(connection, end, f"system '{system.name}'", system.connectors)
         # From inside, what a system takes is given.
-        gives = True if own.kind in _TAKING else False if own.kind in _GIVING else None
-        return _End(Node(way, connector), gives, indices)
-    element = system.element(name)
+        return Endpoint(scope.way, end.connector), None if own.gives is None else not own.gives
+    element = system.element(end.element)
     if element is None:
-        hint = closest(name, [e.name for e in system.elements])
-        raise fail(f"{connection}: there is no element '{name}'", connection.where, hint)
-    found = next((c for c in element.connectors if c.name == connector), None)
-    if found is None:
-        hint = closest(connector, [c.name for c in element.connectors])
-        raise fail(f"{connection}: '{name}' has no connector '{connector}'", connection.where, hint)
-    gives = True if found.kind in _GIVING else False if found.kind in _TAKING else None
+        hint = closest(end.element, [e.name for e in system.elements])
+        raise fail(f"{connection}: there is no element '{end.element}'", connection.where, hint)
+    connector = _connector(connection, end, f"'{end.element}'", element.connectors)
     if isinstance(element, DictionaryReference):
-        return _End(_signal(network, element, found, scope), gives, indices)
-    if gives is None:
+        return _signal(scope, element, connector), connector.gives
+    if connector.gives is None:
         what = f"{connection}: connectors of the kind inout are for references to signal dictionaries only"
         raise fail(what, connection.where)
-    return _End(Node((*way, name), connector), gives, indices)
+    return Endpoint((*scope.way, end.element), end.connector), connector.gives
 
 
-def _signal(network: Network, reference: DictionaryReference, connector: Connector, scope: Scope) -> Node:
-    if reference.dictionary not in scope:
+def _connector(connection: SspConnection, end: End, owner: str, connectors: Iterable[Connector]) -> Connector:
+    known = {connector.name: connector for connector in connectors}
+    if end.connector not in known:
+        what = f"{connection}: {owner} has no connector '{end.connector}'"
+        raise fail(what, connection.where, closest(end.connector, known))
+    return known[end.connector]
+
+
+def _signal(scope: _Scope, reference: DictionaryReference, connector: Connector) -> Endpoint:
+    if reference.dictionary not in scope.dictionaries:
         raise fail(f"there is no signal dictionary '{reference.dictionary}'", reference.where)
-    way, entries = scope[reference.dictionary]
+    way, entries = scope.dictionaries[reference.dictionary]
     if connector.name not in entries:
         what = f"the signal dictionary '{reference.dictionary}' has no entry '{connector.name}'"
         raise fail(what, connector.where, closest(connector.name, entries))
-    node = Node(way, connector.name, reference.dictionary)
-    network.forms[node] = form_of(entries[connector.name])
+    node = Endpoint(way, connector.name, reference.dictionary)
+    scope.network.forms[node] = form_of(entries[connector.name])
     return node
 
 
-def _is_late(network: Network, source: Node, target: Node) -> bool:
+def _is_late(network: Network, source: Endpoint, target: Endpoint) -> bool:
     """Whether a parameter would be set by what is known only after initialization."""
     given, taken = network.connectors.get(source), network.connectors.get(target)
     if given is None or taken is None or target.way not in network.components:
         return False
-    is_known = given.kind in ("parameter", "structuralParameter", "input")
-    return taken.kind in ("parameter", "structuralParameter") and not is_known
+    return taken.kind in ("parameter", "structuralParameter") and given.gives is not False

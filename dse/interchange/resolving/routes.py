@@ -2,17 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
 from dse.domain.component import Kind
-from dse.domain.fmu import FmuModel, Variable
+from dse.domain.fmu import Variable
 from dse.errors import Location, Problem, fail
-from dse.interchange.resolving.conversion import SAME, Carry, ConversionError, Form, carry, form_of, merged
-from dse.interchange.resolving.network import Hop, Network, Node, Way
-from dse.interchange.structure import NamedUnit
-
-_TAKING = ("input", "parameter", "structuralParameter")
+from dse.interchange.resolving.carry import SAME, Carry, ConversionError
+from dse.interchange.resolving.conversion import Form, carry
+from dse.interchange.resolving.network import Endpoint, Hop, Network
 
 
 @dataclass(frozen=True, slots=True)
@@ -23,80 +21,48 @@ class Route:
     array, () is all of it.
     """
 
-    source: Node
+    source: Endpoint
     source_indices: tuple[int, ...]
-    target: Node
+    target: Endpoint
     target_indices: tuple[int, ...]
     hops: tuple[Hop, ...]
 
 
-@dataclass(frozen=True, slots=True)
-class Surroundings:
-    """A network with the FMUs in it, by their component's way."""
-
-    network: Network
-    models: Mapping[Way, FmuModel]
-
-    def variable(self, node: Node) -> Variable | None:
-        """The FMU's variable behind *node*; None if it is a connector of a system."""
-        model = self.models.get(node.way) if not node.dictionary else None
-        return model.variables.get(node.connector) if model else None
-
-    def form(self, node: Node) -> Form | None:
-        """How values are given at *node*, as far as that is said there. Raises DseError for a contradiction."""
-        variable = self.variable(node)
-        if variable is None:
-            return self.network.forms.get(node)
-        connector = self.network.connectors.get(node)
-        said = form_of(connector.type) if connector and connector.type else None
-        try:
-            return merged(form_of_variable(variable, self.models[node.way]), said)
-        except ConversionError as error:
-            raise fail(f"{node}: {error}", connector.where if connector else None) from None
-
-
-def form_of_variable(variable: Variable, model: FmuModel) -> Form:
-    """How the FMU gives the values of *variable*."""
-    unit = NamedUnit(variable.unit, model.units.get(variable.unit)) if variable.unit else None
-    return Form(variable.kind or variable.fmi_type, unit, variable.items or None, variable.is_relative)
-
-
-def routes_to(surroundings: Surroundings, target: Node, problems: list[Problem]) -> Iterator[Route]:
+def routes_to(network: Network, target: Endpoint, problems: list[Problem]) -> Iterator[Route]:
     """The routes to all values of the FMU's variable at *target* that something arrives at."""
-    network = surroundings.network
     arriving = network.arrivals.get(target, [])
     if () in arriving and len(arriving) > 1:
         where = network.hops[target, ()].connection.where
         problems.append(Problem(f"{target} is connected as a whole and value by value", where))
         return
     for indices in arriving:
-        yield from _trace(surroundings, target, indices, problems)
+        yield from _trace(network, target, indices, problems)
 
 
 def _trace(
-    surroundings: Surroundings, target: Node, target_indices: tuple[int, ...], problems: list[Problem]
+    network: Network, target: Endpoint, target_indices: tuple[int, ...], problems: list[Problem]
 ) -> Iterator[Route]:
     hops: list[Hop] = []
     node, indices = target, target_indices
-    visited: set[tuple[Node, tuple[int, ...]]] = set()
+    visited: set[tuple[Endpoint, tuple[int, ...]]] = set()
     while True:
         if (node, indices) in visited:
             problems.append(Problem(f"{target}: its connections lead in a circle", hops[0].connection.where))
             return
         visited.add((node, indices))
-        hop = surroundings.network.hops.get((node, indices))
+        hop = network.hops.get((node, indices))
         if hop is None and indices:
-            hop = surroundings.network.hops.get((node, ()))
+            hop = network.hops.get((node, ()))
             if hop and hop.source_indices:
                 what = f"{hop.connection}: one value of an array is connected to all of {node}"
                 problems.append(Problem(what, hop.connection.where))
                 return
         elif hop is None and hops:
             # An array that is put together value by value on the way: each takes its own route.
-            parts = [indices for indices in surroundings.network.arrivals.get(node, []) if indices]
+            parts = [indices for indices in network.arrivals.get(node, []) if indices]
             if parts and not target_indices:
                 for part in parts:
-                    yield from _trace(surroundings, target, part, problems)
+                    yield from _trace(network, target, part, problems)
                 return
         if hop is None:
             break
@@ -106,9 +72,9 @@ def _trace(
         yield Route(node, indices, target, target_indices, tuple(reversed(hops)))
 
 
-def carried(surroundings: Surroundings, route: Route, *, beginning: int = 0) -> Carry:
+def carried(network: Network, route: Route, *, beginning: int = 0) -> Carry:
     """What becomes of a value on *route* from its hop number *beginning* on. Raises DseError, at a connection."""
-    forms = forms_along(surroundings, route)
+    forms = forms_along(network, route)
     total = SAME
     for number, hop in enumerate(route.hops[beginning:], beginning):
         source, target = forms[number], forms[number + 1]
@@ -130,21 +96,21 @@ def carried(surroundings: Surroundings, route: Route, *, beginning: int = 0) -> 
     return total
 
 
-def forms_along(surroundings: Surroundings, route: Route) -> list[Form | None]:
+def forms_along(network: Network, route: Route) -> list[Form | None]:
     """The forms at the route's source and behind every hop.
 
     What a system's connector does not say is what is said at the FMU behind it: for an input further on, for an output
     before it (SSP, type choice).
     """
     nodes = [route.source, *(hop.target for hop in route.hops)]
-    forms = [surroundings.form(node) for node in nodes]
+    forms = [network.form(node) for node in nodes]
     backwards = range(len(nodes) - 2, -1, -1)
     for number in backwards:
-        connector = surroundings.network.connectors.get(nodes[number])
-        if surroundings.variable(nodes[number]) is None and (connector is None or connector.kind in _TAKING):
+        connector = network.connectors.get(nodes[number])
+        if network.variable(nodes[number]) is None and (connector is None or connector.gives is False):
             forms[number] = _filled(forms[number], forms[number + 1])
     for number in range(1, len(nodes)):
-        if surroundings.variable(nodes[number]) is None:
+        if network.variable(nodes[number]) is None:
             forms[number] = _filled(forms[number], forms[number - 1])
     return forms
 

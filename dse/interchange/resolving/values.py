@@ -3,23 +3,16 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from collections.abc import Iterator
 
 from dse.domain.component import Kind
-from dse.domain.fmu import FmuModel
-from dse.errors import Location, Problem
+from dse.errors import Problem
 from dse.formats.xml_values import flag_of, real_of, shortened, whole_of
-from dse.interchange.resolving.conversion import KINDS, Carry, ConversionError, Form, carry, convert
-from dse.interchange.resolving.network import Network, Node, Way
-from dse.interchange.structure import (
-    Binding,
-    Component,
-    NamedUnit,
-    ParameterValue,
-    System,
-    Transformation,
-)
+from dse.interchange.resolving.carry import Carry, ConversionError
+from dse.interchange.resolving.conversion import KINDS, Form, carry, convert
+from dse.interchange.resolving.network import Endpoint, Network, Way
+from dse.interchange.structure import Assignment, NamedUnit, System, Transformation
+from dse.system.binding import find_variable
 from dse.units import UnitError, parse_quantity
 
 TYPED = "typed"
@@ -28,90 +21,43 @@ TYPED = "typed"
 Settled = float | str | bytes
 
 
-@dataclass(frozen=True, slots=True)
-class Assigned:
-    """A value on its way to a variable or connector."""
-
-    value: ParameterValue
-    transformation: Transformation | None
-    suppresses_unit_conversion: bool
-    where: Location
-
-
-def assignments(
-    system: System, network: Network, models: Mapping[Way, FmuModel], notes: list[Problem]
-) -> dict[Node, Assigned]:
-    """What the bindings of all elements of *system* give, by variable of an FMU or connector of a system.
+def assignments(network: Network, notes: list[Problem]) -> dict[Endpoint, Assignment]:
+    """What the bindings of all elements give, by variable of an FMU or connector of a system.
 
     Of several values for one of them the later binding's counts, and that of the outer system (SSP, 5.2.3). A name that
     matches nothing is ignored, as SSP says; *notes* tell which.
     """
-    given: dict[Node, Assigned] = {}
-    _collect(system, (), network, models, given, notes)
-    return given
+    return dict(_assigned(network, (), notes))
 
 
-def _collect(
-    element: Component | System,
-    way: Way,
-    network: Network,
-    models: Mapping[Way, FmuModel],
-    given: dict[Node, Assigned],
-    notes: list[Problem],
-) -> None:
-    if isinstance(element, System):
-        for inner in element.elements:
-            if isinstance(inner, Component | System):
-                _collect(inner, (*way, inner.name), network, models, given, notes)
-    for binding in element.bindings:
-        for name, assigned in _entries(binding, notes):
-            nodes = list(named(element, way, name, models))
-            if not nodes:
-                place = ".".join(way) or "the system"
-                notes.append(
-                    Problem(f"nothing in {place} is called '{shortened(name)}'; its value is not used", assigned.where)
-                )
-            for node in nodes:
-                given[node] = assigned
+def _assigned(network: Network, way: Way, notes: list[Problem]) -> Iterator[tuple[Endpoint, Assignment]]:
+    element = network.components.get(way) or network.systems[way]
+    for inner in element.parts if isinstance(element, System) else ():
+        yield from _assigned(network, (*way, inner.name), notes)
+    for assigned in element.assignments:
+        nodes = list(named(network, assigned.target, way))
+        if not nodes:
+            place = ".".join(way) or "the system"
+            what = f"nothing in {place} is called '{shortened(assigned.target)}'; its value is not used"
+            notes.append(Problem(what, assigned.where))
+        yield from ((node, assigned) for node in nodes)
 
 
-def _entries(binding: Binding, notes: list[Problem]) -> Iterator[tuple[str, Assigned]]:
-    values = {binding.prefix + value.name: value for value in binding.values}
-    if binding.mapping is None:
-        for name, value in values.items():
-            yield name, Assigned(value, None, False, value.where)
+def named(network: Network, name: str, way: Way = ()) -> Iterator[Endpoint]:
+    """All variables and connectors at *way* that have the hierarchical *name*; there may be several."""
+    if way in network.models:
+        model = network.models[way]
+        if name in model.variables or find_variable(name, model):
+            yield Endpoint(way, name)
         return
-    # With a mapping, only what it names is applied (SSP, ParameterBindings).
-    for entry in binding.mapping:
-        found = values.get(entry.source)
-        if found is None:
-            what = (
-                f"the parameter set has no '{shortened(entry.source)}', so that '{shortened(entry.target)}' is not set"
-            )
-            notes.append(Problem(what, entry.where))
-        else:
-            yield entry.target, Assigned(found, entry.transformation, entry.suppresses_unit_conversion, entry.where)
+    if Endpoint(way, name) in network.connectors:
+        yield Endpoint(way, name)
+    for inner in network.systems[way].parts:
+        if name.startswith(f"{inner.name}."):
+            yield from named(network, name.removeprefix(f"{inner.name}."), (*way, inner.name))
 
 
-def named(element: Component | System, way: Way, name: str, models: Mapping[Way, FmuModel]) -> Iterator[Node]:
-    """All variables and connectors in *element* that have the hierarchical *name*; there may be several."""
-    if isinstance(element, Component):
-        if name in models[way].variables or _is_label(name, models[way]):
-            yield Node(way, name)
-        return
-    if any(connector.name == name for connector in element.connectors):
-        yield Node(way, name)
-    for inner in element.elements:
-        if isinstance(inner, Component | System) and name.startswith(f"{inner.name}."):
-            yield from named(inner, (*way, inner.name), name[len(inner.name) + 1 :], models)
-
-
-def _is_label(name: str, model: FmuModel) -> bool:
-    array = model.variables.get(name.rpartition("[")[0]) if name.endswith("]") else None
-    return array is not None and name in array.labels
-
-
-def settle(assigned: Assigned, target: Form, after: Carry | None = None) -> tuple[Settled, ...]:
+def settle(assigned: Assignment, target: Form, after: Carry | None = None) -> tuple[Settled, ...]:
     """What *assigned* gives to something of the form *target*, then carried on *after*. Raises ConversionError."""
     value = assigned.value
     if value.type == TYPED:

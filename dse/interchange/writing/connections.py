@@ -11,8 +11,8 @@ from dse.domain.component import Kind
 from dse.domain.fmu import Variable
 from dse.domain.system import Conversion, Element, SystemStructure, Wire
 from dse.errors import fail
-from dse.interchange.resolving.conversion import SAME, Carry, ConversionError, Form, convert
-from dse.interchange.resolving.routes import form_of_variable
+from dse.interchange.resolving.carry import Carry, ConversionError
+from dse.interchange.resolving.conversion import convert, form_of_variable
 
 _EQUAL = Fraction(1, 10**12)
 """Relative difference up to which two conversions of a unit are the same, rounded otherwise."""
@@ -31,8 +31,7 @@ def add_connection(group: ET.Element, wire: Wire, system: SystemStructure, names
         said["endIndices"] = end_indices
     connection = ET.SubElement(group, "ssd:Connection", said)
     raw = _raw(wire, source.conversions.get(start.name), target.conversions.get(end.name))
-    by_itself = _by_itself(form_of_variable(start, source.model), form_of_variable(end, target.model))
-    if by_itself is not None and _is_same(raw, by_itself):
+    if _is_by_itself(raw, start, source, end, target):
         return
     if raw.table is None:
         # The transformation is in the FMUs' own units, so that nothing may be converted before.
@@ -55,11 +54,10 @@ def add_connection(group: ET.Element, wire: Wire, system: SystemStructure, names
 
 def carries_the_same(wire: Wire, system: SystemStructure, source: Conversion | None, target: Conversion | None) -> bool:
     """Whether a plain wire between FMUs with these conversions carries what *wire* does, as the FMUs see it."""
-    start, _ = _split(wire.source_variable, system.element(wire.source))
-    end, _ = _split(wire.target_variable, system.element(wire.target))
+    start, end = system.element(wire.source), system.element(wire.target)
     own = (
-        system.element(wire.source).conversions.get(start.name),
-        system.element(wire.target).conversions.get(end.name),
+        start.conversions.get(start.model.variable_of(wire.source_variable).name),
+        end.conversions.get(end.model.variable_of(wire.target_variable).name),
     )
     plain = Wire(wire.source, wire.source_variable, wire.target, wire.target_variable)
     try:
@@ -70,46 +68,26 @@ def carries_the_same(wire: Wire, system: SystemStructure, source: Conversion | N
 
 def _split(label: str, element: Element) -> tuple[Variable, str]:
     """The variable of a label, and its indices as SSP writes them, "" for all of it."""
-    variable = element.model.variables.get(label)
-    if variable is not None:
-        return variable, ""
-    name, _, rest = label.rpartition("[")
-    return element.model.variables[name], re.sub(r"\D+", " ", rest).strip()
+    variable = element.model.variable_of(label)
+    return variable, re.sub(r"\D+", " ", label.removeprefix(variable.name)).strip()
 
 
-def _by_itself(source: Form, target: Form) -> Carry | None:
-    """What a program that reads the package makes of a connection without a transformation; None if it refuses it."""
+def _is_by_itself(raw: Carry, start: Variable, source: Element, end: Variable, target: Element) -> bool:
+    """Whether a program that reads the package makes *raw* of a connection without a transformation."""
     try:
-        return convert(source, target)
+        return _is_same(raw, convert(form_of_variable(start, source.model), form_of_variable(end, target.model)))
     except ConversionError:
-        return None
+        return False
 
 
 def _raw(wire: Wire, source: Conversion | None, target: Conversion | None) -> Carry:
     """From a value in the source's FMU to that in the target's."""
-    way = _outwards(source)
+    way = Carry.outwards(source)
     if wire.items:
         way = way.then(Carry(table={int(a): int(b) for a, b in wire.items}))
     else:
         way = way.then(Carry.of(wire.factor, wire.offset))
-    return way.then(_inwards(target))
-
-
-def _outwards(conversion: Conversion | None) -> Carry:
-    if conversion is None:
-        return SAME
-    if conversion.items:
-        return Carry(table={int(inside): int(outside) for inside, outside in conversion.items})
-    return Carry.of(conversion.factor, conversion.offset)
-
-
-def _inwards(conversion: Conversion | None) -> Carry:
-    if conversion is None:
-        return SAME
-    if conversion.items:
-        return Carry(table={int(outside): int(inside) for inside, outside in conversion.items})
-    factor, offset = Fraction(conversion.factor), Fraction(conversion.offset)
-    return Carry(1 / factor, -offset / factor)
+    return way.then(Carry.inwards(target))
 
 
 def _is_same(a: Carry, b: Carry) -> bool:

@@ -9,8 +9,9 @@ from xml.etree import ElementTree as ET
 from dse.domain.component import Kind
 from dse.domain.fmu import FmuModel, UnitDefinition, Variable
 from dse.domain.system import Element
-from dse.interchange.reading.common import BASE_UNITS
-from dse.interchange.resolving.conversion import ConversionError, definition
+from dse.fmu.reading.units import BASE_UNITS
+from dse.interchange.resolving.carry import ConversionError
+from dse.interchange.resolving.conversion import definition
 from dse.interchange.structure import NamedUnit
 
 _IN_VERSION_1 = {
@@ -35,15 +36,14 @@ def needs_version_2(element: Element) -> bool:
 
 def _said(element: Element) -> Iterator[tuple[Variable, bool]]:
     yield from ((variable, True) for variable in (*element.inputs, *element.outputs))
-    for name in (*element.start, *element.texts):
-        variable = element.model.variables.get(name) or element.model.variables[name.rpartition("[")[0]]
-        yield variable, False
+    yield from ((element.model.variable_of(label), False) for label in (*element.start, *element.texts))
 
 
 @dataclass(slots=True)
 class Definitions:
-    """The units and enumerations a file names."""
+    """The units and enumerations a file of this *version* of SSP names."""
 
+    version: str
     units: dict[str, UnitDefinition] = field(default_factory=dict)
     enumerations: dict[str, Mapping[str, int]] = field(default_factory=dict)
 
@@ -60,10 +60,8 @@ class Definitions:
 
     def enumeration(self, variable: Variable, component: str) -> str:
         """The name of the variable's enumeration in the file."""
-        same = [name for name, items in self.enumerations.items() if items == variable.items]
-        if same:
-            return same[0]
-        name = f"{component}.{variable.name}"
+        same = next((name for name, items in self.enumerations.items() if items == variable.items), None)
+        name = same or f"{component}.{variable.name}"
         self.enumerations[name] = variable.items
         return name
 
@@ -88,7 +86,7 @@ class Definitions:
 
 
 def add_connector(
-    group: ET.Element, variable: Variable, model: FmuModel, component: str, definitions: Definitions, version: str
+    group: ET.Element, variable: Variable, model: FmuModel, component: str, definitions: Definitions
 ) -> None:
     """A connector for *variable*, with its type as far as this version of SSP has a word for it."""
     connector = ET.SubElement(group, "ssd:Connector", name=variable.name, kind=variable.causality)
@@ -96,7 +94,7 @@ def add_connector(
         if variable.items:
             ET.SubElement(connector, "ssc:Enumeration", name=definitions.enumeration(variable, component))
     else:
-        word = _IN_VERSION_1.get(variable.fmi_type) if version == "1.0" else variable.fmi_type
+        word = _IN_VERSION_1.get(variable.fmi_type) if definitions.version == "1.0" else variable.fmi_type
         if word:
             typed = ET.SubElement(connector, f"ssc:{word}")
             unit = definitions.unit(variable, model) if variable.kind is Kind.REAL else ""

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from fractions import Fraction
 from xml.etree import ElementTree as ET
 
 from dse.domain.component import Kind
@@ -12,7 +11,7 @@ from dse.domain.fmu import Variable
 from dse.domain.system import Element
 from dse.errors import fail
 from dse.formats.xml_values import flag_of, real_of
-from dse.interchange.resolving.conversion import as_float
+from dse.interchange.resolving.carry import Carry
 
 Inside = float | str | bytes
 
@@ -24,8 +23,9 @@ def add_values(component: ET.Element, element: Element, version: str) -> None:
 
     All sets have one name, as some programs apply those that have the name they are told.
     """
-    given = {label: inside(element, variable, value) for label, variable, value in _given(element)}
-    lines: list[tuple[str, Variable, list[Inside]]] = []
+    values = {**element.start, **element.texts}
+    given = {label: inside(element, element.model.variable_of(label), value) for label, value in values.items()}
+    lines: list[tuple[Variable, list[Inside]]] = []
     for variable in element.model.variables.values():
         own = starts(variable)
         labels = variable.labels
@@ -36,17 +36,17 @@ def add_values(component: ET.Element, element: Element, version: str) -> None:
             continue
         if len(known) < len(labels):
             raise fail(f"{element.name}.{variable.name}: only some of its values are given, which SSP cannot say")
-        lines.append((variable.name, variable, [known[label] for label in labels]))
+        lines.append((variable, [known[label] for label in labels]))
     if not lines:
         return
     bindings = ET.SubElement(component, "ssd:ParameterBindings")
     binding = ET.SubElement(bindings, "ssd:ParameterBinding")
     inline = ET.SubElement(binding, "ssd:ParameterValues")
-    values = ET.SubElement(inline, "ssv:ParameterSet", version=version, name=_SET)
-    parameters = ET.SubElement(values, "ssv:Parameters")
-    for parameter, variable, numbers in lines:
-        entry = ET.SubElement(parameters, "ssv:Parameter", name=parameter)
-        _add_value(entry, variable, numbers, version)
+    written = ET.SubElement(inline, "ssv:ParameterSet", version=version, name=_SET)
+    parameters = ET.SubElement(written, "ssv:Parameters")
+    for variable, own_values in lines:
+        entry = ET.SubElement(parameters, "ssv:Parameter", name=variable.name)
+        _add_value(entry, variable, own_values, version)
 
 
 def starts(variable: Variable) -> dict[str, Inside]:
@@ -79,30 +79,18 @@ def _bytes(text: str) -> bytes | None:
         return None
 
 
-def _given(element: Element) -> list[tuple[str, Variable, float | str | bytes]]:
-    found: list[tuple[str, Variable, float | str | bytes]] = []
-    for label, value in (*element.start.items(), *element.texts.items()):
-        variable = element.model.variables.get(label) or element.model.variables[label.rpartition("[")[0]]
-        found.append((label, variable, value))
-    return found
-
-
-def inside(element: Element, variable: Variable, value: float | str | bytes) -> Inside:
+def inside(element: Element, variable: Variable, value: Inside) -> Inside:
     """The value in the FMU that *value* stands for outside of it. Raises DseError for a value no item has."""
     conversion = element.conversions.get(variable.name)
-    if conversion is None or not isinstance(value, float | int):
-        return float(value) if isinstance(value, int) else value
-    if conversion.items:
+    if not isinstance(value, float | int):
+        return value
+    if conversion is not None and conversion.items:
         meant = [within for within, outside in conversion.items if outside == value]
         if not meant:
             raise fail(f"{element.name}.{variable.name}: {value:g} is the value of no item")
         return float(meant[0])
-    if conversion.factor == 1 and conversion.offset == 0:
-        return float(value)
-    if not math.isfinite(value):
-        return float(value)
-    number = as_float((Fraction(value) - Fraction(conversion.offset)) / Fraction(conversion.factor))
-    if not math.isfinite(number):
+    number = Carry.inwards(conversion).apply(float(value))
+    if math.isfinite(value) and not math.isfinite(number):
         raise fail(f"{element.name}.{variable.name}: {value:g} is beyond the range of numbers in the FMU's unit")
     return number
 
@@ -118,16 +106,13 @@ def _add_value(entry: ET.Element, variable: Variable, values: Sequence[Inside], 
         word = "Integer" if version == "1.0" else "Int64"
     elif version == "1.0":
         word = {"Float64": "Real", "Int32": "Integer"}.get(word, word)
-    if word == "String" and variable.shape:
-        typed = ET.SubElement(entry, "ssv:String")
-        for value in values:
-            ET.SubElement(typed, "ssv:Value", value=str(value))
-    elif word == "Binary" and variable.shape:
-        typed = ET.SubElement(entry, "ssv:Binary")
-        for value in values:
-            ET.SubElement(typed, "ssv:Value", value=_text(value, variable))
+    texts = [_text(value, variable) for value in values]
+    if word in ("String", "Binary") and variable.shape:
+        typed = ET.SubElement(entry, f"ssv:{word}")
+        for text in texts:
+            ET.SubElement(typed, "ssv:Value", value=text)
     else:
-        ET.SubElement(entry, f"ssv:{word}", value=" ".join(_text(value, variable) for value in values))
+        ET.SubElement(entry, f"ssv:{word}", value=" ".join(texts))
     for size in variable.shape:
         ET.SubElement(entry, "ssc:Dimension", size=str(size))
 

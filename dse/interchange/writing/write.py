@@ -10,6 +10,7 @@ from xml.etree import ElementTree as ET
 from dse.domain.system import Element, SystemStructure, Wire
 from dse.errors import fail
 from dse.formats.zipped import pack_zip
+from dse.interchange.names import each_named, numbered
 from dse.interchange.reading.common import OWN_ANNOTATION, SSC, SSD, SSV
 from dse.interchange.structure import ExperimentSettings
 from dse.interchange.writing.connections import add_connection
@@ -27,15 +28,6 @@ def write_ssp(target: Path, name: str, system: SystemStructure, experiment: Expe
     written that differ from the FMU's own. Raises DseError if *target* or an FMU cannot be read or written, or for what
     SSP cannot say.
     """
-    contents = package_of(name, system, experiment)
-    try:
-        target.write_bytes(pack_zip(contents))
-    except OSError as error:
-        raise fail(f"cannot write '{target}': {error.strerror or error}") from error
-
-
-def package_of(name: str, system: SystemStructure, experiment: ExperimentSettings) -> dict[str, bytes]:
-    """The files of the package by path."""
     archives = _archives(system)
     contents: dict[str, bytes] = {}
     for element in system.elements:
@@ -44,22 +36,39 @@ def package_of(name: str, system: SystemStructure, experiment: ExperimentSetting
             contents.setdefault(path, element.model.archive.read_bytes())
         except OSError as error:
             raise fail(f"the FMU {element.model.archive} cannot be read: {error.strerror or error}") from error
-    contents["SystemStructure.ssd"] = describe(name, system, experiment, archives)
-    return contents
+    contents["SystemStructure.ssd"] = _described(name, system, experiment, archives)
+    try:
+        target.write_bytes(pack_zip(contents))
+    except OSError as error:
+        raise fail(f"cannot write '{target}': {error.strerror or error}") from error
 
 
-def describe(name: str, system: SystemStructure, experiment: ExperimentSettings, archives: Mapping[str, str]) -> bytes:
+def _archives(system: SystemStructure) -> dict[str, str]:
+    """Where each FMU lies in the package, by its content hash."""
+    identifiers = {e.model.content_hash: e.model.identifier for e in system.elements}
+    paths: dict[str, str] = {}
+    for content, identifier in sorted(identifiers.items(), key=lambda entry: (entry[1], entry[0])):
+        stem = f"resources/{re.sub(r'[^A-Za-z0-9_.-]', '_', identifier)}"
+        paths[content] = numbered(stem, lambda free: f"{free}.fmu" in paths.values()) + ".fmu"
+    return paths
+
+
+def _described(
+    name: str, system: SystemStructure, experiment: ExperimentSettings, archives: Mapping[str, str]
+) -> bytes:
     """``SystemStructure.ssd``; *archives* holds where in the package each FMU lies, by its content hash."""
-    names = component_names(system)
+    names = each_named(
+        (element.name for element in system.elements),
+        lambda name, taken: numbered(re.sub(r"[^A-Za-z0-9_]", "_", name), taken.__contains__),
+    )
     elements = sorted(system.elements, key=lambda element: names[element.name])
-    version = "2.0" if any(needs_version_2(element) for element in elements) else "1.0"
-    definitions = Definitions()
+    definitions = Definitions("2.0" if any(needs_version_2(element) for element in elements) else "1.0")
     root = ET.Element("ssd:SystemStructureDescription", {"xmlns:ssd": SSD, "xmlns:ssc": SSC, "xmlns:ssv": SSV})
-    root.attrib |= {"version": version, "name": name, "generationTool": "dse"}
+    root.attrib |= {"version": definitions.version, "name": name, "generationTool": "dse"}
     top = ET.SubElement(root, "ssd:System", name=name)
     group = ET.SubElement(top, "ssd:Elements")
     for element in elements:
-        _add_component(group, element, names[element.name], archives, definitions, version)
+        _add_component(group, element, names[element.name], archives[element.model.content_hash], definitions)
     if system.wires:
         joined = ET.SubElement(top, "ssd:Connections")
         for wire in sorted(system.wires, key=lambda w: _rank(w, names)):
@@ -71,49 +80,17 @@ def describe(name: str, system: SystemStructure, experiment: ExperimentSettings,
     return text + b"\n"
 
 
-def component_names(system: SystemStructure) -> dict[str, str]:
-    """The names of components in the package, by the element's name."""
-    names: dict[str, str] = {}
-    for element in sorted(system.elements, key=lambda e: e.name):
-        plain = wanted = re.sub(r"[^A-Za-z0-9_]", "_", element.name)
-        number = 2
-        while plain in names.values():
-            plain, number = f"{wanted}_{number}", number + 1
-        names[element.name] = plain
-    return names
-
-
-def _archives(system: SystemStructure) -> dict[str, str]:
-    """Where each FMU lies in the package, by its content hash."""
-    identifiers = {e.model.content_hash: e.model.identifier for e in system.elements}
-    paths: dict[str, str] = {}
-    for content, identifier in sorted(identifiers.items(), key=lambda entry: (entry[1], entry[0])):
-        wanted = path = re.sub(r"[^A-Za-z0-9_.-]", "_", identifier)
-        number = 2
-        while f"resources/{path}.fmu" in paths.values():
-            path, number = f"{wanted}_{number}", number + 1
-        paths[content] = f"resources/{path}.fmu"
-    return paths
-
-
-def _add_component(
-    group: ET.Element,
-    element: Element,
-    name: str,
-    archives: Mapping[str, str],
-    definitions: Definitions,
-    version: str,
-) -> None:
+def _add_component(group: ET.Element, element: Element, name: str, archive: str, definitions: Definitions) -> None:
     component = ET.SubElement(group, "ssd:Component", name=name, type="application/x-fmu-sharedlibrary")
-    component.set("source", archives[element.model.content_hash])
+    component.set("source", archive)
     component.set("implementation", str(element.model.interface))
     shown = {variable.name for variable in (*element.inputs, *element.outputs)}
     if shown:
         connectors = ET.SubElement(component, "ssd:Connectors")
         for variable in element.model.variables.values():
             if variable.name in shown:
-                add_connector(connectors, variable, element.model, name, definitions, version)
-    add_values(component, element, version)
+                add_connector(connectors, variable, element.model, name, definitions)
+    add_values(component, element, definitions.version)
 
 
 def _add_experiment(root: ET.Element, experiment: ExperimentSettings) -> None:

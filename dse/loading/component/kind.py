@@ -86,7 +86,7 @@ class ComponentKind(ABC, Generic[Written, Noun]):
     def build(self, component: Component, source: Noun, *, version: int, cache: Path | None) -> Path:
         """The FMU archive of *component*, for FMI *version* 2 or 3: the same bytes for the same files. Raises DseError.
 
-        What is built is kept in the folder *cache* (see `dse.fmu.cache.cache_folder`) and never changed.
+        What is built is kept in the folder *cache* (see `dse.cache.cache_folder`) and never changed.
         """
 
     def check(self, component: Component, source: Noun) -> None:

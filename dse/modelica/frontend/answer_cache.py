@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
-from dse.fmu.cache import content_key, keep_file
+from dse.cache import content_key, keep_file
 from dse.modelica.frontend.compile import read_answer
 from dse.modelica.frontend.literal import Value, literal
 from dse.modelica.frontend.process import VERSION

@@ -15,11 +15,11 @@ from typing import Any, BinaryIO
 import numpy as np
 
 from dse.errors import fail
+from dse.space.configurations.lookup import Lookup
+from dse.space.configurations.resolve import Entry, part_columns
 from dse.space.decisions import sites
 from dse.space.flat import Floats, Rows
-from dse.space.lookup import Lookup
 from dse.space.output.sheet import Sheet
-from dse.space.resolve import Entry, part_columns
 
 ROW_GROUP = 65_536
 """Rows of a row group of a Parquet file."""
@@ -47,11 +47,8 @@ def write_csv(sheet: Sheet, blocks: Iterable[Rows], stream: BinaryIO) -> int:
 
 def write_json(sheet: Sheet, blocks: Iterable[Rows], stream: BinaryIO) -> int:
     """A UTF-8 JSON array with an object on each line: id, choices, components, totals; see `write_jsonl`."""
-    written = 0
     stream.write(b"[")
-    for lines in _objects(sheet, blocks):
-        stream.write(((",\n" if written else "\n") + ",\n".join(lines)).encode())
-        written += len(lines)
+    written = _write_objects(sheet, blocks, stream, "\n", ",\n")
     stream.write(b"\n]\n" if written else b"]\n")
     return written
 
@@ -61,10 +58,8 @@ def write_jsonl(sheet: Sheet, blocks: Iterable[Rows], stream: BinaryIO) -> int:
 
     What is left out is not there; a sum that no part contributes to is not there either.
     """
-    written = 0
-    for lines in _objects(sheet, blocks):
-        stream.write(("\n".join(lines) + "\n").encode())
-        written += len(lines)
+    written = _write_objects(sheet, blocks, stream, "", "\n")
+    stream.write(b"\n" if written else b"")
     return written
 
 
@@ -123,6 +118,14 @@ def save(sheet: Sheet, blocks: Iterable[Rows], target: Path) -> int:
         raise fail(f"cannot write '{target}': {error.strerror}") from error
     finally:
         aside.unlink(missing_ok=True)
+    return written
+
+
+def _write_objects(sheet: Sheet, blocks: Iterable[Rows], stream: BinaryIO, first: str, between: str) -> int:
+    written = 0
+    for lines in _objects(sheet, blocks):
+        stream.write(((between if written else first) + between.join(lines)).encode())
+        written += len(lines)
     return written
 
 

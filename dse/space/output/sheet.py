@@ -8,17 +8,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dse.domain.design import DesignSpace
-from dse.space.flat import Ints, Rows, Variable
-from dse.space.identify import Identifier
+from dse.space.configurations.ids import Identifier
+from dse.space.flat import Ints, Rows, Variable, by_path
 from dse.space.lowering.shape import shape_of
-from dse.space.output.totals import Total, totals
+from dse.space.output.sums import PropertySum, property_sums
 
 Codes = NDArray[np.int32]
-"""What is chosen, as a number in the names of a `Place`; -1 where nothing is."""
+"""What is chosen, as a number in the names of a `ChoiceColumn`; -1 where nothing is."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Place:
+class ChoiceColumn:
     """The column of the decisions at *path*, of which at most one exists at a time, and all they can choose.
 
     *codes* has, for each of these decisions, the codes of its values and of `ABSENT`.
@@ -35,6 +35,10 @@ class Place:
             np.maximum(found, codes[rows[:, variable]], out=found)
         return found
 
+    def chosen(self, rows: Rows) -> list[str | None]:
+        """What is chosen in each row; None where nothing is."""
+        return [self.names[code] if code >= 0 else None for code in self.of(rows).tolist()]
+
 
 class Sheet:
     """The table of configurations of one design space, for a block of rows at a time."""
@@ -43,7 +47,7 @@ class Sheet:
         self.space = space
         self.variables = shape_of(space).variables
         self.places = _places(self.variables)
-        self.totals: tuple[Total, ...] = totals(space)
+        self.totals: tuple[PropertySum, ...] = property_sums(space)
         self._identifier = Identifier(self.variables)
 
     @property
@@ -63,18 +67,15 @@ class Sheet:
         return found
 
 
-def _places(variables: tuple[Variable, ...]) -> tuple[Place, ...]:
-    at: dict[str, list[int]] = {}
-    for number, variable in enumerate(variables):
-        at.setdefault(variable.path, []).append(number)
-    return tuple(_place(path, numbers, variables) for path, numbers in at.items())
+def _places(variables: tuple[Variable, ...]) -> tuple[ChoiceColumn, ...]:
+    return tuple(_place(path, numbers, variables) for path, numbers in by_path(variables).items())
 
 
-def _place(path: str, numbers: list[int], variables: tuple[Variable, ...]) -> Place:
+def _place(path: str, numbers: list[int], variables: tuple[Variable, ...]) -> ChoiceColumn:
     names = tuple(dict.fromkeys(name for number in numbers for name in variables[number].values if name is not None))
     code = {name: place for place, name in enumerate(names)}
     codes = [
         (number, np.array([*(-1 if name is None else code[name] for name in variables[number].values), -1], np.int32))
         for number in numbers
     ]
-    return Place(path, names, tuple(codes))
+    return ChoiceColumn(path, names, tuple(codes))

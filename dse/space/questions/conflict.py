@@ -6,9 +6,9 @@ from collections.abc import Sequence
 
 from dse.domain.design import Constraint
 from dse.errors import DseError, fail
-from dse.space.dnnf.satisfy import conflict as clausal_conflict
-from dse.space.dnnf.trim import UnsupportedError
-from dse.space.engine import Engine
+from dse.space.methods.dnnf.satisfy import conflict as clausal_conflict
+from dse.space.methods.dnnf.trim import UnsupportedError
+from dse.space.methods.engine import Engine
 from dse.space.questions.minimal import minimal_conflict
 
 

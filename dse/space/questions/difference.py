@@ -5,11 +5,10 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from dse.domain.design import DesignSpace
-from dse.space.engine import Engine
 from dse.space.flat import FlatSpace
+from dse.space.methods.engine import Engine
+from dse.space.methods.tally import Tally
 from dse.space.questions.overlay import overlay
-from dse.space.tally import Tally
 
 
 @dataclass(frozen=True, slots=True)
@@ -29,11 +28,10 @@ class Difference:
     common: Tally
 
 
-def difference(before: DesignSpace, after: DesignSpace, seed: int = 0) -> Difference:
-    """How *after* differs from *before*. Raises DseError if a constraint cannot be understood or nothing counted."""
-    old, new = Engine.of(before), Engine.of(after)
+def difference(old: Engine, new: Engine, seed: int = 0) -> Difference:
+    """How *new* differs from *old*. Raises DseError if nothing can be counted."""
     gone, fresh = _alternatives(old.flat), _alternatives(new.flat)
-    old_rules, new_rules = _texts(before), _texts(after)
+    old_rules, new_rules = _texts(old.flat), _texts(new.flat)
     return Difference(
         tuple(entry for entry in gone if entry not in fresh),
         tuple(entry for entry in fresh if entry not in gone),
@@ -42,7 +40,7 @@ def difference(before: DesignSpace, after: DesignSpace, seed: int = 0) -> Differ
         tuple(name for name, text in old_rules.items() if new_rules.get(name, text) != text),
         old.count(seed),
         new.count(seed),
-        old.like(overlay(old.flat, new.flat)).count(seed),
+        Engine(overlay(old.flat, new.flat), old).count(seed),
     )
 
 
@@ -50,5 +48,5 @@ def _alternatives(flat: FlatSpace) -> dict[tuple[str, str | None], None]:
     return {(variable.path, value): None for variable in flat.variables for value in variable.values}
 
 
-def _texts(space: DesignSpace) -> Mapping[str, str]:
-    return {constraint.name: constraint.rule.text for constraint in space.constraints}
+def _texts(flat: FlatSpace) -> Mapping[str, str]:
+    return {constraint.name: constraint.rule.text for constraint in flat.constraints}

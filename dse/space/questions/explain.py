@@ -1,19 +1,25 @@
-"""Why a configuration is excluded: the constraints it breaks, and the values they look at."""
+"""Why a configuration is excluded: the constraints it breaks, the values they look at, and what is next to it."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from fractions import Fraction
+from typing import TYPE_CHECKING
 
 from dse.domain.design import Constraint, DesignSpace
 from dse.domain.expression import Between, Binary, Call, Chosen, Expression, Name, Node, Number
 from dse.expression.sorts import Form
 from dse.expression.tree import children, descend
+from dse.space.configurations.ids import identify
 from dse.space.decisions import Choices, sites
-from dse.space.language.evaluate import Evaluate, compile_in, compile_value
+from dse.space.language.evaluate import compile_in, compile_value
 from dse.space.language.interpret import interpret
 from dse.space.language.places import Places
 from dse.units import Dimension, Unit
+
+if TYPE_CHECKING:
+    from dse.space.questions.nearest import Nearest
 
 _COMPARISONS = ("<", "<=", ">", ">=", "==", "!=")
 
@@ -34,51 +40,82 @@ class Broken:
     seen: tuple[Seen, ...]
 
 
-def explain(space: DesignSpace, choices: Choices) -> tuple[Broken, ...]:
+@dataclass(frozen=True, slots=True)
+class Explanation:
+    """What is to be said of what is *chosen*.
+
+    If that is a whole configuration, *choices* are its, *broken* the constraints it breaks and *nearest* the valid
+    configuration next to it. Else *choices* are those of the first valid configuration that has it, None if there is
+    none; then *conflict* are the constraints that stand in the way, none if the choices exclude each other.
+    """
+
+    chosen: Choices
+    is_whole: bool
+    choices: Choices | None
+    broken: tuple[Broken, ...] = ()
+    nearest: Nearest | None = None
+    conflict: tuple[Constraint, ...] = ()
+
+    @property
+    def is_valid(self) -> bool:
+        """Whether a valid configuration has the choices."""
+        return self.choices is not None and not self.broken
+
+    @property
+    def id(self) -> str:
+        """The id of the configuration with *choices*; "" if there is none."""
+        return identify(self.choices) if self.choices is not None else ""
+
+    def __repr__(self) -> str:
+        if self.is_whole:
+            said = f"breaks {', '.join(entry.constraint.name for entry in self.broken)}" if self.broken else "valid"
+            return f"<Explanation of {self.id}: {said}>"
+        said = f"completed by {self.id}" if self.is_valid else f"excluded by {', '.join(c.name for c in self.conflict)}"
+        return f"<Explanation of {', '.join(f'{path}={name}' for path, name in self.chosen.items())}: {said}>"
+
+
+def broken_by(space: DesignSpace, choices: Choices) -> tuple[Broken, ...]:
     """The constraints that complete *choices* break, in the order of the file; empty for a valid configuration.
 
     Raises DseError if a constraint cannot be understood.
     """
     places = Places(space)
     return tuple(
-        Broken(constraint, tuple(_seen(space, places, constraint.rule, choices)))
+        Broken(constraint, _Look(space, places, constraint.rule, choices).seen())
         for constraint in space.constraints
         if compile_in(constraint.rule, places).outcome(choices) is False
     )
 
 
-def _seen(space: DesignSpace, places: Places, rule: Expression, choices: Choices) -> Iterator[Seen]:
-    standing = {site.path: site.name for site in sites(space) if site.is_there(choices)}
-    units = _units(space, rule)
-    told = set()
-    for node in _looked_at(rule.root):
-        for what, value in _read(space, places, node, rule, choices, standing, units):
-            if what not in told:
-                told.add(what)
-                yield Seen(what, value)
+class _Look:
+    """What *rule* looks at in the configuration of *choices*."""
 
+    def __init__(self, space: DesignSpace, places: Places, rule: Expression, choices: Choices) -> None:
+        self.space, self.places, self.rule, self.choices = space, places, rule, choices
+        self.standing = {site.path: site.name for site in sites(space) if site.is_there(choices)}
+        self.units = _units(space, rule)
 
-def _read(
-    space: DesignSpace,
-    places: Places,
-    node: Node,
-    rule: Expression,
-    choices: Choices,
-    standing: dict[str, str],
-    units: dict[Dimension, Unit],
-) -> Iterator[tuple[str, str]]:
-    if isinstance(node, Chosen):
-        yield node.place, standing.get(node.place, "absent")
-        return
-    if isinstance(node, Call) and node.function == "same_choice":
-        for place in node.arguments:
-            if isinstance(place, Name):
-                yield place.path, standing.get(place.path, "absent")
-        return
-    part = Expression(rule.text, node, rule.where, rule.pieces)
-    sort, _ = interpret(part, places)
-    if sort.form is Form.NUMBER:
-        yield _text(node, rule), _shown(compile_value(part, space), choices, units.get(sort.dimension))
+    def seen(self) -> tuple[Seen, ...]:
+        """Everything once, as far as it is a choice or a number."""
+        found: dict[str, str] = {}
+        for node in _looked_at(self.rule.root):
+            for what, value in self._read(node):
+                found.setdefault(what, value)
+        return tuple(Seen(what, value) for what, value in found.items())
+
+    def _read(self, node: Node) -> Iterator[tuple[str, str]]:
+        match node:
+            case Chosen():
+                yield node.place, self.standing.get(node.place, "absent")
+            case Call("same_choice"):
+                paths = [place.path for place in node.arguments if isinstance(place, Name)]
+                yield from ((path, self.standing.get(path, "absent")) for path in paths)
+            case _:
+                part = Expression(self.rule.text, node, self.rule.where, self.rule.pieces)
+                sort, _ = interpret(part, self.places)
+                if sort.form is Form.NUMBER:
+                    value = compile_value(part, self.space)(self.choices)
+                    yield _text(node, self.rule), _shown(value, self.units.get(sort.dimension))
 
 
 def _looked_at(root: Node) -> Iterator[Node]:
@@ -111,8 +148,7 @@ def _units(space: DesignSpace, rule: Expression) -> dict[Dimension, Unit]:
     return units
 
 
-def _shown(evaluate: Evaluate[Choices], choices: Choices, unit: Unit | None) -> str:
-    value = evaluate(choices)
+def _shown(value: Fraction | float | str | None, unit: Unit | None) -> str:
     if value is None or isinstance(value, str):
         return "undefined"
     number = float(value) if unit is None else unit.from_si(float(value))

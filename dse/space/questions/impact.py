@@ -7,10 +7,10 @@ from dataclasses import dataclass
 
 from dse.domain.design import Constraint
 from dse.errors import Problem, closest, fail, raise_if_any
-from dse.space.engine import Engine
 from dse.space.flat import FlatSpace
+from dse.space.methods.engine import Engine
+from dse.space.methods.tally import Tally, total_of
 from dse.space.questions.negation import breaking
-from dse.space.tally import Tally, total_of
 
 MOST_ENTANGLED = 100
 """Constraints of a space without a diagram that are looked at together; each takes about a second."""
@@ -69,8 +69,8 @@ def _impact(engine: Engine, number: int, seed: int) -> Impact:
     return Impact(
         engine.flat.constraints[number],
         _count(engine.only(range(number + 1)), seed),
-        total_of(_count(engine.like(case), seed) for case in breaking(alone, number)),
-        total_of(_count(engine.like(case), seed) for case in breaking(engine.flat, number)),
+        total_of(_count(Engine(case, engine), seed) for case in breaking(alone, number)),
+        total_of(_count(Engine(case, engine), seed) for case in breaking(engine.flat, number)),
     )
 
 

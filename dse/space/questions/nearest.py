@@ -8,13 +8,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from dse.errors import fail
+from dse.space.configurations.ids import IdentifiedChoices
 from dse.space.decisions import Choices
-from dse.space.dnnf.trim import UnsupportedError
-from dse.space.engine import Engine
-from dse.space.flat import ABSENT, Ints, Rows
-from dse.space.identify import identify
-from dse.space.mdd.growth import TooWideError
-from dse.space.optimum.best import best
+from dse.space.flat import ABSENT, Ints
+from dse.space.methods.budget import TooMuchError
+from dse.space.methods.engine import Engine
 
 
 @dataclass(frozen=True, slots=True)
@@ -27,16 +25,10 @@ class Change:
 
 
 @dataclass(frozen=True, slots=True)
-class Nearest:
+class Nearest(IdentifiedChoices):
     """A valid configuration's choices and how they differ from those that were given."""
 
-    choices: Choices
     changes: tuple[Change, ...]
-
-    @property
-    def id(self) -> str:
-        """The configuration's id."""
-        return identify(self.choices)
 
 
 def nearest(engine: Engine, choices: Choices) -> Nearest:
@@ -45,25 +37,18 @@ def nearest(engine: Engine, choices: Choices) -> Nearest:
     Choices inside an architecture that is given up count as lost, those inside a new one are free. Raises
     DseError if there is none, or if the space is too large for every method.
     """
-    found = _least(engine, _distances(engine, choices))
+    try:
+        found = engine.least(_distances(engine, choices), 1)
+    except TooMuchError as error:
+        hint = "fix some of the choices, or ask for the conflict"
+        what = f"'{engine.flat.name}' is too large to look for the nearest configuration"
+        raise fail(what, None, hint) from error
     if not len(found):
-        hint = f"ask which constraints conflict: dse space conflict {engine.flat.name}"
-        raise fail(f"'{engine.flat.name}' has no valid configuration", None, hint)
+        raise engine.nothing()
     now = engine.flat.choices(found[0])
     paths = dict.fromkeys([*(variable.path for variable in engine.flat.variables), *choices])
     changes = [Change(path, choices.get(path), now.get(path)) for path in paths]
     return Nearest(now, tuple(change for change in changes if change.before != change.after))
-
-
-def _least(engine: Engine, weights: Mapping[int, Ints]) -> Rows:
-    if engine.diagram is not None:
-        return best(engine.diagram, weights, 1).rows
-    try:
-        return engine.entangled.least(weights, 1)
-    except (UnsupportedError, TooWideError) as error:
-        hint = "fix some of the choices, or ask for the conflict"
-        what = f"'{engine.flat.name}' is too large to look for the nearest configuration"
-        raise fail(what, None, hint) from error
 
 
 def _distances(engine: Engine, choices: Choices) -> Mapping[int, Ints]:

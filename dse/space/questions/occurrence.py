@@ -4,12 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import reduce
 from math import hypot
 
 import numpy as np
 
-from dse.space.engine import Engine
-from dse.space.flat import single
+from dse.space.flat import by_path, single
+from dse.space.lowering.shape import Branch
+from dse.space.methods.engine import Engine
+from dse.space.methods.mdd.diagram import occurrences as times_taken
 
 
 @dataclass(frozen=True, slots=True)
@@ -31,57 +34,50 @@ _NEAR = 1e-6
 """Shares this near to 1 may be 1."""
 
 
-@dataclass(slots=True)
-class _Sum:
-    share: float = 0.0
-    half_width: float = 0.0
-    dead: bool = True
-    forced: bool = False
-
-
 def occurrences(engine: Engine, seed: int = 0) -> tuple[Occurrence, ...]:
     """Every alternative of every decision, in the order of the file. Raises DseError if nothing is valid.
 
     Architectures may have decisions of one path; their shares are added up.
     """
-    shares = engine.shares(seed)
-    at = _at_each_path(engine)
-    sums: dict[tuple[str, str | None], _Sum] = {}
-    for number, variable in enumerate(engine.flat.variables):
-        share, half_width = shares.shares[number], shares.half_widths[number]
-        dead = [
-            not times and (not half or _is_dead(engine, number, value))
-            for value, (times, half) in enumerate(zip(share, half_width, strict=True))
+    found = engine.shares(seed)
+    variables, at = engine.flat.variables, by_path(engine.flat.variables)
+    dead = [
+        [
+            not share and (not half_width or _is_dead(engine, number, value))
+            for value, (share, half_width) in enumerate(zip(shares, half_widths, strict=True))
         ]
+        for number, (shares, half_widths) in enumerate(zip(found.shares, found.half_widths, strict=True))
+    ]
+    taken: dict[tuple[str, str | None], list[Branch]] = {}
+    for number, variable in enumerate(variables):
         for value, choice in enumerate(variable.values):
-            entry = sums.setdefault((variable.path, choice), _Sum())
-            entry.share += float(share[value])
-            entry.half_width = 0.0 if dead[value] else hypot(entry.half_width, float(half_width[value]))
-            entry.dead &= dead[value]
-            if len(at[variable.path]) == 1:
-                entry.forced = not dead[value] and sum(dead) == len(dead) - 1
-    for (path, choice), entry in sums.items():
-        if len(at[path]) > 1 and entry.share + entry.half_width > 1 - _NEAR:
-            entry.forced = _is_forced(engine, at[path], choice)
-    return tuple(
-        Occurrence(
-            path,
-            choice,
-            1.0 if entry.forced else entry.share,
-            0.0 if entry.forced else entry.half_width,
-            entry.dead,
-            entry.forced,
-        )
-        for (path, choice), entry in sums.items()
+            taken.setdefault((variable.path, choice), []).append((number, value))
+
+    def occurrence(path: str, choice: str | None, branches: Sequence[Branch]) -> Occurrence:
+        alive = [(number, value) for number, value in branches if not dead[number][value]]
+        share = sum(float(found.shares[number][value]) for number, value in branches)
+        half_width = reduce(hypot, (float(found.half_widths[number][value]) for number, value in alive), 0.0)
+        if len(at[path]) > 1:
+            forced = share + half_width > 1 - _NEAR and _is_forced(engine, at[path], choice)
+        else:
+            (number,) = at[path]
+            forced = bool(alive) and sum(dead[number]) == len(dead[number]) - 1
+        return Occurrence(path, choice, 1.0 if forced else share, 0.0 if forced else half_width, not alive, forced)
+
+    return tuple(occurrence(path, choice, branches) for (path, choice), branches in taken.items())
+
+
+def dead_branches(engine: Engine) -> frozenset[Branch]:
+    """Branches that no valid configuration takes, as far as that can be told at once: a sum may rule out more."""
+    diagram = engine.expanded or engine.diagram
+    if diagram is None:
+        return frozenset()
+    return frozenset(
+        (variable, value)
+        for variable, times in enumerate(times_taken(diagram))
+        for value, number in enumerate(times[:-1])
+        if not number
     )
-
-
-def _at_each_path(engine: Engine) -> dict[str, list[int]]:
-    """The variables of each path; several if architectures have decisions of one name."""
-    found: dict[str, list[int]] = {}
-    for number, variable in enumerate(engine.flat.variables):
-        found.setdefault(variable.path, []).append(number)
-    return found
 
 
 def _is_forced(engine: Engine, variables: Sequence[int], choice: str | None) -> bool:
@@ -94,9 +90,7 @@ def _is_forced(engine: Engine, variables: Sequence[int], choice: str | None) -> 
 
 
 def _is_dead(engine: Engine, variable: int, value: int) -> bool:
-    values = len(engine.flat.variables[variable].values)
-    mask = np.zeros(values + 1, np.bool_)
-    mask[value] = True
-    if value == values and engine.flat.variables[variable].parent is None:
+    known = engine.flat.variables[variable]
+    if value == len(known.values) and known.parent is None:
         return True
-    return engine.having(single(variable, mask)).is_empty()
+    return engine.having(engine.flat.taking(variable, value)).is_empty()

@@ -12,17 +12,15 @@ from dse.domain.expression import Expression, Number
 from dse.errors import DseError, Location, fail
 from dse.expression.parse import parse_expression
 from dse.expression.tree import descend
-from dse.space.budget import TooMuchError
-from dse.space.decisions import Choices, sites
-from dse.space.dnnf.trim import UnsupportedError
-from dse.space.engine import Engine
-from dse.space.identify import identify
+from dse.space.configurations.ids import IdentifiedChoices
+from dse.space.decisions import sites
 from dse.space.lowering.objective import FoldedObjective, LinearObjective, LoweredObjective, objective
-from dse.space.mdd.diagram import Diagram
-from dse.space.mdd.growth import TooWideError
-from dse.space.optimum.best import best, best_valued
-from dse.space.optimum.optimizer import Ranking, sums
-from dse.space.optimum.pareto import pareto
+from dse.space.methods.budget import TooMuchError
+from dse.space.methods.engine import Engine
+from dse.space.methods.mdd.diagram import Diagram
+from dse.space.methods.optimum.best import best_valued
+from dse.space.methods.optimum.optimizer import Ranking, sums
+from dse.space.methods.optimum.pareto import pareto
 from dse.space.questions.ratio import as_ratio, best_ratio
 from dse.units import DIMENSIONLESS, Dimension, Unit, UnitError, describe, parse_unit
 
@@ -42,19 +40,13 @@ class Aim:
 
 
 @dataclass(frozen=True, slots=True)
-class Ranked:
+class Ranked(IdentifiedChoices):
     """A configuration's choices and the exact value of each aim, in SI."""
 
-    choices: Choices
     values: tuple[Fraction, ...]
 
-    @property
-    def id(self) -> str:
-        """The configuration's id."""
-        return identify(self.choices)
 
-
-def aims(minimize: Iterable[str], maximize: Iterable[str]) -> tuple[Aim, ...]:
+def read_aims(minimize: Iterable[str], maximize: Iterable[str]) -> tuple[Aim, ...]:
     """The objectives written in texts, those to be minimised first. Raises DseError if one cannot be read."""
     return (
         *(Aim(parse_expression(text, Location("--minimize", 1, 1))) for text in minimize),
@@ -74,17 +66,12 @@ def best_configurations(space: DesignSpace, engine: Engine, aim: Aim, number: in
         if constant is None:
             return ()
         lowered = LinearObjective({}, constant, Fraction(1), lowered.dimension)
-    if engine.diagram is None and isinstance(lowered, LinearObjective):
-        return _of_graph(engine, lowered, number, largest=aim.largest)
-    diagram = _diagram(engine)
     if isinstance(lowered, LinearObjective):
-        ranking = best(diagram, lowered.weights, number, largest=aim.largest)
-        values = [lowered.value(int(total)) for total in ranking.values]
+        ranking = _linear(engine, lowered, number, largest=aim.largest)
     else:
-        ranking = _nonlinear(space, engine, diagram, aim, lowered, number)
-        values = [Fraction(value) for value in ranking.values]
-    rows = zip(ranking.rows, values, strict=True)
-    return tuple(Ranked(engine.flat.choices(row), (value,)) for row, value in rows)
+        ranking = _nonlinear(space, engine, aim, lowered, number)
+    values = [Fraction(value) for value in ranking.values]
+    return tuple(Ranked(engine.flat.choices(row), (value,)) for row, value in zip(ranking.rows, values, strict=True))
 
 
 def pareto_set(space: DesignSpace, engine: Engine, wanted: Sequence[Aim]) -> tuple[Ranked, ...]:
@@ -130,20 +117,16 @@ def _si(dimension: Dimension) -> Unit:
     return Unit(f"SI base units ({describe(dimension)})", Fraction(1), Fraction(0), dimension)
 
 
-def _of_graph(engine: Engine, lowered: LinearObjective, number: int, *, largest: bool) -> tuple[Ranked, ...]:
+def _linear(engine: Engine, lowered: LinearObjective, number: int, *, largest: bool) -> Ranking:
     try:
-        rows = engine.entangled.least({v: -w if largest else w for v, w in lowered.weights.items()}, number)
-    except (UnsupportedError, TooWideError) as error:
+        rows = engine.least({v: -w if largest else w for v, w in lowered.weights.items()}, number)
+    except TooMuchError as error:
         raise _too_large(engine) from error
-    totals = sums(lowered.weights, rows).tolist()
-    return tuple(
-        Ranked(engine.flat.choices(row), (lowered.value(total),)) for row, total in zip(rows, totals, strict=True)
-    )
+    return Ranking(rows, tuple(lowered.value(total) for total in sums(lowered.weights, rows).tolist()))
 
 
-def _nonlinear(
-    space: DesignSpace, engine: Engine, diagram: Diagram, aim: Aim, lowered: FoldedObjective, number: int
-) -> Ranking:
+def _nonlinear(space: DesignSpace, engine: Engine, aim: Aim, lowered: FoldedObjective, number: int) -> Ranking:
+    diagram = _diagram(engine)
     sides = as_ratio(space, aim.expression)
     ranking = best_ratio(diagram, *sides, number, largest=aim.largest) if sides else None
     if ranking is not None:

@@ -10,10 +10,10 @@ from pathlib import Path
 import pytest
 
 from dse.csolve import headers
-from dse.fmu.archive import pack
 from dse.fmu.toolchain import compilation
 from dse.fmu.toolchain.compiler import find_compiler
 from dse.fmu.toolchain.platforms import this_platform
+from dse.formats.zipped import pack_zip
 
 RUNTIME = Path(__file__).parents[3] / "dse" / "fmu" / "runtime"
 
@@ -154,7 +154,7 @@ class Handmade:
                 patch.setattr(compilation, "LANGUAGE_OPTIONS", quick)
                 binary = compilation.compile_library(find_compiler(), files, units, "runtime", library.name)
             description = (_describe_2 if version == 2 else _describe_3)(self)
-            target.write_bytes(pack({"modelDescription.xml": description.encode(), str(library): binary}))
+            target.write_bytes(pack_zip({"modelDescription.xml": description.encode(), str(library): binary}))
         return target
 
 

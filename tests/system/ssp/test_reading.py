@@ -254,7 +254,7 @@ def test_connections_are_read_with_their_transformation(tmp_path):
     linear = '<ssc:LinearTransformation factor="2.5" offset="-1"/>'
     joined = connections(connection("gain.y", "gain.u", linear, suppressUnitConversion="true"))
     (found,) = opened(tmp_path, {"SystemStructure.ssd": description(PLAIN + joined)}, GAIN).system.connections
-    assert (found.start, found.end, found.suppresses_unit_conversion) == ("gain.y", "gain.u", True)
+    assert (str(found.start), str(found.end), found.suppresses_unit_conversion) == ("gain.y", "gain.u", True)
     assert (found.transformation.factor, found.transformation.offset) == (2.5, -1.0)
     assert found.where.line == 4
 
@@ -266,5 +266,5 @@ def test_values_inside_an_fmu_are_found(tmp_path):
         "SystemStructure.ssd": description(elements(component("gain", more=inside))),
         "resources/gain.fmu": archive,
     }
-    (found,) = opened(tmp_path, files, {}).places["gain"].bindings
-    assert [(value.name, value.values) for value in found.values] == [("k", ("7",))]
+    (found,) = opened(tmp_path, files, {}).places["gain"].assignments
+    assert (found.target, found.value.values) == ("k", ("7",))

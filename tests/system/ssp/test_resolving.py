@@ -28,7 +28,7 @@ from ssp_packages import (
 from dse.domain.component import Kind
 from dse.domain.fmu import FmiInterface
 from dse.errors import DseError
-from dse.interchange.resolving.conversion import Carry
+from dse.interchange.resolving.carry import Carry
 
 REAL = {
     "gain": model("gain", variable("u", "input"), variable("y", "output"), variable("k", "parameter", start=("1",))),

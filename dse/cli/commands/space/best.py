@@ -2,21 +2,15 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 import typer
 
-from dse.api.naming import space_of
-from dse.api.spaces.question import ask
+from dse.api.naming import opened
 from dse.api.spaces.ranking import Ranking
 from dse.cli.arguments import Choose, Design, Format, Off, On, Output, Where
 from dse.cli.commands.space import space_app
 from dse.cli.terminal import plain_table, print_json, print_table, say
-
-if TYPE_CHECKING:
-    from collections.abc import Sequence
-
-    from dse.space.questions.optimum import Aim, Ranked
 
 Minimize = Annotated[
     list[str] | None,
@@ -48,14 +42,13 @@ def space_best(
 
     Exact and complete: there is none better than those listed.
     """
-    from dse.space.questions.optimum import aims, best_configurations
+    from dse.space.questions.optimum import read_aims
 
-    wanted = aims(minimize or [], maximize or [])
+    wanted = read_aims(minimize or [], maximize or [])
     if len(wanted) != 1:
         raise typer.BadParameter("give one objective; for several ask 'dse space pareto'", param_hint="--minimize")
-    question = ask(space_of(design), choose, where, on, off)
-    found = best_configurations(question.space, question.engine, wanted[0], number)
-    _show(Ranking(question, wanted, found), output)
+    part = opened(design, choose, where, on, off)
+    _show(Ranking(part, wanted, part.best(wanted[0], number)), output)
 
 
 @space_app.command("pareto")
@@ -73,17 +66,17 @@ def space_pareto(
 
     The complete Pareto set over sums of properties, with one configuration for each of its points.
     """
-    from dse.space.questions.optimum import aims, pareto_set
+    from dse.space.questions.optimum import read_aims
 
-    wanted = aims(minimize or [], maximize or [])
+    wanted = read_aims(minimize or [], maximize or [])
     if len(wanted) < 2:
         raise typer.BadParameter("give two objectives or more", param_hint="--minimize, --maximize")
-    question = ask(space_of(design), choose, where, on, off)
-    _show(Ranking(question, wanted, pareto_set(question.space, question.engine, wanted)), output)
+    part = opened(design, choose, where, on, off)
+    _show(Ranking(part, wanted, part.pareto(wanted)), output)
 
 
 def _show(ranking: Ranking, output: Output) -> None:
-    question, values = ranking.question, ranking.shown()
+    part, values = ranking.opened, ranking.shown()
     if output is Output.JSON:
         aims = [
             {"value": str(aim), "aim": "greatest" if aim.largest else "least", "unit": unit.symbol}
@@ -93,24 +86,23 @@ def _show(ranking: Ranking, output: Output) -> None:
             {"id": entry.id, "values": row, "choices": dict(entry.choices)}
             for entry, row in zip(ranking, values, strict=True)
         ]
-        print_json({**question.data(), "aims": aims, "configurations": configurations})
+        print_json({**part.data(), "aims": aims, "configurations": configurations})
         return
     if not ranking:
         what = "no configuration is valid, or the objective is undefined for all that are"
-        say(f"{question.title()}: {what}")
+        say(f"{part.title()}: {what}")
         return
-    _print_ranking(ranking.aims, ranking, ranking.texts())
+    _print_ranking(ranking)
 
 
-def _print_ranking(wanted: Sequence[Aim], found: Sequence[Ranked], cells: Sequence[Sequence[str]]) -> None:
+def _print_ranking(found: Ranking) -> None:
     """The choices in which they differ as columns, as far as there is room; those they share below."""
-
     paths = list(dict.fromkeys(path for entry in found for path in entry.choices))
     differing = [path for path in paths if len({entry.choices.get(path) for entry in found}) > 1]
     shown = differing[:_PLACES]
-    aims = [f"{'greatest' if aim.largest else 'least'} {aim}" for aim in wanted]
+    aims = [f"{'greatest' if aim.largest else 'least'} {aim}" for aim in found.aims]
     table = plain_table("id", *aims, *shown, right=aims)
-    for entry, row in zip(found, cells, strict=True):
+    for entry, row in zip(found, found.texts(), strict=True):
         table.add_row(entry.id, *row, *(entry.choices.get(path, "–") for path in shown))
     print_table(table)
     if len(differing) > len(shown):

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from dse.api.naming import space_of
-from dse.api.spaces.question import ask
+from dse.api.naming import opened
 from dse.cli.arguments import Choose, Design, Format, Off, On, Output, Seed, Where
 from dse.cli.commands.space import space_app
 from dse.cli.terminal import plain_table, print_json, print_table, say
@@ -39,20 +38,18 @@ def space_choices(
 
     Names the dead ones, which no valid configuration has, and the forced ones, which all have.
     """
-    from dse.space.questions.occurrence import occurrences
-
-    question = ask(space_of(design), choose, where, on, off)
+    part = opened(design, choose, where, on, off)
     try:
-        found = occurrences(question.engine, seed)
+        found = part.occurrences(seed)
     except DseError:
-        if question.options and question.engine.is_empty():
-            raise question.nothing() from None
+        if part.options and part.is_empty():
+            raise part.nothing() from None
         raise
     if output is Output.JSON:
-        print_json({**question.data(), "choices": [_data(entry) for entry in found]})
+        print_json({**part.data(), "choices": [_data(entry) for entry in found]})
         return
     if not found:
-        say(f"{question.title()}: there is nothing to choose")
+        say(f"{part.title()}: there is nothing to choose")
         return
     print_table(_table(found))
     if any(entry.half_width for entry in found):

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from dse.api.naming import space_of
+from dse.api.naming import opened
 from dse.cli.arguments import Design, Format, Off, On, Output, Seed
 from dse.cli.commands.space import space_app
 from dse.cli.spaces import number_text, tally_data, tally_text
@@ -15,8 +15,8 @@ from dse.cli.terminal import print_json, say
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
+    from dse.space.methods.tally import Tally
     from dse.space.questions.difference import Difference
-    from dse.space.tally import Tally
 
 
 @space_app.command("compare")
@@ -32,9 +32,7 @@ def space_compare(
 
     Alternatives and constraints that came or went, and how many configurations both have, and only one of them.
     """
-    from dse.space.questions.difference import difference
-
-    found = difference(space_of(before, on, off), space_of(after, on, off), seed)
+    found = opened(before, on=on, off=off).difference(opened(after, on=on, off=off), seed)
     if output is Output.JSON:
         print_json({"before": before, "after": after, **_data(found)})
         return

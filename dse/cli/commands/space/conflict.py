@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from dse.api.naming import space_of
-from dse.api.spaces.question import ask
+from dse.api.naming import opened
 from dse.cli.arguments import Choose, Design, Format, Off, On, Output, Where
 from dse.cli.commands.space import space_app
 from dse.cli.spaces import constraint_data, show_constraints
@@ -23,23 +22,19 @@ def space_conflict(
 
     Names a smallest set of constraints that cannot be met together: dropping any one of them helps.
     """
-    from dse.space.questions.conflict import conflict
-
-    question = ask(space_of(design), choose, where, on, off)
-    if not question.engine.is_empty():
+    part = opened(design, choose, where, on, off)
+    if not part.is_empty():
         if output is Output.JSON:
-            print_json({**question.data(), "empty": False, "conflict": []})
+            print_json({**part.data(), "empty": False, "conflict": []})
         else:
-            console().print(plain(f"{question.title()}: there are valid configurations, nothing conflicts"))
+            console().print(plain(f"{part.title()}: there are valid configurations, nothing conflicts"))
         return
-    found = conflict(question.engine)
+    found = part.conflict()
     if output is Output.JSON:
-        print_json(
-            {**question.data(), "empty": True, "conflict": [constraint_data(constraint) for constraint in found]}
-        )
+        print_json({**part.data(), "empty": True, "conflict": [constraint_data(constraint) for constraint in found]})
         return
     what = f"these {len(found)} constraints cannot all be met; without any one of them the others can"
     if len(found) < 2:
         what = "this constraint excludes everything" if found else "the choices exclude each other without constraints"
-    say(f"{question.title()}: {what}")
+    say(f"{part.title()}: {what}")
     show_constraints(found)

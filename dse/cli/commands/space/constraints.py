@@ -6,8 +6,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from dse.api.naming import space_of
-from dse.api.spaces.question import ask
+from dse.api.naming import opened
 from dse.cli.arguments import Choose, Design, Format, Off, On, Output, Seed, Where
 from dse.cli.commands.space import space_app
 from dse.cli.spaces import constraint_data, tally_cell, tally_data, tally_text
@@ -35,15 +34,12 @@ def space_constraints(
     How many configurations are left after it and those before it; how many combinations it excludes alone; how
     many configurations would become valid if it were dropped. A redundant one excludes nothing that others do not.
     """
-
-    from dse.space.questions.impact import impact
-
-    question = ask(space_of(design), choose, where, on, off)
-    found = impact(question.engine, seed, constraint)
-    total = question.engine.only(()).count(seed)
+    part = opened(design, choose, where, on, off)
+    found = part.impact(constraint, seed)
+    total = part.count_unconstrained(seed)
     if output is Output.JSON:
         constraints = [_data(entry) for entry in found]
-        print_json({**question.data(), "total": tally_data(total), "constraints": constraints})
+        print_json({**part.data(), "total": tally_data(total), "constraints": constraints})
         return
     counted = ("left after it", "removes alone", "frees if dropped")
     table = plain_table("constraint", *counted, "", right=counted)
@@ -53,7 +49,7 @@ def space_constraints(
     if found:
         print_table(table)
     else:
-        say(f"{question.space.name} has no constraints that are on")
+        say(f"{part.space.name} has no constraints that are on")
     estimated = any(not tally.exact for entry in found for tally in (entry.after, entry.removes, entry.frees))
     note = "; ≈ is an estimate, ± its 95 % interval" if estimated else ""
     say(f"{tally_text(total)} combinations before the constraints{note}")

@@ -6,8 +6,7 @@ from typing import Annotated
 
 import typer
 
-from dse.api.naming import space_of
-from dse.api.spaces.question import ask
+from dse.api.naming import opened
 from dse.cli.arguments import Choose, Design, Format, Off, On, Output, Seed, Where
 from dse.cli.commands.space import space_app
 from dse.cli.spaces import number_text, tally_data, tally_text
@@ -29,13 +28,9 @@ def space_count(
 
     Exact where that takes seconds; otherwise an estimate that says so, with its 95 % interval.
     """
-    from dse.space.tally import Tally
-
-    question = ask(space_of(design), choose, where, on, off)
-    total = question.engine.total(question.space)
-    tally = Tally(question.engine.exactly()) if exact else question.engine.count(seed)
+    part = opened(design, choose, where, on, off)
+    tally = part.count(seed, exact=exact)
     if output is Output.JSON:
-        print_json({**question.data(), "total": total, **tally_data(tally)})
+        print_json({**part.data(), "total": part.total, **tally_data(tally)})
         return
-    shown = f"{question.title()}: {tally_text(tally)} of {number_text(total)} configurations are valid"
-    say(shown)
+    say(f"{part.title()}: {tally_text(tally)} of {number_text(part.total)} configurations are valid")

@@ -4,18 +4,15 @@ from __future__ import annotations
 
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 import typer
 
-from dse.api.naming import space_of
+from dse.api.naming import opened
 from dse.cli.arguments import Choose, Design
 from dse.cli.commands.space import space_app
 from dse.cli.spaces import number_text
 from dse.cli.terminal import say
-
-if TYPE_CHECKING:
-    from dse.domain.design import DesignSpace
 
 Keep = Annotated[
     list[str], typer.Option("--keep", metavar="PLACE=A,B", help="Keep only these alternatives; 'absent' is left out.")
@@ -41,23 +38,21 @@ def space_refine(
     Its configurations are those of the design that choose nothing else, with the same ids. Without -o it is printed.
     """
     from dse.loading.writing.design import write_design
-    from dse.space.choosing import kept_choices
-    from dse.space.decisions import decisions, product_of
-    from dse.space.refine import refine
+    from dse.space.decisions import combinations
 
     _check(design, target, asked=bool(keep or drop or choose or ids))
-    space = space_of(design, [], [])
-    subset = kept_choices(space, [*keep, *choose], drop, _occurring(space, ids))
-    name = target.stem if target else f"{space.name}_refined"
-    refined = replace(refine(space, subset), name=name)
+    whole = opened(design)
+    names = None if ids is None else [name.strip() for name in ids.split(",") if name.strip()]
+    refined = whole.refined([*keep, *choose], drop, names)
+    refined = replace(refined, name=target.stem if target else f"{refined.name}_refined")
     text = write_design(refined)
     if target is None:
         typer.echo(text, nl=False)
         return
     target.parent.mkdir(parents=True, exist_ok=True)
     target.write_text(text, encoding="utf-8", newline="\n")
-    left, total = product_of(decisions(refined)), product_of(decisions(space))
-    say(f"{target}: {number_text(left)} of {number_text(total)} combinations are left")
+    left = number_text(combinations(refined))
+    say(f"{target}: {left} of {number_text(whole.total)} combinations are left")
 
 
 def _check(design: str, target: Path | None, *, asked: bool) -> None:
@@ -67,13 +62,3 @@ def _check(design: str, target: Path | None, *, asked: bool) -> None:
         raise typer.BadParameter(f"'{target.name}' must end in .yaml", param_hint="--output")
     if Path(design).suffix.lower() == ".uvl":
         raise typer.BadParameter("import it first: dse import uvl", param_hint="DESIGN")
-
-
-def _occurring(space: DesignSpace, ids: str | None) -> dict[str, frozenset[str | None]]:
-    from dse.space.enumerate import find
-    from dse.space.refine import spanned
-
-    if ids is None:
-        return {}
-    names = [name.strip() for name in ids.split(",") if name.strip()]
-    return spanned(space, [find(space, name).choices for name in names])

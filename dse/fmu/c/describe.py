@@ -1,0 +1,212 @@
+"""modelDescription.xml and buildDescription.xml of an FMU that is built here, for FMI 2.0 and 3.0."""
+
+from __future__ import annotations
+
+import re
+import xml.etree.ElementTree as ET
+from collections.abc import Iterable
+from dataclasses import dataclass
+from fractions import Fraction
+
+from dse.domain.component import Kind, Type
+from dse.fmu.c.slots import Role, Slot
+from dse.units import SI_SYMBOLS, Unit
+
+
+@dataclass(frozen=True, slots=True)
+class Subject:
+    """What is described. *period* is the sample time in seconds, None for a plant; *files* lie in ``sources/``."""
+
+    name: str
+    identifier: str
+    title: str
+    token: str
+    period: float | None
+    slots: tuple[Slot, ...]
+    files: tuple[str, ...]
+    include_folder: str
+
+
+def describe(subject: Subject, version: int) -> bytes:
+    """modelDescription.xml.
+
+    Outputs are computed by the step, so between two steps they depend on nothing; what they depend on initially is left
+    out, which says: on everything.
+    """
+    root = ET.Element("fmiModelDescription", fmiVersion="2.0" if version == 2 else "3.0", modelName=subject.name)
+    root.set("guid" if version == 2 else "instantiationToken", subject.token)
+    if subject.title:
+        root.set("description", subject.title)
+    root.set("generationTool", "dse")
+    root.set("variableNamingConvention", "structured")
+    _add_interface(root, subject, version)
+    _add_units(root, subject.slots)
+    _add_types(root, subject.slots, version)
+    categories = ET.SubElement(root, "LogCategories")
+    ET.SubElement(categories, "Category", name="logStatusError", description="What was refused, and why")
+    experiment = ET.SubElement(root, "DefaultExperiment", startTime="0.0")
+    if subject.period is not None:
+        experiment.set("stepSize", repr(subject.period))
+    _add_variables(root, subject, version)
+    return xml_text(root)
+
+
+def describe_sources(identifier: str, files: Iterable[str], include_folder: str, options: Iterable[str]) -> bytes:
+    """buildDescription.xml, by which an FMI 3.0 importer compiles the *files* in ``sources/`` itself."""
+    root = ET.Element("fmiBuildDescription", fmiVersion="3.0")
+    configuration = ET.SubElement(root, "BuildConfiguration", modelIdentifier=identifier)
+    listed = ET.SubElement(configuration, "SourceFileSet", language="C11", compilerOptions=" ".join(options))
+    for name in files:
+        ET.SubElement(listed, "SourceFile", name=name)
+    ET.SubElement(listed, "IncludeDirectory", name=include_folder)
+    return xml_text(root)
+
+
+def model_identifier(name: str) -> str:
+    """*name* as an identifier of C, for ``modelIdentifier``."""
+    plain = re.sub(r"[^0-9A-Za-z_]", "_", name)
+    return plain if re.match(r"[A-Za-z_]", plain) else f"_{plain}"
+
+
+def xml_text(root: ET.Element) -> bytes:
+    """The document as it is written to a file."""
+    ET.indent(root)
+    text: bytes = ET.tostring(root, encoding="utf-8", xml_declaration=True)
+    return text + b"\n"
+
+
+def _add_interface(root: ET.Element, subject: Subject, version: int) -> None:
+    state = "FMUstate" if version == 2 else "FMUState"
+    frugal = ("canNotUseMemoryManagementFunctions",) if version == 2 else ()
+    able = ("canHandleVariableCommunicationStepSize", *frugal, f"canGetAndSet{state}", f"canSerialize{state}")
+    told = {"modelIdentifier": subject.identifier, **dict.fromkeys(able, "true")}
+    interface = ET.SubElement(root, "CoSimulation", told)
+    if version == 2:
+        sources = ET.SubElement(interface, "SourceFiles")
+        for name in subject.files:
+            ET.SubElement(sources, "File", name=name)
+
+
+def _add_units(root: ET.Element, slots: tuple[Slot, ...]) -> None:
+    units = {slot.type.unit.symbol: slot.type.unit for slot in slots if _has_unit(slot)}
+    if not units:
+        return
+    definitions = ET.SubElement(root, "UnitDefinitions")
+    for symbol, unit in sorted(units.items()):
+        add_base_unit(ET.SubElement(definitions, "Unit", name=symbol), unit)
+
+
+def _has_unit(slot: Slot) -> bool:
+    return slot.type.kind is Kind.REAL and bool(slot.type.unit.symbol)
+
+
+def add_base_unit(parent: ET.Element, unit: Unit) -> None:
+    """Exponents, factor and offset to SI; nothing if FMI's base units cannot say the dimension, as for EUR."""
+    if any(name not in SI_SYMBOLS or exponent.denominator != 1 for name, exponent in unit.dimension):
+        return
+    base = ET.SubElement(parent, "BaseUnit")
+    for name, exponent in sorted(unit.dimension):
+        base.set(SI_SYMBOLS[name], str(exponent))
+    if unit.symbol == "rad":
+        base.set("rad", "1")
+    if unit.factor != Fraction(1):
+        base.set("factor", repr(float(unit.factor)))
+    if unit.offset:
+        base.set("offset", repr(float(unit.offset)))
+
+
+def _add_types(root: ET.Element, slots: tuple[Slot, ...], version: int) -> None:
+    types = {str(slot.type): slot.type for slot in slots if slot.type.kind is Kind.ENUMERATION}
+    if not types:
+        return
+    definitions = ET.SubElement(root, "TypeDefinitions")
+    for name, kind in sorted(types.items()):
+        if version == 2:
+            parent = ET.SubElement(ET.SubElement(definitions, "SimpleType", name=name), "Enumeration")
+        else:
+            parent = ET.SubElement(definitions, "EnumerationType", name=name)
+        for number, item in enumerate(kind.items):
+            ET.SubElement(parent, "Item", name=item, value=str(number))
+
+
+def _add_variables(root: ET.Element, subject: Subject, version: int) -> None:
+    variables = ET.SubElement(root, "ModelVariables")
+    for slot in subject.slots:
+        common, typed = _common(slot, is_sampled=subject.period is not None), _typed(slot)
+        if version == 2:
+            ET.SubElement(ET.SubElement(variables, "ScalarVariable", common), _TYPES_2[slot.type.kind], typed)
+        else:
+            ET.SubElement(variables, _TYPES_3[slot.type.kind], {**common, **typed})
+    if version == 3:
+        _add_time(variables, subject.slots)
+    structure = ET.SubElement(root, "ModelStructure")
+    outputs = [slot for slot in subject.slots if slot.role is Role.OUTPUT]
+    for name in ("Output", "InitialUnknown") if outputs else ():
+        group = ET.SubElement(structure, f"{name}s") if version == 2 else structure
+        for slot in outputs:
+            if version == 2:
+                unknown = ET.SubElement(group, "Unknown", index=str(slot.reference + 1))
+            else:
+                unknown = ET.SubElement(group, name, valueReference=str(slot.reference))
+            if name == "Output":
+                unknown.set("dependencies", "")
+
+
+def _add_time(variables: ET.Element, slots: tuple[Slot, ...]) -> None:
+    name = "time"
+    while any(slot.name == name for slot in slots):
+        name += "_"
+    ET.SubElement(
+        variables,
+        "Float64",
+        name=name,
+        valueReference=str(len(slots)),
+        causality="independent",
+        variability="continuous",
+        description="Simulation time in seconds",
+    )
+
+
+_TYPES_2 = {
+    Kind.REAL: "Real",
+    Kind.INTEGER: "Integer",
+    Kind.BOOLEAN: "Boolean",
+    Kind.ENUMERATION: "Enumeration",
+}
+_TYPES_3 = {**_TYPES_2, Kind.REAL: "Float64", Kind.INTEGER: "Int32"}
+
+
+def _common(slot: Slot, *, is_sampled: bool) -> dict[str, str]:
+    attributes = {"name": slot.name, "valueReference": str(slot.reference)}
+    if slot.title:
+        attributes["description"] = slot.title
+    attributes["causality"] = str(slot.role)
+    if slot.role is Role.PARAMETER:
+        attributes["variability"] = "tunable" if slot.is_tunable else "fixed"
+        attributes["initial"] = "exact"
+    else:
+        is_continuous = slot.role is Role.INPUT or not is_sampled
+        attributes["variability"] = "continuous" if slot.type.kind is Kind.REAL and is_continuous else "discrete"
+    if slot.role is Role.OUTPUT:
+        attributes["initial"] = "calculated"
+    return attributes
+
+
+def _typed(slot: Slot) -> dict[str, str]:
+    attributes: dict[str, str] = {}
+    if slot.type.kind is Kind.ENUMERATION:
+        attributes["declaredType"] = str(slot.type)
+    if _has_unit(slot):
+        attributes["unit"] = slot.type.unit.symbol
+    for name, number in (("min", slot.minimum), ("max", slot.maximum), ("start", slot.start)):
+        if number is not None and (name == "start" or slot.type.kind in (Kind.REAL, Kind.INTEGER)):
+            attributes[name] = _number(slot.type, number)
+    return attributes
+
+
+def _number(kind: Type, number: float | bool) -> str:
+    if kind.kind is Kind.REAL:
+        return repr(float(number))
+    if kind.kind is Kind.BOOLEAN:
+        return "true" if number else "false"
+    return str(int(number))

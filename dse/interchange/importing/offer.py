@@ -1,0 +1,257 @@
+"""A finished FMU as a component: its ports and parameters in words a workspace can use, and what they stand for."""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, replace
+from fractions import Fraction
+
+from dse.domain.component import Causality, Component, Interface, Kind, Parameter, Port, Source, Type, Value
+from dse.domain.fmu import FmuModel, Variable
+from dse.errors import DseError
+from dse.expression.tokens import KEYWORDS
+from dse.formats.xml_values import flag_of, real_of, whole_of
+from dse.interchange.names import numbered
+from dse.loading.names import is_identifier
+from dse.system.binding import unit_of
+from dse.units import DIMENSIONLESS, LARGEST, LARGEST_WHOLE, Unit, UnitError, coherent, parse_unit
+
+MOST_VALUES = 64
+"""Arrays with more values than that are left out."""
+
+_PARAMETERS = frozenset({"parameter", "structuralParameter"})
+_BOUNDED = (Kind.REAL, Kind.INTEGER)
+
+
+@dataclass(frozen=True, slots=True)
+class Offer:
+    """What an FMU can be to a workspace: *component* with an interface of its own, and what was *left_out* and why.
+
+    *told* says what became something else than it is in the FMU.
+    *starts* are the FMU's own values of the inputs, by port, in SI.
+    """
+
+    component: Component
+    starts: Mapping[str, Value]
+    left_out: tuple[str, ...]
+    told: tuple[str, ...] = ()
+
+
+def offer(name: str, model: FmuModel, source: Source) -> Offer:
+    """The FMU *model*, of *source*, as a component called *name*, with all its inputs, outputs and parameters.
+
+    Names that the language does not know are changed to near ones; the component's map has the FMU's. Ports are in
+    coherent SI units, parameters in the FMU's own. Second names of one variable (aliases) are passed over.
+    """
+    taken: set[str] = set()
+    names: dict[str, str] = {}
+    left_out: list[str] = []
+    told: list[str] = []
+    ports: list[Port] = []
+    starts: dict[str, Value] = {}
+    parameters: list[Parameter] = []
+    for variable in model.variables.values():
+        is_parameter = variable.causality in _PARAMETERS
+        if variable.alias_of or not (is_parameter or variable.causality in ("input", "output")):
+            continue
+        try:
+            unit = _unit(name, variable, model)
+            type_ = _type(variable, _sayable(unit) if is_parameter else coherent(unit), is_parameter=is_parameter)
+            values = [_value(start, type_, unit, variable) for start in _starts(variable)]
+        except _LeftOut as reason:
+            left_out.append(f"{variable.name}: {reason}")
+            continue
+        if variable.items and type_.kind is Kind.INTEGER:
+            items = ", ".join(f"{number} ({item})" for item, number in variable.items.items())
+            told.append(f"{variable.name}: an int, as its items cannot be names: {items}")
+        for label, value in zip(variable.labels, values, strict=True):
+            own = numbered(_name(label), lambda free: _collides(free, taken))
+            taken.add(own)
+            if own != label:
+                names[own] = label
+            if is_parameter:
+                parameters.append(_parameter(own, variable, type_, unit, value))
+            else:
+                ports.append(Port(own, Causality(variable.causality), type_))
+                if variable.causality == "input":
+                    starts[own] = value
+    inputs_first = sorted(ports, key=lambda port: port.causality is Causality.OUTPUT)
+    interface = Interface(name, tuple(inputs_first))
+    component = Component(name, interface, model.title, source, tuple(parameters), names=names)
+    return Offer(component, starts, tuple(left_out), tuple(told))
+
+
+def implementing(offered: Offer, interfaces: Iterable[Interface]) -> Offer:
+    """What is *offered*, with that of the *interfaces* whose ports the component has all, and which has all its inputs.
+
+    Names of ports may differ in capitals and separators. Of several interfaces it is the one with the most ports, then
+    the first by name; if there is none the component keeps its own. Outputs that the interface does not have are left
+    out. An input never is: it would be held at its start value, and nobody could connect it.
+    """
+    component = offered.component
+    found = [(interface, fit) for interface in interfaces if (fit := _fit(component, interface)) is not None]
+    if not found:
+        return offered
+    interface, fit = min(found, key=lambda entry: (-len(entry[0].ports), entry[0].name))
+    names = {port: component.variable(own) for port, own in fit.items() if component.variable(own) != port}
+    free = [parameter for parameter in component.parameters if interface.port(parameter.name) is None]
+    names |= {p.name: component.names[p.name] for p in free if p.name in component.names}
+    known = {own: port for port, own in fit.items()}
+    unused = [component.variable(port.name) for port in component.interface.ports if port.name not in known]
+    hidden = [component.variable(parameter.name) for parameter in component.parameters if parameter not in free]
+    left_out = [
+        *offered.left_out,
+        *(f"{label}: an output that {interface.name} does not have" for label in unused),
+        *(f"{label}: a parameter called like a port of {interface.name}" for label in hidden),
+    ]
+    starts = {known[own]: value for own, value in offered.starts.items() if own in known}
+    changed = replace(component, interface=interface, parameters=tuple(free), names=names)
+    return Offer(changed, starts, tuple(left_out), offered.told)
+
+
+class _LeftOut(Exception):  # noqa: N818  # says what became of the variable
+    """Why a variable cannot be a port or a parameter."""
+
+
+def _unit(name: str, variable: Variable, model: FmuModel) -> Unit:
+    """What the variable's numbers are in, inside of the FMU."""
+    if variable.kind is not Kind.REAL or not variable.unit:
+        return DIMENSIONLESS
+    try:
+        unit = unit_of(name, variable, model)
+    except DseError as error:
+        raise _LeftOut(error.problems[0].what) from None
+    if variable.is_relative and unit.offset:  # a difference of temperatures: numbers of a degree, not of the scale
+        return replace(coherent(unit), factor=unit.factor)
+    return unit
+
+
+def _type(variable: Variable, unit: Unit, *, is_parameter: bool) -> Type:
+    if variable.size > MOST_VALUES:
+        raise _LeftOut(f"an array of {variable.size} values")
+    if variable.kind is None:
+        if is_parameter and variable.fmi_type == "String" and not variable.shape:
+            return Type(Kind.TEXT)
+        raise _LeftOut(f"of type {variable.fmi_type}")
+    if variable.kind is Kind.ENUMERATION:
+        items = tuple(variable.items)
+        if not items or not all(is_identifier(item) and item not in KEYWORDS for item in items):
+            return Type(Kind.INTEGER)
+        return Type(Kind.ENUMERATION, items=items)
+    return Type(variable.kind, unit)
+
+
+def _sayable(unit: Unit) -> Unit:
+    """The unit itself if its symbol means it everywhere, else the coherent one."""
+    try:
+        is_known = parse_unit(unit.symbol) == unit
+    except UnitError:
+        is_known = False
+    return unit if is_known else coherent(unit)
+
+
+def _starts(variable: Variable) -> tuple[str, ...]:
+    """One text for each value, "" for what the FMU does not say."""
+    if len(variable.start) == 1:
+        return variable.start * variable.size
+    return (*variable.start, *[""] * variable.size)[: variable.size]
+
+
+def _parameter(name: str, variable: Variable, type_: Type, unit: Unit, value: Value) -> Parameter:
+    low, high = (_bound(bound, type_, unit) for bound in (variable.minimum, variable.maximum))
+    if isinstance(value, float | int) and not isinstance(value, bool):
+        # An FMU whose start lies outside of its own range is not mended here: the start is what it runs with.
+        low = None if low is not None and value < low else low
+        high = None if high is not None and value > high else high
+    is_tunable = variable.variability == "tunable"
+    return Parameter(name, type_, value, low, high, is_tunable, " ".join(variable.description.split()))
+
+
+def _bound(number: float | None, type_: Type, unit: Unit) -> float | None:
+    """In SI; None for one that bounds nothing, as the largest number there is."""
+    if number is None or not math.isfinite(number) or type_.kind not in _BOUNDED:
+        return None
+    si = _si(number, unit)
+    return float(si) if abs(si) <= LARGEST else None
+
+
+def _value(start: str, type_: Type, unit: Unit, variable: Variable) -> Value:
+    match type_.kind:
+        case Kind.TEXT:
+            return start
+        case Kind.BOOLEAN:
+            return bool(flag_of(start))
+        case Kind.INTEGER:
+            number = next(iter(variable.items.values())) if variable.items and not start else whole_of(start) or 0
+            if abs(number) > LARGEST_WHOLE:
+                raise _LeftOut(f"its start value {number} is too large")
+            return number
+        case Kind.ENUMERATION:
+            by_number = {number: item for item, number in variable.items.items()}
+            return by_number.get(whole_of(start) or 0, type_.items[0])
+        case Kind.REAL:
+            si = _si(_real(start), unit)
+            if abs(si) > LARGEST:
+                raise _LeftOut("its start value is beyond the range of numbers")
+            return float(si)
+
+
+def _real(text: str) -> float:
+    value = real_of(text)
+    return value if value is not None and math.isfinite(value) else 0.0
+
+
+def _si(value: float, unit: Unit) -> Fraction:
+    """As a person's number is read: the decimal that is written, not the binary number nearest to it."""
+    return Fraction(repr(value)) * unit.factor + unit.offset
+
+
+def _name(label: str) -> str:
+    """*label* as a dotted path of names: what no name can hold becomes an underscore."""
+    return ".".join(_step(step) for step in label.split("."))
+
+
+def _step(step: str) -> str:
+    plain = re.sub(r"[^A-Za-z0-9_]+", "_", step).strip("_") or "x"
+    if plain[0].isdigit():
+        plain = f"x{plain}"
+    return plain if is_identifier(plain) and plain not in KEYWORDS else f"{plain}_"
+
+
+def _collides(name: str, taken: set[str]) -> bool:
+    """Whether *name* is taken, or is a group of others or lies in one."""
+    steps = name.split(".")
+    above = {".".join(steps[:length]) for length in range(1, len(steps) + 1)}
+    return bool(above & taken) or any(other.startswith(f"{name}.") for other in taken)
+
+
+def _fit(component: Component, interface: Interface) -> dict[str, str] | None:
+    """The component's own port for each port of *interface*.
+
+    None if the interface has no ports, if the component lacks one of them, or the interface an input of the component.
+    """
+    own: dict[str, list[Port]] = {}
+    for port in component.interface.ports:
+        own.setdefault(_spelling(port.name), []).append(port)
+    fit = {}
+    for port in interface.ports:
+        near = [other for other in own.get(_spelling(port.name), []) if _is_like(other, port)]
+        if len(near) != 1:
+            return None
+        fit[port.name] = near[0].name
+    inputs = {port.name for port in component.interface.ports if port.causality is Causality.INPUT}
+    return fit if fit and inputs <= set(fit.values()) else None
+
+
+def _spelling(name: str) -> str:
+    return re.sub(r"[^a-z0-9]", "", name.lower())
+
+
+def _is_like(own: Port, wanted: Port) -> bool:
+    if own.causality is not wanted.causality or own.type.kind is not wanted.type.kind:
+        return False
+    if own.type.kind is Kind.ENUMERATION:
+        return set(wanted.type.items) <= set(own.type.items)
+    return own.type.kind is not Kind.REAL or own.type.unit.dimension == wanted.type.unit.dimension

@@ -1,0 +1,252 @@
+"""Connections of containers → connections between single ports of components.
+
+A connection end is a port or a group of ports. Inside a compound an end without a part's name belongs to
+the compound's own interface; from outside a compound with an interface shows only that, one without shows
+its parts. Groups connect port by port, each signal from the side that gives it, so that one arrow can carry
+a shaft's torque forth and its speed back. A connection with an end on a part that is left out vanishes.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+
+from dse.domain.component import NO_INTERFACE, Causality, Interface, Port
+from dse.domain.design import Alternative, Compound, Connection, DesignSpace, Node, Optional, Part
+from dse.errors import DseError, Problem, closest, fail, raise_if_any
+from dse.space.decisions import Choices
+
+PortOf = tuple[str, str]
+"""A port as (path of its place, name)."""
+
+
+@dataclass(frozen=True, slots=True)
+class PlacedPart:
+    """What stands at *path*, with the parts inside it; a part that is left out is None. *name* is for messages."""
+
+    path: str
+    interface: Interface | None
+    parts: Mapping[str, PlacedPart | None]
+    connections: tuple[Connection, ...] = ()
+    is_component: bool = False
+    name: str = ""
+
+
+def wire(
+    space: DesignSpace,
+    choices: Choices,
+    test_components: Mapping[str, Interface] | None = None,
+    connections: Iterable[Connection] = (),
+) -> tuple[Connection, ...]:
+    """All connections of one configuration, each from a component's output to a component's input.
+
+    With the interfaces of a bench's *test_components* and the bench's *connections* those are resolved too.
+    Stable in the order of the files. Raises DseError with every end that cannot be found or has two sources.
+    """
+    ways, components = _ways(_with_bench(_chosen(space.root, "", choices), test_components or {}, connections))
+    return tuple(
+        Connection(".".join(source), ".".join(target), connection.where)
+        for source, target, connection in ways
+        if target[0] in components
+    )
+
+
+def architecture_outputs(space: DesignSpace, choices: Choices) -> dict[str, str]:
+    """The output of a component behind each output of an architecture with an interface, by their dotted paths.
+
+    ``powertrain.co2`` is ``powertrain.engine.co2`` where the chosen powertrain is a compound. Raises DseError like
+    `wire`.
+    """
+    root = _chosen(space.root, "", choices)
+    outputs = {
+        (place.path, port.name)
+        for _, place in _levels(root, 0)
+        if place.interface is not None and not place.is_component
+        for port in place.interface.ports
+        if port.causality is Causality.OUTPUT
+    }
+    return {".".join(here): ".".join(source) for source, here, _ in _ways(root)[0] if here in outputs}
+
+
+_Onward = Mapping[PortOf, Sequence[tuple[PortOf, int, Connection]]]
+"""Where each port's signal goes next, with the depth of the connection."""
+
+
+def _ways(root: PlacedPart) -> tuple[list[tuple[PortOf, PortOf, Connection]], set[str]]:
+    """Each output of a component with every port it reaches and the outermost connection on the way there.
+
+    And the paths of all components.
+    """
+    problems: list[Problem] = []
+    drivers: dict[PortOf, Connection] = {}
+    onward: dict[PortOf, list[tuple[PortOf, int, Connection]]] = {}
+    components: set[str] = set()
+    for depth, place in _levels(root, 0):
+        if place.is_component:
+            components.add(place.path)
+        for connection in place.connections:
+            try:
+                pairs = port_pairs(connection, place)
+            except DseError as error:
+                problems += error.problems
+                continue
+            for source, target in pairs:
+                first = drivers.setdefault(target, connection)
+                if first is not connection:
+                    problems.append(two_sources(target, first, connection))
+                onward.setdefault(source, []).append((target, depth, connection))
+    raise_if_any(problems)
+    sources = [source for source in onward if source[0] in components]
+    return [(source, *end) for source in sources for end in _reached(source, onward, components)], components
+
+
+def _reached(source: PortOf, onward: _Onward, components: set[str]) -> Iterator[tuple[PortOf, Connection]]:
+    reached = list(reversed(onward[source]))
+    while reached:
+        here, depth, connection = reached.pop()
+        yield here, connection
+        if here[0] not in components:
+            for target, next_depth, following in reversed(onward.get(here, ())):
+                outer = (next_depth, following) if next_depth < depth else (depth, connection)
+                reached.append((target, *outer))
+
+
+def _with_bench(
+    root: PlacedPart, test_components: Mapping[str, Interface], connections: Iterable[Connection]
+) -> PlacedPart:
+    """The design's root with the test components beside its parts."""
+    bench = {
+        name: PlacedPart(name, interface if interface != NO_INTERFACE else None, {}, (), True, name)
+        for name, interface in test_components.items()
+    }
+    return PlacedPart("", None, {**root.parts, **bench}, (*root.connections, *connections))
+
+
+def port_pairs(connection: Connection, scope: PlacedPart) -> list[tuple[PortOf, PortOf]]:
+    """The connection port by port as (giving, receiving), empty if an end is left out. Raises DseError."""
+    source, target = _end(connection, connection.source, scope), _end(connection, connection.target, scope)
+    if source is None or target is None:
+        return []
+    forth: list[tuple[PortOf, PortOf]] = []
+    back: list[tuple[PortOf, PortOf]] = []
+    bare: list[str] = []
+    for name, port in target.ports.items():
+        other = source.ports.get(name)
+        if target.gives(port):
+            if other and not source.gives(other):
+                back.append((target.of(port), source.of(other)))
+        elif other and source.gives(other):
+            forth.append((source.of(other), target.of(port)))
+        else:
+            bare.append(connection.target + name)
+    bare += [
+        connection.source + name
+        for name, port in source.ports.items()
+        if not source.gives(port) and name not in target.ports
+    ]
+    if not forth:
+        where = connection.place(connection.source)
+        raise fail(f"{connection}: no signal goes this way", where, _backwards(source, target))
+    if bare:
+        raise fail(
+            f"{connection}: nothing is given to {', '.join(bare)}",
+            connection.place(connection.target),
+            f"{connection.source} has {_names(source)}, {connection.target} has {_names(target)}",
+        )
+    return forth + back
+
+
+def two_sources(target: PortOf, first: Connection, second: Connection) -> Problem:
+    """The problem that both connections lead to *target*."""
+    at = f" at {first.where}" if first.where else ""
+    return Problem(f"{second}: {'.'.join(target)} has a source already", second.where, f"the other is {first}{at}")
+
+
+@dataclass(frozen=True, slots=True)
+class _End:
+    place: PlacedPart
+    ports: Mapping[str, Port]
+    inside: bool
+
+    def gives(self, port: Port) -> bool:
+        # Inside a compound its own inputs are what can be read.
+        return (port.causality is Causality.OUTPUT) is not self.inside
+
+    def of(self, port: Port) -> PortOf:
+        return self.place.path, port.name
+
+
+def _chosen(node: Node, path: str, choices: Choices) -> PlacedPart:
+    place = _place(node, path, choices)
+    assert place is not None  # noqa: S101  # the root is a compound, never optional
+    return place
+
+
+def _place(node: Node, path: str, choices: Choices) -> PlacedPart | None:
+    match node:
+        case Part():
+            return PlacedPart(path, node.interface, {}, (), True, node.name)
+        case Compound():
+            parts = {
+                name: _place(child, f"{path}.{name}" if path else name, choices) for name, child in node.parts.items()
+            }
+            return PlacedPart(path, node.interface, parts, node.connections)
+        case Alternative():
+            option = next(option for option in node.options if option.name == choices[path])
+            return _place(option, path, choices)
+        case Optional():
+            return _place(node.content, path, choices) if path in choices else None
+
+
+def _levels(place: PlacedPart, depth: int) -> Iterable[tuple[int, PlacedPart]]:
+    yield depth, place
+    for part in place.parts.values():
+        if part:
+            yield from _levels(part, depth + 1)
+
+
+def _end(connection: Connection, text: str, scope: PlacedPart) -> _End | None:
+    steps = text.split(".")
+    place: PlacedPart | None = scope
+    taken = 0
+    if steps[0] in scope.parts:
+        place, taken = scope.parts[steps[0]], 1
+        while place is not None and place.interface is None:
+            if place.is_component:
+                where = connection.place(text)
+                what = f"{connection}: '{place.name}' has no interface, so nothing can be connected to it"
+                raise fail(what, where, f"add implements: … to the component '{place.name}'")
+            if taken == len(steps) or steps[taken] not in place.parts:
+                missing = steps[taken] if taken < len(steps) else ""
+                raise fail(
+                    f"{connection}: '{'.'.join(steps[:taken])}' has no part '{missing}'",
+                    connection.place(text, taken),
+                    closest(missing, place.parts),
+                )
+            place, taken = place.parts[steps[taken]], taken + 1
+    elif scope.interface is None:
+        where = connection.place(text)
+        raise fail(f"{connection}: unknown part '{steps[0]}'", where, closest(steps[0], scope.parts))
+    if place is None or place.interface is None:
+        return None
+    name = ".".join(steps[taken:])
+    found = place.interface.group(name) if name else ()
+    if not found:
+        owner = ".".join(steps[:taken]) or "this compound"
+        known = {".".join(port.name.split(".")[: i + 1]) for port in place.interface.ports for i in range(9)}
+        what = f"has no port '{name}'" if name else "stands without a port"
+        if taken == 0:
+            known |= set(scope.parts)
+        shown = f"{connection}: {owner} ({place.interface.name}) {what}"
+        raise fail(shown, connection.place(text, taken if name else 0), closest(name, known))
+    return _End(place, {port.name[len(name) :]: port for port in found}, place is scope)
+
+
+def _backwards(source: _End, target: _End) -> str:
+    if any(target.gives(port) for port in target.ports.values()) and not any(map(source.gives, source.ports.values())):
+        return "turn the arrow around"
+    return f"one side has {_names(source)}, the other {_names(target)}"
+
+
+def _names(end: _End) -> str:
+    return ", ".join(f"{name.removeprefix('.') or port.name} ({port.causality})" for name, port in end.ports.items())

@@ -1,0 +1,289 @@
+"""Answers about a design space, each by the method that fits; what has to be compiled is compiled once, on first use.
+
+The order of the attempts: the decision diagram of hierarchy and rules, with sums compiled in where they fit; grids
+of sums over its nodes; tilted sampling, which is an estimate and says so. Where the diagram is too wide in every
+order, as in large feature models, see `dse.space.methods.entangled`. Each method is imported where it is used: together
+they take longer to import than most spaces to count.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterator, Mapping, Sequence
+from dataclasses import replace
+from functools import cached_property
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from dse.domain.design import DesignSpace
+from dse.errors import DseError, fail
+from dse.space.flat import FlatSpace, Ints, Rows, Rule, Table
+from dse.space.lowering import flatten
+from dse.space.methods.budget import TooMuchError
+from dse.space.methods.mdd.diagram import Diagram, count, occurrences, restrict
+from dse.space.methods.tally import Tally
+
+if TYPE_CHECKING:
+    from dse.space.methods.entangled import Entangled
+    from dse.space.methods.sampling.estimate import Shares
+
+DIAGRAM = 200_000
+"""Nodes a diagram may have before reduction; beyond, the decision-DNNF takes over."""
+
+EXPANSION = 150_000
+"""Nodes before reduction of a diagram with the sums compiled in."""
+
+WORK = 5e9
+"""Additions of a cell that an everyday exact count may take: a few seconds."""
+
+MOST_WORK = 1e12
+"""The same where an exact count is insisted on: many minutes."""
+
+
+class Engine:
+    """Answers about *flat*. They do not depend on what was asked before.
+
+    *model* is the engine of another space over much the same variables: no diagram is tried where none fitted there.
+    *diagram* and *expanded* are known where they are those of another engine, restricted.
+    """
+
+    def __init__(
+        self,
+        flat: FlatSpace,
+        model: Engine | None = None,
+        diagram: Diagram | None = None,
+        expanded: Diagram | None = None,
+    ) -> None:
+        self.flat = flat
+        self._model = model
+        self._diagram = diagram
+        self._expanded = expanded
+        self._is_too_wide = False
+
+    @classmethod
+    def of(cls, space: DesignSpace) -> Engine:
+        """The engine of a design space. Raises DseError if a constraint cannot be understood."""
+        return cls(flatten(space))
+
+    def only(self, owners: Collection[int]) -> Engine:
+        """The engine of the same space under these constraints alone."""
+        return Engine(self.flat.only(owners), self)
+
+    def having(self, *rules: Rule) -> Engine:
+        """The engine of the same space under further rules."""
+        flat = self.flat.having(*rules)
+        masks = {rule.scope[0]: rule.allowed for rule in rules if isinstance(rule, Table) and len(rule.scope) == 1}
+        if len(masks) < len(rules) or self.diagram is None:
+            return Engine(flat, self)
+        diagram, expanded = (
+            known and replace(restrict(known, masks), flat=flat) for known in (self.diagram, self._expanded)
+        )
+        return Engine(flat, self, diagram, expanded)
+
+    @cached_property
+    def diagram(self) -> Diagram | None:
+        """The decision diagram of hierarchy and rules, sums aside; None where it is too wide in every order."""
+        if self._diagram is not None:
+            return self._diagram
+        from dse.space.methods.mdd.growth import TooWideError
+        from dse.space.methods.mdd.ordering import compile_best
+
+        if self._model is not None and self._model.diagram is None and self._model.entangled.graph is not None:
+            return None
+        try:
+            return compile_best(self.flat, DIAGRAM)
+        except TooWideError:
+            return None
+
+    @property
+    def expanded(self) -> Diagram | None:
+        """The diagram of exactly the valid rows; None where it is too wide."""
+        if self._expanded is None and self.diagram is not None and not self._is_too_wide:
+            from dse.space.methods.mdd.expand import expand
+            from dse.space.methods.mdd.growth import TooWideError
+
+            try:
+                self._expanded = expand(self.diagram, EXPANSION)
+            except TooWideError:
+                self._is_too_wide = True
+        return self._expanded
+
+    @cached_property
+    def entangled(self) -> Entangled:
+        """What answers where there is no diagram."""
+        from dse.space.methods.entangled import Entangled
+
+        return Entangled(self.flat)
+
+    def is_structural(self) -> bool:
+        """Whether all rules are logical, without sums and the like."""
+        return not (self.flat.linears() or self.flat.wides())
+
+    def count(
+        self, seed: int = 0, *, most_work: float = WORK, relative: float | None = None, size: int | None = None
+    ) -> Tally:
+        """How many rows are valid: exact if that takes no more than *most_work*, else an estimate within *relative*.
+
+        *relative*, unless it is given, and *size* are as in `estimate`. Raises DseError if neither can be had.
+        """
+        exact = self.exact_count(most_work)
+        if exact is not None:
+            return Tally(exact)
+        if self.diagram is None:
+            return self.entangled.estimate(seed)
+        from dse.space.methods import listed
+        from dse.space.methods.sampling.estimate import RELATIVE, estimate
+        from dse.space.methods.sampling.tilt import TooRareError
+
+        try:
+            return estimate(self.diagram, seed, RELATIVE if relative is None else relative, size=size)
+        except TooRareError as error:
+            found = listed.count(self.flat, self.blocks())
+            if found is None:
+                hint = "what is valid is too rare to be drawn and too much to be listed; try --exact"
+                raise fail(f"the configurations of '{self.flat.name}' cannot be estimated", None, hint) from error
+            return Tally(found)
+
+    def exact_count(self, most_work: float = WORK) -> int | None:
+        """How many rows are valid; None if that would take more than *most_work* additions."""
+        if self.diagram is None:
+            return self.entangled.exact_count()
+        if self.is_structural():
+            return count(self.diagram)
+        if self._expanded is None and not self._is_too_wide and self._is_hopeless:
+            return 0
+        if self.expanded is not None:
+            return count(self.expanded)
+        from dse.space.methods.grid.exact import exact_count
+
+        try:
+            return exact_count(self.diagram, most_work=most_work)
+        except TooMuchError:
+            return None
+
+    def exactly(self) -> int:
+        """How many rows are valid, however long that takes. Raises DseError where it cannot be known."""
+        found = self.exact_count(MOST_WORK)
+        if found is None and self.diagram is not None:
+            from dse.space.methods import listed
+
+            found = listed.count(self.flat, self.blocks())
+        if found is None:
+            hint = "ask for an estimate: the same without --exact"
+            raise fail(f"the configurations of '{self.flat.name}' are too many to be counted exactly", None, hint)
+        return found
+
+    def is_empty(self) -> bool:
+        """Whether no row is valid. Raises DseError if a complete search has to give up."""
+        if self.diagram is None:
+            return self.entangled.first() is None
+        from dse.space.methods.optimum.emptiness import is_empty
+
+        try:
+            return is_empty(self.diagram)
+        except TooMuchError as error:
+            raise self._undecided() from error
+
+    def first(self) -> Rows | None:
+        """The first valid row in the engine's order, shape (variables,), or None. Raises like `is_empty`."""
+        if self.diagram is None:
+            return self.entangled.first()
+        from dse.space.methods.listing.blocks import first
+
+        try:
+            return first(self.diagram)
+        except TooMuchError as error:
+            raise self._undecided() from error
+
+    def blocks(self, limit: int | None = None) -> Iterator[Rows]:
+        """The first *limit* valid rows, in blocks of shape (rows, variables), in a stable order.
+
+        It is that of the file, the last decision the fastest, unless the diagram of the space only fits in another.
+        """
+        from dse.space.methods.listing.blocks import blocks
+
+        missing = limit
+        for rows in self.entangled.blocks() if self.diagram is None else blocks(self.diagram):
+            yield rows if missing is None else rows[:missing]
+            if missing is not None:
+                missing -= len(rows)
+                if missing <= 0:
+                    return
+
+    def rows(self, limit: int | None = None) -> Rows:
+        """The rows of `blocks` together."""
+        return np.concatenate([np.zeros((0, len(self.flat.variables)), np.int16), *self.blocks(limit)])
+
+    def sample(self, number: int, seed: int = 0) -> Rows:
+        """*number* rows drawn uniformly among the valid ones, independently. Raises DseError if there is none."""
+        from dse.space.methods import listed
+        from dse.space.methods.sampling.sample import sample
+        from dse.space.methods.sampling.tilt import EmptyError, TooRareError
+
+        try:
+            if self.diagram is None:
+                return self.entangled.sample(number, seed)
+            try:
+                return sample(self.expanded or self.diagram, number, seed)
+            except TooRareError:
+                return listed.drawn(listed.every(self.flat, self.rows), number, seed)
+        except EmptyError as error:
+            raise self.nothing() from error
+
+    def least(self, weights: Mapping[int, Ints], number: int) -> Rows:
+        """The *number* valid rows of least sum of weights[variable][value]; of equal ones those that are listed first.
+
+        Raises TooMuchError where there is no diagram and rules do not fit into what is there instead.
+        """
+        if self.diagram is None:
+            return self.entangled.least(weights, number)
+        from dse.space.methods.optimum.best import best
+
+        return best(self.diagram, weights, number).rows
+
+    def shares(self, seed: int = 0) -> Shares:
+        """The share of valid rows that take each value; half-widths are 0 where that is exact.
+
+        Raises DseError if there is no valid row.
+        """
+        from dse.space.methods import listed
+        from dse.space.methods.sampling.estimate import estimate_occurrences
+        from dse.space.methods.sampling.tilt import EmptyError, TooRareError
+
+        try:
+            if self.diagram is None:
+                return self.entangled.shares()
+            try:
+                return estimate_occurrences(self.expanded or self.diagram, seed)
+            except TooRareError:
+                return listed.shares(self.flat, listed.every(self.flat, self.rows))
+        except EmptyError as error:
+            raise self.nothing() from error
+
+    def times_taken(self) -> Sequence[Sequence[int]] | None:
+        """How many valid rows take each value of each variable, `ABSENT` last; None where that cannot be known."""
+        if self.diagram is None:
+            return self.entangled.times_taken()
+        return None if self.expanded is None else occurrences(self.expanded)
+
+    def nothing(self) -> DseError:
+        """The problem that no row is valid."""
+        hint = f"ask which constraints conflict: dse space conflict {self.flat.name}"
+        return fail(f"'{self.flat.name}' has no valid configuration", None, hint)
+
+    @cached_property
+    def _is_hopeless(self) -> bool:
+        """Whether a bound proves that no row is valid, before anything is spent on it."""
+        if self.diagram is None:
+            return False
+        from dse.space.methods.sampling.tilt import EmptyError, tilt
+
+        try:
+            tilt(self.diagram)
+        except EmptyError:
+            return True
+        return False
+
+    def _undecided(self) -> DseError:
+        hint = "fix some of the choices"
+        return fail(f"whether '{self.flat.name}' has a valid configuration takes too long to find out", None, hint)

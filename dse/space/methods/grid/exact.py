@@ -1,0 +1,39 @@
+"""The exact number of rows that meet all rules, sums included: grids of partial sums on the nodes of a diagram.
+
+Ways to each partial sum are carried from the root and from the terminal to a level between, where the halves meet
+(Horowitz and Sahni 1974, for a sum; here for several, on every node). All arithmetic is exact.
+"""
+
+from __future__ import annotations
+
+from dse.space.methods.grid.meeting import pairs, summed
+from dse.space.methods.grid.split import Counting, caps, counting, execute, split
+from dse.space.methods.mdd.diagram import Diagram, count
+
+MOST_MEMORY = 4e9
+"""Bytes."""
+
+MOST_WORK = 5e10
+"""Additions of a cell; some twenty seconds."""
+
+
+def exact_count(diagram: Diagram, most_memory: float = MOST_MEMORY, most_work: float = MOST_WORK) -> int:
+    """How many rows of *diagram* meet the Linear rules as well.
+
+    TooMuchError, before anything is spent, if that is estimated to take more bytes or additions, or if there are
+    Wide rules that the layers do not contain.
+    """
+    problem = counting(diagram)
+    if not isinstance(problem, Counting):
+        return count(problem)
+    found = split(problem, most_memory, most_work)
+    before, after = (
+        execute(sweep, chosen, known).grids
+        for sweep, chosen, known in zip(found.sweeps, found.executions, caps(problem, found), strict=True)
+    )
+    own, other, paths = problem.ahead(found.cut), problem.behind(found.cut), found.sweeps[1].paths[-1]
+    total = 0
+    for node in before.keys() & after.keys():
+        ways = summed(after[node].digits, other, int(paths[node]))
+        total += pairs(problem.sums, before[node].digits, own, ways, other)
+    return total

@@ -1,0 +1,125 @@
+"""The Pareto set of a space over sums: every vector of objectives that no valid row improves on.
+
+What is not dominated by the points found so far is a union of boxes below their local upper bounds. The best row
+of a box under a positive combination of the objectives is a new point; a box without a row is done with (Klamroth,
+Lacour and Vanderpooten, On the representation of the search region in multi-objective optimization, 2015).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from dse.errors import fail
+from dse.space.flat import Rows
+from dse.space.methods.budget import TooMuchError
+from dse.space.methods.listing.walk import Rounds
+from dse.space.methods.mdd.diagram import Diagram
+from dse.space.methods.optimum.optimizer import Optimizer, Ranking, Weights, sums
+
+MOST_POINTS = 2_000
+
+MOST_ROUNDS = 10_000
+"""About a minute."""
+
+_LARGEST = 1 << 58
+"""What an objective may come to when it is put together with others."""
+
+Point = tuple[int, ...]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Front:
+    """The Pareto set, best of the first objective first: of each point its first row; shape (points, variables)."""
+
+    rows: Rows
+    values: tuple[Point, ...]
+
+
+def pareto(
+    diagram: Diagram,
+    objectives: Sequence[Weights],
+    largest: Sequence[bool] | None = None,
+    most_points: int = MOST_POINTS,
+    most_rounds: int = MOST_ROUNDS,
+) -> Front:
+    """The complete Pareto set of the valid rows over sums of weights, least of each or *largest* where that is true.
+
+    Raises DseError if there are more than *most_points*, if the search takes more than *most_rounds* pieces of work
+    (see `Rounds`), and if the weights are too large for 64 bits.
+    """
+    signs = [-1 if most else 1 for most in largest or [False] * len(objectives)]
+    aims = [{v: sign * w for v, w in weights.items()} for sign, weights in zip(signs, objectives, strict=True)]
+    found: dict[Point, Rows] = {}
+    if not diagram.empty and aims:
+        optimizer = Optimizer(diagram, aims)
+        ends = [optimizer.ends(number) for number in range(len(aims))]
+        factors = _alike(aims, [high - low for low, high in ends])
+        boxes = [tuple(high + 1 for _, high in ends)]
+        rounds = Rounds(most_rounds)
+
+        def best(factors: Sequence[int], highs: Sequence[int] | None) -> Ranking:
+            try:
+                return optimizer.best(factors, 1, highs, rounds)
+            except TooMuchError as error:
+                hint = "fewer objectives, coarser properties or tighter constraints need less"
+                raise fail(f"the Pareto set takes too long: {len(found)} points so far", None, hint) from error
+
+        # Boxes that begin below what can be reached at all are the hardest to search, and need no search.
+        alone = [best([int(n == other) for other in range(len(aims))], None).values for n in range(len(aims))]
+        if not all(alone):
+            boxes = []
+        ideal = [int(values[0]) for values in alone if values]
+        while boxes:
+            # The largest first: deterministic, and its point splits most.
+            box = boxes[-1]
+            ranking = best(factors, [bound - 1 for bound in box])
+            if not len(ranking.rows):
+                boxes.remove(box)
+                continue
+            point = tuple(int(sums(aim, ranking.rows)[0]) for aim in aims)
+            if len(found) == most_points:
+                raise fail(
+                    f"more than {most_points} configurations are Pareto-optimal",
+                    hint="fewer objectives, coarser properties or tighter constraints make fewer",
+                )
+            found[point] = ranking.rows[0]
+            boxes = [box for box in _split(boxes, point) if _below(ideal, box)]
+    points = sorted(found)
+    rows = np.array([found[point] for point in points], np.int16).reshape(len(points), len(diagram.order))
+    values = tuple(tuple(sign * value for sign, value in zip(signs, point, strict=True)) for point in points)
+    return Front(rows, values)
+
+
+def _alike(aims: Sequence[Weights], ranges: Sequence[int]) -> list[int]:
+    """Positive whole factors that make the ranges of the objectives alike."""
+    widest = max(ranges)
+    factors = []
+    for aim, span in zip(aims, ranges, strict=True):
+        room = _LARGEST // max(sum(int(np.abs(weights).max()) for weights in aim.values()), 1)
+        factors.append(max(min(widest // span if span else 1, room // len(aims)), 1))
+    return factors
+
+
+def _split(boxes: Sequence[Point], point: Point) -> list[Point]:
+    """Upper corners of the boxes that are left when what *point* dominates is taken away, ascending."""
+    left = {box for box in boxes if not _below(point, box)}
+    cut = {
+        (*box[:axis], value, *box[axis + 1 :])
+        for box in boxes
+        if _below(point, box)
+        for axis, value in enumerate(point)
+    }
+    every = left | cut
+    return sorted(
+        box
+        for box in every
+        if box not in cut
+        or not any(other != box and all(a <= b for a, b in zip(box, other, strict=True)) for other in every)
+    )
+
+
+def _below(point: Sequence[int], box: Point) -> bool:
+    return all(value < bound for value, bound in zip(point, box, strict=True))

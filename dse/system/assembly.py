@@ -1,0 +1,203 @@
+"""A configuration's parts, their wiring and their FMUs → a system that can be simulated."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterator, Mapping, Set
+from dataclasses import dataclass, field
+
+from dse.domain.component import Causality, Component, Kind, Parameter, Port, Type, Value, as_number, same_signal
+from dse.domain.design import Connection
+from dse.domain.fmu import FmuModel, Variable
+from dse.domain.system import Conversion, Element, SystemStructure, Wire
+from dse.errors import DseError, Location, Problem, raise_if_any
+from dse.system.binding import IDENTITY, Binding, bind
+from dse.system.order import along_the_flow
+from dse.system.shapes import resized
+
+
+@dataclass(frozen=True, slots=True)
+class WiredParts:
+    """Components by where they stand, what connects them, and what they are given.
+
+    *connections* join single ports (``sensor.target.gap -> controller.target.gap``): an output that is there to an
+    input that is there, one to each, as `dse.space.wiring.wire` gives them. *values* are those of parameters and
+    unconnected inputs, as ``part.port``; *where* is the bench that may give them.
+    """
+
+    parts: Mapping[str, Component]
+    connections: tuple[Connection, ...] = ()
+    values: Mapping[str, Value] = field(default_factory=dict)
+    where: Location | None = None
+
+    @property
+    def connected(self) -> frozenset[str]:
+        """The inputs that are connected."""
+        return frozenset(connection.target for connection in self.connections)
+
+    @property
+    def ports(self) -> dict[str, tuple[str, Port]]:
+        """Every port, with the part that has it, by ``part.port``."""
+        return {f"{part}.{p.name}": (part, p) for part, c in self.parts.items() for p in c.interface.ports}
+
+
+def assemble(name: str, wired: WiredParts, models: Mapping[str, FmuModel], outputs: Collection[str]) -> SystemStructure:
+    """Connect the FMUs of the parts; *models* holds that of each component by its name.
+
+    *outputs* names the output ports that shall be readable besides those that are wired. Raises DseError with every
+    mismatch of unit, type, causality or FMU.
+    """
+    problems = list(wiring_problems(wired))
+    used = {end for connection in wired.connections for end in (connection.source, connection.target)} | set(outputs)
+    elements = {
+        part: _element(part, component, models[component.name], used, wired.values, problems)
+        for part, component in wired.parts.items()
+    }
+    raise_if_any(problems)
+    ports = wired.ports
+    wires = []
+    for connection in wired.connections:
+        ends = (ports[end] for end in (connection.source, connection.target))
+        (source, given), (target, taken) = ((part, wired.parts[part].variable(port.name)) for part, port in ends)
+        wires.append(Wire(source, given, target, taken))
+    return SystemStructure(name, tuple(elements[part] for part in along_the_flow(tuple(elements), wires)), tuple(wires))
+
+
+def wiring_problems(wired: WiredParts) -> Iterator[Problem]:
+    """Connections of what does not fit, and inputs without or with two sources of their values; needs no FMU."""
+    ports = wired.ports
+    sources = {connection.target: connection for connection in wired.connections}
+    for connection in wired.connections:
+        (part, source), (_, target) = ports[connection.source], ports[connection.target]
+        difference = same_signal(source.type, target.type)
+        if difference:
+            fitting = [
+                f"{part}.{port.name}"
+                for port in wired.parts[part].interface.ports
+                if port.causality is Causality.OUTPUT and not same_signal(port.type, target.type)
+            ]
+            hint = f"connect {' or '.join(fitting[:3])}" if fitting else "both ends must carry the same unit and type"
+            yield Problem(f"{connection}: {difference}", connection.where, hint)
+    for part, component in wired.parts.items():
+        ends = [f"{part}.{p.name}" for p in component.interface.ports if p.causality is Causality.INPUT]
+        loose = [end for end in ends if end not in sources and end not in wired.values]
+        if loose:
+            yield _loose(part, component, loose, wired.where)
+    for end in (end for end in wired.values if end in sources):
+        what = f"{end} is given a value and connected to {sources[end].source}"
+        yield Problem(what, sources[end].where, "remove one")
+
+
+def check_fmu(component: Component, model: FmuModel) -> None:
+    """Raise DseError unless *model* has all ports and parameters of *component*, of their types and units."""
+    problems: list[Problem] = []
+    _element(component.name, component, model, set(), {}, problems)
+    raise_if_any(problems)
+
+
+def _loose(part: str, component: Component, ends: list[str], where: Location | None) -> Problem:
+    hint = f"add a connection '… -> {ends[0]}' or a value under 'parameters' in the test bench"
+    if len(ends) == 1:
+        what = f"input {ends[0]} ({component.name}) is neither connected nor given a value"
+    else:
+        names = ", ".join(end.removeprefix(f"{part}.") for end in ends)
+        what = f"{len(ends)} inputs of {part} ({component.name}) are neither connected nor given a value: {names}"
+        hint = f"for each, {hint}"
+    return Problem(what, where or component.where, hint)
+
+
+def _element(
+    part: str,
+    component: Component,
+    model: FmuModel,
+    used: Set[str],
+    values: Mapping[str, Value],
+    problems: list[Problem],
+) -> Element:
+    try:
+        model = resized(model, _sizes(part, component, model, values))
+    except DseError as error:
+        problems += error.problems
+    element = _Gathered(component, model, problems)
+    for port in component.interface.ports:
+        end = f"{part}.{port.name}"
+        bound = element.bind(port.name, port.type, str(port.causality))
+        if bound is None:
+            continue
+        if end in used:
+            ends = element.outputs if port.causality is Causality.OUTPUT else element.inputs
+            ends[bound.variable.name] = bound.variable
+        elif end in values and port.causality is Causality.INPUT:
+            element.give(bound, port.type, values[end])
+    for parameter in component.parameters:
+        given = values.get(f"{part}.{parameter.name}", parameter.start)
+        if _is_built_in(component, parameter, model):
+            if given != parameter.start:
+                what = (
+                    f"'{parameter.name}' of {component.name} is {parameter.start} by the way it is built, not {given}"
+                )
+                problems.append(Problem(what, parameter.where or component.where, "change it in the component's file"))
+            continue
+        bound = element.bind(parameter.name, parameter.type, "parameter", "structuralParameter", "input")
+        if bound is not None:
+            element.give(bound, parameter.type, given)
+    inputs, outputs = tuple(element.inputs.values()), tuple(element.outputs.values())
+    return Element(part, model, inputs, outputs, element.start, element.texts, element.conversions)
+
+
+class _Gathered:
+    """What an element is made of, gathered port by port and parameter by parameter."""
+
+    def __init__(self, component: Component, model: FmuModel, problems: list[Problem]) -> None:
+        self._component, self._model, self._problems = component, model, problems
+        self.inputs: dict[str, Variable] = {}
+        self.outputs: dict[str, Variable] = {}
+        self.start: dict[str, float] = {}
+        self.texts: dict[str, str | bytes] = {}
+        self.conversions: dict[str, Conversion] = {}
+
+    def bind(self, name: str, type_: Type, *causalities: str) -> Binding | None:
+        """The value behind *name*, its conversion noted; None if there is a problem with it."""
+        try:
+            bound = bind(self._component, name, type_, self._model, causalities)
+        except DseError as error:
+            self._problems += error.problems
+            return None
+        if bound.conversion != IDENTITY:
+            known = self.conversions.setdefault(bound.variable.name, bound.conversion)
+            if known != bound.conversion:
+                what = (
+                    f"the values of '{bound.variable.name}' in the FMU of {self._component.name} have different items"
+                )
+                self._problems.append(Problem(what, self._component.where, "give their ports the same type"))
+        return bound
+
+    def give(self, bound: Binding, type_: Type, value: Value) -> None:
+        """Note the start *value*."""
+        if type_.kind is Kind.TEXT:
+            self.texts[bound.label] = str(value)
+            return
+        number = as_number(value, type_)
+        items = bound.variable.items
+        is_own = str(value) in bound.variable.start  # what the FMU begins with by itself is its own affair
+        if type_.kind is Kind.INTEGER and items and number not in items.values() and not is_own:
+            what = f"'{bound.label}' in the FMU of {self._component.name} cannot be {value}: it is an enumeration"
+            known = ", ".join(f"{item_number} ({item})" for item, item_number in items.items())
+            self._problems.append(Problem(what, self._component.where, f"its items: {known}"))
+        self.start[bound.label] = number
+
+
+def _sizes(part: str, component: Component, model: FmuModel, values: Mapping[str, Value]) -> dict[str, float]:
+    """The values of structural parameters that size arrays, by variable."""
+    found = {}
+    for parameter in component.parameters:
+        variable = model.variables.get(component.variable(parameter.name))
+        if variable is not None and variable.is_structural and parameter.type.kind is Kind.INTEGER:
+            found[variable.name] = float(values.get(f"{part}.{parameter.name}", parameter.start))
+    return found
+
+
+def _is_built_in(component: Component, parameter: Parameter, model: FmuModel) -> bool:
+    """Whether the parameter's value went into the FMU when it was built, as that of a structural one does."""
+    variable = model.variables.get(component.variable(parameter.name))
+    is_built = component.source is not None and not component.source.is_finished
+    return is_built and not parameter.tunable and variable is not None and variable.causality == "local"

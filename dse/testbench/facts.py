@@ -1,0 +1,116 @@
+"""What is known of the FMUs of a system: facts that were found before, kept in the cache by the FMUs' content."""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Mapping
+from dataclasses import asdict, fields
+from pathlib import Path
+from typing import Any
+
+from dse.cache import cache_folder, keep_file
+from dse.cosim.probing.probe import PROBE_VERSION
+from dse.domain.component import Component
+from dse.domain.facts import Answer, FmuFacts, Question
+from dse.domain.fmu import FmuModel
+from dse.domain.system import SystemStructure
+from dse.fmu.statics import shares_nothing
+from dse.fmu.toolchain.platforms import this_platform
+
+
+def known_facts(model: FmuModel, *, cache: Path | None = None) -> FmuFacts | None:
+    """What is known of *model* on this platform, simulated by its interface.
+
+    None if it was not probed by this version of the experiments.
+    """
+    file = _file(model.content_hash, this_platform().name, str(model.interface), cache)
+    try:
+        return _from_json(json.loads(file.read_text(encoding="utf-8")))
+    except (OSError, ValueError, TypeError, KeyError):
+        return None  # absent or not ours: to be found again
+
+
+def keep_facts(facts: FmuFacts, *, cache: Path | None = None) -> Path:
+    """Write *facts* where `known_facts` finds them. Raises DseError if the cache cannot be written."""
+    text = json.dumps(facts_as_data(facts), indent=1, sort_keys=True) + "\n"
+    return keep_file(_file(facts.content_hash, facts.platform, facts.interface, cache), text.encode())
+
+
+def facts_of(system: SystemStructure, *, cache: Path | None = None) -> dict[str, FmuFacts]:
+    """What is known of the elements of *system*, by their names."""
+    models = {_key(element.model): element.model for element in system.elements if element.model.content_hash}
+    known = {key: facts for key, model in models.items() if (facts := known_facts(model, cache=cache))}
+    return {e.name: known[_key(e.model)] for e in system.elements if _key(e.model) in known}
+
+
+def is_thread_safe(
+    system: SystemStructure,
+    facts: Mapping[str, FmuFacts],
+    parts: Mapping[str, Component],
+    *,
+    cache: Path | None = None,
+) -> bool:
+    """Whether *system* may be simulated several times at once in threads of one process.
+
+    Its FMUs were seen to bear it; or they are built from source here, without static variables, so that instances
+    share nothing, and nothing else was seen. *parts* are the components by element.
+    """
+    return all(_bears_threads(e.model, facts.get(e.name), parts.get(e.name), cache) for e in system.elements)
+
+
+def consequences(facts: FmuFacts) -> tuple[str, ...]:
+    """What dse does with an FMU of which this is known, in words."""
+    if facts.denies(Question.RUNS):
+        return ("cannot be simulated as it stands",)
+    said = []
+    if facts.denies(Question.RESETS):
+        said.append("is made anew before every run, never reset")
+    if facts.denies(Question.RENEWS):
+        said.append("has a process of its own for every run")
+    if facts.denies(Question.COEXISTS):
+        said.append("may stand in one place of a design only")
+    if facts.denies(Question.SAVES):
+        said.append("is refused by adaptive steps")
+    if facts.answer(Question.THREADS) is not Answer.YES:
+        said.append("is simulated in processes, not in threads")
+    if facts.most_instances is not None:
+        said.append(f"has its process renewed in time, as it died after {facts.instances} instances")
+    return tuple(said)
+
+
+def facts_as_data(facts: FmuFacts) -> dict[str, Any]:
+    """*facts* as JSON data; what was not measured is null."""
+    data = asdict(facts)
+    data |= {name: None for name, value in data.items() if isinstance(value, float) and math.isnan(value)}
+    words = {name: {str(question): str(text) for question, text in data[name].items()} for name in _BY_QUESTION}
+    return data | words
+
+
+_BY_QUESTION = ("answers", "reasons")
+
+
+def _from_json(data: Mapping[str, Any]) -> FmuFacts:
+    values = {f.name: data[f.name] for f in fields(FmuFacts)}
+    values |= {name: math.nan for name, value in values.items() if value is None}
+    values["answers"] = {q: Answer(data["answers"][q]) for q in Question if q in data["answers"]}
+    values["reasons"] = {q: str(data["reasons"][q]) for q in Question if q in data["reasons"]}
+    return FmuFacts(**values)
+
+
+def _key(model: FmuModel) -> tuple[str, str]:
+    return model.content_hash, str(model.interface)
+
+
+def _file(content: str, platform: str, interface: str, cache: Path | None) -> Path:
+    return cache_folder(cache) / "facts" / f"{content[:32]}-{interface}-{platform}-{PROBE_VERSION}.json"
+
+
+def _bears_threads(model: FmuModel, facts: FmuFacts | None, component: Component | None, cache: Path | None) -> bool:
+    if model.capabilities.once_per_process:
+        return False
+    if facts is not None and facts.answer(Question.THREADS) is not Answer.UNKNOWN:
+        limited = facts.denies(Question.RENEWS) or facts.denies(Question.LASTS)
+        return facts.answer(Question.THREADS) is Answer.YES and not limited
+    source = component.source if component is not None else None
+    return source is not None and not source.is_finished and shares_nothing(model, cache=cache)

@@ -1,0 +1,83 @@
+"""Simulate, measure, judge: one request → one run."""
+
+from __future__ import annotations
+
+from contextlib import AbstractContextManager
+
+import numpy as np
+from numpy.typing import NDArray
+
+from dse.cosim.simulator import RunFailed, Simulator
+from dse.domain.component import as_number
+from dse.domain.run import Outcome, Run, RunRequest, Waveforms
+from dse.metrics.program import judge_failed
+from dse.testbench.halved import Halved
+from dse.testbench.prepared import PreparedBench
+
+
+class Runner(AbstractContextManager["Runner"]):
+    """Runs one configuration again and again in this process, its FMUs loaded once."""
+
+    def __init__(self, prepared: PreparedBench, *, progress: memoryview | None = None) -> None:
+        self.prepared = prepared
+        self._simulator = Simulator(
+            prepared.system,
+            prepared.recording.variables,
+            method=prepared.simulation.method,
+            progress=progress,
+            facts=prepared.facts,
+            fused=prepared.fused,
+        )
+        simulation = prepared.simulation
+        self._time: NDArray[np.float64] = np.arange(simulation.steps + 1, dtype=np.float64) * simulation.step
+        self._halved = Halved(prepared, self._simulator, progress) if simulation.check_step else None
+        self._constants = prepared.constants
+        self._columns = prepared.recording.columns
+        self._kept = [self._columns.index(name) for name in prepared.recording.kept]
+
+    @property
+    def runs_left(self) -> int | None:
+        """How many more runs this process may make of the configuration; None for any number."""
+        left = self._simulator.runs_left
+        return left if left is None or self._halved is None else (left + 1) // 2
+
+    def run(self, request: RunRequest, *, keep: bool) -> Run:
+        """Simulate *request*; a run that fails is a result, not an exception. Waveforms come only with *keep*."""
+        prepared, simulation = self.prepared, self.prepared.simulation
+        start = {}
+        constants = dict(self._constants)
+        for name, value in request.point.items():
+            setting = prepared.settings[name]
+            start[setting.target] = constants[name] = as_number(value, setting.type)
+        try:
+            table = self._simulator.run(stop=simulation.stop, step=simulation.step, start=start)
+        except RunFailed as error:
+            return Run(request, Outcome.FAILED, {}, judge_failed(prepared.requirements), str(error))
+        rows = np.ascontiguousarray(table.T)
+        columns = dict(zip(self._columns, rows, strict=True))
+        metrics, judgements = prepared.program.evaluate(self._time, columns, constants)
+        problem = ""
+        if self._halved is not None:
+            bars, problem = self._halved.error_bars(metrics, constants, start)
+            metrics = {**metrics, **bars}
+        waveforms = self._waveforms(table) if keep else None
+        return Run(request, Outcome.DONE, metrics, judgements, problem, waveforms)
+
+    def close(self) -> None:
+        """Free the FMU instances."""
+        if self._halved is not None:
+            self._halved.close()
+        self._simulator.close()
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
+
+    def _waveforms(self, table: NDArray[np.float64]) -> Waveforms:
+        stride = self.prepared.simulation.stride
+        values = {self._columns[i]: np.ascontiguousarray(table[::stride, i]) for i in self._kept}
+        return Waveforms(np.ascontiguousarray(self._time[::stride]), values)
+
+
+def make_runner(prepared: PreparedBench, progress: memoryview | None) -> Runner:
+    """A runner for a worker process; importable by name, so that it can be sent there."""
+    return Runner(prepared, progress=progress)

@@ -1,0 +1,79 @@
+"""A configuration on its bench, as far as it can be told without an FMU."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from dse.domain.bench import TestBench
+from dse.domain.component import Causality, Component, Kind, Type, Value, as_number
+from dse.domain.design import Configuration, split_path
+from dse.space.configurations.wiring import architecture_outputs, wire
+from dse.system.assembly import WiredParts
+from dse.testbench.prepared import Setting
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class WiredBench(WiredParts):
+    """All components on a bench, every connection between single ports; *faces*: what `architecture_outputs` gives."""
+
+    bench: TestBench
+    configuration: Configuration
+    faces: Mapping[str, str]
+
+    @property
+    def signals(self) -> dict[str, Type]:
+        """The waveforms a metric may use: outputs of components, and of the architectures before them."""
+        found = {end: port.type for end, (_, port) in self.ports.items() if port.causality is Causality.OUTPUT}
+        return found | {face: found[source] for face, source in self.faces.items()}
+
+    @property
+    def types(self) -> dict[str, Type]:
+        """Every name a metric may use: the signals, and what keeps one value for a run."""
+        connected = self.connected
+        loose = {end: port.type for end, (_, port) in self.ports.items() if end not in connected}
+        return loose | {name: setting.type for name, setting in self.settings.items()} | self.signals
+
+    @property
+    def settings(self) -> dict[str, Setting]:
+        """What a run may be given, by ``part.parameter`` or the port of an input that the bench gives a value."""
+        values, connected = self.values, self.connected
+        found: dict[str, Setting] = {}
+        for path, component in self.parts.items():
+            starts = {p.name: (p.type, p.start) for p in component.parameters if p.type.kind is not Kind.TEXT}
+            for port in component.interface.ports:
+                name = f"{path}.{port.name}"
+                if port.causality is Causality.INPUT and name not in connected and name in values:
+                    starts[port.name] = port.type, values[name]
+            for own, (type_, start) in starts.items():
+                name = f"{path}.{own}"
+                value = as_number(values.get(name, start), type_)
+                found[name] = Setting(f"{path}.{component.variable(own)}", type_, value)
+        return found
+
+
+def wire_bench(bench: TestBench, configuration: Configuration) -> WiredBench:
+    """*configuration* on *bench*. Raises DseError if they cannot be connected."""
+    test_parts = {part.name: part.component for part in bench.test_components}
+    interfaces = {name: component.interface for name, component in test_parts.items()}
+    connections = wire(bench.design, configuration.choices, interfaces, bench.connections)
+    parts = {**configuration.parts, **test_parts}
+    return WiredBench(
+        parts=parts,
+        connections=connections,
+        values=_values(bench, parts),
+        where=bench.where,
+        bench=bench,
+        configuration=configuration,
+        faces=architecture_outputs(bench.design, configuration.choices),
+    )
+
+
+def _values(bench: TestBench, parts: Mapping[str, Component]) -> dict[str, Value]:
+    """The bench's parameter values that apply to *parts*: what an alternative does not have, it is not given."""
+    values = {f"{p.name}.{name}": value for p in bench.test_components for name, value in p.parameters.items()}
+    for name, value in bench.parameters.items():
+        split = split_path(name, parts)
+        if split and (parts[split[0]].parameter(split[1]) or parts[split[0]].interface.port(split[1])):
+            values[name] = value
+    return values
