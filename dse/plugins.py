@@ -13,27 +13,38 @@ if TYPE_CHECKING:
     from dse.domain.component import Component, CSource, Source
     from dse.domain.sampler import Brief, Candidate, DesignVariable, Outcomes
     from dse.errors import DseError, Location, Problem, fail
-    from dse.exploration.once_sampler import OnceSampler, scaled
-    from dse.exploration.remote import Carried, carry_out, hand_over, parcel
-    from dse.exploration.work import Batch, Sink, Work
-    from dse.kinds import ComponentKind, SourcePlace, SourceSection, build_generated
-    from dse.loading.extensions import ExecutorSection, SamplerSection, Surroundings
-    from dse.metrics.catalogue import Argument, Wants, metric_function, same
-    from dse.report.charts.chart import Axis, Band, Bars, Chart, Line, Points, Rule, Steps
-    from dse.report.content.nouns import ReportContent
+    from dse.exploration import Batch, Carried, OnceSampler, Sink, Work, carry_out, hand_over, parcel, scaled
+    from dse.kinds import build_generated
+    from dse.loading import ComponentKind, ExecutorSection, SamplerSection, SourcePlace, SourceSection, Surroundings
+    from dse.metrics import Argument, Wants, metric_function, same
+    from dse.report import Axis, Band, Bars, Chart, Line, Points, ReportContent, Rule, Steps
 
 _PLACES = {
     "dse.domain.component": ("CSource", "Component", "Source"),
     "dse.domain.sampler": ("Brief", "Candidate", "DesignVariable", "Outcomes"),
     "dse.errors": ("DseError", "Location", "Problem", "fail"),
-    "dse.exploration.work": ("Batch", "Sink", "Work"),
-    "dse.exploration.remote": ("Carried", "carry_out", "hand_over", "parcel"),
-    "dse.exploration.once_sampler": ("OnceSampler", "scaled"),
-    "dse.kinds": ("ComponentKind", "SourcePlace", "SourceSection", "build_generated"),
-    "dse.loading.extensions": ("ExecutorSection", "SamplerSection", "Surroundings"),
-    "dse.metrics.catalogue": ("Argument", "Wants", "metric_function", "same"),
-    "dse.report.charts.chart": ("Axis", "Band", "Bars", "Chart", "Line", "Points", "Rule", "Steps"),
-    "dse.report.content.nouns": ("ReportContent",),
+    "dse.exploration": (
+        "Batch",
+        "Carried",
+        "OnceSampler",
+        "Sink",
+        "Work",
+        "carry_out",
+        "hand_over",
+        "parcel",
+        "scaled",
+    ),
+    "dse.kinds": ("build_generated",),
+    "dse.loading": (
+        "ComponentKind",
+        "ExecutorSection",
+        "SamplerSection",
+        "SourcePlace",
+        "SourceSection",
+        "Surroundings",
+    ),
+    "dse.metrics": ("Argument", "Wants", "metric_function", "same"),
+    "dse.report": ("Axis", "Band", "Bars", "Chart", "Line", "Points", "ReportContent", "Rule", "Steps"),
 }
 _HOMES = {name: module for module, names in _PLACES.items() for name in names}
 

@@ -12,8 +12,8 @@ if TYPE_CHECKING:
 
     from dse.domain.design import DesignSpace
     from dse.domain.expression import Expression
-    from dse.loading.workspace import Workspace
-    from dse.space.opened import OpenedSpace
+    from dse.loading import Workspace
+    from dse.space import OpenedSpace
 
 _NO_YAML = {
     ".fmu": ("an FMU", "'dse import fmu {0}' makes a component of it; 'dse probe {0}' finds out what it does"),
@@ -26,7 +26,7 @@ def workspace_of(name: str) -> Workspace:
 
     Raises DseError, also for the name of a file that is no workspace's.
     """
-    from dse.loading.workspace import Workspace
+    from dse.loading import Workspace
 
     path = Path(name)
     if path.suffix.lower() in _NO_YAML:
@@ -42,9 +42,8 @@ def space_of(
 
     It is looked for in *workspace*, else in that of `workspace_of`. Raises DseError with all problems.
     """
-    from dse.loading.uvl.reading import read_uvl
-    from dse.space.check import check_space
-    from dse.space.narrowing.constraint_sets import switched
+    from dse.loading import read_uvl
+    from dse.space import check_space, switched
 
     path = Path(design)
     space = read_uvl(path) if path.suffix.lower() == ".uvl" else (workspace or workspace_of(design)).design(design)
@@ -62,13 +61,13 @@ def opened(
     off: Collection[str] = (),
 ) -> OpenedSpace:
     """The design space of `space_of`, opened for questions about a part of it. Raises DseError with all problems."""
-    from dse.space.opened import open_space
+    from dse.space import open_space
 
     return open_space(space_of(design), choose, condition_of(where), on, off)
 
 
 def condition_of(text: str | None) -> Expression | None:
     """The condition of ``--where``; its problems are located in the text of the option. Raises DseError."""
-    from dse.expression.parse import parse_expression
+    from dse.expression import parse_expression
 
     return None if text is None else parse_expression(text, Location("--where", 1, 1))

@@ -6,12 +6,12 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from dse.domain.run import Run
-from dse.exploration.supervision.single_run import simulate_alone
-from dse.storage.rows import Measures
-from dse.testbench.runner import make_runner
+from dse.exploration import simulate_alone
+from dse.storage import Measures
+from dse.testbench import make_runner
 
 if TYPE_CHECKING:
-    from dse.interchange.prepared import PreparedPackage
+    from dse.interchange import PreparedPackage
 
 
 def simulate_package(package: PreparedPackage) -> Run:

@@ -6,13 +6,10 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from dse.cosim.probing.child import ProbeLimits
-from dse.cosim.probing.probe import probe
-from dse.fmu.building import build
-from dse.fmu.toolchain.platforms import this_platform
-from dse.fmu.unpack import open_fmu
-from dse.loading.workspace import Workspace
-from dse.testbench.facts import consequences, facts_as_data, keep_facts, known_facts
+from dse.cosim import ProbeLimits, probe
+from dse.fmu import build, open_fmu, this_platform
+from dse.loading import Workspace
+from dse.testbench import consequences, facts_as_data, keep_facts, known_facts
 
 if TYPE_CHECKING:
     from dse.domain.facts import FmuFacts, Question

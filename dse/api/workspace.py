@@ -10,7 +10,7 @@ from dse.api.naming import space_of
 from dse.api.showing.html import table
 from dse.api.spaces.design import Design
 from dse.api.studies.bench import Bench, Study
-from dse.loading.workspace import Workspace as Files
+from dse.loading import Workspace as Files
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 _STUDY = ".pet.yaml"
 
 
-def open_workspace(path: str | Path = ".") -> Workspace:
+def open(path: str | Path = ".") -> Workspace:  # noqa: A001  # dse.open(".") reads as it should
     """The workspace *path* lies in: the nearest folder upwards that holds ``components/``.
 
     Nothing is read before it is asked for. Raises DseError if there is none.
@@ -46,7 +46,7 @@ class Workspace:
 
     def check(self) -> tuple[Problem, ...]:
         """All that is wrong with the files, as they are now; empty if nothing is. See ``dse check``."""
-        from dse.testbench.check import check_workspace
+        from dse.testbench import check_workspace
 
         return tuple(check_workspace(Files(self.root))[0])
 

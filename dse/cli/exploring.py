@@ -11,18 +11,15 @@ from dse.cli.app import DONE, INTERRUPTED, RUNS_FAILED
 from dse.cli.terminal import console, plain, plain_table, print_table, say
 
 if TYPE_CHECKING:
-    from dse.api.studies.exploring import Explored, ExploreOptions, Progress
-    from dse.api.studies.results import Results, Summary
+    from dse.api import Explored, ExploreOptions, Progress, Results, Summary
     from dse.domain.study import Study
 
 _MOST_PROBLEMS = 5
 
 
-def explore_into(study: Study, folder: Path, options: ExploreOptions, *, gate: bool) -> None:
+def explore_and_show(study: Study, folder: Path, options: ExploreOptions, *, gate: bool) -> None:
     """Explore *study* into *folder* with a progress bar, say what came of it, and exit as it deserves."""
-    from dse.api.showing.progress import progress_bar
-    from dse.api.studies import exploring
-    from dse.api.studies.results import Results
+    from dse.api import ExplorationInterruptedError, Results, explore_into, progress_bar
 
     screen = console(stderr=True)
     try:
@@ -32,8 +29,8 @@ def explore_into(study: Study, folder: Path, options: ExploreOptions, *, gate: b
                 status.stop()
                 show(progress)
 
-            explored = exploring.explore_into(study, folder, options, on_progress=advance, tell=status.update)
-    except exploring.ExplorationInterruptedError as stop:
+            explored = explore_into(study, folder, options, on_progress=advance, tell=status.update)
+    except ExplorationInterruptedError as stop:
         say(f"{folder}: {stop}", stderr=True)
         raise typer.Exit(INTERRUPTED) from None
     results = Results(folder, explored)
@@ -45,7 +42,7 @@ def explore_into(study: Study, folder: Path, options: ExploreOptions, *, gate: b
 
 def _say(results: Results, summary: Summary, explored: Explored) -> None:
 
-    from dse.api.showing.described import requirement_labels
+    from dse.api import requirement_labels
 
     screen, folder = console(), results.folder
     what = f"{summary.finished} runs, {explored.new} of them new"

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from dse.domain.method import Method
-    from dse.interchange.prepared import PreparedPackage
+    from dse.interchange import PreparedPackage
 
     Columns = Mapping[str, NDArray[np.float64]]
 
@@ -61,8 +61,8 @@ def waveform_file(path: Path | None) -> Path | None:
 
 def simulate_package(path: Path, wishes: Wishes, target: Path | None, output: Output) -> None:
     """Simulate the package once, show or write its waveforms, and exit as it deserves."""
-    from dse.api.packages import simulate_package as simulated
-    from dse.interchange.prepared import prepare_ssp
+    from dse.api import simulate_package as simulated
+    from dse.interchange import prepare_ssp
 
     with console(stderr=True).status("opening FMUs"):
         prepared = prepare_ssp(

@@ -11,7 +11,7 @@ from dse.cli.terminal import plain_table, print_json, print_table, say
 if TYPE_CHECKING:
     from rich.table import Table
 
-    from dse.api.studies.run import Run
+    from dse.api import Run
     from dse.domain import run as nouns
     from dse.domain.definition import StudyDefinition
 
@@ -27,7 +27,7 @@ def present_run(run: Run, output: Output, plot: Path | None) -> None:
     if plot is not None and not run.has_waveforms:
         say(f"{plot}: not drawn, the run has no waveforms", stderr=True)
     elif plot is not None:
-        from dse.report.figures.waveforms import draw_run
+        from dse.report import draw_run
 
         draw_run(run.noun, run.definition, plot)
         say(f"figures: {plot}")
@@ -37,7 +37,7 @@ def metric_table(run: nouns.Run, definition: StudyDefinition) -> Table:
     """Every metric in its unit, with its error bar if it was checked, and the requirements if there are any."""
     from rich.text import Text
 
-    from dse.api.showing.described import metric_rows
+    from dse.api import metric_rows
 
     judged = bool(definition.requirements)
     more = ("requirement", "bound", "margin", "verdict") if judged else ()

@@ -5,13 +5,13 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from dse.cli.terminal import say
-from dse.space.methods.tally import significant
+from dse.space import significant
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
     from dse.domain.design import Constraint
-    from dse.space.methods.tally import Tally
+    from dse.space import Tally
 
 _READABLE = 10**12
 """Numbers from here on are shown in short, too."""

@@ -14,7 +14,7 @@ from dse.domain.sampler import Brief, Candidate, Point
 from dse.domain.study import Study
 from dse.errors import DseError, Location, fail
 from dse.exploration.once_sampler import require_few
-from dse.storage.folder import StudyFolder
+from dse.storage import StudyFolder
 
 _MOST_IDLE_ASKS = 100
 

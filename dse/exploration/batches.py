@@ -12,8 +12,7 @@ from itertools import groupby
 
 from dse.domain.run import RunRequest
 from dse.exploration.work import Batch
-from dse.storage.database.asks import Asks
-from dse.storage.waveforms import waveform_file
+from dse.storage import Asks, waveform_file
 
 
 @dataclass(frozen=True, slots=True)

@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from dse.domain.sampler import Grid
 from dse.domain.study import Study
-from dse.storage.database.table import RunTable
+from dse.storage import RunTable
 
 
 def near_boundary(study: Study, table: RunTable, grid: Grid | None) -> frozenset[int]:

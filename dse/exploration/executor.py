@@ -8,7 +8,7 @@ from typing import ClassVar, Protocol, cast
 
 from dse.domain.study import ExecutorChoice
 from dse.exploration.work import Batch, Sink, Work
-from dse.loading.extensions import EXECUTORS
+from dse.loading import EXECUTORS
 
 
 class Pool(Protocol):

@@ -7,7 +7,7 @@ from pathlib import Path
 
 from dse.domain.run import Outcome, Run, RunRequest
 from dse.errors import DseError
-from dse.storage.rows import Measures
+from dse.storage import Measures
 
 
 def failed_run(request: RunRequest, problem: str) -> Run:

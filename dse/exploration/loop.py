@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Mapping, Sequence
-from collections.abc import Set as AbstractSet
+from collections.abc import Callable, Mapping, Sequence, Set as AbstractSet
 from dataclasses import dataclass
 
 import numpy as np
@@ -16,9 +15,8 @@ from dse.exploration.boundary import near_boundary
 from dse.exploration.executor import Executor
 from dse.exploration.progress import Meter, Progress, Stage
 from dse.exploration.work import Batch, MakeRunner, Runnable, Work
-from dse.storage.folder import StudyFolder
-from dse.storage.rows import RowBlock
-from dse.testbench.runner import make_runner
+from dse.storage import RowBlock, StudyFolder
+from dse.testbench import make_runner
 
 _TELL_EVERY = 0.1
 

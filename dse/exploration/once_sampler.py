@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, ClassVar
 
 from dse.domain.sampler import Brief, DesignVariable, Grid, Once, Point, Search
 from dse.errors import Location, fail
-from dse.loading.extensions import SamplerSection
+from dse.loading import SamplerSection
 
 if TYPE_CHECKING:
     import numpy as np

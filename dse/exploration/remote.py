@@ -19,8 +19,7 @@ from dse.domain.run import Run, RunRequest, Waveforms
 from dse.errors import FreshProcessNeeded, Problem, fail
 from dse.exploration.failures import checked_run, failed_run, in_words
 from dse.exploration.work import PROGRESS_BYTES, Batch, MakeRunner, Runnable, Runner, Sink, Work
-from dse.storage.rows import Measures, RowBlock, block_of
-from dse.storage.waveforms import write_waveforms
+from dse.storage import Measures, RowBlock, block_of, write_waveforms
 
 
 @dataclass(frozen=True, slots=True)

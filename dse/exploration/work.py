@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
-from collections.abc import Set as AbstractSet
+from collections.abc import Callable, Mapping, Set as AbstractSet
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, Protocol
 
 from dse.domain.run import Run, RunRequest
-from dse.storage.rows import Measures, RowBlock
+from dse.storage import Measures, RowBlock
 
 PROGRESS_BYTES = 64
 """Size of the block that a simulation notes in where it is."""

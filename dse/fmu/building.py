@@ -8,7 +8,7 @@ from pathlib import Path
 from dse.domain.component import Component
 from dse.errors import fail
 from dse.fmu.parallel import in_parallel
-from dse.loading.component.kind import KINDS, kind_of
+from dse.loading import KINDS, kind_of
 
 
 def build(component: Component, *, version: int = 2, cache: Path | None = None) -> Path:

@@ -12,8 +12,7 @@ from dse.fmu.reading.build_description import has_recipe
 from dse.fmu.reading.description import Description, read_description
 from dse.fmu.source_build import build_from_sources
 from dse.fmu.toolchain.platforms import this_platform
-from dse.formats.yaml import shown
-from dse.formats.zipped import digest_of, unpack_zip
+from dse.formats import digest_of, shown, unpack_zip
 
 
 def open_fmu(archive: Path, *, cache: Path | None = None, interface: FmiInterface | None = None) -> FmuModel:

@@ -6,7 +6,7 @@ import re
 from collections.abc import Callable, Collection, Iterable
 from itertools import count
 
-from dse.expression.tokens import KEYWORDS
+from dse.expression import KEYWORDS
 
 _TAKEN = frozenset({"absent", "present", "bonds"})
 

@@ -7,24 +7,21 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from dse.cache import cache_folder
-from dse.cosim.feasibility import require_kernel
+from dse.cosim import require_kernel
 from dse.domain.bench import Simulation
 from dse.domain.design import Configuration
 from dse.domain.fmu import FmiInterface, FmuModel
 from dse.domain.method import PLAIN, Method
 from dse.domain.run import Waveforms
 from dse.errors import DseError, Location, Problem, fail
-from dse.fmu.parallel import in_parallel
-from dse.fmu.unpack import open_fmu
-from dse.formats.yaml import shown
+from dse.fmu import in_parallel, open_fmu
+from dse.formats import shown
 from dse.interchange.reading.open import open_ssp
 from dse.interchange.resolving.network import Models
 from dse.interchange.resolving.resolve import ResolvedSystem, system_of
 from dse.interchange.structure import ExperimentSettings, SspComponent, SspSystem
-from dse.metrics.program import compile_metrics
-from dse.testbench.prepare import with_facts
-from dse.testbench.prepared import PreparedBench, Recording
-from dse.testbench.timing import is_multiple
+from dse.metrics import compile_metrics
+from dse.testbench import PreparedBench, Recording, is_multiple, with_facts
 
 _STEPS = 1000
 """Steps of an experiment for which nobody says how long they are."""

@@ -23,7 +23,7 @@ def build_generated(
     code is sampled. What is built so can be fused. The files are kept in the folder *cache*. Raises DseError.
     """
     from dse.cache import cache_folder, content_key, keep_folder
-    from dse.fmu.c.build import build_c
+    from dse.fmu import build_c
 
     contents = {name: text.encode() for name, text in sorted(files.items())}
 

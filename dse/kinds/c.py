@@ -6,9 +6,7 @@ from pathlib import Path
 
 from dse.domain.component import Component, CSource
 from dse.errors import Location, fail
-from dse.loading.component.kind import ComponentKind, SourcePlace, SourceSection
-from dse.loading.names import is_identifier
-from dse.loading.sections import Plain
+from dse.loading import ComponentKind, Plain, SourcePlace, SourceSection, is_identifier
 
 
 class CSection(SourceSection):
@@ -50,7 +48,7 @@ class CKind(ComponentKind[CSection, CSource]):
 
     def build(self, component: Component, source: CSource, *, version: int, cache: Path | None) -> Path:
         """The FMU, with its sources inside. Raises DseError: the C does not compile, or lacks a port."""
-        from dse.fmu.c.build import build_c
+        from dse.fmu import build_c
 
         return build_c(component, source, version=version, cache=cache)
 

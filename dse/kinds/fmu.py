@@ -7,8 +7,8 @@ from pathlib import Path
 
 from dse.domain.component import Component, Source
 from dse.errors import fail
-from dse.formats.yaml import shown
-from dse.loading.component.kind import ComponentKind, SourcePlace, SourceSection
+from dse.formats import shown
+from dse.loading import ComponentKind, SourcePlace, SourceSection
 
 
 class FmuSection(SourceSection):
@@ -48,8 +48,8 @@ class FmuKind(ComponentKind[FmuSection, FmuSource]):
 
     def check(self, component: Component, source: FmuSource) -> None:
         """Raise DseError unless the FMU opens and has the component's ports and parameters."""
-        from dse.fmu.unpack import open_fmu
-        from dse.system.assembly import check_fmu
+        from dse.fmu import open_fmu
+        from dse.system import check_fmu
 
         check_fmu(component, open_fmu(source.file))
 

@@ -9,10 +9,8 @@ from typing import TYPE_CHECKING, TypeVar
 
 from dse.domain.component import Component, ModelicaCompiler, ModelicaSource, Solver
 from dse.errors import Location, closest, fail
-from dse.formats.yaml import shown
-from dse.loading.component.kind import ComponentKind, SourcePlace, SourceSection
-from dse.loading.paths import is_file
-from dse.loading.sections import Plain
+from dse.formats import shown
+from dse.loading import ComponentKind, Plain, SourcePlace, SourceSection, is_file
 
 if TYPE_CHECKING:
     from dse.domain.diagram import Diagram
@@ -62,19 +60,19 @@ class ModelicaKind(ComponentKind[ModelicaSection, ModelicaSource]):
 
     def build(self, component: Component, source: ModelicaSource, *, version: int, cache: Path | None) -> Path:
         """The FMU. Raises DseError with what neither dse nor OpenModelica can translate."""
-        from dse.modelica.build import build_modelica
+        from dse.modelica import build_modelica
 
         return build_modelica(component, source, version, cache)
 
     def check(self, component: Component, source: ModelicaSource) -> None:
         """Raise DseError with all that is wrong with the model; needs no C compiler."""
-        from dse.modelica.build import check_modelica
+        from dse.modelica import check_modelica
 
         check_modelica(component, source)
 
     def diagram(self, component: Component, source: ModelicaSource) -> Diagram:
         """The model's parts and connections."""
-        from dse.modelica.diagram import read_diagram
+        from dse.modelica import read_diagram
 
         return read_diagram(component, source)
 

@@ -11,7 +11,7 @@ from pydantic import ValidationError
 
 from dse.domain.sampler import DesignVariable
 from dse.errors import Location, closest, fail
-from dse.formats.yaml import Entry
+from dse.formats import Entry
 from dse.loading.sections import Section, read_section
 from dse.registry import Registry
 

@@ -7,8 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from dse.errors import DseError, Location, Problem, Problems, fail, raise_if_any
-from dse.formats.kept import read_kept
-from dse.formats.yaml import Document, Entry, KeyPath, Mark, shown
+from dse.formats import Document, Entry, KeyPath, Mark, read_kept, shown
 from dse.loading.paths import named_file
 
 _DEEPEST = 20

@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 
 from dse.errors import Location, Problem
-from dse.expression.tokens import KEYWORDS
+from dse.expression import KEYWORDS
 
 _C = """
 auto bool break case char const continue default do double else enum extern false float for goto if inline int long

@@ -8,7 +8,7 @@ from typing import Annotated, Any, ClassVar, TypeVar
 from pydantic import BaseModel, BeforeValidator, ConfigDict, ValidationError
 
 from dse.errors import DseError, Problem, closest
-from dse.formats.yaml import Entry, KeyPath
+from dse.formats import Entry, KeyPath
 
 
 class Section(BaseModel):

@@ -7,7 +7,7 @@ from fractions import Fraction
 
 from dse.domain.component import Kind, Type, Value
 from dse.errors import Location, closest, fail
-from dse.expression.tokens import KEYWORDS
+from dse.expression import KEYWORDS
 from dse.units import (
     DIMENSIONLESS,
     LARGEST,

@@ -10,8 +10,7 @@ from typing import TYPE_CHECKING
 
 from dse.domain.component import Component, Interface
 from dse.errors import Location, Problems, closest, fail, raise_if_any
-from dse.formats.kept import remember
-from dse.formats.yaml import shown
+from dse.formats import remember, shown
 from dse.loading.component.component import read_collection, read_component
 from dse.loading.component.interfaces import read_interfaces
 from dse.loading.paths import find_root

@@ -28,7 +28,7 @@ from dse.domain.expression import (
     Unary,
 )
 from dse.errors import DseError, closest
-from dse.expression.sorts import (
+from dse.expression import (
     TRUTH,
     Form,
     Sort,

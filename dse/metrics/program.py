@@ -9,8 +9,7 @@ from dse.domain.bench import Metric, Requirement
 from dse.domain.component import Type
 from dse.domain.expression import Expression, Name
 from dse.errors import Problems, closest, fail, raise_if_any
-from dse.expression.sorts import Sort, error_in, require_number, require_truth
-from dse.expression.tree import descend
+from dse.expression import Sort, descend, error_in, require_number, require_truth
 from dse.metrics.catalogue import FUNCTIONS, Function
 from dse.metrics.compiler import Compiler, FollowUpError
 from dse.metrics.machine import Check, MetricProgram, Register, judge_failed

@@ -11,41 +11,34 @@ from dse.cache import cache_folder, content_key, keep_file
 from dse.csolve import headers
 from dse.domain.component import Component, ModelicaCompiler, ModelicaSource
 from dse.errors import DseError, fail
-from dse.fmu.c.describe import describe_sources, model_identifier
-from dse.fmu.slot_table import SLOT_TABLE, SlotTable
-from dse.fmu.toolchain.compilation import (
+from dse.fmu import (
     LANGUAGE_OPTIONS,
     MODEL_OPTIONS,
+    SLOT_TABLE,
     CompilationError,
+    Compiler,
+    SlotTable,
     compile_object,
+    describe_sources,
+    find_compiler,
     link_library,
+    model_identifier,
     options,
+    this_platform,
 )
-from dse.fmu.toolchain.compiler import Compiler, find_compiler
-from dse.fmu.toolchain.platforms import this_platform
-from dse.formats.zipped import pack_zip
-from dse.modelica.description import Described, describe_model
-from dse.modelica.documentation import documentation
-from dse.modelica.emit.data import slot_rows
-from dse.modelica.emit.model import Settings, Solver, emit
-from dse.modelica.frontend.remembered import Memory
+from dse.formats import pack_zip
+from dse.modelica.description import Described, describe_model, documentation
+from dse.modelica.emit.constant_data import slot_rows
+from dse.modelica.emit.model import DEFAULT_TOLERANCE, emit
+from dse.modelica.frontend.answer_cache import AnswerCache
 from dse.modelica.frontend.sources import ModelSources, library_contents, read_sources
-from dse.modelica.omc import build_with_omc, find_omc, omc_version
+from dse.modelica.openmodelica import build_with_omc, find_omc, omc_version
 from dse.modelica.translate import Translated, TranslationError, translate
 
 _DSE = Path(__file__).parents[1]
 _RUNTIME = _DSE / "fmu" / "runtime"
-# fmt: off
-_COMMON = (
-    "slot.h", "instance.h", "value.h", "modelica.h", "arithmetic.h", "tables.h", "evaluate.h", "relations.h",
-    "integrate.h", "events.h", "co_simulation.h", "simulation.h", "exchange.h",
-)
-_FILES = {
-    2: (*_COMMON, "fmi2_abi.h", "fmi2_exchange.h", "fmi2.c"),
-    3: (*_COMMON, "fmi3_abi.h", "fmi3_refused.h", "fmi3_exchange.h", "fmi3.c"),
-}
-# fmt: on
-_DEFAULT_TOLERANCE = 1e-6
+_NOT_FOR = {2: ("fused_", "c_component", "fmi3"), 3: ("fused_", "c_component", "fmi2")}
+"""How files of the runtime begin that an FMU of a version has no use for."""
 
 
 def build_modelica(component: Component, source: ModelicaSource, version: int, cache: Path | None) -> Path:
@@ -84,7 +77,7 @@ def check_modelica(component: Component, source: ModelicaSource, cache: Path | N
     if note.is_file():
         return
     try:
-        translate(component, sources, _memory(cache))
+        translate(component, sources, _answers(cache))
     except TranslationError as refusal:
         if source.compiler is ModelicaCompiler.AUTO and find_omc() is not None:
             return
@@ -128,7 +121,7 @@ def _by_dse(
     target = cache_folder(cache) / "built" / f"{named}-{content_key([*identity, machine])}.fmu"
     if target.is_file():
         return target
-    translated = translate(component, sources, _memory(cache))
+    translated = translate(component, sources, _answers(cache))
     contents = _contents(component, source, translated, named, token, version)
     library = platform.library(version, named)
     try:
@@ -140,8 +133,8 @@ def _by_dse(
     return keep_file(target, pack_zip({**contents, str(library): binary}))
 
 
-def _memory(cache: Path | None) -> Memory:
-    return Memory(cache_folder(cache) / "modelica", _implementation())
+def _answers(cache: Path | None) -> AnswerCache:
+    return AnswerCache(cache_folder(cache) / "modelica", _implementation())
 
 
 def _read(component: Component, source: ModelicaSource) -> ModelSources:
@@ -152,8 +145,8 @@ def _contents(
     component: Component, source: ModelicaSource, translated: Translated, named: str, token: str, version: int
 ) -> dict[str, bytes]:
     """Every file of the FMU but its library, by path; the same for the same component on every machine."""
-    tolerance = source.tolerance or _DEFAULT_TOLERANCE
-    generated = emit(translated.solved, translated.variables, token, Settings(Solver(source.solver.value), tolerance))
+    tolerance = source.tolerance or DEFAULT_TOLERANCE
+    generated = emit(translated.solved, translated.variables, token, source.solver, tolerance)
     files = (f"runtime/fmi{version}.c", "runtime/start.c")
     described = Described(
         name=component.name,
@@ -167,7 +160,11 @@ def _contents(
         dependencies=translated.solved.dependencies,
     )
     contents = {
-        **{f"sources/runtime/{name}": _runtime()[name] for name in (*_FILES[version], *headers())},
+        **{
+            f"sources/runtime/{name}": content
+            for name, content in _runtime().items()
+            if name in headers() or not name.startswith(_NOT_FOR[version])
+        },
         **{f"sources/runtime/{name}": content for name, content in generated.items()},
         f"sources/{SLOT_TABLE}": SlotTable("", slot_rows(translated.variables)).to_bytes(),
         "modelDescription.xml": describe_model(described, version),

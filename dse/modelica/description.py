@@ -1,14 +1,15 @@
-"""modelDescription.xml of an FMU made from Modelica: all its variables, for model exchange and co-simulation."""
+"""What an FMU made from Modelica tells of itself: modelDescription.xml for both interfaces, and a page."""
 
 from __future__ import annotations
 
 import xml.etree.ElementTree as ET
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
+from html import escape
 
-from dse.fmu.c.describe import add_base_unit, xml_text
+from dse.fmu import add_base_unit, xml_text
 from dse.modelica.emit.variables import Causality, FmuVariable, Variability
-from dse.modelica.flat import Kind
+from dse.modelica.flat_model import ScalarType
 from dse.units import UnitError, parse_unit
 
 
@@ -42,20 +43,14 @@ def describe_model(described: Described, version: int) -> bytes:
     if version == 2:
         root.set("numberOfEventIndicators", str(described.indicators))
     _interfaces(root, described, version)
-    shown = [listed for listed in described.variables if is_shown(listed)]
-    _units(root, shown)
-    _types(root, shown, version)
+    _units(root, described.variables)
+    _types(root, described.variables, version)
     categories = ET.SubElement(root, "LogCategories")
     ET.SubElement(categories, "Category", name="logStatusError", description="What was refused, and why")
     ET.SubElement(categories, "Category", name="logStatusWarning", description="Warnings of the model")
     ET.SubElement(root, "DefaultExperiment", startTime="0.0", tolerance=repr(described.tolerance))
-    (_variables_2 if version == 2 else _variables_3)(root, described, shown)
+    (_variables_2 if version == 2 else _variables_3)(root, described)
     return xml_text(root)
-
-
-def is_shown(listed: FmuVariable) -> bool:
-    """Whether the variable is the model's, not one that came in between."""
-    return not listed.name.startswith("$")
 
 
 def _interfaces(root: ET.Element, described: Described, version: int) -> None:
@@ -78,7 +73,7 @@ def _interfaces(root: ET.Element, described: Described, version: int) -> None:
 
 
 def _units(root: ET.Element, shown: Iterable[FmuVariable]) -> None:
-    names = sorted({listed.unit for listed in shown if listed.unit and listed.kind is Kind.REAL})
+    names = sorted({listed.unit for listed in shown if listed.unit and listed.kind is ScalarType.REAL})
     if not names:
         return
     definitions = ET.SubElement(root, "UnitDefinitions")
@@ -91,7 +86,7 @@ def _units(root: ET.Element, shown: Iterable[FmuVariable]) -> None:
 
 
 def _types(root: ET.Element, shown: Iterable[FmuVariable], version: int) -> None:
-    types = sorted({listed.items for listed in shown if listed.kind is Kind.ENUMERATION})
+    types = sorted({listed.items for listed in shown if listed.kind is ScalarType.ENUMERATION})
     if not types:
         return
     definitions = ET.SubElement(root, "TypeDefinitions")
@@ -108,11 +103,22 @@ def _type_name(items: Iterable[str]) -> str:
     return f"enumeration({', '.join(items)})"
 
 
-_TYPES_2 = {Kind.REAL: "Real", Kind.INTEGER: "Integer", Kind.BOOLEAN: "Boolean", Kind.ENUMERATION: "Enumeration"}
-_TYPES_3 = {Kind.REAL: "Float64", Kind.INTEGER: "Int32", Kind.BOOLEAN: "Boolean", Kind.ENUMERATION: "Enumeration"}
+_TYPES_2 = {
+    ScalarType.REAL: "Real",
+    ScalarType.INTEGER: "Integer",
+    ScalarType.BOOLEAN: "Boolean",
+    ScalarType.ENUMERATION: "Enumeration",
+}
+_TYPES_3 = {
+    ScalarType.REAL: "Float64",
+    ScalarType.INTEGER: "Int32",
+    ScalarType.BOOLEAN: "Boolean",
+    ScalarType.ENUMERATION: "Enumeration",
+}
 
 
-def _variables_2(root: ET.Element, described: Described, shown: Sequence[FmuVariable]) -> None:
+def _variables_2(root: ET.Element, described: Described) -> None:
+    shown = described.variables
     index = {listed.reference: number for number, listed in enumerate(shown, start=1)}
     variables = ET.SubElement(root, "ModelVariables")
     for listed in shown:
@@ -123,7 +129,7 @@ def _variables_2(root: ET.Element, described: Described, shown: Sequence[FmuVari
         ET.SubElement(variable, _TYPES_2[listed.kind], typed)
     structure = ET.SubElement(root, "ModelStructure")
     outputs, derivatives, initial = _unknowns(shown)
-    for name, unknowns in (("Outputs", outputs), ("Derivatives", derivatives), ("InitialUnknowns", initial)):
+    for name, unknowns in {"Outputs": outputs, "Derivatives": derivatives, "InitialUnknowns": initial}.items():
         group = ET.SubElement(structure, name) if unknowns else structure
         for listed in unknowns:
             unknown = ET.SubElement(group, "Unknown", index=str(index[listed.reference]))
@@ -131,7 +137,8 @@ def _variables_2(root: ET.Element, described: Described, shown: Sequence[FmuVari
                 _depend(unknown, described, listed, {other.name: index[other.reference] for other in shown})
 
 
-def _variables_3(root: ET.Element, described: Described, shown: Sequence[FmuVariable]) -> None:
+def _variables_3(root: ET.Element, described: Described) -> None:
+    shown = described.variables
     variables = ET.SubElement(root, "ModelVariables")
     for listed in shown:
         attributes = {**_common(listed), **_typed(listed)}
@@ -139,35 +146,19 @@ def _variables_3(root: ET.Element, described: Described, shown: Sequence[FmuVari
             attributes["derivative"] = str(listed.derivative_of)
         ET.SubElement(variables, _TYPES_3[listed.kind], attributes)
     taken = {listed.name for listed in shown}
-    # The runtime's own variables come after the model's, whether those are shown or not.
+    # The runtime's own variables come after the model's.
     first = len(described.variables)
-    ET.SubElement(
-        variables,
-        "Float64",
-        name=_free("time", taken),
-        valueReference=str(first),
-        causality="independent",
-        variability="continuous",
-        description="Simulation time in seconds",
-    )
+    time = {"causality": "independent", "variability": "continuous", "description": "Simulation time in seconds"}
+    ET.SubElement(variables, "Float64", {"name": _free("time", taken), "valueReference": str(first), **time})
+    indicator = {"causality": "local", "variability": "continuous", "initial": "calculated"}
     for number in range(1, described.indicators + 1):
-        ET.SubElement(
-            variables,
-            "Float64",
-            name=_free(f"eventIndicator[{number}]", taken),
-            valueReference=str(first + number),
-            causality="local",
-            variability="continuous",
-            initial="calculated",
-        )
+        named = {"name": _free(f"eventIndicator[{number}]", taken), "valueReference": str(first + number)}
+        ET.SubElement(variables, "Float64", {**named, **indicator})
     references = {listed.name: listed.reference for listed in shown}
     structure = ET.SubElement(root, "ModelStructure")
     outputs, derivatives, initial = _unknowns(shown)
-    for name, unknowns in (
-        ("Output", outputs),
-        ("ContinuousStateDerivative", derivatives),
-        ("InitialUnknown", initial),
-    ):
+    groups = {"Output": outputs, "ContinuousStateDerivative": derivatives, "InitialUnknown": initial}
+    for name, unknowns in groups.items():
         for listed in unknowns:
             unknown = ET.SubElement(structure, name, valueReference=str(listed.reference))
             if name != "InitialUnknown":
@@ -227,24 +218,48 @@ def _common(listed: FmuVariable) -> dict[str, str]:
 
 def _typed(listed: FmuVariable) -> dict[str, str]:
     attributes: dict[str, str] = {}
-    if listed.kind is Kind.ENUMERATION:
+    if listed.kind is ScalarType.ENUMERATION:
         attributes["declaredType"] = _type_name(listed.items)
-    if listed.kind is Kind.REAL and listed.unit:
+    if listed.kind is ScalarType.REAL and listed.unit:
         attributes["unit"] = listed.unit
-    if listed.kind in (Kind.REAL, Kind.INTEGER):
+    if listed.kind in (ScalarType.REAL, ScalarType.INTEGER):
         for name, number in (("min", listed.minimum), ("max", listed.maximum)):
             if number is not None:
                 attributes[name] = _number(listed.kind, number)
-    if listed.kind is Kind.REAL and listed.nominal is not None and listed.nominal > 0:
+    if listed.kind is ScalarType.REAL and listed.nominal is not None and listed.nominal > 0:
         attributes["nominal"] = repr(listed.nominal)
     if listed.start is not None:
         attributes["start"] = _number(listed.kind, listed.start)
     return attributes
 
 
-def _number(kind: Kind, number: float) -> str:
-    if kind is Kind.REAL:
+def _number(kind: ScalarType, number: float) -> str:
+    if kind is ScalarType.REAL:
         return repr(float(number))
-    if kind is Kind.BOOLEAN:
+    if kind is ScalarType.BOOLEAN:
         return "true" if number else "false"
     return str(int(number))
+
+
+def documentation(title: str, model: str, files: Iterable[str], settings: str, notes: Iterable[str]) -> bytes:
+    """``documentation/index.html``, which FMI has a place for; no clock, no path of this machine."""
+    noted = list(notes)
+    lines = [
+        "<!DOCTYPE html>",
+        '<html lang="en">',
+        f'<head><meta charset="utf-8"><title>{escape(title)}</title></head>',
+        "<body>",
+        f"<h1>{escape(title)}</h1>",
+        f"<p>Made by dse from the Modelica model <code>{escape(model)}</code>; {escape(settings)}.</p>",
+        "<h2>What was assumed</h2>",
+        *(_listed(noted) if noted else ["<p>Nothing: all starts are given, and no event joins states.</p>"]),
+        "<h2>Files</h2>",
+        *_listed(files),
+        "</body>",
+        "</html>",
+    ]
+    return ("\n".join(lines) + "\n").encode()
+
+
+def _listed(items: Iterable[str]) -> list[str]:
+    return ["<ul>", *(f"<li>{escape(item)}</li>" for item in items), "</ul>"]

@@ -7,16 +7,10 @@ from collections.abc import Iterator
 
 from dse.domain.component import Causality, Component, Kind, Parameter, Port, Type, as_number
 from dse.errors import Location, Problem, closest, raise_if_any
-from dse.modelica import flat
-from dse.modelica.flat import FlatModel, Role, Variable
+from dse.modelica.flat_model import FlatModel, Role, ScalarType, Variable
 from dse.units import UnitError, describe, parse_unit
 
-_KINDS = {
-    flat.Kind.REAL: Kind.REAL,
-    flat.Kind.INTEGER: Kind.INTEGER,
-    flat.Kind.BOOLEAN: Kind.BOOLEAN,
-    flat.Kind.ENUMERATION: Kind.ENUMERATION,
-}
+_KINDS = {scalar: Kind[scalar.name] for scalar in ScalarType}
 
 
 def starts(component: Component, model: FlatModel) -> dict[str, float]:
@@ -24,15 +18,18 @@ def starts(component: Component, model: FlatModel) -> dict[str, float]:
 
     Raises DseError with every port and parameter that has no fitting variable, and every input that has no port.
     """
-    raise_if_any(_problems(component, model))
+    raise_if_any(
+        Problem(f"component '{component.name}': {one.what}", one.where or component.where, one.hint)
+        for one in _problems(component, model)
+    )
     return {
-        component.variable(parameter.name): model_value(parameter)
+        component.variable(parameter.name): _model_value(parameter)
         for parameter in component.parameters
         if not model.variables[component.variable(parameter.name)].is_structural
     }
 
 
-def model_value(parameter: Parameter) -> float:
+def _model_value(parameter: Parameter) -> float:
     """The parameter's start as the model has it."""
     number = as_number(parameter.start, parameter.type)
     return number + 1 if parameter.type.kind is Kind.ENUMERATION else number
@@ -51,7 +48,7 @@ def _problems(component: Component, model: FlatModel) -> Iterator[Problem]:
         if variable.role is Role.INPUT and name not in taken and variable.start is None:
             what = f"{model.name} has an input '{name}' that is no port of {component.interface.name}"
             hint = f"map a port to it, as {free[0]}: {name}" if free else "map a port to it, or give it a start"
-            yield _at(component, what, variable.where, hint)
+            yield _at(what, variable.where, hint)
 
 
 def _shared(component: Component) -> Iterator[Problem]:
@@ -66,7 +63,7 @@ def _shared(component: Component) -> Iterator[Problem]:
         other = first.setdefault(variable, word)
         if other is not word:
             what = f"{other} and {word} are both the variable '{variable}'"
-            yield Problem(_named(component, what), where or component.where, "map one of them to another variable")
+            yield Problem(what, where, "map one of them to another variable")
 
 
 def _port(component: Component, model: FlatModel, port: Port) -> Iterator[Problem]:
@@ -77,21 +74,21 @@ def _port(component: Component, model: FlatModel, port: Port) -> Iterator[Proble
     fitting = [v.name for v in model.variables.values() if (v.role is Role.INPUT if is_input else v.is_output)]
     if variable is None:
         what = f"{model.name} has no variable '{name}' for {word}"
-        yield _at(component, what, None, _hint(port.name, name, fitting))
+        yield _at(what, None, _hint(port.name, name, fitting))
     elif name not in fitting:
         what = f"'{name}' of {model.name} is no {port.causality}, as {word} needs"
-        yield _at(component, what, variable.where, f"declare it at the model's top level: {port.causality} …")
-    elif port.type.kind is Kind.ENUMERATION or variable.kind is flat.Kind.ENUMERATION:
+        yield _at(what, variable.where, f"declare it at the model's top level: {port.causality} …")
+    elif port.type.kind is Kind.ENUMERATION or variable.kind is ScalarType.ENUMERATION:
         what = f"{word} is an enumeration: those of Modelica models cannot be ports in this version"
-        yield _at(component, what, variable.where, "use an Integer")
+        yield _at(what, variable.where, "use an Integer")
     else:
-        yield from _type(component, model, word, port.type, variable)
+        yield from _type(model, word, port.type, variable)
 
 
 def _parameter(component: Component, model: FlatModel, parameter: Parameter) -> Iterator[Problem]:
     name = component.variable(parameter.name)
     variable = model.variables.get(name)
-    where = parameter.where or component.where
+    where = parameter.where
     word = f"parameter '{parameter.name}'"
     settable = [
         v.name
@@ -100,36 +97,34 @@ def _parameter(component: Component, model: FlatModel, parameter: Parameter) -> 
     ]
     if variable is None:
         what = f"{model.name} has no variable '{name}' for {word}"
-        yield Problem(_named(component, what), where, _hint(parameter.name, name, settable))
+        yield Problem(what, where, _hint(parameter.name, name, settable))
     elif name not in settable:
-        yield Problem(_named(component, f"'{name}' of {model.name} {_why_not(variable)}"), where, _seen(variable.where))
-    elif variable.kind is flat.Kind.ENUMERATION and not variable.is_structural:
+        yield Problem(f"'{name}' of {model.name} {_why_not(variable)}", where, _seen(variable.where))
+    elif variable.kind is ScalarType.ENUMERATION and not variable.is_structural:
         # Modelica counts items from 1, our benches from 0.
         what = f"{word} is an enumeration that the model reads while it runs: such cannot be given in this version"
-        yield Problem(_named(component, what), where, "use an Integer")
+        yield Problem(what, where, "use an Integer")
     elif variable.is_structural and name.endswith("]"):
         what = f"'{name}' of {model.name} is an element of an array that decides how the model is built"
-        yield Problem(_named(component, what), where, "set the array in a Modelica model that extends this one")
+        yield Problem(what, where, "set the array in a Modelica model that extends this one")
     elif variable.is_structural and parameter.tunable:
         what = f"'{name}' of {model.name} decides how the model is built, so it cannot be changed in a simulation"
-        yield Problem(_named(component, what), where, "say tunable: false")
+        yield Problem(what, where, "say tunable: false")
     else:
-        yield from _type(component, model, word, parameter.type, variable, where)
-        yield from _limits(component, model, parameter, variable, where)
+        yield from _type(model, word, parameter.type, variable, where)
+        yield from _limits(model, parameter, variable, where)
 
 
-def _limits(
-    component: Component, model: FlatModel, parameter: Parameter, variable: Variable, where: Location | None
-) -> Iterator[Problem]:
+def _limits(model: FlatModel, parameter: Parameter, variable: Variable, where: Location | None) -> Iterator[Problem]:
     """Limits wider than those the model was made for."""
     shown = f"'{variable.name}' of {model.name}"
     low, high = variable.minimum, variable.maximum
     if low is not None and low.is_constant and parameter.minimum is not None and parameter.minimum < low.value:
         what = f"parameter '{parameter.name}' goes down to {parameter.minimum:g}, {shown} to {low.value:g}"
-        yield Problem(_named(component, what), where, f"narrow it; {_seen(variable.where)}")
+        yield Problem(what, where, f"narrow it; {_seen(variable.where)}")
     if high is not None and high.is_constant and parameter.maximum is not None and parameter.maximum > high.value:
         what = f"parameter '{parameter.name}' goes up to {parameter.maximum:g}, {shown} to {high.value:g}"
-        yield Problem(_named(component, what), where, f"narrow it; {_seen(variable.where)}")
+        yield Problem(what, where, f"narrow it; {_seen(variable.where)}")
 
 
 def _is_free(variable: Variable) -> bool:
@@ -147,37 +142,34 @@ def _why_not(variable: Variable) -> str:
 
 
 def _type(
-    component: Component, model: FlatModel, word: str, type_: Type, variable: Variable, where: Location | None = None
+    model: FlatModel, word: str, type_: Type, variable: Variable, where: Location | None = None
 ) -> Iterator[Problem]:
-    where = where or component.where
     kind = _KINDS[variable.kind]
     if kind is not type_.kind:
         what = f"'{variable.name}' of {model.name} is {variable.kind}, but {word} is {type_.kind}"
         hint = {Kind.INTEGER: "type: int", Kind.BOOLEAN: "type: bool"}.get(kind, _seen(variable.where))
-        yield Problem(_named(component, what), where, hint)
+        yield Problem(what, where, hint)
     elif kind is Kind.ENUMERATION and type_.items != variable.items:
         what = f"'{variable.name}' of {model.name} has the items {', '.join(variable.items)}, but {word} is {type_}"
-        yield Problem(_named(component, what), where, f"enum: [{', '.join(variable.items)}]")
+        yield Problem(what, where, f"enum: [{', '.join(variable.items)}]")
     elif kind is Kind.REAL and variable.unit:
-        yield from _unit(component, model, word, type_, variable, where)
+        yield from _unit(model, word, type_, variable, where)
 
 
-def _unit(
-    component: Component, model: FlatModel, word: str, type_: Type, variable: Variable, where: Location | None
-) -> Iterator[Problem]:
+def _unit(model: FlatModel, word: str, type_: Type, variable: Variable, where: Location | None) -> Iterator[Problem]:
     shown = f"'{variable.name}' of {model.name}"
     try:
         unit = parse_unit(variable.unit)
     except UnitError as error:
-        yield Problem(_named(component, f"{shown}: {error}"), variable.where or where)
+        yield Problem(f"{shown}: {error}", variable.where or where)
         return
     if unit.dimension != type_.unit.dimension:
         mine, its = describe(type_.unit.dimension), describe(unit.dimension)
         what = f"{shown} is in {variable.unit} ({its}), but {word} is in {type_} ({mine})"
-        yield Problem(_named(component, what), where, _seen(variable.where))
+        yield Problem(what, where, _seen(variable.where))
     elif not unit.is_coherent:
         what = f"{shown} is in {variable.unit}; what a component shows must be in coherent SI units"
-        yield Problem(_named(component, what), variable.where or where, "convert it inside the model")
+        yield Problem(what, variable.where or where, "convert it inside the model")
 
 
 def _hint(own: str, name: str, fitting: list[str]) -> str:
@@ -188,12 +180,9 @@ def _hint(own: str, name: str, fitting: list[str]) -> str:
     return near
 
 
-def _at(component: Component, what: str, where: Location | None, hint: str) -> Problem:
-    return Problem(_named(component, what), component.where, f"{hint}; {_seen(where)}" if where else hint)
-
-
-def _named(component: Component, what: str) -> str:
-    return f"component '{component.name}': {what}"
+def _at(what: str, where: Location | None, hint: str) -> Problem:
+    """A problem of the component, with a look at *where* in the model."""
+    return Problem(what, None, f"{hint}; {_seen(where)}" if where else hint)
 
 
 def _seen(where: Location | None) -> str:

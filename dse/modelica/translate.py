@@ -2,19 +2,19 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 
 from dse.domain.component import Component, Kind, Parameter
-from dse.errors import DseError, fail
+from dse.errors import DseError, Location, fail
 from dse.modelica.emit.variables import FmuVariable, Variability, variables
-from dse.modelica.flatten import flatten
+from dse.modelica.flatten.flattening import flatten
+from dse.modelica.frontend.answer_cache import AnswerCache
 from dse.modelica.frontend.literal import Value
-from dse.modelica.frontend.remembered import Memory
 from dse.modelica.frontend.result import FrontEndResult
 from dse.modelica.frontend.sources import ModelSources
 from dse.modelica.interface import starts
-from dse.modelica.relocate import relocated
-from dse.modelica.solved import Solved
+from dse.modelica.solved_model import B, EventBlock, Solved, System
 from dse.modelica.structure.solve import solve
 
 
@@ -32,13 +32,13 @@ class TranslationError(DseError):
     """The model is not wrong, as far as is known, but cannot be translated."""
 
 
-def translate(component: Component, sources: ModelSources, memory: Memory) -> Translated:
-    """The model of *sources* with the values of *component*; *memory* keeps what the front-end said.
+def translate(component: Component, sources: ModelSources, answers: AnswerCache) -> Translated:
+    """The model of *sources* with the values of *component*; *answers* keeps what the front-end said.
 
     Raises TranslationError for what cannot be translated, and DseError for ports and parameters that do not fit.
     """
     try:
-        result = _instantiated(component, sources, memory)
+        result = _instantiated(component, sources, answers)
         flat = flatten(result)
     except DseError as error:
         raise TranslationError(*error.problems) from error
@@ -50,17 +50,17 @@ def translate(component: Component, sources: ModelSources, memory: Memory) -> Tr
         raise TranslationError(*error.problems) from error
     # What is built must not depend on where the files lie.
     names = {path: name for name, path in sources.origins.items()}
-    return Translated(relocated(solved, names), listed, result.description, tuple(sorted(sources.contents)))
+    return Translated(_relocated(solved, names), listed, result.description, tuple(sorted(sources.contents)))
 
 
 _MOST_ROUNDS = 10
 
 
-def _instantiated(component: Component, sources: ModelSources, memory: Memory) -> FrontEndResult:
+def _instantiated(component: Component, sources: ModelSources, answers: AnswerCache) -> FrontEndResult:
     """The flat system with the component's values for the structural parameters, of which each may bring others."""
     values: dict[str, Value] = {}
     for _ in range(_MOST_ROUNDS):
-        result = memory.compiled(sources, values)
+        result = answers.compiled(sources, values)
         wanted = {
             component.variable(parameter.name): value
             for parameter in component.parameters
@@ -108,3 +108,40 @@ def _as_asked(component: Component, variable: FmuVariable) -> FmuVariable:
         maximum=variable.maximum if found.maximum is None else found.maximum,
         description=found.title or variable.description,
     )
+
+
+def _relocated(solved: Solved, names: Mapping[str, str]) -> Solved:
+    """*solved* with each file called by its name in *names*; blocks that are one object stay one object."""
+
+    def place(where: Location | None) -> Location | None:
+        return None if where is None else replace(where, file=names.get(where.file, where.file))
+
+    moved: dict[int, EventBlock] = {}
+
+    def blocks(found: Iterable[B]) -> tuple[B, ...]:
+        listed = tuple(found)
+        for block in listed:
+            if isinstance(block, System) and id(block) not in moved:
+                moved[id(block)] = replace(block, where=tuple(filter(None, map(place, block.where))))
+        return tuple(moved.get(id(block), block) for block in listed)  # type: ignore[misc]  # a System for a System
+
+    flat = replace(
+        solved.flat,
+        relations=tuple(replace(one, where=place(one.where)) for one in solved.flat.relations),
+        checks=tuple(replace(one, where=place(one.where)) for one in solved.flat.checks),
+    )
+    return replace(
+        solved,
+        flat=flat,
+        derivatives=blocks(solved.derivatives),
+        outputs=blocks(solved.outputs),
+        event=blocks(solved.event),
+        initial=blocks(solved.initial),
+        notes=tuple(_renamed(note, names) for note in solved.notes),
+    )
+
+
+def _renamed(text: str, names: Mapping[str, str]) -> str:
+    """*text* with the place it begins with renamed."""
+    path, colon, rest = text.partition(":")
+    return f"{names[path]}{colon}{rest}" if path in names else text

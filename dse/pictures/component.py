@@ -7,7 +7,7 @@ from xml.sax.saxutils import escape
 
 from dse.domain.component import Causality, Component, Port
 from dse.domain.diagram import Diagram
-from dse.loading.component.kind import kind_of
+from dse.loading import kind_of
 from dse.pictures.component_layout import ComponentLayout, lay_out
 from dse.pictures.svg import Box, curve, labelled, rectangle, sheet
 
@@ -34,7 +34,7 @@ def pictured(component: Component) -> Diagram:
     return inside or Diagram(())
 
 
-def draw(component: Component, diagram: Diagram) -> str:
+def draw_component(component: Component, diagram: Diagram) -> str:
     """The picture as SVG; *diagram* has no parts where nothing is known of them."""
     ports = component.interface.ports
     inputs, outputs = (

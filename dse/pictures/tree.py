@@ -39,7 +39,7 @@ _STYLE = """
 """
 
 
-def draw(tree: TreeNode, title: str, note: str = "") -> str:
+def draw_tree(tree: TreeNode, title: str, note: str = "") -> str:
     """The tree as SVG. Raises DseError if it has more than `MOST_NODES` nodes."""
     nodes = list(tree.all())
     if len(nodes) > MOST_NODES:

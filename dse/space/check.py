@@ -7,7 +7,7 @@ from collections.abc import Iterable
 from dse.domain.component import Causality, Type, same_signal
 from dse.domain.design import Alternative, Compound, Connection, DesignSpace, Node, Optional, Part, walk
 from dse.errors import DseError, Problem
-from dse.loading.design.exchangeable import misfits
+from dse.loading import misfits
 from dse.space.configurations.wiring import PlacedPart, PortOf, port_pairs, two_sources
 from dse.space.language.evaluate import compile_in
 from dse.space.language.places import Places

@@ -270,9 +270,9 @@ class OpenedSpace:
 
     def picture(self, configuration: Configuration | None, note: str, below: str | None = None) -> str:
         """All of *space*, or what stands at and *below* a place, as SVG, with a configuration marked in it."""
-        from dse.pictures.tree import draw
+        from dse.pictures import draw_tree
         from dse.space.output.tree import part_below, tree_of
         from dse.space.questions.occurrence import dead_branches
 
         tree = tree_of(self.space, configuration.choices if configuration else None, dead_branches(self.whole))
-        return draw(part_below(tree, below) if below else tree, self.space.title or self.space.name, note)
+        return draw_tree(part_below(tree, below) if below else tree, self.space.title or self.space.name, note)

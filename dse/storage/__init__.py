@@ -1,1 +1,5 @@
 """The study folder: its tables, its waveforms, what is written of them for others."""
+
+import lazy_loader
+
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

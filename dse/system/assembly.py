@@ -20,7 +20,7 @@ class WiredParts:
     """Components by where they stand, what connects them, and what they are given.
 
     *connections* join single ports (``sensor.target.gap -> controller.target.gap``): an output that is there to an
-    input that is there, one to each, as `dse.space.wiring.wire` gives them. *values* are those of parameters and
+    input that is there, one to each, as `dse.space.wire` gives them. *values* are those of parameters and
     unconnected inputs, as ``part.port``; *where* is the bench that may give them.
     """
 

@@ -13,10 +13,9 @@ from dse.domain.component import Component
 from dse.domain.design import Configuration, DesignSpace
 from dse.domain.method import Coupling, Method
 from dse.errors import DseError, Problem, raise_if_any
-from dse.fmu.parallel import in_parallel
-from dse.loading.component.kind import kind_of
-from dse.loading.workspace import Workspace
-from dse.space.check import check_space
+from dse.fmu import in_parallel
+from dse.loading import Workspace, kind_of
+from dse.space import check_space
 from dse.testbench.prepare import check_bench, prepare_bench
 from dse.testbench.select import one_configuration, selected
 from dse.testbench.study import require_variables

@@ -28,8 +28,7 @@ from dse.domain.method import PLAIN
 from dse.domain.run import ERROR_BAR
 from dse.domain.study import Study
 from dse.domain.system import Element
-from dse.space.decisions import alternatives
-from dse.space.output.sums import summed_properties
+from dse.space import alternatives, summed_properties
 from dse.testbench.prepared import PreparedBench
 from dse.units import Unit
 

@@ -10,13 +10,12 @@ from pathlib import Path
 from typing import Any
 
 from dse.cache import cache_folder, keep_file
-from dse.cosim.probing.probe import PROBE_VERSION
+from dse.cosim import PROBE_VERSION
 from dse.domain.component import Component
 from dse.domain.facts import Answer, FmuFacts, Question
 from dse.domain.fmu import FmuModel
 from dse.domain.system import SystemStructure
-from dse.fmu.statics import shares_nothing
-from dse.fmu.toolchain.platforms import this_platform
+from dse.fmu import shares_nothing, this_platform
 
 
 def known_facts(model: FmuModel, *, cache: Path | None = None) -> FmuFacts | None:

@@ -9,8 +9,7 @@ from pathlib import Path
 from dse.domain.bench import Simulation
 from dse.domain.method import PLAIN
 from dse.errors import Problem, raise_if_any
-from dse.fmu.fusion.fuse import Wanted, fuse_all
-from dse.fmu.parallel import Tell
+from dse.fmu import Tell, Wanted, fuse_all
 from dse.testbench.study import PreparedStudy
 
 

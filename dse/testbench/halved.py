@@ -9,7 +9,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from dse.cosim.simulator import RunFailed, Simulator
+from dse.cosim import RunFailed, Simulator
 from dse.domain.method import Method
 from dse.domain.run import ERROR_BAR
 from dse.testbench.prepared import PreparedBench

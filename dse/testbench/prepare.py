@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TypeVar
 
-from dse.cosim.feasibility import require_kernel, simulation_problems
+from dse.cosim import require_kernel, simulation_problems
 from dse.domain.bench import Simulation, TestBench
 from dse.domain.component import Component, Kind, Type
 from dse.domain.design import Configuration, split_path, walk
@@ -15,11 +15,9 @@ from dse.domain.fmu import FmuModel
 from dse.domain.method import BONDS
 from dse.domain.system import SystemStructure
 from dse.errors import DseError, Location, Problem, raise_if_any
-from dse.fmu.building import build_all
-from dse.fmu.parallel import in_parallel
-from dse.fmu.unpack import open_fmu
-from dse.metrics.program import MetricProgram, compile_metrics
-from dse.system.assembly import assemble, wiring_problems
+from dse.fmu import build_all, in_parallel, open_fmu
+from dse.metrics import MetricProgram, compile_metrics
+from dse.system import assemble, wiring_problems
 from dse.testbench.facts import facts_of, is_thread_safe
 from dse.testbench.method import method_of, signal_name
 from dse.testbench.prepared import PreparedBench, Recording

@@ -5,14 +5,14 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
-from dse.cosim.wear import most_runs
+from dse.cosim import most_runs
 from dse.domain.bench import Requirement, Simulation
 from dse.domain.component import Type
 from dse.domain.design import Configuration
 from dse.domain.facts import FmuFacts
 from dse.domain.fused import FusedLibrary
 from dse.domain.system import SystemStructure
-from dse.metrics.program import MetricProgram
+from dse.metrics import MetricProgram
 
 
 @dataclass(frozen=True, slots=True)
@@ -80,6 +80,6 @@ class PreparedBench:
 
     def describe_progress(self, block: bytes) -> str:
         """The FMU, call and time a dead or hanging worker was at."""
-        from dse.cosim.failing.progress import describe_progress
+        from dse.cosim import describe_progress
 
         return describe_progress(block, self.system, self.simulation.step)

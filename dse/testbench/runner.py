@@ -7,10 +7,10 @@ from contextlib import AbstractContextManager
 import numpy as np
 from numpy.typing import NDArray
 
-from dse.cosim.simulator import RunFailed, Simulator
+from dse.cosim import RunFailed, Simulator
 from dse.domain.component import as_number
 from dse.domain.run import Outcome, Run, RunRequest, Waveforms
-from dse.metrics.program import judge_failed
+from dse.metrics import judge_failed
 from dse.testbench.halved import Halved
 from dse.testbench.prepared import PreparedBench
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dse.domain.design import Configuration, DesignSpace
 from dse.domain.study import Selection
 from dse.errors import Location, fail
-from dse.space.opened import open_space
+from dse.space import open_space
 
 
 def selected(space: DesignSpace, selection: Selection, where: Location | None = None) -> list[Configuration]:

@@ -13,8 +13,7 @@ from dse.domain.design import Configuration
 from dse.domain.sampler import Nominal
 from dse.domain.study import Keep, Selection, Study
 from dse.errors import DseError, Location, Problem, raise_if_any
-from dse.loading.bench.bench import read_setting
-from dse.loading.values import Raw
+from dse.loading import Raw, read_setting
 from dse.testbench.definition import define
 from dse.testbench.prepare import prepare_bench
 from dse.testbench.prepared import PreparedBench, Setting

@@ -8,8 +8,8 @@ from dataclasses import dataclass
 from dse.domain.bench import TestBench
 from dse.domain.component import Causality, Component, Kind, Type, Value, as_number
 from dse.domain.design import Configuration, split_path
-from dse.space.configurations.wiring import architecture_outputs, wire
-from dse.system.assembly import WiredParts
+from dse.space import architecture_outputs, wire
+from dse.system import WiredParts
 from dse.testbench.prepared import Setting
 
 

@@ -20,11 +20,9 @@ import pytest
 from dse.domain.bench import Judgement, Verdict
 from dse.domain.run import Outcome, Run, RunRequest, Waveforms
 from dse.errors import fail
-from dse.exploration.executor import Executor
-from dse.exploration.remote import carry_out, hand_over, parcel
-from dse.exploration.work import Batch, Work
-from dse.loading.extensions import EXECUTORS, ExecutorSection
-from dse.storage.rows import Measures, RowBlock
+from dse.exploration import Batch, Executor, Work, carry_out, hand_over, parcel
+from dse.loading import EXECUTORS, ExecutorSection
+from dse.storage import Measures, RowBlock
 
 _RUNS, _SIZE = 60, 7
 

@@ -8,18 +8,20 @@ from dataclasses import fields, is_dataclass
 import numpy as np
 import pytest
 
-from dse.report.charts.chart import Points
-from dse.report.charts.problems import chart_problems
-from dse.report.content.nouns import (
+from dse.report import (
     ConfigurationEntry,
+    Figure,
     MetricColumn,
+    Points,
+    PrintedFigure,
     ReportContent,
     RequirementRow,
     Runs,
     SamplerKind,
     Variable,
+    View,
+    chart_problems,
 )
-from dse.report.figure import Figure, PrintedFigure, View
 
 STUDIES = ("ordinary", "empty", "of one run", "all failed", "undefined", "infinite", "of three configurations", "bare")
 
@@ -118,7 +120,7 @@ class FigureSuite:
 
     def test_it_can_be_printed(self) -> None:
         """By the drawing of its charts, or by its own."""
-        from dse.report.drawing.chart import draw_chart
+        from dse.report import draw_chart
 
         content = study("ordinary")
         for chart in self.figure.charts(content):

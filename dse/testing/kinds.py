@@ -12,15 +12,13 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from dse.cosim.simulator import Simulator
+from dse.cosim import Simulator
 from dse.domain.component import Causality, Component, Kind, Parameter, Port, Value
 from dse.errors import DseError
-from dse.fmu.building import build
-from dse.fmu.unpack import open_fmu
-from dse.formats.yaml import read_yaml
-from dse.loading.component.kind import KINDS, kind_of
-from dse.loading.workspace import Workspace
-from dse.system.assembly import WiredParts, assemble, check_fmu
+from dse.fmu import build, open_fmu
+from dse.formats import read_yaml
+from dse.loading import KINDS, Workspace, kind_of
+from dse.system import WiredParts, assemble, check_fmu
 
 Files = Mapping[str, str | bytes]
 """Texts and contents by path below ``components/`` of a workspace: interfaces.yaml, NAME/component.yaml, …"""

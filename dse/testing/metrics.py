@@ -13,9 +13,8 @@ from numpy.typing import NDArray
 from dse.domain.bench import Metric
 from dse.domain.component import Kind, Type
 from dse.errors import DseError, Location
-from dse.expression.parse import parse_expression
-from dse.metrics.catalogue import FUNCTIONS, Argument, Function, Wants
-from dse.metrics.program import MetricProgram, compile_metrics
+from dse.expression import parse_expression
+from dse.metrics import FUNCTIONS, Argument, Function, MetricProgram, Wants, compile_metrics
 from dse.units import DIMENSIONLESS, parse_unit
 
 Floats = NDArray[np.float64]

@@ -17,8 +17,8 @@ import pytest
 
 from dse.domain.bench import Verdict
 from dse.domain.sampler import Brief, Candidate, DesignVariable, Outcomes, Sampler
-from dse.formats.yaml import read_yaml
-from dse.loading.extensions import SAMPLERS, SamplerSection, Surroundings
+from dse.formats import read_yaml
+from dse.loading import SAMPLERS, SamplerSection, Surroundings
 from dse.units import DIMENSIONLESS
 
 VARIABLES = (

@@ -22,7 +22,7 @@ def test_every_name_that_is_exported_is_there(name):
 
 
 def test_a_name_that_is_not_there_is_an_attribute_error():
-    with pytest.raises(AttributeError, match="no attribute 'simulat'"):
+    with pytest.raises(AttributeError, match="No dse attribute simulat"):
         dse.simulat  # noqa: B018  # is looked up
 
 

@@ -13,8 +13,7 @@ from definitions import stored_definition
 import dse
 from dse.api.showing.described import si_unit
 from dse.domain.definition import DefinedConfiguration, DefinedMetric
-from dse.domain.run import Outcome, RunRequest
-from dse.domain.run import Run as Record
+from dse.domain.run import Outcome, Run as Record, RunRequest
 from dse.exploration.progress import Stage
 
 DEFINITION = stored_definition(

@@ -28,7 +28,7 @@ MAY_IMPORT = {
     "init {o}": set(),
     "docs": set(),
     "components": set(),
-    "components --graph {o}": {"numpy"},
+    "components --graph {o}": set(),
     "enumerate acc_vehicle": SPACE,
     "enumerate acc_vehicle --count": SPACE,
     "enumerate acc_vehicle --format csv": SPACE,

@@ -5,8 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from cosim.exchange_models import model, simulated
-from hypothesis import HealthCheck, given, settings
-from hypothesis import strategies as st
+from hypothesis import HealthCheck, given, settings, strategies as st
 
 BOTH = pytest.mark.parametrize("version", [2, 3])
 

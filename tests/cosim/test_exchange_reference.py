@@ -5,8 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from cosim.exchange_models import model, system
-from hypothesis import HealthCheck, given, settings
-from hypothesis import strategies as st
+from hypothesis import HealthCheck, given, settings, strategies as st
 from oracle.reference import run_reference
 
 from dse.cosim.simulator import RunFailed, Simulator

@@ -2,8 +2,7 @@ from __future__ import annotations
 
 from fake_runners import study_of
 from first_asks import first_ask
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 
 from dse.exploration.batches import Chunks
 from dse.storage.database.asks import Asks, Block, blocks_of

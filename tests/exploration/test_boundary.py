@@ -5,8 +5,7 @@ from collections.abc import Callable
 import numpy as np
 from fake_runners import definition_of, study_of
 from first_asks import first_ask
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 
 from dse.domain.study import Study
 from dse.exploration.boundary import near_boundary as near_boundary_on

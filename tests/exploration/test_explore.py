@@ -170,7 +170,7 @@ def test_killed_at_once_with_all_its_workers_it_later_runs_only_what_is_missing(
     # The script has no main guard, and its process no importable main module: workers start all the same.
     here = Path(__file__).parent
     script = tmp_path / "script.py"
-    paths = [str(here), str(here.parents[1])]
+    paths = [str(here), str(here.parent), str(here.parents[1])]
     script.write_text(KILLED.format(paths=paths, keep=str(keep), folder=str(tmp_path / "study")), encoding="utf-8")
     # What a killed process leaves in the folder for temporary files stays with the test.
     process = subprocess.Popen(
@@ -207,7 +207,7 @@ def wait_for_runs(path: Path, least: int) -> None:
 def test_ctrl_c_in_a_terminal_reaches_workers_too_and_loses_nothing(tmp_path: Path) -> None:
     here = Path(__file__).parent
     script = tmp_path / "script.py"
-    paths = [str(here), str(here.parents[1])]
+    paths = [str(here), str(here.parent), str(here.parents[1])]
     script.write_text(KILLED.format(paths=paths, keep="none", folder=str(tmp_path / "study")), encoding="utf-8")
     process = subprocess.Popen(
         [sys.executable, str(script)], start_new_session=True, stderr=subprocess.PIPE, encoding="utf-8"

@@ -7,8 +7,7 @@ import numpy as np
 import pytest
 from fake_runners import study_of
 from first_asks import first_ask, points
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 
 from dse.domain.sampler import Brief, DesignVariable, Outcomes
 from dse.domain.study import Study

@@ -6,8 +6,7 @@ import re
 
 import pytest
 from fmu.descriptions import FMI_1, FMI_2, FMI_3
-from hypothesis import HealthCheck, given, settings
-from hypothesis import strategies as st
+from hypothesis import HealthCheck, given, settings, strategies as st
 
 from dse.domain.fmu import FmiInterface
 from dse.errors import DseError

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import pytest
 from fmu.descriptions import FMI_3 as TEXT
-from hypothesis import HealthCheck, given, settings
-from hypothesis import strategies as st
+from hypothesis import HealthCheck, given, settings, strategies as st
 
 from dse.domain.component import Kind
 from dse.domain.fmu import Exchange, FmiInterface

@@ -11,9 +11,9 @@ from dse.modelica.frontend import process
 from dse.modelica.frontend.compile import compile_model
 from dse.modelica.frontend.literal import literal, wrapper
 from dse.modelica.frontend.process import FrontEnd, FrontEndDied
-from dse.modelica.frontend.reach import used
 from dse.modelica.frontend.sources import SourceText, read_sources
-from dse.modelica.frontend.structural import compile_probed
+from dse.modelica.frontend.structural.probe import compile_probed
+from dse.modelica.frontend.used_classes import used
 
 LIBRARY = {
     "Lib/package.mo": 'package Lib "Größe"\nend Lib;\n',
@@ -228,8 +228,8 @@ def test_what_is_no_value_is_not_written(value: object) -> None:
 
 
 def test_dotted_names_become_nested_modifications() -> None:
-    text = wrapper("W", "P.M", {"a.b.c": "1", "a.d": "2", "e": "true"}, ["Q"])
-    assert text == "// Q\nmodel W\n  extends P.M(a(b(c=1), d=2), e=true);\nend W;\n"
+    text = wrapper("P.M", {"a.b.c": "1", "a.d": "2", "e": "true"}, ["Q"])
+    assert text == "// Q\nmodel DseWrapper\n  extends P.M(a(b(c=1), d=2), e=true);\nend DseWrapper;\n"
 
 
 @pytest.mark.parametrize(("offset", "line", "column"), [(0, 1, 1), (2, 1, 2), (5, 2, 1), (9, 2, 3)])

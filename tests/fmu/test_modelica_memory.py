@@ -13,7 +13,7 @@ from dse.domain.component import NO_INTERFACE, Component, Kind, ModelicaSource, 
 from dse.fmu.building import build
 from dse.fmu.unpack import open_fmu
 from dse.modelica.frontend import process
-from dse.modelica.frontend.remembered import Memory
+from dse.modelica.frontend.answer_cache import AnswerCache
 from dse.modelica.frontend.sources import ModelSources, read_sources
 
 LAG = """within Lib;
@@ -117,8 +117,8 @@ def test_another_text_of_any_file_is_another_answer(
     assert "front-end" in started
 
 
-def memory(tmp_path: Path, program: str = "one") -> Memory:
-    return Memory(tmp_path / "kept", program)
+def memory(tmp_path: Path, program: str = "one") -> AnswerCache:
+    return AnswerCache(tmp_path / "kept", program)
 
 
 def sources(library: Path, *, as_library: bool) -> ModelSources:

@@ -9,8 +9,7 @@ import math
 import numpy as np
 import pytest
 from fmu.modelica_models.bench import RUNTIME
-from hypothesis import given, settings
-from hypothesis import strategies as st
+from hypothesis import given, settings, strategies as st
 
 from dse.csolve import headers
 from dse.fmu.toolchain.compilation import compile_library

@@ -6,8 +6,7 @@ import ctypes
 
 import pytest
 from fmpy.fmi1 import FMICallException
-from hypothesis import HealthCheck, given, settings
-from hypothesis import strategies as st
+from hypothesis import HealthCheck, given, settings, strategies as st
 
 
 def test_a_plant_steps_once_per_communication_step(workshop, new_slave):

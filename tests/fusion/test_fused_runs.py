@@ -20,11 +20,9 @@ from fusion.conftest import (
     ports,
     system_of,
 )
-from hypothesis import HealthCheck, given, settings
-from hypothesis import strategies as st
+from hypothesis import HealthCheck, given, settings, strategies as st
 
-from dse.cosim.binding.calls import AccessorType, function_name, type_of
-from dse.cosim.binding.calls import Call as KernelCall
+from dse.cosim.binding.calls import AccessorType, Call as KernelCall, function_name, type_of
 from dse.cosim.simulator import Simulator
 from dse.domain.component import Parameter
 from dse.domain.fmu import Variable

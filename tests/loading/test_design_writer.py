@@ -7,8 +7,7 @@ from pathlib import Path
 
 import pytest
 from every_configuration import valid
-from hypothesis import given, settings
-from hypothesis import strategies as st
+from hypothesis import given, settings, strategies as st
 
 from dse.domain.component import NO_INTERFACE, Component, CSource
 from dse.domain.design import Alternative, Compound, Constraint, DesignSpace, Optional, Part, walk

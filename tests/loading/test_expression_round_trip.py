@@ -6,8 +6,7 @@ import contextlib
 from dataclasses import replace
 from fractions import Fraction
 
-from hypothesis import given, settings
-from hypothesis import strategies as st
+from hypothesis import given, settings, strategies as st
 
 from dse.domain.expression import Between, Binary, Call, Chosen, Conditional, Name, Number, Truth, Unary
 from dse.errors import DseError

@@ -5,8 +5,7 @@ from __future__ import annotations
 from fractions import Fraction
 
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
+from hypothesis import given, settings, strategies as st
 
 from dse.domain.expression import Between, Binary, Call, Chosen, Conditional, Expression, Name, Number, Truth, Unary
 from dse.expression.parse import parse_expression

@@ -7,8 +7,7 @@ from fractions import Fraction
 
 import pytest
 from every_configuration import valid
-from hypothesis import given, settings
-from hypothesis import strategies as st
+from hypothesis import given, settings, strategies as st
 
 from dse.domain.design import Alternative, Compound, Optional, Part
 from dse.loading.uvl.reading import read_uvl, read_uvl_text

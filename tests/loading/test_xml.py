@@ -6,8 +6,7 @@ import math
 import string
 
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 
 from dse.errors import DseError, Location
 from dse.formats.xml import read_xml, read_xml_file

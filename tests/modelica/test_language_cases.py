@@ -7,8 +7,7 @@ import struct
 from collections.abc import Callable, Mapping
 
 import pytest
-from language_case import CASES as FOLDER
-from language_case import Case
+from language_case import CASES as FOLDER, Case
 from modelica_components import Built
 from slaves import numbers, run_cs, run_master, run_me
 from solutions_of_classes import CASES as OF_CLASSES

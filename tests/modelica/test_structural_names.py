@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from dse.modelica.frontend.sources import read_sources
-from dse.modelica.frontend.structural import compile_probed
+from dse.modelica.frontend.structural.probe import compile_probed
 
 LAMP = "model Lamp parameter Real q = 1; output Real y = q; end Lamp;"
 CASES = {

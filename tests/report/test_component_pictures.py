@@ -11,7 +11,7 @@ import pytest
 from dse.domain.component import Component
 from dse.domain.diagram import Diagram, Link
 from dse.loading.workspace import Workspace
-from dse.pictures.component import draw, pictured
+from dse.pictures.component import draw_component, pictured
 from dse.pictures.component_layout import lay_out
 
 COMPONENTS = Path(__file__).parents[2] / "components"
@@ -65,7 +65,7 @@ def test_nothing_overlaps_and_all_lies_inside(name: str) -> None:
 
 def test_a_picture_shows_the_ports_with_units_and_the_parts() -> None:
     part = component("bev_single_speed")
-    root = ET.fromstring(draw(part, pictured(part)))  # noqa: S314
+    root = ET.fromstring(draw_component(part, pictured(part)))  # noqa: S314
     texts = {element.text for element in root.iter() if element.tag.endswith("text")}
     assert {"wheel_speed.front [rad/s]", "co2 [kg/s]", "machine", "battery", "axle", part.title} <= texts
 
@@ -73,7 +73,7 @@ def test_a_picture_shows_the_ports_with_units_and_the_parts() -> None:
 def test_a_picture_escapes_what_users_write() -> None:
     part = component("pd_acc")
     named = Component(part.name, part.interface, title='<b>"P&D"</b>')
-    root = ET.fromstring(draw(named, Diagram(())))  # noqa: S314
+    root = ET.fromstring(draw_component(named, Diagram(())))  # noqa: S314
     assert '<b>"P&D"</b>' in [element.text for element in root.iter()]
 
 
@@ -92,5 +92,7 @@ def test_the_library_shows_every_component_as_it_is_drawn_today() -> None:
     for name in library.component_files:
         part = library.component(name)
         picture = (COMPONENTS / "pictures" / f"{name}.svg").read_text(encoding="utf-8")
-        assert picture == draw(part, pictured(part)), f"dse components --graph components/pictures: {name} has changed"
+        assert picture == draw_component(part, pictured(part)), (
+            f"dse components --graph components/pictures: {name} has changed"
+        )
         assert f"(pictures/{name}.svg)" in shown

@@ -4,8 +4,7 @@ import base64
 import zlib
 
 import numpy as np
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 from hypothesis.extra.numpy import arrays
 
 from dse.report.page.packing import MISSING, STEPS, Block, quantise, second_differences

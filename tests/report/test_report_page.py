@@ -100,3 +100,9 @@ def test_a_place_that_cannot_be_written_is_named(sliced: ReportContent, tmp_path
 
 def test_a_thousand_runs_with_waveforms_stay_below_the_size_of_a_photograph(sliced: ReportContent) -> None:
     assert len(page_of(sliced, shown_figures(sliced))) < 600_000
+
+
+def test_a_slice_of_one_variable_offers_no_plane(sliced: ReportContent) -> None:
+    name = sliced.variables[0].name
+    document = payload_of(dataclasses.replace(sliced, slices=((name,), *sliced.slices))).document
+    assert json.loads(document)["slices"] == json.loads(payload_of(sliced).document)["slices"]

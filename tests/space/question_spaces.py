@@ -6,8 +6,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
-from hypothesis import HealthCheck, assume, settings
-from hypothesis import strategies as st
+from hypothesis import HealthCheck, assume, settings, strategies as st
 from random_spaces import bare_space, condition, design_spaces, rows_of
 
 from dse.domain.design import Alternative, Compound, Constraint, DesignSpace, Node, Optional, Part

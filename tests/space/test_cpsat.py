@@ -7,8 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 from cpsat import optimum, satisfiable
-from hypothesis import given, settings
-from hypothesis import strategies as st
+from hypothesis import given, settings, strategies as st
 from random_spaces import design_spaces
 
 from dse.space.flat import Clause, FlatSpace, Ints, Linear, Rule, Table, Variable, Wide

@@ -6,8 +6,7 @@ from itertools import product
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
+from hypothesis import given, settings, strategies as st
 
 from dse.space.flat import ABSENT, Bools, Clause, FlatSpace, Fold, Gather, Linear, Rows, Rule, Table, Variable, Wide
 from dse.space.methods.dnnf.compile import compile_dnnf

@@ -5,8 +5,7 @@ from __future__ import annotations
 from itertools import islice, product
 
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
+from hypothesis import given, settings, strategies as st
 
 from dse.domain.component import Component, Interface
 from dse.domain.design import Alternative, Compound, Constraint, DesignSpace, Optional, Part

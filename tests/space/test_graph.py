@@ -9,7 +9,7 @@ from dse.domain.component import Component, Interface
 from dse.domain.design import Alternative, Compound, Constraint, DesignSpace, Optional, Part
 from dse.errors import DseError
 from dse.expression.parse import parse_expression
-from dse.pictures.tree import draw
+from dse.pictures.tree import draw_tree
 from dse.pictures.tree_layout import NodeKind, lay_out
 from dse.space.methods.engine import Engine
 from dse.space.output.tree import ONE_OF, part_below, tree_of
@@ -94,24 +94,24 @@ def test_a_tall_space_stands_in_columns():
 
 def test_the_picture_is_well_formed_whatever_things_are_called():
     rude = DesignSpace("<&\"'>", Compound("<script>", {"a&b": Alternative((part("]]>"), part("x<y")))}))
-    picture = ElementTree.fromstring(draw(tree_of(rude, {"a&b": "x<y"}), "<title> & more", '"note"'))
+    picture = ElementTree.fromstring(draw_tree(tree_of(rude, {"a&b": "x<y"}), "<title> & more", '"note"'))
     texts = [element.text for element in picture.iter("{http://www.w3.org/2000/svg}text")]
     assert {"<title> & more", '"note"', "<&\"'>", "a&b", "]]>", "x<y"} <= set(texts)
 
 
 def test_alternatives_are_dashed_and_the_chosen_path_is_highlighted():
-    picture = draw(tree_of(space(), {"s": "s3", "p": "bev"}), "car")
+    picture = draw_tree(tree_of(space(), {"s": "s3", "p": "bev"}), "car")
     root = ElementTree.fromstring(picture)
     classes = [element.get("class", "") for element in root.iter()]
     assert classes.count("alternative edge chosen") == 2
     assert classes.count("component chosen") == 1 + 2
-    assert draw(tree_of(space(), {"s": "s3", "p": "bev"}), "car") == picture
+    assert draw_tree(tree_of(space(), {"s": "s3", "p": "bev"}), "car") == picture
 
 
 def test_a_graph_too_large_to_read_is_refused_by_name():
     parts = {f"p{i}": Alternative((part("a"), part("b"))) for i in range(1000)}
     large = DesignSpace("large", Compound("large", parts))
     with pytest.raises(DseError, match="'large' has 3,001 nodes") as caught:
-        draw(tree_of(large), "large")
+        draw_tree(tree_of(large), "large")
     assert "--below" in str(caught.value)
-    assert draw(part_below(tree_of(large), "p7"), "p7")
+    assert draw_tree(part_below(tree_of(large), "p7"), "p7")

@@ -6,8 +6,7 @@ from math import prod
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
+from hypothesis import given, settings, strategies as st
 
 from dse.space.flat import FlatSpace, Linear, Variable
 from dse.space.methods.grid.digits import BITS, Digits, carry, digits_for, running_sums, scalar_product, split, word

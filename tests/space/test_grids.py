@@ -10,8 +10,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
+from hypothesis import given, settings, strategies as st
 
 from dse.space.flat import ABSENT, FlatSpace, Fold, Gather, Ints, Linear, Rule, Table, Variable, Wide
 from dse.space.methods.budget import Cost, TooMuchError

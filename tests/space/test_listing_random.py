@@ -10,8 +10,7 @@ from itertools import product
 from operator import mul
 
 import numpy as np
-from hypothesis import given, settings
-from hypothesis import strategies as st
+from hypothesis import given, settings, strategies as st
 
 from dse.space.flat import (
     ABSENT,

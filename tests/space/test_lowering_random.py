@@ -5,8 +5,7 @@ from __future__ import annotations
 from unittest.mock import patch
 
 import numpy as np
-from hypothesis import HealthCheck, assume, given, settings
-from hypothesis import strategies as st
+from hypothesis import HealthCheck, assume, given, settings, strategies as st
 from random_spaces import design_spaces, folded, holding, rows_of
 
 from dse.domain.design import Constraint, DesignSpace

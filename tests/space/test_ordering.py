@@ -4,8 +4,7 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
+from hypothesis import given, settings, strategies as st
 
 from dse.space.flat import Clause, FlatSpace, Rule, Table, Variable
 from dse.space.methods.mdd.diagram import compile_diagram, count

@@ -6,8 +6,7 @@ from functools import lru_cache
 
 import pytest
 from every_configuration import valid
-from hypothesis import given, settings
-from hypothesis import strategies as st
+from hypothesis import given, settings, strategies as st
 
 from dse.domain.component import NO_INTERFACE, Causality, Component, Interface, Kind, Port, Type
 from dse.domain.design import Alternative, Compound, Connection, Constraint, DesignSpace, Optional, Part, walk

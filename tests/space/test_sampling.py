@@ -9,8 +9,7 @@ from itertools import product
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
+from hypothesis import given, settings, strategies as st
 
 from dse.space.flat import ABSENT, FlatSpace, Fold, Gather, Linear, Table, Variable, Wide
 from dse.space.methods.mdd.diagram import compile_diagram

@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 
 from dse.cli.spaces import number_text, tally_cell, tally_text
 from dse.space.methods.tally import Tally, significant

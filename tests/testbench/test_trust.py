@@ -7,8 +7,7 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 
 from dse.domain.component import Component, CSource, Interface
 from dse.domain.facts import Answer, FmuFacts, Question

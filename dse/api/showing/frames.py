@@ -10,13 +10,13 @@ if TYPE_CHECKING:
     import pandas as pd
     import pyarrow as pa
 
-    from dse.space.opened import OpenedSpace
-    from dse.storage.folder import StudyFolder
+    from dse.space import OpenedSpace
+    from dse.storage import StudyFolder
 
 
 def runs_frame(folder: StudyFolder) -> pd.DataFrame:
     """One row per run by number, values SI, and ``attrs["units"]`` by column."""
-    from dse.storage.export.tables import to_frame
+    from dse.storage import to_frame
 
     frame = to_frame(folder)
     known = described.units(folder.require_definition())
@@ -28,7 +28,7 @@ def runs_table(folder: StudyFolder) -> pa.Table:
     """The same as an Arrow table; a field with a unit has it in its metadata, as ``unit``."""
     import pyarrow as pa
 
-    from dse.storage.export.tables import columns_of
+    from dse.storage import columns_of
 
     known = described.units(folder.require_definition())
     arrays = {name: pa.array(column) for name, column in columns_of(folder.table())}

@@ -10,7 +10,7 @@ if TYPE_CHECKING:
     from rich.console import Console
     from rich.progress import TaskID
 
-    from dse.exploration.progress import Progress
+    from dse.exploration import Progress
 
 
 @contextmanager

@@ -15,12 +15,7 @@ if TYPE_CHECKING:
     import pandas as pd
 
     from dse.domain.design import Configuration, Constraint, DesignSpace
-    from dse.space.methods.tally import Tally
-    from dse.space.opened import OpenedSpace
-    from dse.space.questions.difference import Difference
-    from dse.space.questions.explain import Explanation
-    from dse.space.questions.impact import Impact
-    from dse.space.questions.occurrence import Occurrence
+    from dse.space import Difference, Explanation, Impact, Occurrence, OpenedSpace, Tally
 
 
 class Narrowing(TypedDict, total=False):
@@ -53,7 +48,7 @@ class Design:
     @property
     def total(self) -> int:
         """The number of combinations, constraints aside."""
-        from dse.space.decisions import combinations
+        from dse.space import combinations
 
         return combinations(self.space)
 
@@ -84,7 +79,7 @@ class Design:
     ) -> Ranking:
         """The *n* best valid configurations under one objective, as ``sum(cost)``. Exact: there is none better."""
         from dse.errors import fail
-        from dse.space.questions.optimum import read_aims
+        from dse.space import read_aims
 
         wanted = read_aims([minimize] if minimize else [], [maximize] if maximize else [])
         if len(wanted) != 1:
@@ -97,7 +92,7 @@ class Design:
     ) -> Ranking:
         """The configurations that no other one beats in every objective, one for each point of the complete set."""
         from dse.errors import fail
-        from dse.space.questions.optimum import read_aims
+        from dse.space import read_aims
 
         wanted = read_aims(_several(minimize), _several(maximize))
         if len(wanted) < 2:
@@ -154,7 +149,7 @@ class Design:
         return f"<Design {self.name}: {self.total:,} combinations, {len(self.space.constraints)} constraints>"
 
     def _repr_html_(self) -> str:
-        from dse.space.decisions import alternatives
+        from dse.space import alternatives
 
         rows = [
             (path, ", ".join(choice or "absent" for choice in choices))
@@ -167,7 +162,7 @@ class Design:
         return whole.part(_texts(narrowing.get("choose", {})), condition_of(narrowing.get("where")))
 
     def _opening(self, on: Sequence[str] = (), off: Sequence[str] = ()) -> OpenedSpace:
-        from dse.space.opened import open_space
+        from dse.space import open_space
 
         switches = tuple(on), tuple(off)
         if switches not in self._opened:

@@ -11,8 +11,7 @@ from dse.api.showing.html import table
 if TYPE_CHECKING:
     import pandas as pd
 
-    from dse.space.opened import OpenedSpace
-    from dse.space.questions.optimum import Aim, Ranked
+    from dse.space import Aim, OpenedSpace, Ranked
     from dse.units import Unit
 
 

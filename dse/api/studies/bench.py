@@ -17,8 +17,8 @@ if TYPE_CHECKING:
     from dse.api.studies.results import Results
     from dse.api.studies.run import Run
     from dse.domain.design import Configuration
-    from dse.exploration.progress import Progress
-    from dse.loading.values import Raw
+    from dse.exploration import Progress
+    from dse.loading import Raw
 
 
 class Exploring(TypedDict, total=False):
@@ -85,7 +85,7 @@ class Bench(_Named[TestBench]):
 
     def run(self, folder: str | Path, **options: Unpack[Exploring]) -> Results:
         """Run the bench on every valid configuration, into a study folder; see `Study.explore`."""
-        from dse.testbench.study import bench_study
+        from dse.testbench import bench_study
 
         return Study(bench_study(self.noun)).explore(folder, **options)
 

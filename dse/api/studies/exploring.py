@@ -9,15 +9,17 @@ from typing import TYPE_CHECKING
 
 from dse.domain.study import ExecutorChoice
 from dse.errors import fail
-from dse.exploration.executor import Executor, load_executor
-from dse.exploration.loop import ExplorationInterruptedError, Explored, explore
-from dse.exploration.progress import Progress
-from dse.exploration.supervision.single_run import simulate_alone
-from dse.storage.database.header import StudyHeader
-from dse.storage.folder import StudyFolder
-from dse.testbench.fuse import fuse_study
-from dse.testbench.runner import make_runner
-from dse.testbench.study import PreparedStudy, prepare_study
+from dse.exploration import (
+    Executor,
+    ExplorationInterruptedError,
+    Explored,
+    Progress,
+    explore,
+    load_executor,
+    simulate_alone,
+)
+from dse.storage import StudyFolder, StudyHeader
+from dse.testbench import PreparedStudy, fuse_study, make_runner, prepare_study
 
 if TYPE_CHECKING:
     from dse.domain.run import Run

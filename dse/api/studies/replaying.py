@@ -51,8 +51,8 @@ def replay(stored: Run, *, source: str | Path | None = None, fmi: int = 2, tell:
     """Simulate *stored* again and compare; its study is found in the workspace here, or in the file *source*."""
     from dse.api.studies.exploring import alone
     from dse.domain.study import Selection
-    from dse.storage.difference import changed_inputs, changed_results
-    from dse.testbench.study import bench_study, with_values
+    from dse.storage import changed_inputs, changed_results
+    from dse.testbench import bench_study, with_values
 
     bench = with_values(_bench(stored.definition, source), stored.point)
     made, planned = alone(bench_study(bench, Selection((stored.configuration,))), fmi, tell=tell)

@@ -18,9 +18,8 @@ if TYPE_CHECKING:
     from dse.api.studies.replaying import Replay
     from dse.domain.definition import StudyDefinition
     from dse.errors import Problem
-    from dse.exploration.loop import Explored
-    from dse.storage.database.table import RunTable
-    from dse.storage.folder import StudyFolder
+    from dse.exploration import Explored
+    from dse.storage import RunTable, StudyFolder
 
 T = TypeVar("T")
 
@@ -86,7 +85,7 @@ class Results:
     def export(self, kind: str) -> bytes:
         """The table of runs as ``csv``, ``json``, ``parquet`` or ``junit``."""
         from dse.errors import closest, fail
-        from dse.storage.export.tables import EXPORTS
+        from dse.storage import EXPORTS
 
         if kind not in EXPORTS:
             raise fail(f"results cannot be written as '{kind}'", None, closest(kind, EXPORTS))
@@ -104,8 +103,7 @@ class Results:
         It holds the waveforms of at most so many runs. Nothing is simulated. *on_problems* is told of figures that
         could not be drawn; by default they are warnings.
         """
-        from dse.report.content.reading import read_content
-        from dse.report.page.html import write_report
+        from dse.report import read_content, write_report
 
         page = Path(target) if target is not None else self.folder / "report.html"
         content = read_content(self.folder, waveforms)
@@ -135,7 +133,7 @@ class Results:
         return table(what, ("requirement", *heads) if rows else (), rows)
 
     def _read(self, question: Callable[[StudyFolder], T]) -> T:
-        from dse.storage.folder import StudyFolder
+        from dse.storage import StudyFolder
 
         with StudyFolder.open(self.folder) as store:
             return question(store)

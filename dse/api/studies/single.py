@@ -11,15 +11,14 @@ from dse.api.showing.described import si_unit
 from dse.api.studies.exploring import Tell, alone, ready
 from dse.api.studies.run import Run
 from dse.domain.study import Selection
-from dse.testbench.select import one_configuration
-from dse.testbench.study import bench_study, with_settings
+from dse.testbench import bench_study, one_configuration, with_settings
 
 if TYPE_CHECKING:
     from dse.domain.bench import TestBench
     from dse.domain.design import Configuration
     from dse.domain.study import Study
-    from dse.loading.values import Raw
-    from dse.testbench.study import PreparedStudy
+    from dse.loading import Raw
+    from dse.testbench import PreparedStudy
 
 
 def simulate_once(
@@ -63,9 +62,8 @@ def write_package(
     bench: TestBench, configuration: str | None, settings: Mapping[str, Raw], target: Path, *, fmi: int = 2
 ) -> tuple[Configuration, int]:
     """Write the configuration as `simulate_once` has it as an SSP package; returns it and how many elements it has."""
-    from dse.interchange.structure import ExperimentSettings
-    from dse.interchange.writing.write import write_ssp
-    from dse.testbench.prepare import prepare_bench
+    from dse.interchange import ExperimentSettings, write_ssp
+    from dse.testbench import prepare_bench
 
     study = _single(bench, configuration, settings)
     chosen = one_configuration(bench.design, *study.selection.ids)
@@ -80,7 +78,7 @@ def recorded_units(planned: PreparedStudy) -> dict[str, str]:
     """The SI unit of each waveform that is kept of the study's runs."""
     from dse.domain.component import Kind
     from dse.domain.method import BONDS
-    from dse.testbench.wired import wire_bench
+    from dse.testbench import wire_bench
 
     kept: dict[str, str] = {}
     for prepared in planned.benches.values():

@@ -9,7 +9,7 @@ from typing import Annotated
 
 import typer
 
-from dse.api.naming import workspace_of
+from dse.api import workspace_of
 from dse.cli.app import app
 from dse.cli.arguments import Configuration, FmiVersion
 from dse.cli.terminal import console, say
@@ -57,9 +57,8 @@ def build(
 
 
 def _fmus(names: list[str] | None, version: int, workspace: Path) -> dict[str, Path]:
-    from dse.fmu.building import build_all
-    from dse.loading.component.kind import kind_of
-    from dse.loading.workspace import Workspace
+    from dse.fmu import build_all
+    from dse.loading import Workspace, kind_of
 
     space = Workspace.around(workspace)
     found = [space.component(name) for name in names or space.component_files]
@@ -69,8 +68,8 @@ def _fmus(names: list[str] | None, version: int, workspace: Path) -> dict[str, P
 
 
 def _fused(bench: str, configuration: str | None, version: int, workspace: Path) -> dict[str, Path]:
-    from dse.api.studies.single import fused_libraries
-    from dse.loading.workspace import Workspace
+    from dse.api import fused_libraries
+    from dse.loading import Workspace
 
     space = Workspace.around(workspace) if workspace != Path() else workspace_of(bench)
     with console(stderr=True).status("") as status:

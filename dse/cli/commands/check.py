@@ -22,8 +22,8 @@ def check(
     Checks every component, design space, test bench and study: keys, units, types, wiring, metrics,
     and that each design space has a valid configuration.
     """
-    from dse.loading.workspace import Workspace
-    from dse.testbench.check import check_workspace
+    from dse.loading import Workspace
+    from dse.testbench import check_workspace
 
     with status_line() as show:
         problems, counts = check_workspace(

@@ -29,7 +29,7 @@ def components(
     Shows each component with its interface, source, properties and parameters; a picture shows its ports and, of a
     Modelica model, the parts it is made of.
     """
-    from dse.loading.workspace import Workspace
+    from dse.loading import Workspace
 
     space = Workspace.around(workspace)
     found = sorted((space.component(name) for name in space.component_files), key=lambda c: (c.interface.name, c.name))
@@ -47,12 +47,12 @@ def components(
 
 
 def _draw(components: list[Component], folder: Path) -> None:
-    from dse.pictures.component import draw, pictured
+    from dse.pictures import draw_component, pictured
 
     folder.mkdir(parents=True, exist_ok=True)
     for component in components:
         target = folder / f"{component.name}.svg"
-        target.write_text(draw(component, pictured(component)), encoding="utf-8", newline="\n")
+        target.write_text(draw_component(component, pictured(component)), encoding="utf-8", newline="\n")
         say(f"{target}: {component.title or component.name}")
 
 

@@ -9,16 +9,13 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from dse.api.naming import opened
+from dse.api import opened
 from dse.cli.app import app
 from dse.cli.arguments import Design, Off, On, Seed, Where
 from dse.cli.terminal import console, plain_table, print_json, print_table, say
 
 if TYPE_CHECKING:
-    from dse.space.flat import Rows
-    from dse.space.methods.tally import Tally
-    from dse.space.opened import OpenedSpace
-    from dse.space.output.sheet import Sheet
+    from dse.space import OpenedSpace, Rows, Sheet, Tally
 
 
 class ListingFormat(StrEnum):

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dse.api.naming import workspace_of
+from dse.api import workspace_of
 from dse.cli.app import app
 from dse.cli.arguments import FmiVersion, Fresh, Fuse, Gate, NewFolder, StudyName, Threads, Workers
 
@@ -22,8 +22,8 @@ def explore(
 
     Interrupted and started again it runs only what is missing; on a finished folder it does nothing.
     """
-    from dse.api.studies.exploring import ExploreOptions
-    from dse.cli.exploring import explore_into
+    from dse.api import ExploreOptions
+    from dse.cli.exploring import explore_and_show
 
     options = ExploreOptions(workers, threads, fuse, fresh, version)
-    explore_into(workspace_of(study).study(study), folder, options, gate=gate)
+    explore_and_show(workspace_of(study).study(study), folder, options, gate=gate)

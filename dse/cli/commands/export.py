@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from dse.api.naming import opened, space_of, workspace_of
+from dse.api import opened, space_of, workspace_of
 from dse.cli.app import group
 from dse.cli.arguments import Bench, Choose, Configuration, Design, FmiVersion, Off, On, Settings, Where
 from dse.cli.terminal import console, say
@@ -28,7 +28,7 @@ def export_uvl(design: Design, target: Target, on: On = [], off: Off = []) -> No
     With the constraints that are on; one that UVL cannot say is refused by name.
     """
     from dse.errors import fail
-    from dse.loading.uvl.writing import to_uvl
+    from dse.loading import to_uvl
 
     space = space_of(design, on, off)
     text = to_uvl(space)
@@ -68,7 +68,7 @@ def export_ssp(
 
     Takes the first valid configuration unless --configuration names another.
     """
-    from dse.api.studies.single import write_package
+    from dse.api import write_package
     from dse.cli.commands.simulate import read_settings
 
     if target.suffix.lower() != ".ssp":

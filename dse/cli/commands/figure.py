@@ -14,7 +14,7 @@ from dse.cli.terminal import say
 from dse.errors import DseError, Location, Problem, fail, raise_if_any
 
 if TYPE_CHECKING:
-    from dse.report.content.nouns import ReportContent
+    from dse.report import ReportContent
 
 
 class Kind(StrEnum):
@@ -43,9 +43,7 @@ def figure(
     Without --x and --y one constraint plot is drawn for each slice of the study. Without --run the waveforms are those
     of the run nearest the bounds of all requirements among those that pass.
     """
-    from dse.report.content.reading import read_content
-    from dse.report.drawing.style import save_drawing
-    from dse.report.figure import FIGURES, View, drawings
+    from dse.report import FIGURES, View, drawings, read_content, save_drawing
 
     if (x is None) != (y is None):
         raise typer.BadParameter("give both --x and --y, or neither", param_hint="--x/--y")

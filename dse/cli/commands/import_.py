@@ -30,7 +30,7 @@ def import_uvl(
 
     Its tree goes to DIR/designs, its features' attributes to DIR/components, each as a file called after the model.
     """
-    from dse.loading.uvl.reading import read_uvl
+    from dse.loading import read_uvl
 
     space = read_uvl(model)
     files = _files(space, folder)
@@ -64,8 +64,8 @@ def import_fmu(
 
     What is neither a port nor a parameter is listed as left out.
     """
-    from dse.interchange.importing.component import import_component
-    from dse.loading.paths import find_root
+    from dse.interchange import import_component
+    from dse.loading import find_root
 
     # Relative to this folder, so that the paths that are shown can be clicked and copied.
     target = folder or Path(os.path.relpath(find_root(Path()) or Path()))
@@ -101,7 +101,7 @@ def import_ssp(
     values. Where variants have different FMUs at a place, these are alternatives of the design.
     """
     from dse.cli.packages import seconds
-    from dse.interchange.importing.ssp import import_ssp as make
+    from dse.interchange import import_ssp as make
 
     made = make(package, folder, stop=seconds("--stop", stop), step=seconds("--step", step))
     for path in made.files:
@@ -121,7 +121,7 @@ def _files(space: DesignSpace, folder: Path) -> dict[Path, str]:
     """What to write, by path. Raises DseError if one of the files is there already."""
     from dse.domain.design import Part, walk
     from dse.errors import Location, Problem, raise_if_any
-    from dse.loading.writing.design import write_components, write_design
+    from dse.loading import write_components, write_design
 
     components = {node.name: node.component for _, node in walk(space.root) if isinstance(node, Part)}
     files = {

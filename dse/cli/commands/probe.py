@@ -54,7 +54,7 @@ def probe(
 
     What was found is kept in the cache, and all simulations act on it: an FMU that lies about its reset is never reset.
     """
-    from dse.api.probing import facts_as_data, known_facts, model_of, probe_fmu
+    from dse.api import facts_as_data, known_facts, model_of, probe_fmu
     from dse.domain.facts import Answer, Question
 
     found: list[FmuFacts] = []
@@ -80,7 +80,7 @@ def probe(
 def _show(name: str, model: FmuModel, facts: FmuFacts) -> None:
     from rich.text import Text
 
-    from dse.api.probing import consequences
+    from dse.api import consequences
     from dse.domain.facts import Question
 
     kind = f"FMI {model.version}, {model.interface}"

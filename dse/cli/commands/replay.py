@@ -29,8 +29,7 @@ def replay(
 
     Shows its metrics; with --plot draws its waveforms even if the study did not keep them.
     """
-    from dse.api.studies.replaying import replay as replayed
-    from dse.api.studies.results import Results
+    from dse.api import Results, replay as replayed
     from dse.cli.runs import present_run
 
     stored = Results(folder).run(number)

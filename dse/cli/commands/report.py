@@ -27,7 +27,7 @@ def report(
 
     Reads only the study folder; nothing is simulated.
     """
-    from dse.api.studies.results import Results
+    from dse.api import Results
     from dse.errors import DseError
 
     results = Results(folder)

@@ -37,7 +37,7 @@ def results(
 
     Point, metrics, verdicts and margins of each run, in SI units.
     """
-    from dse.api.studies.results import Results
+    from dse.api import Results
 
     data = Results(folder).export(str(output))
     if target is not None:

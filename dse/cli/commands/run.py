@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dse.api.naming import workspace_of
+from dse.api import workspace_of
 from dse.cli.app import app
 from dse.cli.arguments import Bench, FmiVersion, Fresh, Fuse, Gate, NewFolder, Threads, Workers
 
@@ -22,9 +22,8 @@ def run(
 
     Interrupted and started again it goes on where it was.
     """
-    from dse.api.studies.exploring import ExploreOptions
-    from dse.api.studies.single import study_of_bench
-    from dse.cli.exploring import explore_into
+    from dse.api import ExploreOptions, study_of_bench
+    from dse.cli.exploring import explore_and_show
 
     options = ExploreOptions(workers, threads, fuse, fresh, version)
-    explore_into(study_of_bench(workspace_of(bench).bench(bench)), folder, options, gate=gate)
+    explore_and_show(study_of_bench(workspace_of(bench).bench(bench)), folder, options, gate=gate)

@@ -8,7 +8,7 @@ from typing import Annotated
 
 import typer
 
-from dse.api.naming import workspace_of
+from dse.api import workspace_of
 from dse.cli.app import DONE, RUNS_FAILED, app
 from dse.cli.arguments import (
     CheckStep,
@@ -84,7 +84,7 @@ def simulate(
     asked = {"--output": waveforms, "--variant": variant, "--stop": stop, "--step": step, "--record": record}
     words = {"--algorithm": algorithm, "--coupling": coupling, "--extrapolation": extrapolation, "--timeout": timeout}
     _refuse({**asked, **words}, "package")
-    from dse.api.studies.single import simulate_once
+    from dse.api import simulate_once
     from dse.cli.runs import present_run
 
     tested = workspace_of(bench).bench(bench)

@@ -13,8 +13,7 @@ from dse.errors import fail
 
 if TYPE_CHECKING:
     from dse.domain.design import DesignSpace
-    from dse.space.configurations.ids import IdentifiedChoices
-    from dse.space.opened import OpenedSpace
+    from dse.space import IdentifiedChoices, OpenedSpace
 
 
 def choose(part: OpenedSpace, target: Path | None) -> None:

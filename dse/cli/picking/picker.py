@@ -15,9 +15,7 @@ from textual.widgets.option_list import Option as Line
 from dse.cli.spaces import short, tally_text
 from dse.domain.design import DesignSpace
 from dse.errors import DseError
-from dse.space.configurations.ids import IdentifiedChoices
-from dse.space.methods.tally import Tally
-from dse.space.questions.picking import Option, Picking, Range
+from dse.space import IdentifiedChoices, Option, Picking, Range, Tally
 
 LEFT_OUT = "(left out)"
 """How a part that is left out is called."""

@@ -12,7 +12,7 @@ from pydantic import Field
 from dse.exploration.executor import Pool
 from dse.exploration.supervision.supervisor import Supervisor
 from dse.exploration.work import Sink, Work
-from dse.loading.extensions import ExecutorSection
+from dse.loading import ExecutorSection
 
 
 class Local(ExecutorSection):

@@ -13,10 +13,8 @@ from pydantic import Field
 from dse.domain.sampler import Brief, DesignVariable, Point
 from dse.errors import Location, Problem, closest, fail, raise_if_any
 from dse.exploration.once_sampler import OnceSampler, require_few
-from dse.formats.yaml import shown
-from dse.loading.extensions import Surroundings
-from dse.loading.paths import named_file
-from dse.loading.values import read_unit
+from dse.formats import shown
+from dse.loading import Surroundings, named_file, read_unit
 from dse.units import Unit
 
 _MAX_BYTES = 500_000_000

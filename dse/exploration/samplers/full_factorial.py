@@ -13,7 +13,7 @@ from pydantic import Field
 from dse.domain.sampler import Brief, DesignVariable, Grid, Point
 from dse.errors import Problem, closest, raise_if_any
 from dse.exploration.once_sampler import MOST_RUNS, OnceSampler, require_few
-from dse.loading.extensions import Surroundings
+from dse.loading import Surroundings
 
 
 class FullFactorial(OnceSampler):

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from dse.exploration.work import MakeRunner
-from dse.storage.rows import Measures, RowBlock
+from dse.storage import Measures, RowBlock
 
 
 @dataclass(frozen=True, slots=True)

@@ -9,8 +9,7 @@ from pathlib import Path
 from dse.domain.run import Run, RunRequest
 from dse.exploration.supervision.supervisor import Supervisor
 from dse.exploration.work import Batch, MakeRunner, Runnable, Work
-from dse.storage.rows import Measures, RowBlock
-from dse.storage.waveforms import read_waveforms, waveform_file
+from dse.storage import Measures, RowBlock, read_waveforms, waveform_file
 
 
 @dataclass(slots=True)

@@ -33,8 +33,7 @@ from dse.exploration.supervision.post_mortem import Traces, cause_of, outside_of
 from dse.exploration.supervision.worker import CHANNEL_CLOSED
 from dse.exploration.supervision.worker_process import Assignment, WorkerProcess
 from dse.exploration.work import Batch, Sink, Work
-from dse.storage.rows import block_of
-from dse.storage.waveforms import waveform_file
+from dse.storage import block_of, waveform_file
 
 START_TIMEOUT = 60.0
 """Seconds a worker may take to start, to load a configuration or to write a file."""

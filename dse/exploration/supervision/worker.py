@@ -25,8 +25,7 @@ from dse.exploration.supervision.messages import Report, Setup
 from dse.exploration.supervision.open_files import OUT_OF_FILES, SpareFiles
 from dse.exploration.supervision.worker_threads import are_spent, simulate
 from dse.exploration.work import Batch
-from dse.storage.rows import RowBlock, block_of
-from dse.storage.waveforms import write_waveforms
+from dse.storage import RowBlock, block_of, write_waveforms
 
 _SEND_EVERY = 0.1
 _TURN = 1e-4

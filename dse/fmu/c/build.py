@@ -18,8 +18,7 @@ from dse.fmu.slot_table import SLOT_TABLE, SlotTable
 from dse.fmu.toolchain.compilation import LANGUAGE_OPTIONS, CompilationError, Diagnostic, compile_library, options
 from dse.fmu.toolchain.compiler import Compiler, find_compiler
 from dse.fmu.toolchain.platforms import this_platform
-from dse.formats.yaml import shown
-from dse.formats.zipped import pack_zip
+from dse.formats import pack_zip, shown
 
 
 def build_c(component: Component, source: CSource, *, version: int, cache: Path | None = None) -> Path:

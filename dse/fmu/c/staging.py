@@ -16,7 +16,7 @@ from pathlib import Path
 
 from dse.domain.component import CSource
 from dse.errors import Location, Problem, fail, raise_if_any
-from dse.formats.yaml import shown
+from dse.formats import shown
 
 
 @dataclass(frozen=True, slots=True)

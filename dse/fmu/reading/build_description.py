@@ -10,8 +10,7 @@ from pathlib import Path, PurePosixPath
 from dse.errors import DseError, Location, Problem, fail
 from dse.fmu.reading.description import Description
 from dse.fmu.toolchain.platforms import this_platform
-from dse.formats.xml import XmlElement, read_xml_file
-from dse.formats.xml_values import shortened
+from dse.formats import XmlElement, read_xml_file, shortened
 
 _FILE = "buildDescription.xml"
 _STANDARDS = {

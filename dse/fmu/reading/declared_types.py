@@ -6,7 +6,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 
 from dse.errors import Problem
-from dse.formats.xml import XmlElement
+from dse.formats import XmlElement
 
 NUMBER_RANGES: Mapping[str, tuple[int, int]] = {
     "Integer": (-(2**31), 2**31 - 1),

@@ -17,9 +17,7 @@ from dse.fmu.reading.interfaces import choose_interface, read_experiment
 from dse.fmu.reading.model_structure import catalog, direct_dependencies, read_exchange, read_structure
 from dse.fmu.reading.units import read_units
 from dse.fmu.reading.variables import Listed, read_variables
-from dse.formats.xml import XmlElement, read_xml_file
-from dse.formats.xml_values import shortened
-from dse.formats.yaml import shown
+from dse.formats import XmlElement, read_xml_file, shortened, shown
 
 _FILE = "modelDescription.xml"
 _MOST_TOLD = 20

@@ -7,8 +7,7 @@ from dataclasses import dataclass
 from math import prod
 
 from dse.errors import Problem
-from dse.formats.xml import XmlElement
-from dse.formats.xml_values import whole_of
+from dse.formats import XmlElement, whole_of
 
 _MOST_ELEMENTS = 10_000_000
 

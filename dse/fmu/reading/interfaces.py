@@ -8,8 +8,7 @@ from dataclasses import dataclass, replace
 
 from dse.domain.fmu import Capabilities, Experiment, FmiInterface
 from dse.errors import DseError, Problem, fail
-from dse.formats.xml import XmlElement
-from dse.formats.xml_values import shortened
+from dse.formats import XmlElement, shortened
 
 _NEEDS_TOOL = "needsExecutionTool"
 _IN_WORDS = {FmiInterface.CO_SIMULATION: "co-simulation", FmiInterface.MODEL_EXCHANGE: "model exchange"}

@@ -9,8 +9,7 @@ from dse.domain.component import Kind
 from dse.domain.fmu import Exchange
 from dse.errors import Problem
 from dse.fmu.reading.variables import Listed
-from dse.formats.xml import XmlElement
-from dse.formats.xml_values import whole_of
+from dse.formats import XmlElement, whole_of
 
 _MOST_INDICATORS = 10_000_000
 

@@ -6,8 +6,7 @@ import re
 
 from dse.errors import Problem
 from dse.fmu.reading.declared_types import NUMBER_RANGES
-from dse.formats.xml import XmlElement
-from dse.formats.xml_values import flag_of, real_of, shortened, whole_of
+from dse.formats import XmlElement, flag_of, real_of, shortened, whole_of
 
 _HEXADECIMAL = re.compile(r"(?:[0-9A-Fa-f]{2})*")
 _LARGEST_FLOAT32 = 3.4028235677973366e38

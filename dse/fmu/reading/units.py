@@ -7,7 +7,7 @@ from collections.abc import Mapping
 
 from dse.domain.fmu import UnitDefinition
 from dse.errors import Problem
-from dse.formats.xml import XmlElement
+from dse.formats import XmlElement
 
 BASE_UNITS = ("kg", "m", "s", "A", "K", "mol", "cd", "rad")
 

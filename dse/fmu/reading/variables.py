@@ -12,8 +12,7 @@ from dse.errors import Problem
 from dse.fmu.reading.declared_types import NUMBER_RANGES, DeclaredType, inherited, said_of_values
 from dse.fmu.reading.dimensions import Sizes, read_shape, sizes_told
 from dse.fmu.reading.starts import read_start
-from dse.formats.xml import XmlElement
-from dse.formats.xml_values import shortened
+from dse.formats import XmlElement, shortened
 
 VALUE_KINDS: Mapping[str, Kind | None] = {
     "Real": Kind.REAL,

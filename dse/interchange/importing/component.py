@@ -8,16 +8,13 @@ from pathlib import Path
 
 from dse.domain.component import Component, Interface, Value
 from dse.errors import Location, Problem, raise_if_any
-from dse.fmu.unpack import open_fmu
-from dse.formats.yaml import shown
-from dse.formats.yaml_text import write_value
+from dse.fmu import open_fmu
+from dse.formats import shown, write_value
 from dse.interchange.importing.files import write_new
 from dse.interchange.importing.offer import implementing, offer
 from dse.interchange.names import numbered
-from dse.kinds.fmu import FmuSource
-from dse.loading.names import check_choice
-from dse.loading.workspace import Workspace
-from dse.loading.writing.component import write_fmu_component, write_interfaces
+from dse.kinds import FmuSource
+from dse.loading import Workspace, check_choice, write_fmu_component, write_interfaces
 from dse.units import DIMENSIONLESS
 
 

@@ -11,11 +11,11 @@ from fractions import Fraction
 from dse.domain.component import Causality, Component, Interface, Kind, Parameter, Port, Source, Type, Value
 from dse.domain.fmu import FmuModel, Variable
 from dse.errors import DseError
-from dse.expression.tokens import KEYWORDS
-from dse.formats.xml_values import flag_of, real_of, whole_of
+from dse.expression import KEYWORDS
+from dse.formats import flag_of, real_of, whole_of
 from dse.interchange.names import numbered
-from dse.loading.names import is_identifier
-from dse.system.binding import unit_of
+from dse.loading import is_identifier
+from dse.system import unit_of
 from dse.units import DIMENSIONLESS, LARGEST, LARGEST_WHOLE, Unit, UnitError, coherent, parse_unit
 
 MOST_VALUES = 64

@@ -16,8 +16,8 @@ from dse.interchange.names import each_named, free_word
 from dse.interchange.resolving.resolve import ResolvedSystem
 from dse.interchange.structure import SspComponent, SspSystem
 from dse.interchange.writing.connections import carries_the_same
-from dse.kinds.fmu import FmuSource
-from dse.system.binding import bind
+from dse.kinds import FmuSource
+from dse.system import bind
 
 
 @dataclass(slots=True)

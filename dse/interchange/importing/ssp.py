@@ -10,8 +10,8 @@ from dse.domain.bench import Simulation
 from dse.domain.component import Causality, Component, Interface, Kind, Type, Value
 from dse.domain.design import Alternative, Compound, Connection, DesignSpace, Node, Part
 from dse.errors import DseError, Location, Problem, raise_if_any
-from dse.fmu.unpack import open_fmu
-from dse.formats.yaml import shown
+from dse.fmu import open_fmu
+from dse.formats import shown
 from dse.interchange.importing.files import write_new
 from dse.interchange.importing.parts import Catalogue, Parts, connect, take_parts
 from dse.interchange.importing.values import given_values
@@ -20,10 +20,8 @@ from dse.interchange.prepared import read_package, timing_of
 from dse.interchange.resolving.network import Models
 from dse.interchange.resolving.resolve import system_of
 from dse.interchange.structure import SspSystem
-from dse.loading.writing.bench import write_bench
-from dse.loading.writing.component import write_fmu_component, write_interfaces
-from dse.loading.writing.design import write_design
-from dse.space.opened import open_space
+from dse.loading import write_bench, write_design, write_fmu_component, write_interfaces
+from dse.space import open_space
 
 
 @dataclass(frozen=True, slots=True)

@@ -8,7 +8,7 @@ from dse.errors import DseError, Problem, fail, raise_if_any
 from dse.interchange.importing.parts import Parts
 from dse.interchange.resolving.carry import Carry
 from dse.interchange.writing.values import starts
-from dse.system.binding import bind
+from dse.system import bind
 
 
 def given_values(parts: Parts) -> dict[str, tuple[Value, Type]]:

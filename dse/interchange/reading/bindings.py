@@ -6,8 +6,7 @@ import zipfile
 from pathlib import Path, PurePosixPath
 
 from dse.errors import DseError, Location, fail
-from dse.formats.xml import XmlElement, read_xml
-from dse.formats.xml_values import shortened
+from dse.formats import XmlElement, read_xml, shortened
 from dse.interchange.reading.common import Findings, inline
 from dse.interchange.reading.package import PackageFile
 from dse.interchange.reading.parameters import read_mapping, read_parameters

@@ -9,10 +9,8 @@ from dataclasses import dataclass, field
 
 from dse.domain.fmu import UnitDefinition
 from dse.errors import Location, Problem, closest, fail
-from dse.fmu.reading.units import BASE_UNITS, base_unit
-from dse.fmu.reading.variables import VALUE_KINDS
-from dse.formats.xml import XmlElement
-from dse.formats.xml_values import shortened
+from dse.fmu import BASE_UNITS, VALUE_KINDS, base_unit
+from dse.formats import XmlElement, shortened
 from dse.interchange.structure import NamedUnit, SignalType, Transformation
 
 SSC = "http://ssp-standard.org/SSP1/SystemStructureCommon"

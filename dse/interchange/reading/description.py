@@ -6,8 +6,7 @@ from dataclasses import dataclass, replace
 from pathlib import PurePosixPath
 
 from dse.errors import DseError, Location, closest, fail
-from dse.formats.xml import XmlElement
-from dse.formats.xml_values import shortened, whole_of
+from dse.formats import XmlElement, shortened, whole_of
 from dse.interchange.reading.bindings import read_bindings
 from dse.interchange.reading.common import (
     META,

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from dse.formats.xml import XmlElement
-from dse.formats.xml_values import shortened
+from dse.formats import XmlElement, shortened
 from dse.interchange.reading.common import META, SSB, TYPES, Findings, read_scope, read_type, require_root
 from dse.interchange.structure import SignalType
 

@@ -6,8 +6,7 @@ from dataclasses import replace
 from pathlib import Path, PurePosixPath
 
 from dse.errors import DseError, Location, closest, fail, raise_if_any
-from dse.formats.xml import read_xml_file
-from dse.formats.yaml import shown
+from dse.formats import read_xml_file, shown
 from dse.interchange.reading.common import Findings
 from dse.interchange.reading.description import read_description
 from dse.interchange.reading.package import DEFAULT, Package, open_package, variants

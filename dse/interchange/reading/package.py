@@ -10,11 +10,8 @@ from pathlib import Path, PurePosixPath
 from urllib.parse import unquote
 
 from dse.errors import Location, fail
-from dse.formats.xml import XmlElement, read_xml_file
-from dse.formats.xml_values import shortened
-from dse.formats.yaml import shown
-from dse.formats.zipped import unpacked
-from dse.loading.paths import is_file
+from dse.formats import XmlElement, read_xml_file, shortened, shown, unpacked
+from dse.loading import is_file
 
 DEFAULT = "SystemStructure"
 """The variant that is meant if none is named."""

@@ -5,8 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from dse.errors import Problem
-from dse.formats.xml import XmlElement
-from dse.formats.xml_values import shortened
+from dse.formats import XmlElement, shortened
 from dse.interchange.reading.common import (
     META,
     SSM,

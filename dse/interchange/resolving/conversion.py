@@ -8,8 +8,8 @@ from fractions import Fraction
 
 from dse.domain.component import Kind
 from dse.domain.fmu import FmuModel, UnitDefinition, Variable
-from dse.fmu.reading.variables import VALUE_KINDS
-from dse.formats.xml_values import flag_of, whole_of
+from dse.fmu import VALUE_KINDS
+from dse.formats import flag_of, whole_of
 from dse.interchange.resolving.carry import SAME, Carry, ConversionError
 from dse.interchange.structure import NamedUnit, SignalType, Transformation
 from dse.units import SI_SYMBOLS, UnitError, counts_otherwise, is_rounded, parse_unit

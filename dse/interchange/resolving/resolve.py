@@ -16,8 +16,7 @@ from dse.interchange.resolving.routes import Route, carried, forms_along, label_
 from dse.interchange.resolving.signals import Signal, signals_of
 from dse.interchange.resolving.values import TYPED, Settled, assignments, named, settle
 from dse.interchange.structure import Assignment, ParameterValue, SspSystem
-from dse.system.order import along_the_flow
-from dse.system.shapes import resized
+from dse.system import along_the_flow, resized
 
 
 @dataclass(frozen=True, slots=True)

@@ -7,12 +7,12 @@ from collections.abc import Iterator
 
 from dse.domain.component import Kind
 from dse.errors import Problem
-from dse.formats.xml_values import flag_of, real_of, shortened, whole_of
+from dse.formats import flag_of, real_of, shortened, whole_of
 from dse.interchange.resolving.carry import Carry, ConversionError
 from dse.interchange.resolving.conversion import KINDS, Form, carry, convert
 from dse.interchange.resolving.network import Endpoint, Network, Way
 from dse.interchange.structure import Assignment, NamedUnit, System, Transformation
-from dse.system.binding import find_variable
+from dse.system import find_variable
 from dse.units import UnitError, parse_quantity
 
 TYPED = "typed"

@@ -9,7 +9,7 @@ from xml.etree import ElementTree as ET
 from dse.domain.component import Kind
 from dse.domain.fmu import FmuModel, UnitDefinition, Variable
 from dse.domain.system import Element
-from dse.fmu.reading.units import BASE_UNITS
+from dse.fmu import BASE_UNITS
 from dse.interchange.resolving.carry import ConversionError
 from dse.interchange.resolving.conversion import definition
 from dse.interchange.structure import NamedUnit

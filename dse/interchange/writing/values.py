@@ -10,7 +10,7 @@ from dse.domain.component import Kind
 from dse.domain.fmu import Variable
 from dse.domain.system import Element
 from dse.errors import fail
-from dse.formats.xml_values import flag_of, real_of
+from dse.formats import flag_of, real_of
 from dse.interchange.resolving.carry import Carry
 
 Inside = float | str | bytes

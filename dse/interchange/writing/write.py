@@ -9,7 +9,7 @@ from xml.etree import ElementTree as ET
 
 from dse.domain.system import Element, SystemStructure, Wire
 from dse.errors import fail
-from dse.formats.zipped import pack_zip
+from dse.formats import pack_zip
 from dse.interchange.names import each_named, numbered
 from dse.interchange.reading.common import OWN_ANNOTATION, SSC, SSD, SSV
 from dse.interchange.structure import ExperimentSettings

@@ -10,8 +10,8 @@ from dse.domain.component import Component, Value
 from dse.domain.design import DesignSpace
 from dse.domain.method import BONDS
 from dse.errors import Location, Problems, closest, fail, raise_if_any
-from dse.expression.parse import parse_expression
-from dse.formats.yaml import Entry
+from dse.expression import parse_expression
+from dse.formats import Entry
 from dse.loading.bench.candidates import Candidates, bench_candidates, outputs, settable, split_name, types_of
 from dse.loading.bench.method import SimulationSection
 from dse.loading.bench.simulation import read_simulation

@@ -10,7 +10,7 @@ from typing import ClassVar, TypeVar
 from dse.domain.component import Type
 from dse.domain.method import Adaptive, Algorithm, Bond, Coupling, Extrapolation, Method
 from dse.errors import Location, Problems, closest, fail
-from dse.formats.yaml import Entry
+from dse.formats import Entry
 from dse.loading.bench.candidates import Candidates, outputs, split_name, types_of
 from dse.loading.names import check_name
 from dse.loading.sections import Plain, Section

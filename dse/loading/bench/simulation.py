@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from dse.domain.bench import Simulation
 from dse.domain.method import PLAIN
 from dse.errors import DseError, Problems
-from dse.formats.yaml import Entry
+from dse.formats import Entry
 from dse.loading.bench.candidates import Candidates
 from dse.loading.bench.method import SimulationSection, is_multiple, read_method, read_positive
 from dse.loading.values import Raw, read_number, read_unit

@@ -13,8 +13,8 @@ from dse.domain.component import Kind
 from dse.domain.sampler import DesignVariable, Sampler
 from dse.domain.study import ExecutorChoice, Keep, Selection, Study
 from dse.errors import DseError, Location, Problems, closest, fail
-from dse.expression.parse import parse_expression
-from dse.formats.yaml import Entry
+from dse.expression import parse_expression
+from dse.formats import Entry
 from dse.loading.bench.candidates import Candidates, bench_candidates, settable, split_name
 from dse.loading.extensions import EXECUTORS, SAMPLERS, Surroundings, read_extension
 from dse.loading.include import read_document

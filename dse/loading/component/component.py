@@ -8,7 +8,7 @@ from typing import Any
 
 from dse.domain.component import NO_INTERFACE, Component, Interface, Kind, Parameter, Source, Type
 from dse.errors import DseError, Problems, closest, fail, raise_if_any
-from dse.formats.yaml import Entry
+from dse.formats import Entry
 from dse.loading.component.kind import read_source
 from dse.loading.include import read_document
 from dse.loading.names import check_choice, check_member, check_name

@@ -8,7 +8,7 @@ from typing import Any
 
 from dse.domain.component import Causality, Interface, Port
 from dse.errors import Problems, raise_if_any
-from dse.formats.yaml import Entry
+from dse.formats import Entry
 from dse.loading.include import read_document
 from dse.loading.names import check_member, check_name
 from dse.loading.sections import Section, read_section

@@ -12,7 +12,7 @@ from pydantic import ConfigDict
 
 from dse.domain.component import PLANNED_KINDS, Component, Source, UnsupportedSource
 from dse.errors import DseError, Location, fail
-from dse.formats.yaml import Entry, shown
+from dse.formats import Entry, shown
 from dse.loading.paths import followed, is_file, named_file
 from dse.loading.sections import Section, read_section
 from dse.loading.values import Raw, read_number, read_unit

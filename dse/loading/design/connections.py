@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dse.domain.design import Connection
 from dse.errors import Location, Problems
-from dse.formats.yaml import Entry
+from dse.formats import Entry
 from dse.loading.design.passages import part, written
 
 

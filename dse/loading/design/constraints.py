@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from dse.domain.component import Component
 from dse.domain.design import Constraint, ConstraintSet, split_path
 from dse.errors import Problems, closest
-from dse.formats.yaml import Entry
+from dse.formats import Entry
 from dse.loading.design.forms import ConstraintSection, FindParts, condition
 from dse.loading.design.scope import Scope, constraint_name, inside
 from dse.loading.names import check_name

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 
 from dse.domain.expression import Expression, Piece
 from dse.errors import Location
-from dse.expression.parse import parse_expression
+from dse.expression import parse_expression
 
 
 @dataclass(frozen=True, slots=True)

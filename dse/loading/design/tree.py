@@ -9,7 +9,7 @@ from typing import Any
 from dse.domain.component import Component, Interface
 from dse.domain.design import Alternative, Compound, Node, Optional, Part
 from dse.errors import Location, Problems, closest
-from dse.formats.yaml import Entry
+from dse.formats import Entry
 from dse.loading.design.connections import read_connections
 from dse.loading.design.constraints import Rules
 from dse.loading.design.scope import Scope

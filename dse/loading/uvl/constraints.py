@@ -22,7 +22,7 @@ from fractions import Fraction
 
 from dse.domain.expression import Binary, Call, Chosen, Conditional, Expression, Name, Node, Number, Span, Truth, Unary
 from dse.errors import closest
-from dse.expression.tree import DEEPEST, balanced, too_deep
+from dse.expression import DEEPEST, balanced, too_deep
 from dse.loading.uvl.cursor import Cursor, number
 from dse.loading.uvl.space import Spot, Translation
 from dse.loading.uvl.tokens import Source, Token

@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable
 
-from dse.expression.tokens import KEYWORDS
+from dse.expression import KEYWORDS
 
 _ODD = re.compile(r"[^A-Za-z0-9_]")
 _NOT_NAMES = KEYWORDS | {"present", "absent"}

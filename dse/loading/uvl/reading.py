@@ -14,7 +14,7 @@ from pathlib import Path
 from dse.domain.design import Constraint, DesignSpace
 from dse.domain.expression import Binary, Call, Expression, Node, Number
 from dse.errors import DseError, closest, raise_if_any
-from dse.expression.text import show_expression
+from dse.expression import show_expression
 from dse.loading.uvl.constraints import chained, presence, read_constraint
 from dse.loading.uvl.names import Names
 from dse.loading.uvl.space import Translation, translate

@@ -28,9 +28,7 @@ from dse.domain.expression import (
     Unary,
 )
 from dse.errors import DseError
-from dse.expression.sorts import error_in
-from dse.expression.text import decimal
-from dse.expression.tree import children
+from dse.expression import children, decimal, error_in
 from dse.loading.uvl.outline import Outline, Outlined
 
 MOST_COMBINATIONS = 1000

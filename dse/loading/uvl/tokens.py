@@ -13,9 +13,8 @@ from pathlib import Path
 from typing import NamedTuple
 
 from dse.errors import DseError, Location, Problem, fail
-from dse.expression.tokens import error_at
-from dse.formats.compose import UNSAFE
-from dse.formats.yaml import shown
+from dse.expression import error_at
+from dse.formats import UNSAFE, shown
 
 MOST_BYTES = 100_000_000
 """Files beyond this are refused."""

@@ -16,7 +16,7 @@ from fractions import Fraction
 from dse.domain.design import Constraint, DesignSpace
 from dse.domain.expression import Binary, Call, Chosen, Node, Number, Truth
 from dse.errors import DseError, Problem, raise_if_any
-from dse.expression.text import decimal
+from dse.expression import decimal
 from dse.loading.uvl.outline import Outline, Outlined, outline
 from dse.loading.uvl.rules import quoted, write_rule
 from dse.units import Quantity, Unit, describe

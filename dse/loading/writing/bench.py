@@ -10,7 +10,7 @@ from typing import Any
 from dse.domain.bench import Simulation
 from dse.domain.component import Type, Value
 from dse.errors import DseError
-from dse.formats.yaml_text import write_file, write_name, write_text, write_value
+from dse.formats import write_file, write_name, write_text, write_value
 from dse.units import Unit, coherent
 
 

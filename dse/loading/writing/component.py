@@ -6,7 +6,7 @@ from collections.abc import Iterable
 from typing import Any
 
 from dse.domain.component import Causality, Component, Interface, Port
-from dse.formats.yaml_text import write_file, write_name, write_parameter, write_text
+from dse.formats import write_file, write_name, write_parameter, write_text
 
 
 def write_fmu_component(component: Component, file: str) -> str:

@@ -13,8 +13,8 @@ from typing import Any
 from dse.domain.component import NO_INTERFACE, Component
 from dse.domain.design import Alternative, Compound, Constraint, ConstraintSet, DesignSpace, Node, Optional, Part
 from dse.errors import fail
-from dse.expression.text import text_of
-from dse.formats.yaml_text import write_file, write_flow, write_name, write_parameter, write_text
+from dse.expression import text_of
+from dse.formats import write_file, write_flow, write_name, write_parameter, write_text
 from dse.loading.design.scope import Scope, constraint_name
 from dse.loading.writing.unscope import relative_rule
 

@@ -7,8 +7,7 @@ from dataclasses import replace
 
 from dse.domain.expression import Binary, Call, Chosen, Expression, Name, Node, is_rollup
 from dse.errors import DseError, Location
-from dse.expression.text import show_expression
-from dse.expression.tree import rewritten, same
+from dse.expression import rewritten, same, show_expression
 from dse.loading.design.passages import written
 from dse.loading.design.scope import Scope, inside
 

@@ -8,8 +8,10 @@ from itertools import pairwise
 
 from dse.errors import fail
 from dse.modelica.algebra.arithmetic import FUNCTIONS
-from dse.modelica.algebra.expression import Expression, Symbol, walk
+from dse.modelica.algebra.expression import Expression
+from dse.modelica.algebra.symbol import Symbol
 from dse.modelica.algebra.tables import ERROR, HOLD, table1, table2
+from dse.modelica.algebra.traversal import walk
 
 Values = Mapping[Symbol, float] | Callable[[Symbol], float]
 

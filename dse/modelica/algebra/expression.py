@@ -1,91 +1,49 @@
-"""Scalar expressions of a flat model: immutable, shared, one object for equal expressions of one graph.
+"""Scalar expressions of a flat model: immutable, shared, in their simplest form, one object for equal expressions.
 
 Every value is a number: a truth value is 0 or 1, an enumeration's item its number from 1, an integer a whole double.
+
+The rules of simplification keep every finite value to the bit, apart from the sign of a zero. What a rule may lose is a
+value that is not finite: ``0 * x``, ``0 / x`` and ``x - x`` become 0 although they are NaN where x is not finite (or
+where ``0 / x`` divides by 0); without this no Jacobian would have a structural zero. ``x / x`` stays, since its 0 / 0
+is a singular equation to be told. Sums and products are never regrouped: that would round differently. Numbers are
+folded unless the result is not finite, so that ``1 / 0`` stays visible to whoever has a file and a line for it.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
-from enum import StrEnum
 
-from dse.modelica.algebra.simplify import simplified
+from dse.modelica.algebra.arithmetic import FUNCTIONS
+from dse.modelica.algebra.symbol import Symbol
 
-
-class Place(StrEnum):
-    """What a symbol stands for."""
-
-    VARIABLE = "variable"
-    """A continuous or discrete variable, input or parameter; with *order* > 0 its time derivative."""
-    PRE = "pre"
-    """Value of a discrete variable (or of a state at an event) just before."""
-    HELD = "held"
-    """Truth of relation number *name*, as it was at the last event."""
-    TIME = "time"
-    INITIAL = "initial"
-    """True during the initialization only."""
-
-
-@dataclass(frozen=True, slots=True)
-class Symbol:
-    """What a leaf refers to. *order* counts time derivatives, of variables only."""
-
-    place: Place
-    name: str = ""
-    order: int = 0
-
-    def __str__(self) -> str:
-        match self.place:
-            case Place.VARIABLE:
-                return "der(" * self.order + self.name + ")" * self.order
-            case Place.PRE | Place.HELD:
-                return f"{self.place}({self.name})"
-        return str(self.place)
-
-
-# fmt: off
-OPERATORS = frozenset({
-    "add", "subtract", "multiply", "divide", "negate", "power", "minimum", "maximum", "less", "less_equal",
-    "greater", "greater_equal", "equal", "not_equal", "and", "or", "not", "if", "abs", "sign", "sqrt", "sin",
-    "cos", "tan", "asin", "acos", "atan", "atan2", "sinh", "cosh", "tanh", "exp", "log", "log10", "floor", "ceil",
-    "array", "select", "call",
-})
-# fmt: on
-"""All operators. Operands are scalars, except:
-
-``if``: condition, value, value. ``array``: the elements, row by row; only as an operand of ``select`` or ``call``;
-its shape is the expression's *shape*. ``select``: array, then one whole index from 1 for each dimension; outside the
-array it is an error at run time. ``call``: *name* is one of `PRIMITIVES`; operands are scalars and arrays.
-"""
-
-
-# fmt: off
-STEPS = frozenset({
-    "sign", "floor", "ceil", "less", "less_equal", "greater", "greater_equal", "equal", "not_equal", "and", "or", "not",
-})
-# fmt: on
+ORDERINGS = frozenset({"less", "less_equal", "greater", "greater_equal"})
+COMPARISONS = ORDERINGS | {"equal", "not_equal"}
+TRUTHS = COMPARISONS | {"and", "or", "not"}
+"""Operators whose values are 0 or 1."""
+STEPS = TRUTHS | {"sign", "floor", "ceil"}
 """Operators whose values jump and rest between: their derivative is 0."""
 
 
+@dataclass(slots=True, eq=False, repr=False)
 class Expression:
-    """A node. *symbol* is given for leaves that are no constants, *value* for constants, *name* for calls."""
+    """A node. *symbol* is given for leaves that are no constants, *value* for constants, *name* for calls.
 
-    __slots__ = ("graph", "name", "number", "operands", "operator", "shape", "symbol", "value")
+    Operators are those of `FUNCTIONS`, over scalars, and three more. ``array``: the elements, row by row, only as an
+    operand of the other two; its shape is the expression's *shape*. ``select``: array, then one whole index from 1 for
+    each dimension; outside the array it is an error at run time. ``call``: of the primitive *name*, with scalars and
+    arrays.
+    """
 
-    def __init__(
-        self,
-        graph: Graph,
-        number: int,
-        operator: str,
-        operands: tuple[Expression, ...],
-        symbol: Symbol | None,
-        value: float,
-        name: str,
-        shape: tuple[int, ...],
-    ) -> None:
-        self.graph, self.number, self.operator, self.operands = graph, number, operator, operands
-        self.symbol, self.value, self.name, self.shape = symbol, value, name, shape
+    graph: Graph
+    number: int
+    operator: str
+    operands: tuple[Expression, ...]
+    symbol: Symbol | None
+    value: float
+    name: str
+    shape: tuple[int, ...]
 
     @property
     def is_constant(self) -> bool:
@@ -128,6 +86,7 @@ class Expression:
 
 
 Operand = Expression | float
+Operands = tuple[Expression, ...]
 
 
 class Graph:
@@ -147,16 +106,15 @@ class Graph:
     def constant(self, value: float) -> Expression:
         """The number *value*. -0 and 0 are told apart, as C does."""
         number = float(value)
-        key = ("constant", number.hex())
-        return self._keep(key, "constant", (), None, number, "", ())
+        return self._keep(("constant", number.hex()), "constant", value=number)
 
     def symbol(self, symbol: Symbol) -> Expression:
         """The leaf that refers to *symbol*."""
-        return self._keep(("symbol", symbol), "symbol", (), symbol, math.nan, "", ())
+        return self._keep(("symbol", symbol), "symbol", symbol=symbol)
 
     def variable(self, name: str, order: int = 0) -> Expression:
         """The variable *name*, or its time derivative."""
-        return self.symbol(Symbol(Place.VARIABLE, name, order))
+        return self.symbol(Symbol(name, order))
 
     def array(self, elements: Iterable[Expression], shape: tuple[int, ...]) -> Expression:
         """An operand for ``select`` or ``call``: *elements* row by row."""
@@ -167,68 +125,35 @@ class Graph:
         return self.node("call", tuple(operands), name=name)
 
     def make(self, operator: str, *operands: Expression) -> Expression:
-        """*operator* over *operands*, in its simplest form. Simplifying never changes a finite value by a bit."""
-        return simplified(self, operator, operands)
+        """*operator* over *operands*, in its simplest form. Truth operands are taken to be 0 or 1."""
+        if operator in FUNCTIONS and all(operand.is_constant for operand in operands):
+            value = FUNCTIONS[operator](*(operand.value for operand in operands))
+            if math.isfinite(value):
+                return self.constant(value)
+        rule = _RULES.get(operator)
+        found = rule(self, operands) if rule else None
+        return self.node(operator, operands) if found is None else found
 
-    def node(
-        self, operator: str, operands: tuple[Expression, ...], name: str = "", shape: tuple[int, ...] = ()
-    ) -> Expression:
+    def node(self, operator: str, operands: Operands, name: str = "", shape: tuple[int, ...] = ()) -> Expression:
         """The node as it is, not simplified."""
         key = (operator, *(operand.number for operand in operands), name, shape)
-        return self._keep(key, operator, operands, None, math.nan, name, shape)
+        return self._keep(key, operator, operands, name=name, shape=shape)
 
     def _keep(
         self,
         key: tuple[object, ...],
         operator: str,
-        operands: tuple[Expression, ...],
-        symbol: Symbol | None,
-        value: float,
-        name: str,
-        shape: tuple[int, ...],
+        operands: Operands = (),
+        symbol: Symbol | None = None,
+        value: float = math.nan,
+        name: str = "",
+        shape: tuple[int, ...] = (),
     ) -> Expression:
         found = self._nodes.get(key)
         if found is None:
             found = Expression(self, len(self._nodes), operator, operands, symbol, value, name, shape)
             self._nodes[key] = found
         return found
-
-
-def walk(roots: Iterable[Expression]) -> Iterator[Expression]:
-    """Every expression below and including *roots* once, operands before what uses them."""
-    seen: set[int] = set()
-    stack: list[tuple[Expression, bool]] = [(root, False) for root in reversed(list(roots))]
-    while stack:
-        node, is_open = stack.pop()
-        if is_open:
-            yield node
-        elif node.number not in seen:
-            seen.add(node.number)
-            stack.append((node, True))
-            stack.extend((operand, False) for operand in reversed(node.operands) if operand.number not in seen)
-
-
-def symbols(root: Expression) -> set[Symbol]:
-    """What *root* refers to."""
-    return {node.symbol for node in walk((root,)) if node.symbol is not None}
-
-
-def replaced(roots: Iterable[Expression], new: Callable[[Expression], Expression | None]) -> list[Expression]:
-    """*roots* with every expression for which *new* gives another replaced, from the leaves up."""
-    done: dict[int, Expression] = {}
-    listed = list(roots)
-    for node in walk(listed):
-        other = new(node)
-        if other is None and node.operands:
-            operands = tuple(done[operand.number] for operand in node.operands)
-            if all(a is b for a, b in zip(operands, node.operands, strict=True)):
-                other = node
-            elif node.operator in ("array", "call"):
-                other = node.graph.node(node.operator, operands, node.name, node.shape)
-            else:
-                other = node.graph.make(node.operator, *operands)
-        done[node.number] = node if other is None else other
-    return [done[root.number] for root in listed]
 
 
 def shown(root: Expression) -> str:
@@ -239,3 +164,166 @@ def shown(root: Expression) -> str:
         return f"{root.value:g}"
     inside = ", ".join(shown(operand) if operand.symbol or operand.is_constant else "…" for operand in root.operands)
     return f"{root.name or root.operator}({inside})"[:120]
+
+
+_Rule = Callable[[Graph, Operands], Expression | None]
+
+
+def _is_negated(node: Expression) -> bool:
+    return node.operator == "negate"
+
+
+def _add(graph: Graph, operands: Operands) -> Expression | None:
+    left, right = operands
+    if left.is_number(0):
+        return right
+    if right.is_number(0):
+        return left
+    if _is_negated(right):
+        return graph.make("subtract", left, right.operands[0])
+    if _is_negated(left):
+        return graph.make("subtract", right, left.operands[0])
+    return None
+
+
+def _subtract(graph: Graph, operands: Operands) -> Expression | None:
+    left, right = operands
+    if right.is_number(0):
+        return left
+    if left is right:
+        return graph.constant(0.0)
+    if left.is_number(0):
+        return graph.make("negate", right)
+    if _is_negated(right):
+        return graph.make("add", left, right.operands[0])
+    return None
+
+
+def _negate(graph: Graph, operands: Operands) -> Expression | None:
+    (inner,) = operands
+    if _is_negated(inner):
+        return inner.operands[0]
+    if inner.operator == "subtract":
+        return graph.make("subtract", inner.operands[1], inner.operands[0])
+    return None
+
+
+def _multiply(graph: Graph, operands: Operands) -> Expression | None:
+    left, right = operands
+    for one, other in ((left, right), (right, left)):
+        if one.is_number(0):
+            return graph.constant(0.0)
+        if one.is_number(1):
+            return other
+        if one.is_number(-1):
+            return graph.make("negate", other)
+    return _without_signs(graph, "multiply", left, right)
+
+
+def _divide(graph: Graph, operands: Operands) -> Expression | None:
+    left, right = operands
+    if right.is_number(1):
+        return left
+    if right.is_number(-1):
+        return graph.make("negate", left)
+    if left.is_number(0) and not right.is_number(0):
+        return graph.constant(0.0)
+    return _without_signs(graph, "divide", left, right)
+
+
+def _without_signs(graph: Graph, operator: str, left: Expression, right: Expression) -> Expression | None:
+    """The signs of a product's or a quotient's operands before it as a whole."""
+    if _is_negated(left) and _is_negated(right):
+        return graph.make(operator, left.operands[0], right.operands[0])
+    if _is_negated(left):
+        return graph.make("negate", graph.make(operator, left.operands[0], right))
+    if _is_negated(right):
+        return graph.make("negate", graph.make(operator, left, right.operands[0]))
+    return None
+
+
+def _power(graph: Graph, operands: Operands) -> Expression | None:
+    base, exponent = operands
+    if exponent.is_number(0):
+        return graph.constant(1.0)
+    return base if exponent.is_number(1) else None
+
+
+def _same(_: Graph, operands: Operands) -> Expression | None:
+    return operands[0] if operands[0] is operands[1] else None
+
+
+def _reflexive(value: float) -> _Rule:
+    return lambda graph, operands: graph.constant(value) if operands[0] is operands[1] else None
+
+
+def _junction(neutral: float) -> _Rule:
+    def rule(graph: Graph, operands: Operands) -> Expression | None:
+        left, right = operands
+        for one, other in ((left, right), (right, left)):
+            if one.is_constant:
+                return other if (one.value != 0) == (neutral != 0) else graph.constant(1.0 - neutral)
+        return left if left is right else None
+
+    return rule
+
+
+def _not(_: Graph, operands: Operands) -> Expression | None:
+    (inner,) = operands
+    return inner.operands[0] if inner.operator == "not" else None
+
+
+def _if(graph: Graph, operands: Operands) -> Expression | None:
+    condition, yes, no = operands
+    if condition.is_constant:
+        return yes if condition.value != 0 else no
+    if yes is no:
+        return yes
+    if condition.operator == "not":
+        return graph.make("if", condition.operands[0], no, yes)
+    if condition.operator in TRUTHS and yes.is_number(1) and no.is_number(0):
+        return condition
+    return None
+
+
+def _abs(graph: Graph, operands: Operands) -> Expression | None:
+    (inner,) = operands
+    if inner.operator == "abs":
+        return inner
+    return graph.make("abs", inner.operands[0]) if _is_negated(inner) else None
+
+
+def _select(_: Graph, operands: Operands) -> Expression | None:
+    array, *indices = operands
+    if not indices or array.operator != "array" or not all(index.is_constant for index in indices):
+        return None
+    place = 0
+    for index, size in zip(indices, array.shape, strict=True):
+        if not (index.value.is_integer() and 1 <= index.value <= size):
+            return None
+        place = place * size + int(index.value) - 1
+    return array.operands[place]
+
+
+_RULES: Mapping[str, _Rule] = {
+    "add": _add,
+    "subtract": _subtract,
+    "negate": _negate,
+    "multiply": _multiply,
+    "divide": _divide,
+    "power": _power,
+    "minimum": _same,
+    "maximum": _same,
+    "less": _reflexive(0.0),
+    "less_equal": _reflexive(1.0),
+    "greater": _reflexive(0.0),
+    "greater_equal": _reflexive(1.0),
+    "equal": _reflexive(1.0),
+    "not_equal": _reflexive(0.0),
+    "and": _junction(1.0),
+    "or": _junction(0.0),
+    "not": _not,
+    "if": _if,
+    "abs": _abs,
+    "select": _select,
+}

@@ -5,12 +5,12 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 from itertools import groupby
 
-from dse.modelica.emit.scope import Store, scope_lines
-from dse.modelica.emit.setting import Setting
+from dse.modelica.emit.expressions.scope import Store, scope_lines
+from dse.modelica.emit.expressions.setting import Setting
 from dse.modelica.emit.sharing import Part
 from dse.modelica.emit.systems import explicit_store, system_lines
-from dse.modelica.flat import FlatModel, Trigger
-from dse.modelica.solved import Activation, EventBlock, Explicit, System, When
+from dse.modelica.flat_model import FlatModel, Trigger
+from dse.modelica.solved_model import Activation, EventBlock, Explicit, System, When
 
 # Compilers take more than linear time for long functions and long blocks.
 _LINES_A_FUNCTION = 200
@@ -76,9 +76,9 @@ def part_name(number: int) -> str:
     return f"model_part_{number}"
 
 
-def scoped(stores: list[Store], setting: Setting, indent: str = "    ") -> list[str]:
+def scoped(stores: list[Store], setting: Setting) -> list[str]:
     """*stores* in a C block of their own."""
-    return [f"{indent}{{", *scope_lines(stores, setting, indent + "    "), f"{indent}}}"]
+    return ["    {", *scope_lines(stores, setting), "    }"]
 
 
 def scopes(stores: list[Store], setting: Setting) -> Iterator[list[str]]:
@@ -96,9 +96,9 @@ def _when(block: When, setting: Setting) -> list[str]:
         if trigger is None and not lines:
             return scoped([store], setting)
         if trigger is None:
-            return [*lines, "    } else {", *scope_lines([store], setting, "        "), "    }"]
+            return [*lines, "    } else {", *scope_lines([store], setting), "    }"]
         lines.append(f"    {'} else ' if lines else ''}if (m->is_active[{trigger}]) {{")
-        lines += scope_lines([store], setting, "        ")
+        lines += scope_lines([store], setting)
     kept = f"{target} = m->pre[{setting.layout.pre[block.target.name]}];"
     return [*lines, "    } else {", f"        {kept}", "    }"] if lines else [f"    {kept}"]
 

@@ -5,16 +5,15 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import replace
 
-from dse.modelica.algebra.expression import Expression, Symbol, shown
+from dse.modelica.algebra.expression import ORDERINGS, Expression, shown
+from dse.modelica.algebra.symbol import Symbol
 from dse.modelica.emit.blocks import scoped
-from dse.modelica.emit.layout import variable
-from dse.modelica.emit.scope import Store, scope_lines
-from dse.modelica.emit.setting import Setting, locations
-from dse.modelica.emit.text import quoted
-from dse.modelica.flat import Check, FlatModel, Relation
-from dse.modelica.solved import Solved
+from dse.modelica.emit.expressions.scope import Store, scope_lines
+from dse.modelica.emit.expressions.setting import Setting, locations
+from dse.modelica.emit.expressions.text import quoted
+from dse.modelica.flat_model import Check, FlatModel, Relation
+from dse.modelica.solved_model import Solved
 
-_ORDERED = frozenset({"less", "less_equal", "greater", "greater_equal"})
 _SIGNS = {"less": "<", "less_equal": "<=", "greater": ">", "greater_equal": ">=", "equal": "==", "not_equal": "<>"}
 
 
@@ -38,7 +37,7 @@ def relation_lines(flat: FlatModel, setting: Setting) -> list[str]:
 def _difference(truth: Expression) -> Expression:
     """What passes through zero where *truth* changes; for comparisons of discrete values it jumps."""
     graph = truth.graph
-    if truth.operator in _ORDERED:
+    if truth.operator in ORDERINGS:
         return truth.operands[0] - truth.operands[1]
     return graph.make("if", truth, graph.constant(1.0), graph.constant(-1.0))
 
@@ -58,7 +57,7 @@ def reinitialization_lines(solved: Solved, setting: Setting) -> list[str]:
     groups: dict[Symbol, list[Store]] = {}
     triggers: dict[Symbol, list[int]] = {}
     for each in solved.flat.reinitializations:
-        state, sign = solved.aliases.get(each.state, (variable(each.state), 1))
+        state, sign = solved.aliases.get(each.state, (Symbol(each.state), 1))
         value = each.value if sign > 0 else -each.value
         groups.setdefault(state, []).append(Store(f"new_{setting.place(state)}", value, f"in reinit({each.state}, …)"))
         triggers.setdefault(state, []).append(each.trigger)
@@ -71,7 +70,7 @@ def reinitialization_lines(solved: Solved, setting: Setting) -> list[str]:
         lines += [f"    double new_{place} = v[{place}];", f"    int sets_{place} = 0;"]
         for count, (store, trigger) in enumerate(zip(stores, triggers[state], strict=True)):
             lines.append(f"    {'} else ' if count else ''}if (m->is_active[{trigger}]) {{")
-            lines += [*scope_lines([store], failing, "        "), f"        sets_{place} = 1;"]
+            lines += [*scope_lines([store], failing), f"        sets_{place} = 1;"]
         lines.append("    }")
         writes += [
             f"    if (sets_{place}) {{",
@@ -103,7 +102,7 @@ def _check_function(name: str, checks: Iterable[tuple[int, Check]], setting: Set
         at = f" at {locations((check.where,))}" if check.where else ""
         store = Store("holds", check.condition, f"in the condition of the {kind}{at}", wants_truth=True)
         guard = "1" if check.trigger is None else f"m->is_active[{check.trigger}]"
-        lines += [f"    if ({guard}) {{", "        int holds;", *scope_lines([store], inside, "        ")]
+        lines += [f"    if ({guard}) {{", "        int holds;", *scope_lines([store], inside)]
         lines += [
             "        if (!holds) {",
             f"            tell(m, {number}, {int(check.is_warning)}, {quoted(check.message)});",

@@ -5,13 +5,14 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
-from dse.modelica.algebra.expression import Expression, Symbol, walk
-from dse.modelica.emit.layout import Layout, expressions, targets, variable
-from dse.modelica.emit.regions import cost
+from dse.modelica.algebra.expression import Expression
+from dse.modelica.algebra.symbol import Symbol
+from dse.modelica.algebra.traversal import replaced, symbols, walk
+from dse.modelica.emit.expressions.regions import cost
+from dse.modelica.emit.memory import MemoryLayout
 from dse.modelica.emit.sharing import key
-from dse.modelica.emit.swap import swapped
-from dse.modelica.flat import Role
-from dse.modelica.solved import EventBlock, Explicit, Solved
+from dse.modelica.flat_model import Role
+from dse.modelica.solved_model import EventBlock, Explicit, Solved, expressions, mapped, targets
 
 # An addition or multiplication costs what loading its result would.
 _WORTH_A_PLACE = 2
@@ -35,28 +36,46 @@ class Hoisted:
     lean_initial: tuple[EventBlock, ...] | None
 
 
-def hoisted(solved: Solved, layout: Layout) -> Hoisted:
+def hoisted(solved: Solved, layout: MemoryLayout) -> Hoisted:
     """Take out of *solved* what depends on parameters only and costs more than reading a value."""
-    known = _parameters(solved)
+    known = _known_parameters(solved)
     moved = _moved(solved, known)
     fixed = known | {assignment.unknown for assignment in moved}
     kept = _without(solved, fixed)
     roots = list(_hot(kept))
     costs = _costs(roots, fixed)
     found = [node for node in _largest(roots, costs) if costs[node.number] >= _WORTH_A_PLACE]
-    own = [variable(f"%{number}") for number in range(len(found))]
+    own = [Symbol(f"%{number}") for number in range(len(found))]
     graph = solved.flat.graph
     new = {node.number: graph.symbol(symbol) for node, symbol in zip(found, own, strict=True)}
-    lean = swapped(kept, roots, new)
+    lean = _swapped(kept, roots, new)
     places = {symbol: layout.size + number for number, symbol in enumerate(own)}
     assignments = (*moved, *(Explicit(symbol, node) for symbol, node in zip(own, found, strict=True)))
     gathered, size = _gathered(_hot(lean), {**layout.places, **places}, fixed | set(own))
     lean = replace(lean, event=_with_same(kept.event, lean.event, kept, lean))
     initial = None
-    if len(known) == len(_named(solved)):
+    if len(known) == len(_parameters(solved)):
         still = [block for block in solved.initial if not (isinstance(block, Explicit) and block in moved)]
         initial = _with_same(still, still, kept, lean)
     return Hoisted(lean, assignments, places, gathered, size, initial)
+
+
+def _swapped(solved: Solved, roots: Sequence[Expression], new: Mapping[int, Expression]) -> Solved:
+    """*solved* with the nodes whose numbers *new* knows replaced in *roots*, all that is evaluated at any time after
+    the initialization."""
+    others = replaced(roots, lambda node: new.get(node.number))
+    by_number = {root.number: other for root, other in zip(roots, others, strict=True)}
+
+    def swap(root: Expression) -> Expression:
+        return by_number.get(root.number, root)
+
+    return replace(
+        solved,
+        flat=solved.flat.mapped(swap),
+        derivatives=tuple(mapped(block, swap) for block in solved.derivatives),
+        outputs=tuple(mapped(block, swap) for block in solved.outputs),
+        event=tuple(mapped(block, swap) for block in solved.event),
+    )
 
 
 def _with_same(
@@ -68,20 +87,18 @@ def _with_same(
     return tuple(same.get(key(block), other) for block, other in zip(blocks, others, strict=True))
 
 
-def _parameters(solved: Solved) -> frozenset[Symbol]:
+def _known_parameters(solved: Solved) -> frozenset[Symbol]:
     """Parameters that are known before the initialization."""
     unknown = set(targets(solved.initial))
     for assignment in solved.parameters:
-        if any(node.symbol in unknown for node in walk((assignment.value,))):
+        if not unknown.isdisjoint(symbols(assignment.value)):
             unknown.add(assignment.unknown)
-    return frozenset(symbol for symbol in _named(solved) if symbol not in unknown)
+    return frozenset(_parameters(solved)) - unknown
 
 
-def _named(solved: Solved) -> list[Symbol]:
-    """All parameters."""
-    declared = solved.flat.variables.values()
-    names = [each.name for each in declared if each.role is Role.PARAMETER and each.name not in solved.aliases]
-    return [variable(name) for name in names]
+def _parameters(solved: Solved) -> list[Symbol]:
+    variables = solved.flat.variables.items()
+    return [Symbol(name) for name, one in variables if one.role is Role.PARAMETER and name not in solved.aliases]
 
 
 def _moved(solved: Solved, known: frozenset[Symbol]) -> list[Explicit]:
@@ -89,9 +106,7 @@ def _moved(solved: Solved, known: frozenset[Symbol]) -> list[Explicit]:
     fixed = set(known)
     found = []
     for block in (*solved.derivatives, *solved.outputs):
-        if isinstance(block, Explicit) and all(
-            node.symbol is None or node.symbol in fixed for node in walk((block.value,))
-        ):
+        if isinstance(block, Explicit) and fixed.issuperset(symbols(block.value)):
             found.append(block)
             fixed.add(block.unknown)
     return found
@@ -114,9 +129,9 @@ def _hot(solved: Solved) -> Iterator[Expression]:
     flat = solved.flat
     for block in (*solved.derivatives, *solved.outputs, *solved.event):
         yield from expressions(block, flat)
-    yield from (relation.truth for relation in flat.relations)
-    yield from (reinitialization.value for reinitialization in flat.reinitializations)
-    yield from (check.condition for check in flat.checks)
+    yield from (one.truth for one in flat.relations)
+    yield from (one.value for one in flat.reinitializations)
+    yield from (one.condition for one in flat.checks)
 
 
 def _costs(roots: Iterable[Expression], fixed: frozenset[Symbol]) -> dict[int, int]:

@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass, replace
-from enum import StrEnum
+from dataclasses import replace
 from itertools import chain
 
-from dse.modelica.emit.axes import axis_checks
+from dse.domain.component import Solver
 from dse.modelica.emit.blocks import (
     activation_lines,
     block_pieces,
@@ -17,46 +16,55 @@ from dse.modelica.emit.blocks import (
     scoped,
     scopes,
 )
-from dse.modelica.emit.data import size_lines, slot_lines, start_lines, table_lines
+from dse.modelica.emit.constant_data import size_lines, slot_lines, start_lines, table_lines
 from dse.modelica.emit.events import check_lines, reinitialization_lines, relation_lines
+from dse.modelica.emit.expressions.scope import Store
+from dse.modelica.emit.expressions.setting import Collected, Setting
+from dse.modelica.emit.expressions.text import comment, literal
 from dse.modelica.emit.hoist import Hoisted, hoisted
-from dse.modelica.emit.layout import Layout, all_expressions, layout
-from dse.modelica.emit.scope import Store
-from dse.modelica.emit.setting import Collected, Setting
-from dse.modelica.emit.sharing import Program, plan
-from dse.modelica.emit.text import comment, literal
+from dse.modelica.emit.memory import MemoryLayout, memory_layout
+from dse.modelica.emit.sharing import Program, shared_passes
+from dse.modelica.emit.table_axes import axis_checks
 from dse.modelica.emit.variables import FmuVariable
-from dse.modelica.solved import Activation, Solved
+from dse.modelica.solved_model import Activation, Solved, all_expressions
 
-
-class Solver(StrEnum):
-    """How the FMU integrates itself in co-simulation; auto: by the stiffness it meets."""
-
-    AUTO = "auto"
-    EXPLICIT = "explicit"
-    STIFF = "stiff"
-
-
-@dataclass(frozen=True, slots=True)
-class Settings:
-    """How the FMU simulates. *tolerance* is relative; a state's absolute one is it times the nominal value."""
-
-    solver: Solver = Solver.AUTO
-    tolerance: float = 1e-6
+DEFAULT_TOLERANCE = 1e-6
 
 
 def emit(
-    solved: Solved, variables: Sequence[FmuVariable], token: str, settings: Settings | None = None
+    solved: Solved,
+    variables: Sequence[FmuVariable],
+    token: str,
+    solver: Solver = Solver.AUTO,
+    tolerance: float = DEFAULT_TOLERANCE,
 ) -> dict[str, bytes]:
     """``model.h`` and ``start.c``, by name. *variables* are those of `variables`, in order of their references.
 
-    Start values and *token* stand in start.c only. Raises DseError for what cannot become C: too large a system, a
-    clock too fine to count, a token too long.
+    *tolerance* is relative; a state's absolute one is it times the nominal value. Start values and *token* stand in
+    start.c only. Raises DseError for what cannot become C: too large a system, a clock too fine to count, a token too
+    long.
     """
-    where = layout(solved)
-    lean = hoisted(solved, where)
-    model = _model(solved, where, lean, variables, settings or Settings())
-    start = start_lines(solved, variables, where.size + len(lean.own), token)
+    memory = memory_layout(solved)
+    lean = hoisted(solved, memory)
+    collected = Collected()
+    functions = list(_functions(solved, memory, lean, collected))
+    model = [
+        comment(f"Generated from the Modelica model {solved.flat.name}."),
+        "#ifndef DSE_MODEL_H",
+        "#define DSE_MODEL_H",
+        *size_lines(solved, memory, lean, collected.largest_system),
+        f"#define DSE_SOLVER DSE_{solver.name}_SOLVER",
+        f"#define DSE_DEFAULT_TOLERANCE {literal(tolerance)}",
+        '#include "arithmetic.h"',
+        '#include "modelica.h"',
+        *table_lines(solved, memory, list(collected.failures)),
+        *slot_lines(variables),
+        *collected.array_lines(),
+        *collected.system_lines,
+        *functions,
+        "#endif",
+    ]
+    start = start_lines(solved, variables, memory.size + len(lean.own), token)
     return {"model.h": _bytes(model), "start.c": _bytes(start)}
 
 
@@ -64,36 +72,15 @@ def _bytes(lines: Iterable[str]) -> bytes:
     return ("\n".join(lines) + "\n").encode("ascii")
 
 
-def _model(
-    solved: Solved, where: Layout, lean: Hoisted, variables: Sequence[FmuVariable], settings: Settings
-) -> list[str]:
-    collected = Collected()
-    functions = list(_functions(solved, where, lean, collected))
-    return [
-        comment(f"Generated from the Modelica model {solved.flat.name}."),
-        "#ifndef DSE_MODEL_H",
-        "#define DSE_MODEL_H",
-        *size_lines(solved, where, lean, collected.largest_system),
-        f"#define DSE_SOLVER DSE_{settings.solver.name}_SOLVER",
-        f"#define DSE_DEFAULT_TOLERANCE {literal(settings.tolerance)}",
-        '#include "arithmetic.h"',
-        '#include "modelica.h"',
-        *table_lines(solved, where, list(collected.failures)),
-        *slot_lines(variables),
-        *collected.array_lines(),
-        *collected.system_lines,
-        *functions,
-        "#endif",
-    ]
-
-
-def _functions(solved: Solved, where: Layout, lean: Hoisted, collected: Collected) -> Iterator[str]:
-    plain = Setting(where, collected)
+def _functions(solved: Solved, memory: MemoryLayout, lean: Hoisted, collected: Collected) -> Iterator[str]:
+    plain = Setting(memory, collected)
     hot = replace(plain, own=lean.own, gathered={node.number: place for node, place in lean.gathered})
     flat = lean.solved.flat
     yield from function_lines("model_parameters", _parameters(solved, lean, replace(plain, own=lean.own), hot))
     yield from pass_lines("model_guess", solved.guesses, solved.flat, plain)
-    order = plan(lean.solved.derivatives, lean.solved.outputs, lean.solved.event, lean.lean_initial or (), flat)
+    order = shared_passes(
+        lean.solved.derivatives, lean.solved.outputs, lean.solved.event, lean.lean_initial or (), flat
+    )
     for part in order.parts:
         yield from pass_lines(part_name(part.number), part.blocks, flat, hot)
     at_start = replace(plain if lean.lean_initial is None else hot, is_initial=True)

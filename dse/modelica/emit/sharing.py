@@ -11,10 +11,9 @@ from collections.abc import Hashable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import groupby
 
-from dse.modelica.algebra.expression import Place, Symbol, walk
-from dse.modelica.emit.layout import expressions, targets
-from dse.modelica.flat import FlatModel
-from dse.modelica.solved import Activation, Block, EventBlock, Explicit, System, When
+from dse.modelica.algebra.traversal import symbols
+from dse.modelica.flat_model import FlatModel
+from dse.modelica.solved_model import Activation, Block, EventBlock, Explicit, System, When, expressions, targets
 
 _LARGE = 80
 _SMALLEST_PART = 8
@@ -35,7 +34,7 @@ Program = tuple[Part | EventBlock, ...]
 
 
 @dataclass(frozen=True, slots=True)
-class Plan:
+class Passes:
     """The order of each function; *initial* is absent if it has to be made without sharing."""
 
     parts: tuple[Part, ...]
@@ -56,19 +55,19 @@ def key(block: EventBlock) -> Hashable:
     return id(block)
 
 
-def plan(
+def shared_passes(
     derivatives: Sequence[Block],
     outputs: Sequence[Block],
     event: Sequence[EventBlock],
     initial: Sequence[EventBlock],
     flat: FlatModel,
-) -> Plan:
+) -> Passes:
     """Parts of a large model. *event* and *initial* hold the very same blocks where they compute the same."""
     hot = (*derivatives, *outputs)
     at_event = _phases(hot, event, flat)
     at_start = _phases(hot, initial, flat)
     if len(hot) < _LARGE or at_event is None:
-        return Plan((), tuple(derivatives), tuple(outputs), tuple(event), None)
+        return Passes((), tuple(derivatives), tuple(outputs), tuple(event), None)
     start = at_start or dict.fromkeys(at_event, _BETWEEN)
     parts: list[Part] = []
 
@@ -94,7 +93,7 @@ def plan(
         between = [block for block in order if phase.get(id(block), _BETWEEN) == _BETWEEN]
         return (*early, *between, *late)
 
-    return Plan(
+    return Passes(
         tuple(parts),
         tuple(item for _, items in of_derivatives for item in items),
         tuple(item for _, items in of_outputs for item in items),
@@ -131,6 +130,5 @@ def _writes(block: EventBlock) -> list[Hashable]:
 
 
 def _reads(block: EventBlock, flat: FlatModel) -> list[Hashable]:
-    found: set[Symbol] = {node.symbol for node in walk(expressions(block, flat)) if node.symbol is not None}
     triggers = [("trigger", trigger) for trigger, _ in block.branches] if isinstance(block, When) else []
-    return [*(symbol for symbol in found if symbol.place is Place.VARIABLE), *triggers]
+    return [*(symbol for symbol in symbols(*expressions(block, flat)) if symbol.is_variable), *triggers]

@@ -6,13 +6,14 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 from dse.errors import fail
-from dse.modelica.algebra.expression import Expression, Symbol, replaced
-from dse.modelica.emit.layout import variable
-from dse.modelica.emit.scope import Store, scope_lines
-from dse.modelica.emit.setting import Setting, locations
-from dse.modelica.emit.text import literal, table
-from dse.modelica.flat import FlatModel
-from dse.modelica.solved import Explicit, System
+from dse.modelica.algebra.expression import Expression
+from dse.modelica.algebra.symbol import Symbol
+from dse.modelica.algebra.traversal import replaced
+from dse.modelica.emit.expressions.scope import Store, scope_lines
+from dse.modelica.emit.expressions.setting import Setting, locations
+from dse.modelica.emit.expressions.text import literal, table
+from dse.modelica.flat_model import FlatModel
+from dse.modelica.solved_model import Explicit, System
 
 LARGEST = 128
 """Unknowns of one system; its matrices lie on the stack."""
@@ -63,7 +64,7 @@ def _linear(system: System, setting: Setting) -> list[str]:
     singular = setting.failing(f"{subject} have no unique solution: they are singular")
     places = [setting.place(unknown) for unknown in system.unknowns]
     lines = ["    {", f"        double a[{size * size}] = {{0.0}};", f"        double b[{size}];"]
-    lines += scope_lines(stores, setting, "        ")
+    lines += scope_lines(stores, setting)
     if size == 1:
         lines += [f"        if (!(fabs(a[0]) > 0.0)) {{ {singular} }}", f"        v[{places[0]}] = b[0] / a[0];"]
     else:
@@ -72,7 +73,7 @@ def _linear(system: System, setting: Setting) -> list[str]:
     lines.append("    }")
     if system.inner:
         inner = [explicit_store(assignment, setting) for assignment in system.inner]
-        lines += ["    {", *scope_lines(inner, setting, "        "), "    }"]
+        lines += ["    {", *scope_lines(inner, setting), "    }"]
     return lines
 
 
@@ -134,13 +135,13 @@ def _definition(number: int, system: System, flat: FlatModel, setting: Setting) 
         "    double *const v = m->v;",
         "    (void)v;",
         "    {",
-        *scope_lines(values, inside, "        "),
+        *scope_lines(values, inside),
         "    }",
         "    if (!jacobian) {",
         "        return 0;",
         "    }",
         "    {",
-        *scope_lines(slopes, inside, "        "),
+        *scope_lines(slopes, inside),
         "    }",
         "    return 0;",
         "}",
@@ -149,6 +150,6 @@ def _definition(number: int, system: System, flat: FlatModel, setting: Setting) 
 
 def _scale(unknown: Symbol, flat: FlatModel) -> float:
     """The nominal value, if it does not depend on parameters; else 1."""
-    declared = flat.variables.get(unknown.name) if unknown == variable(unknown.name) else None
+    declared = flat.variables.get(unknown.name) if unknown == Symbol(unknown.name) else None
     nominal = declared.nominal if declared else None
     return abs(nominal.value) if nominal is not None and nominal.is_constant and nominal.value else 1.0

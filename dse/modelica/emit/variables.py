@@ -9,10 +9,11 @@ from enum import StrEnum
 
 from dse.errors import DseError, Location, Problem, closest, fail
 from dse.modelica.algebra.evaluate import evaluate
-from dse.modelica.algebra.expression import Expression, Symbol
-from dse.modelica.emit.layout import Layout, layout, targets, variable
-from dse.modelica.flat import Kind, Role, Variable
-from dse.modelica.solved import Solved
+from dse.modelica.algebra.expression import Expression
+from dse.modelica.algebra.symbol import Symbol
+from dse.modelica.emit.memory import MemoryLayout, memory_layout
+from dse.modelica.flat_model import Role, ScalarType, Variable
+from dse.modelica.solved_model import Solved, targets
 
 
 class Causality(StrEnum):
@@ -42,14 +43,13 @@ class FmuVariable:
 
     Numbers are as the model has them: *unit* is the model's attribute ("" if it has none), an enumeration's values
     count from 1 in the order of *items*, a Boolean is 0 or 1. *start* is set for parameters, inputs and constants, and
-    for nothing else. *derivative_of* is the reference of the state whose time derivative it is. *is_state* marks the
-    continuous states, in the order of their references.
+    for nothing else. *derivative_of* is the reference of the state whose time derivative it is.
     """
 
     name: str
     reference: int
     place: int
-    kind: Kind
+    kind: ScalarType
     causality: Causality
     variability: Variability
     start: float | None = None
@@ -60,36 +60,30 @@ class FmuVariable:
     description: str = ""
     items: tuple[str, ...] = ()
     derivative_of: int | None = None
-    is_state: bool = False
     where: Location | None = None
 
-    @property
-    def is_settable(self) -> bool:
-        """Whether it can be given a value from outside."""
-        return self.causality in (Causality.PARAMETER, Causality.INPUT)
 
-
+_SETTABLE = (Causality.PARAMETER, Causality.INPUT)
 _INTERNAL = "$"
 
 
 def variables(solved: Solved, starts: Mapping[str, float] | None = None) -> tuple[FmuVariable, ...]:
     """The FMU's variables by reference: parameters, inputs, outputs, then states, derivatives of states and the others.
 
-    What the translation added for itself is left out.
-    *starts* are values for parameters and inputs instead of the model's own. A parameter that nobody can set
-    (structural, final or protected) is a constant. Raises DseError: a parameter without a value, a start of something
-    that cannot be set, a start that is no finite number.
+    What the translation added for itself is left out. *starts* are values for parameters and inputs instead of the
+    model's own. A parameter that nobody can set (structural, final or protected) is a constant. Raises DseError: a
+    parameter without a value, a start of something that cannot be set, a start that is no finite number.
     """
     given = dict(starts or {})
-    where = layout(solved)
+    memory = memory_layout(solved)
     free = _free_parameters(solved)
     values = _start_values(solved, free, given)
     listed = (declared for name, declared in solved.flat.variables.items() if not name.startswith(_INTERNAL))
-    found = [_declared(solved, where, free, values, declared) for declared in listed]
+    found = [_declared(memory, free, values, declared) for declared in listed]
     _refuse_unusable(solved, found, given)
-    ordered = sorted([*found, *_derivatives(solved, where)], key=_rank)
+    ordered = sorted([*found, *_derivatives(solved, memory)], key=lambda listed: _ORDER.index(listed.causality))
     references = {listed.name: reference for reference, listed in enumerate(ordered)}
-    states = {str(variable(state.name, state.order + 1)): references[str(state)] for state in solved.states}
+    states = {str(state.derivative): references[str(state)] for state in solved.states}
     return tuple(
         replace(listed, reference=reference, derivative_of=states.get(listed.name))
         for reference, listed in enumerate(ordered)
@@ -119,37 +113,36 @@ def _start_values(solved: Solved, free: frozenset[str], given: Mapping[str, floa
             if own is None and name not in given:
                 hint = "give it a value in the model, or under 'parameters'"
                 raise fail(f"parameter '{name}' has no value", declared.where, hint)
-            values[variable(name)] = given[name] if own is None else given.get(name, evaluate([own], known)[0])
+            values[Symbol(name)] = given[name] if own is None else given.get(name, evaluate([own], known)[0])
     for assignment in solved.parameters:
         values[assignment.unknown] = evaluate([assignment.value], known)[0]
     for name, declared in solved.flat.variables.items():
         if declared.role is Role.INPUT:
-            least = 1.0 if declared.kind is Kind.ENUMERATION else 0.0
+            least = 1.0 if declared.kind is ScalarType.ENUMERATION else 0.0
             own_start = least if declared.start is None else evaluate([declared.start], known)[0]
-            values[variable(name)] = given.get(name, own_start)
+            values[Symbol(name)] = given.get(name, own_start)
     return known
 
 
 def _declared(
-    solved: Solved, where: Layout, free: frozenset[str], values: Callable[[Symbol], float], declared: Variable
+    memory: MemoryLayout, free: frozenset[str], values: Callable[[Symbol], float], declared: Variable
 ) -> FmuVariable:
     causality, variability = _role(declared, declared.name in free)
-    has_start = causality in (Causality.PARAMETER, Causality.INPUT) or variability is Variability.CONSTANT
+    has_start = causality in _SETTABLE or variability is Variability.CONSTANT
     return FmuVariable(
         name=declared.name,
         reference=0,
-        place=where.of(declared.name),
+        place=memory.of(declared.name),
         kind=declared.kind,
         causality=causality,
         variability=variability,
-        start=values(variable(declared.name)) if has_start else None,
+        start=values(Symbol(declared.name)) if has_start else None,
         minimum=_number(declared.minimum),
         maximum=_number(declared.maximum),
         nominal=_number(declared.nominal),
         unit=declared.unit,
         description=declared.description,
         items=declared.items,
-        is_state=variable(declared.name) in solved.states,
         where=declared.where,
     )
 
@@ -162,7 +155,7 @@ def _role(declared: Variable, is_free: bool) -> tuple[Causality, Variability]:
             return Causality.LOCAL, Variability.CONSTANT
         case Role.PARAMETER:
             return Causality.PARAMETER, Variability.TUNABLE
-    is_discrete = declared.role is Role.DISCRETE or declared.kind is not Kind.REAL
+    is_discrete = declared.role is Role.DISCRETE or declared.kind is not ScalarType.REAL
     variability = Variability.DISCRETE if is_discrete else Variability.CONTINUOUS
     if declared.role is Role.INPUT:
         return Causality.INPUT, variability
@@ -176,32 +169,26 @@ def _number(expression: Expression | None) -> float | None:
     return expression.value
 
 
-def _derivatives(solved: Solved, where: Layout) -> list[FmuVariable]:
+def _derivatives(solved: Solved, memory: MemoryLayout) -> list[FmuVariable]:
     """The states' derivatives, and the states that are derivatives themselves."""
     found: dict[Symbol, FmuVariable] = {}
-    known = set(solved.states)
     for state in solved.states:
-        for symbol in (state, variable(state.name, state.order + 1)):
+        for symbol in (state, state.derivative):
             if symbol.order > 0:
                 found[symbol] = FmuVariable(
                     name=str(symbol),
                     reference=0,
-                    place=where.places[symbol],
-                    kind=Kind.REAL,
+                    place=memory.places[symbol],
+                    kind=ScalarType.REAL,
                     causality=Causality.LOCAL,
                     variability=Variability.CONTINUOUS,
-                    description=f"time derivative of {variable(symbol.name, symbol.order - 1)}",
-                    is_state=symbol in known,
+                    description=f"time derivative of {Symbol(symbol.name, symbol.order - 1)}",
                 )
     return list(found.values())
 
 
+# What a user looks for first comes first; the sort is stable, so that the model's own order stays.
 _ORDER = (Causality.PARAMETER, Causality.INPUT, Causality.OUTPUT, Causality.LOCAL, Causality.CALCULATED_PARAMETER)
-
-
-def _rank(listed: FmuVariable) -> int:
-    """What a user looks for first comes first; the sort is stable, so that the model's own order stays."""
-    return _ORDER.index(listed.causality)
 
 
 def _refuse_unusable(solved: Solved, found: Iterable[FmuVariable], given: Mapping[str, float]) -> None:
@@ -215,7 +202,7 @@ def _refuse_unusable(solved: Solved, found: Iterable[FmuVariable], given: Mappin
         listed = by_name.get(name)
         if listed is None:
             problems.append(Problem(f"the model has no variable '{name}'", None, closest(name, by_name)))
-        elif not listed.is_settable and not solved.flat.variables[name].is_structural:
+        elif listed.causality not in _SETTABLE and not solved.flat.variables[name].is_structural:
             what = f"'{name}' cannot be given a start: it is not a parameter or input that can be set"
             problems.append(Problem(what, listed.where))
     if problems:

@@ -9,9 +9,10 @@ from typing import Any
 
 from dse.errors import DseError, Location, fail
 from dse.modelica.algebra.expression import Expression
-from dse.modelica.flat import Equation, Kind, Role, Variable
+from dse.modelica.flat_model import Equation, Role, ScalarType, Variable
 from dse.modelica.flatten.document import Document, Record, fields
-from dse.modelica.flatten.evaluation import Evaluation
+from dse.modelica.flatten.evaluation.context import Frame
+from dse.modelica.flatten.evaluation.evaluation import Evaluation
 from dse.modelica.flatten.model import Declared, Model
 
 _VARIABLE = "name role variability value_type declaration attributes"
@@ -20,7 +21,7 @@ _ATTRIBUTES = (
     "component_ref binding start fixed min max nominal unit state_select description causality declared_causality "
     "is_tunable is_held evaluable origin"
 )
-_KINDS = {"real": Kind.REAL, "integer": Kind.INTEGER, "boolean": Kind.BOOLEAN, "enumeration": Kind.ENUMERATION}
+_SCALAR_TYPES = {scalar.lower(): scalar for scalar in ScalarType}
 _ROLES = {
     "parameter": Role.PARAMETER, "input": Role.INPUT, "state": Role.CONTINUOUS, "algebraic": Role.CONTINUOUS,
     "output": Role.CONTINUOUS, "discrete_real": Role.DISCRETE, "discrete_value": Role.DISCRETE,
@@ -37,12 +38,12 @@ def declared(document: Document) -> tuple[Declared, ...]:
         where = document.where(record.get("declaration"))
         fields(record, _VARIABLE, f"the variable '{record.get('name')}'", where)
         fields(record["attributes"], _ATTRIBUTES, f"attributes of '{record['name']}'", where)
-        kind = document.lists["value_types"][record["value_type"]]
+        kind = document.value_type(record)
         fields(kind, "scalar dimensions record_name record_fields", f"the type of '{record['name']}'", where)
         if record["role"] not in _ROLES and record["role"] != "constant":
             raise fail(f"'{record['name']}', a variable in the role '{record['role']}', is not supported", where)
         is_text = kind["scalar"] == "string" and record["role"] in ("parameter", "constant")
-        if (kind["scalar"] not in _KINDS and not is_text) or kind["record_fields"]:
+        if (kind["scalar"] not in _SCALAR_TYPES and not is_text) or kind["record_fields"]:
             what = f"'{record['name']}' of type {kind['scalar']} that is no parameter"
             raise fail(f"{what} is not supported", where)
         if record["attributes"]["is_held"]:
@@ -61,12 +62,11 @@ def bindings(document: Document, evaluation: Evaluation) -> list[Equation]:
         node = record["attributes"]["binding"]
         if record["role"] != "input" or node is None:
             continue
-        frame, asserts = evaluation.frame(makes_events=True)
-        value = evaluation.elements(node, frame)
-        if value.shape != item.shape or asserts:
-            raise fail(f"this binding of '{item.name}' is not supported", item.where)
-        for name, element in zip(item.names, value.elements, strict=True):
+        frame, refusal = Frame(makes_events=True), f"this binding of '{item.name}' is not supported"
+        for name, element in evaluation.scalars(item, node, frame, refusal, item.where):
             found.append(Equation(evaluation.graph.variable(name) - element, item.where))
+        if frame.asserts:
+            raise fail(refusal, item.where)
     return found
 
 
@@ -83,7 +83,7 @@ def declare(document: Document, model: Model) -> None:
                 raise fail(f"the name '{name}' is declared twice", item.where)
             model.variables[name] = Variable(
                 name,
-                _KINDS[item.scalar],
+                _SCALAR_TYPES[item.scalar],
                 _ROLES[item.role],
                 is_output=is_top and attributes["declared_causality"] == "output" and item.role != "parameter",
                 unit=attributes["unit"] or "",
@@ -135,7 +135,7 @@ def _role(document: Document, record: Record, where: Location | None) -> str:
     """The front-end's word for the role, but for inputs with a binding: they are ordinary unknowns."""
     role: str = record["role"]
     bound = role == "input" and document.flat["variables"].get(record["name"], {}).get("binding") is not None
-    is_real = document.lists["value_types"][record["value_type"]]["scalar"] == "real"
+    is_real = document.value_type(record)["scalar"] == "real"
     if role == "input" and (bound != (record["attributes"]["binding"] is not None) or (bound and not is_real)):
         raise fail(f"the input '{record['name']}' with a default value is not supported", where, "use its start value")
     return "algebraic" if bound else role
@@ -154,14 +154,14 @@ def _spread(evaluation: Evaluation, item: Declared, node: int | None, what: str)
     """Attribute *what* for each scalar of *item*."""
     if node is None:
         return None
-    frame, asserts = evaluation.frame(makes_events=False)
+    frame = Frame(makes_events=False)
     try:
         value = evaluation.elements(node, frame)
     except DseError:
         if what == "start" and item.role == "parameter":
             return None  # The front-end's evaluation of the binding, which is read itself.
         raise
-    if asserts:
+    if frame.asserts:
         raise fail(f"an assert in a function called for '{what}' of '{item.name}' is not supported", item.where)
     if value.shape == item.shape:
         elements = value.elements

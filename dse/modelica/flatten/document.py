@@ -2,39 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+import itertools
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any, Protocol
+from typing import Any
 
 from dse.errors import DseError, Location, fail
-
-SCHEMA = 43
-"""The one version of the front-end's system that is understood."""
+from dse.modelica.frontend.result import FrontEndResult
 
 Record = Mapping[str, Any]
-
-
-class FrontEndResult(Protocol):
-    """What the front-end gives: the system, the flat model it came from, and places in the model's files."""
-
-    @property
-    def model(self) -> str:
-        """The model's full name."""
-
-    @property
-    def dae(self) -> Record:
-        """The system of equations."""
-
-    @property
-    def flat(self) -> Record:
-        """The flat model before it; read for what the system does not say."""
-
-    @property
-    def structural(self) -> frozenset[str]:
-        """Names of parameters whose values the front-end used."""
-
-    def location(self, source: int, offset: int) -> Location | None:
-        """The place *offset* bytes into source number *source*, if that is a file of the user's."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -106,17 +82,18 @@ class Document:
         found = self.nodes.get(node)
         return self.where(self.provenance[found.place]) if found else None
 
+    def value_type(self, record: Record) -> Record:
+        """The type of the variable in *record*."""
+        return self.lists["value_types"][record["value_type"]]
+
     def refused(self, what: str, node: int, hint: str = "") -> DseError:
         """*what* is not supported, at *node*."""
         return fail(f"{what} is not supported", self.at(node), hint)
 
 
 def read(result: FrontEndResult) -> Document:
-    """*result* as checked tables. Raises DseError for another schema, unknown constructs and counts that do not fit."""
-    dae = result.dae
-    if dae.get("schema_version") != SCHEMA:
-        raise fail(f"the Modelica front-end speaks schema {dae.get('schema_version')}, this version knows {SCHEMA}")
-    storage = dae["storage"]
+    """*result* as checked tables. Raises DseError for unknown constructs and counts that do not fit."""
+    storage = result.dae["storage"]
     unknown = sorted(set(storage) - _LISTS - _IGNORED - set(_EMPTY))
     if unknown:
         raise fail(f"the front-end's system has an unknown part '{unknown[0]}'")
@@ -195,3 +172,77 @@ def _check_references(document: Document) -> None:
         for other in refers:
             if other not in document.nodes or other >= number:
                 raise document.refused(f"the front-end's numbering of expressions ({number} refers to {other})", number)
+
+
+def check_calls(document: Document) -> None:
+    """Raise DseError if a call means another function than the one that was kept under its name."""
+    for record in records(document.flat):
+        call = record.get("FunctionCall")
+        if isinstance(call, dict):
+            called = call.get("name") or call["comp"]
+            name, parts = called["name"], called["component_ref"]["parts"]
+            kept = document.flat["functions"].get(name)
+            if kept is not None and kept["def_id"] != parts[-1]["def_id"]:
+                what = f"'{name}', a function with the name of another one used in this model, is not supported"
+                raise fail(what, document.where(call), "give the functions different names")
+
+
+def records(tree: Any) -> Iterator[Record]:
+    """Every record in *tree* of the front-end's, in no order to rely on."""
+    stack = [tree]
+    while stack:
+        item = stack.pop()
+        if isinstance(item, dict):
+            yield item
+            item = list(item.values())
+        if isinstance(item, list):
+            stack += item
+
+
+_MOST_POINTS = 1_000_000
+
+
+def points(document: Document, domain: int) -> Iterator[tuple[int, ...]]:
+    """Values of the counters of *domain*, the last one fastest."""
+    return itertools.product(*ranges(document, domain))
+
+
+def shape(document: Document, domain: int) -> tuple[int, ...]:
+    """How many values each counter of *domain* takes."""
+    return tuple(len(counter) for counter in ranges(document, domain))
+
+
+def ranges(document: Document, domain: int) -> Sequence[range]:
+    """The values of each counter of *domain*. Raises DseError for bounds that are no numbers."""
+    record = document.lists["domains"][domain]
+    where = document.where(record.get("provenance"))
+    fields(record, "parent domain", "a loop's domain", where)
+    fields(record["domain"], "binders", "a loop's domain", where)
+    found = []
+    total = 1
+    for place, binder in enumerate(record["domain"]["binders"]):
+        fields(binder, "id display_name lower upper step", "a loop's counter", where)
+        first, last, step = binder["lower"], binder["upper"], binder["step"]
+        if not all(isinstance(item, int) for item in (first, last, step)) or step == 0 or binder["id"] != place:
+            raise fail(f"a loop over '{binder['display_name']}' without fixed whole bounds is not supported", where)
+        found.append(range(first, last + (1 if step > 0 else -1), step))
+        total *= len(found[-1])
+    if total > _MOST_POINTS:
+        raise fail(f"a loop of {total} turns is not supported (at most {_MOST_POINTS})", where)
+    return found
+
+
+def check_counters(document: Document, domain: int, function: int) -> None:
+    """Raise DseError if a counter of *domain* has the name of a variable of function number *function*.
+
+    The front-end takes the variable for the counter then. Negative: there is no function.
+    """
+    if function < 0:
+        return
+    record, called = document.lists["domains"][domain], document.lists["functions"][function]
+    taken = {variable["name"] for variable in (*called["outputs"], *called["locals"])}
+    for binder in record["domain"]["binders"]:
+        if binder["display_name"] in taken:
+            what = f"the loop counter '{binder['display_name']}' with the name of a variable of '{called['name']}'"
+            where = document.where(record.get("provenance")) or document.where(called.get("declaration"))
+            raise fail(f"{what} is not supported", where, "give it another name")

@@ -5,48 +5,46 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from dse.errors import Location, fail
-from dse.modelica.flat import Equation
-from dse.modelica.flatten.document import Record, fields, single
-from dse.modelica.flatten.domains import points, ranges
-from dse.modelica.flatten.evaluation import Evaluation
-from dse.modelica.flatten.frames import Assertion, Frame
+from dse.modelica.flat_model import Check, Equation
+from dse.modelica.flatten.document import Record, fields, points, shape, single
+from dse.modelica.flatten.evaluation.context import Frame
+from dse.modelica.flatten.evaluation.evaluation import Evaluation
+from dse.modelica.flatten.model import Declared
 
 
-def continuous(evaluation: Evaluation) -> tuple[list[Equation], list[Assertion]]:
+def continuous(evaluation: Evaluation) -> tuple[list[Equation], list[Check]]:
     """The equations that hold at all times, and the asserts of functions in them."""
-    frame, asserts = evaluation.frame(makes_events=True)
-    document = evaluation.document
-    records = document.lists["continuous_equation_operations"]
-    return [item for record in records for item in _equations(evaluation, record, frame)], asserts
+    frame = Frame(makes_events=True)
+    records = evaluation.document.lists["continuous_equation_operations"]
+    return [item for record in records for item in _equations(evaluation, record, frame)], frame.asserts
 
 
 def initial(evaluation: Evaluation) -> list[Equation]:
     """The equations that hold at the start only. Comparisons are taken as they are: nothing is held yet."""
-    frame, asserts = evaluation.frame(makes_events=False)
-    document = evaluation.document
+    frame = Frame(makes_events=False)
+    document, declared = evaluation.document, evaluation.model.declared
     found = []
     for record in document.lists["initialization_equation_operations"]:
         found += list(_equations(evaluation, record, frame))
     for record in document.lists["initial_parameter_values"]:
         where = document.where(record.get("provenance"))
         fields(record, "target value", "an initial value", where)
-        item = evaluation.model.declared[record["target"]]
-        value = evaluation.elements(record["value"], _fresh(frame))
-        if value.shape != item.shape:
-            raise fail(f"an initial value of '{item.name}' of another size", where)
-        for name, element in zip(item.names, value.elements, strict=True):
-            found.append(Equation(evaluation.graph.variable(name) - element, where))
-    for item, record in zip(evaluation.model.declared, document.lists["variables"], strict=True):
+        item = declared[record["target"]]
+        found += _solved_for(evaluation, item, record["value"], frame, f"an initial value of '{item.name}'", where)
+    for item, record in zip(declared, document.lists["variables"], strict=True):
         node = record["attributes"]["binding"]
         if item.role == "parameter" and node is not None and (record["attributes"]["fixed"] or [True])[0] is False:
-            value = evaluation.elements(node, _fresh(frame))
-            if value.shape != item.shape:
-                raise fail(f"a binding of '{item.name}' of another size", item.where)
-            for name, element in zip(item.names, value.elements, strict=True):
-                found.append(Equation(evaluation.graph.variable(name) - element, item.where))
-    if asserts:
-        raise fail("an assert in a function that an initial equation calls is not supported", asserts[0].where)
+            found += _solved_for(evaluation, item, node, frame, f"a binding of '{item.name}'", item.where)
+    if frame.asserts:
+        raise fail("an assert in a function that an initial equation calls is not supported", frame.asserts[0].where)
     return found
+
+
+def _solved_for(
+    evaluation: Evaluation, item: Declared, node: int, frame: Frame, what: str, where: Location | None
+) -> Iterator[Equation]:
+    for name, value in evaluation.scalars(item, node, _fresh(frame), f"{what} of another size", where):
+        yield Equation(evaluation.graph.variable(name) - value, where)
 
 
 def _equations(evaluation: Evaluation, record: Record, frame: Frame) -> Iterator[Equation]:
@@ -55,14 +53,15 @@ def _equations(evaluation: Evaluation, record: Record, frame: Frame) -> Iterator
     where = document.where(data.get("provenance"))
     if kind == "residual":
         fields(data, "residual", "an equation", where)
-        yield from _residuals(evaluation, data["residual"], _fresh(frame), where)
+        for element in evaluation.elements(data["residual"], _fresh(frame)).elements:
+            yield Equation(element, where)
         return
     if kind != "structured":
         raise fail(f"an equation of kind '{kind}' is not supported", where)
     fields(data, "domain scalar_view bodies", "a family of equations", where)
     view, detail = single(data["scalar_view"], "a family of equations", where)
     domain = data["domain"]
-    sizes = tuple(len(counter) for counter in ranges(document, domain))
+    sizes = shape(document, domain)
     for body in data["bodies"]:
         place = document.at(body) or where
         if view == "RowMajorProjection":
@@ -85,11 +84,6 @@ def _equations(evaluation: Evaluation, record: Record, frame: Frame) -> Iterator
                 raise document.refused(f"a family of equations of size {list(value.shape)}", body)
             for element in value.elements:
                 yield Equation(element, place)
-
-
-def _residuals(evaluation: Evaluation, node: int, frame: Frame, where: Location | None) -> Iterator[Equation]:
-    for element in evaluation.elements(node, frame).elements:
-        yield Equation(element, where)
 
 
 def _fresh(frame: Frame) -> Frame:

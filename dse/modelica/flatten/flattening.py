@@ -5,16 +5,18 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from dse.errors import fail
-from dse.modelica.algebra.expression import Graph, Place, symbols
-from dse.modelica.flat import Check, FlatModel, Role
-from dse.modelica.flatten.calls import check_calls
-from dse.modelica.flatten.conditions import Conditions, read_clocks
+from dse.modelica.algebra.expression import Graph
+from dse.modelica.algebra.symbol import Referent
+from dse.modelica.algebra.traversal import symbols
+from dse.modelica.flat_model import Check, FlatModel, Role
 from dse.modelica.flatten.declarations import bindings, complete, declare, declared
-from dse.modelica.flatten.discrete import checks_of, read_discrete
-from dse.modelica.flatten.document import FrontEndResult, read
+from dse.modelica.flatten.document import check_calls, read
 from dse.modelica.flatten.equations import continuous, initial
-from dse.modelica.flatten.evaluation import Evaluation
+from dse.modelica.flatten.evaluation.evaluation import Evaluation
+from dse.modelica.flatten.events.conditions import Conditions, read_clocks
+from dse.modelica.flatten.events.discrete import read_discrete
 from dse.modelica.flatten.model import Model
+from dse.modelica.frontend.result import FrontEndResult
 
 
 def flatten(result: FrontEndResult) -> FlatModel:
@@ -46,8 +48,7 @@ def flatten(result: FrontEndResult) -> FlatModel:
         triggers=tuple(model.triggers),
         assignments=tuple(model.assignments),
         reinitializations=tuple(discrete.reinitializations),
-        checks=_distinct([*checks_of(asserts), *discrete.checks]),
-        description=str(document.flat.get("model_description") or ""),
+        checks=_distinct([*asserts, *discrete.checks]),
     )
     _check_balance(flat)
     return flat
@@ -67,14 +68,11 @@ def _check_balance(flat: FlatModel) -> None:
     if len(flat.equations) != unknown:
         raise fail(f"'{flat.name}' has {len(flat.equations)} equations for {unknown} unknowns")
     roots = [item.residual for item in (*flat.equations, *flat.initial_equations)]
-    roots += [relation.truth for relation in flat.relations]
-    roots += [item.value for item in flat.assignments]
-    roots += [item.value for item in flat.reinitializations]
-    roots += [check.condition for check in flat.checks]
+    roots += [root for root, _ in flat.at_events()]
     roots += [condition for trigger in flat.triggers for condition in trigger.conditions]
     for root in roots:
         for symbol in symbols(root):
-            if symbol.place in (Place.VARIABLE, Place.PRE) and symbol.name not in flat.variables:
+            if symbol.referent in (Referent.VARIABLE, Referent.PRE) and symbol.name not in flat.variables:
                 raise fail(f"'{symbol.name}' is used in '{flat.name}' but is no variable of it")
-            if symbol.place is Place.HELD and int(symbol.name) >= len(flat.relations):
+            if symbol.referent is Referent.HELD and int(symbol.name) >= len(flat.relations):
                 raise fail(f"relation {symbol.name} is used in '{flat.name}' but is not there")

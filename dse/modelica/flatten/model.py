@@ -5,8 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 from dse.errors import Location
-from dse.modelica.algebra.expression import Expression, Graph, Place, Symbol, walk
-from dse.modelica.flat import Assignment, Clock, Kind, Relation, Role, Trigger, Variable
+from dse.modelica.algebra.expression import Expression, Graph
+from dse.modelica.algebra.symbol import Referent, Symbol
+from dse.modelica.algebra.traversal import symbols, walk
+from dse.modelica.flat_model import Assignment, Clock, Relation, Role, ScalarType, Trigger, Variable
 from dse.modelica.flatten.values import Value, places
 
 
@@ -59,7 +61,7 @@ class Model:
             number = len(self.relations)
             self.relation_of[truth] = number
             self.relations.append(Relation(truth, where))
-        return self.graph.symbol(Symbol(Place.HELD, str(number)))
+        return self.graph.symbol(Symbol(str(number), referent=Referent.HELD))
 
     def is_discrete(self, expression: Expression) -> bool:
         """Whether it can change at events only."""
@@ -73,16 +75,11 @@ class Model:
     def is_parameter(self, expression: Expression) -> bool:
         """Whether it depends on parameters and numbers alone."""
         return all(
-            node.symbol is None
-            or (
-                node.symbol.place is Place.VARIABLE
-                and not node.symbol.order
-                and self.variables[node.symbol.name].role is Role.PARAMETER
-            )
-            for node in walk((expression,))
+            symbol.is_variable and not symbol.order and self.variables[symbol.name].role is Role.PARAMETER
+            for symbol in symbols(expression)
         )
 
-    def internal(self, word: str, kind: Kind, where: Location | None) -> str:
+    def internal(self, word: str, kind: ScalarType, where: Location | None) -> str:
         """The name of a new discrete variable that no user sees."""
         name = f"${word}{sum(1 for other in self.variables if other.startswith('$')) + 1}"
         self.variables[name] = Variable(
@@ -94,15 +91,15 @@ class Model:
         """Truth of *clock* ticking now: in the first pass of its event only."""
         name = self.tick_of.get(clock)
         if name is None:
-            name = self.tick_of[clock] = self.internal("tick", Kind.BOOLEAN, where)
+            name = self.tick_of[clock] = self.internal("tick", ScalarType.BOOLEAN, where)
             self.triggers.append(Trigger(clocks=(clock,)))
             self.assignments.append(Assignment(name, self.graph.constant(1.0), len(self.triggers) - 1, where))
             self.assignments.append(Assignment(name, self.graph.constant(0.0), None, where))
         return self.graph.variable(name)
 
     def _is_discrete(self, symbol: Symbol) -> bool:
-        if symbol.place not in (Place.VARIABLE, Place.PRE):
-            return symbol.place is not Place.TIME
+        if symbol.referent not in (Referent.VARIABLE, Referent.PRE):
+            return symbol.referent is not Referent.TIME
         variable = self.variables.get(symbol.name)
         if variable is None or symbol.order:
             return False

@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import itertools
 import math
+import operator
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
+from functools import reduce
 
 from dse.modelica.algebra.expression import Expression, Graph
 
@@ -108,22 +110,12 @@ def stacked(values: Sequence[Value]) -> Value:
 
 def total(graph: Graph, elements: Sequence[Expression]) -> Expression:
     """Sum from left to right; 0 of nothing."""
-    if not elements:
-        return graph.constant(0.0)
-    found = elements[0]
-    for element in elements[1:]:
-        found = found + element
-    return found
+    return reduce(operator.add, elements) if elements else graph.constant(0.0)
 
 
 def product(graph: Graph, elements: Sequence[Expression]) -> Expression:
     """Product from left to right; 1 of nothing."""
-    if not elements:
-        return graph.constant(1.0)
-    found = elements[0]
-    for element in elements[1:]:
-        found = found * element
-    return found
+    return reduce(operator.mul, elements) if elements else graph.constant(1.0)
 
 
 def multiplied(graph: Graph, left: Array, right: Array) -> Array:

@@ -10,27 +10,25 @@ from pathlib import Path
 from typing import Any
 
 from dse.errors import DseError, Problem, fail
-from dse.modelica.frontend.literal import Value, is_class_name, literal, wrapper
+from dse.modelica.frontend.literal import WRAPPER, is_class_name, wrapper
 from dse.modelica.frontend.messages import found_problems, refusal
-from dse.modelica.frontend.misread import misread
+from dse.modelica.frontend.misreadings.misread import misread
 from dse.modelica.frontend.process import FrontEnd, FrontEndDied, FrontEndRefusal
 from dse.modelica.frontend.result import SCHEMA, FrontEndResult
-from dse.modelica.frontend.sources import ModelSources, SourceText, libraries
-from dse.modelica.frontend.text import declarations
+from dse.modelica.frontend.source_text import declarations
+from dse.modelica.frontend.sources import FILES, ModelSources, SourceText, libraries
 
-_FILES = "files"
 _BASE, _TRIAL = "base", "trial"
-_WRAPPER = "DseWrapper"
 _WRAPPER_FILE = "dse_wrapper.mo"
 
 
-def compile_model(sources: ModelSources, structural: Mapping[str, Value] | None = None) -> FrontEndResult:
-    """The flat system of the model with the parameters *structural* set; ``structural`` of the result is empty.
+def compile_model(sources: ModelSources) -> FrontEndResult:
+    """The flat system of the model; ``structural`` of the result is empty.
 
     Raises DseError: the front-end refuses the model, crashes, takes too long, or is one whose output is not known.
     """
     with opened(sources) as session:
-        return session.compiled({name: literal(value) for name, value in (structural or {}).items()})
+        return session.compiled({})
 
 
 @dataclass(frozen=True, slots=True)
@@ -61,20 +59,12 @@ class Session:
 
         Raises FrontEndDied and FrontEndRefusal.
         """
-        self.lay({**self.sources.contents, **overlay}, _TRIAL)
+        self.sources.lay_out(self.folder / _TRIAL, overlay)
         return self._flattened(_TRIAL, changes)
 
-    def lay(self, contents: Mapping[str, bytes], folder: str = _BASE) -> None:
-        """Write *contents* where the front-end finds them."""
-        for name, content in contents.items():
-            target = self.folder / folder / _FILES / name
-            target.parent.mkdir(parents=True, exist_ok=True)
-            target.write_bytes(content)
-        (self.folder / folder / _FILES).mkdir(parents=True, exist_ok=True)
-
     def _flattened(self, folder: str, changes: Mapping[str, str]) -> dict[str, Any]:
-        text = wrapper(_WRAPPER, self.sources.model, changes, libraries(self.sources))
-        request = {"wrapper": text, "model": _WRAPPER, "filename": _WRAPPER_FILE}
+        text = wrapper(self.sources.model, changes, libraries(self.sources))
+        request = {"wrapper": text, "model": WRAPPER, "filename": _WRAPPER_FILE}
         return self.front_end.ask({**request, "folder": str(self.folder / folder)})
 
     def _refuse_partial(self, result: FrontEndResult) -> None:
@@ -85,17 +75,17 @@ class Session:
             return
         top = self.sources.model.split(".", maxsplit=1)[0]
         first = next((name for name in named if name in (f"{top}/package.mo", f"{top}.mo")), named[0])
-        request = {"class": self.sources.model, "file": f"{_FILES}/{first}", "folder": str(self.folder / _BASE)}
+        request = {"class": self.sources.model, "file": f"{FILES}/{first}", "folder": str(self.folder / _BASE)}
         if self.front_end.ask(request)["is_partial"]:
             what = f"component '{self.sources.component}': {self.sources.model} is partial"
             raise fail(what, partial[0].where, "name a model that is complete")
 
     def _problems(self, message: str) -> list[Problem]:
-        files = [f"{_FILES}/{name}" for name in sorted(self.sources.contents) if name.endswith(".mo")]
+        files = [f"{FILES}/{name}" for name in sorted(self.sources.contents) if name.endswith(".mo")]
         found: list[Any] = []
         with contextlib.suppress(FrontEndDied, FrontEndRefusal):  # the refusal itself is told
             found = self.front_end.ask({"check": files, "folder": str(self.folder / _BASE)})["found"]
-        return found_problems(self.sources, _FILES, found) or [refusal(self.sources, _FILES, message, _WRAPPER)]
+        return found_problems(self.sources, found) or [refusal(self.sources, message)]
 
 
 def read_answer(
@@ -108,18 +98,13 @@ def read_answer(
         what = f"component '{sources.component}': the Modelica front-end writes layout {schema}, not {SCHEMA}"
         raise fail(what, sources.where, "install the version of rumoca that dse asks for")
     texts = {
-        number: SourceText(_spelled(sources, path), text)
+        number: SourceText(sources.spelled(path), text)
         for number, path, text in dae["source_map"]["files"]
         if path != _WRAPPER_FILE
     }
     described = [found.description for found in declarations(texts.values(), sources.model)]
     description = described[0] if len(described) == 1 else ""
     return FrontEndResult(sources.model, dae, flat, texts, structural, description)
-
-
-def _spelled(sources: ModelSources, path: str) -> str:
-    relative = path.replace("\\", "/").removeprefix(f"{_FILES}/")
-    return sources.origins.get(relative, path)
 
 
 @contextlib.contextmanager
@@ -132,8 +117,7 @@ def opened(sources: ModelSources) -> Iterator[Session]:
         folder = Path(scratch).resolve()
         cache = folder / "cache"
         cache.mkdir()
-        roots = (_FILES, *(str(root.resolve()) for root in sources.roots))
+        roots = (FILES, *(str(root.resolve()) for root in sources.roots))
         with FrontEnd(folder, roots, cache) as front_end:
-            session = Session(sources, front_end, folder)
-            session.lay(sources.contents)
-            yield session
+            sources.lay_out(folder / _BASE)
+            yield Session(sources, front_end, folder)

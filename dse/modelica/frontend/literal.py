@@ -9,6 +9,7 @@ from collections.abc import Iterable, Mapping
 Value = float | int | bool | str | tuple[float, ...]
 """A number, a truth value, or the name of an enumeration's item, written with its type: ``Lib.Mode.Gap``."""
 
+WRAPPER = "DseWrapper"
 _NAME = re.compile(r"[A-Za-z_]\w*(\.[A-Za-z_]\w*)*", re.ASCII)
 
 
@@ -35,8 +36,8 @@ def literal(value: Value) -> str:
     return value
 
 
-def wrapper(name: str, model: str, changes: Mapping[str, str], libraries: Iterable[str] = ()) -> str:
-    """Text of the model *name*: *model* with the parameters of dotted names in *changes* given as Modelica texts.
+def wrapper(model: str, changes: Mapping[str, str], libraries: Iterable[str] = ()) -> str:
+    """Text of the model `WRAPPER`: *model* with the parameters of dotted names in *changes* given as Modelica texts.
 
     *libraries* are mentioned, because the front-end reads only libraries whose names stand in a text.
     """
@@ -51,7 +52,7 @@ def wrapper(name: str, model: str, changes: Mapping[str, str], libraries: Iterab
             node = inner
         node[last] = text
     mentioned = "".join(f"// {library}\n" for library in libraries)
-    return f"{mentioned}model {name}\n  extends {model}{_modification(tree)};\nend {name};\n"
+    return f"{mentioned}model {WRAPPER}\n  extends {model}{_modification(tree)};\nend {WRAPPER};\n"
 
 
 def _modification(tree: Mapping[str, object]) -> str:

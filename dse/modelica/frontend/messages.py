@@ -4,18 +4,19 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable
+from dataclasses import dataclass
 from typing import Any
 
 from dse.errors import Location, Problem
-from dse.modelica.frontend.sources import ModelSources, SourceText, libraries
-from dse.modelica.frontend.text import code, declarations, found
-from dse.modelica.frontend.wording import NOT_THERE, in_other_words
+from dse.modelica.frontend.literal import WRAPPER
+from dse.modelica.frontend.source_text import code, declarations, found
+from dse.modelica.frontend.sources import FILES, ModelSources, SourceText, libraries
 
 _AT = re.compile(r"\s*\[(?P<file>[^\[\]]+?):(?P<line>\d+):(?P<column>\d+)\]")
 _QUOTED = re.compile(r"['`\"]([A-Za-z_][\w.]*)['`\"]")
 
 
-def found_problems(sources: ModelSources, folder: str, entries: Iterable[Any]) -> list[Problem]:
+def found_problems(sources: ModelSources, entries: Iterable[Any]) -> list[Problem]:
     """What the front-end says about single files, as lists of path, message, line, column and suggestion."""
     problems = []
     for path, message, line, column, suggestion in entries:
@@ -25,7 +26,7 @@ def found_problems(sources: ModelSources, folder: str, entries: Iterable[Any]) -
         hint = _signs(" ".join(helped[1].split())) if helped else str(suggestion or "")
         drawn = re.search(r"╭─\[(.+):(\d+):(\d+)\]", str(message))
         place = (int(drawn[2]), int(drawn[3])) if drawn else (int(line or 0), int(column or 0))
-        problems.append(Problem(what, Location(_spelled(sources, folder, str(path)), *place), hint))
+        problems.append(Problem(what, Location(sources.spelled(str(path)), *place), hint))
     return problems
 
 
@@ -42,19 +43,19 @@ def _signs(hint: str) -> str:
     return re.sub(rf"\b({'|'.join(_SIGNS)})\b", lambda match: _SIGNS[match[0]], hint)
 
 
-def refusal(sources: ModelSources, folder: str, message: str, wrapper: str) -> Problem:
+def refusal(sources: ModelSources, message: str) -> Problem:
     """One problem of a message about the whole model, where it says or, failing that, at the model."""
     first = _most_telling(message)
     where = None
     if match := _AT.search(first):
         first = (first[: match.start()] + first[match.end() :]).strip()
-        if folder in match["file"] or sources.origins:
-            spelled = _spelled(sources, folder, match["file"])
-            is_own = wrapper.lower() not in spelled.lower().replace("_", "")
+        if FILES in match["file"] or sources.origins:
+            spelled = sources.spelled(match["file"])
+            is_own = WRAPPER.lower() not in spelled.lower().replace("_", "")
             where = Location(spelled, int(match["line"]), int(match["column"])) if is_own else None
-    either = f"(?:{re.escape(wrapper)}|{re.escape(sources.model)})"
+    either = f"(?:{re.escape(WRAPPER)}|{re.escape(sources.model)})"
     first = re.sub(rf"^\w[\w ]* failed: {either} failed in \w+: |^{either} could not be compiled:? ?", "", first)
-    first = re.sub(rf"\b{re.escape(wrapper)}\b", sources.model, first)
+    first = re.sub(rf"\b{re.escape(WRAPPER)}\b", sources.model, first)
     said = in_other_words(sources.model, first)
     located = where or (_construct(sources, said.place) if said.place else None) or _mentioned(sources, first)
     located = located or model_location(sources)
@@ -126,6 +127,143 @@ def _texts(sources: ModelSources) -> list[SourceText]:
     ]
 
 
-def _spelled(sources: ModelSources, folder: str, path: str) -> str:
-    relative = path.replace("\\", "/").removeprefix(f"{folder}/")
-    return sources.origins.get(relative, path)
+@dataclass(frozen=True, slots=True)
+class Wording:
+    """What is wrong, a way out, and a pattern of the text that it is about (empty: none is known)."""
+
+    what: str
+    hint: str = ""
+    place: str = ""
+
+
+NOT_THERE = "no file or library holds this model"
+_SIZES = r"[^\]]*"
+_UNBALANCED = (
+    "if the numbers should agree: the front-end miscounts variables that are 'inner' below the top level, connectors "
+    "that are 'outer', and arrays of components that an 'extends' modifies"
+)
+# Patterns of messages, then a Wording whose texts may refer to their groups. {model}: the model's name.
+_WORDINGS = (
+    (r"base class not found: `{model}` does not exist", Wording(NOT_THERE)),
+    (
+        r"Failed to load source root .* has `within (?P<said>[^;`]*);` but expected `within (?P<true>[^;`]*);`",
+        Wording(
+            r"the file says 'within \g<said>', but lies in the folder of '\g<true>'",
+            "correct the line, or move the file",
+            r"\b(within)\s+\g<said>\s*;",
+        ),
+    ),
+    (r"because resolve/parse failed", Wording("the front-end sees no model in it")),
+    (
+        r"model '{model}' cannot extend (?P<kind>\w+) '{model}'.*",
+        Wording(r"it is a \g<kind>, not a model", "name a model or block"),
+    ),
+    (
+        r"missing source scope for imports:?",
+        Wording("the first result of a function is left out", "give it a variable"),
+    ),
+    (
+        r"(?P<what>unbalanced model: \d+ equations?, \d+ unknowns?).*",
+        Wording(r"\g<what>", _UNBALANCED),
+    ),
+    (
+        r"reinit\(\) can only be applied to state variables: (?P<name>\w+)\[.*\] is not a state",
+        Wording(
+            r"a reinit of '\g<name>[…]', an element of an array, is not supported",
+            "declare the states one by one, each with a name of its own",
+            r"\b(reinit)\s*\(\s*\g<name>\s*\[",
+        ),
+    ),
+    (
+        r".*duplicate condition clock owner key",
+        Wording(
+            "several samples as conditions of one when-clause are not supported",
+            "write a when-clause for each, and add up what they count",
+            r"\b(when)\s*\{[^}]*\bsample\b[^}]*\bsample\b",
+        ),
+    ),
+    (
+        r"unsupported Flat semantic owner `function shape proof`: `(?P<name>\w+)`: declared rank 0 .*",
+        Wording(
+            r"an array of records whose field '\g<name>' is given as an array is not supported",
+            "give an array of records: {Data(a = 1), Data(a = 2)}",
+            r"[(,]\s*(\g<name>)\s*=\s*\{",
+        ),
+    ),
+    (
+        r"unsupported Flat semantic owner `when assignment`: `(?P<name>\w+)\[.*\]` is not a discrete coordinate",
+        Wording(
+            r"an assignment to '\g<name>[…]', an element of an array, in a when-clause is not supported",
+            "assign the whole array in one when-clause, or declare the variables one by one",
+            rf"\b(\g<name>)\s*\[{_SIZES}\]\s*:?=(?!=)",
+        ),
+    ),
+    (
+        r"unsupported Flat semantic owner `function statement`: `(?P<name>[^`]*)` contains .*",
+        Wording(
+            r"a statement of function '\g<name>' is not supported: a loop by while, or one that is left by break",
+            "loop by for, or bound the loop by a counter: while … and n < 30 loop n := n + 1; …",
+        ),
+    ),
+    (
+        r"unsupported Flat semantic owner `when function-call outputs`.*",
+        Wording(
+            "a function with several results in a when-clause is not supported",
+            "call it in an equation outside, and assign its results in the when-clause",
+        ),
+    ),
+    (
+        r"unsupported model algorithm in canonical DAE: a multi-output algorithm .*",
+        Wording(
+            "a multi-output algorithm of a model (one that computes several results) is not supported",
+            "write equations, or a function that is called by an equation",
+        ),
+    ),
+    (
+        r"unsupported model algorithm in canonical DAE: sequential read of `(?P<name>[^`]*)`.*",
+        Wording(
+            r"a model algorithm that reads '\g<name>' between two of its assignments is not supported",
+            "use another variable for the value between, or a function",
+        ),
+    ),
+    (
+        r"unsupported runtime operator `(?P<name>\w+)`: no checked canonical owner .*",
+        Wording(r"the function '\g<name>' is not supported", "write out what it means here"),
+    ),
+    (
+        r"unsupported equation form: for-equation range must be .*, got `(?P<name>[\w.]+)`.*",
+        Wording(
+            r"a for-equation over '\g<name>' is not supported",
+            "count with whole numbers: for i in 1:n loop",
+            r"\b(for)\s+\w+\s+in\s+\g<name>\b",
+        ),
+    ),
+    (
+        r"unsupported equation form: for-equation range must be .*",
+        Wording(
+            "a for-equation over other things than whole numbers from a first to a last is not supported",
+            "count with whole numbers: for i in 1:n loop",
+            r"\b(for)\s+\w+\s+in\s*\{",
+        ),
+    ),
+    (
+        r"redeclaration of `(?P<name>[^`]*)` violates \w+: `(?P<new>[^`]*)` is not a subtype of `(?P<old>[^`]*)`",
+        Wording(
+            r"the redeclaration of '\g<name>' by '\g<new>', which does not extend '\g<old>', is not supported",
+            "let it extend the same class",
+            r"\bredeclare\b[^;,=]*\b(\g<name>)\b",
+        ),
+    ),
+)
+
+
+def in_other_words(model: str, message: str) -> Wording:
+    """*message* about *model* in words of Modelica, or as it is if they are not known."""
+    for pattern, wording in _WORDINGS:
+        match = re.match(pattern.replace("{model}", re.escape(model)), message)
+        if match is not None:
+            place = wording.place
+            for name, text in match.groupdict().items():
+                place = place.replace(f"\\g<{name}>", re.escape(text or ""))
+            return Wording(match.expand(wording.what), wording.hint, place)
+    return Wording(message)

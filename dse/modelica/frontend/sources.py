@@ -9,6 +9,8 @@ from pathlib import Path
 
 from dse.errors import DseError, Location, Problem, fail, raise_if_any
 
+FILES = "files"
+"""The folder that compilers find the files of a model in."""
 _MAX_BYTES = 20_000_000
 _MOST_FILES = 5_000
 _BYTE_ORDER_MARK = b"\xef\xbb\xbf"  # The language allows it, the front-end does not.
@@ -29,6 +31,18 @@ class ModelSources:
     origins: Mapping[str, str]
     roots: tuple[Path, ...] = ()
     where: Location | None = None
+
+    def lay_out(self, folder: Path, overlay: Mapping[str, bytes] | None = None) -> None:
+        """Write all files to where a compiler in *folder* finds them, with the contents *overlay* in place of some."""
+        (folder / FILES).mkdir(parents=True, exist_ok=True)
+        for name, content in {**self.contents, **(overlay or {})}.items():
+            target = folder / FILES / name
+            target.parent.mkdir(parents=True, exist_ok=True)
+            target.write_bytes(content)
+
+    def spelled(self, path: str) -> str:
+        """*path* of a compiler's message as the user spells it."""
+        return self.origins.get(path.replace("\\", "/").removeprefix(f"{FILES}/"), path)
 
 
 @dataclass(frozen=True, slots=True)
@@ -149,6 +163,6 @@ def _unreadable(component: str, path: Path, error: OSError, where: Location | No
 
 
 def _shown(path: Path) -> str:
-    from dse.formats.yaml import shown
+    from dse.formats import shown
 
     return shown(path)

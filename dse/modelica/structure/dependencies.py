@@ -4,12 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 
-from dse.modelica.algebra.expression import Place, Symbol
-from dse.modelica.flat import FlatModel, Relation
-from dse.modelica.structure.arrange import Stage
-from dse.modelica.structure.blocks import components
-from dse.modelica.structure.events import Quantity, Step
-from dse.modelica.structure.incidence import occurring
+from dse.errors import Problem, raise_if_any
+from dse.modelica.algebra.expression import Expression
+from dse.modelica.algebra.symbol import Referent, Symbol
+from dse.modelica.algebra.traversal import symbols
+from dse.modelica.flat_model import FlatModel, Relation
+from dse.modelica.solved_model import EventBlock
+from dse.modelica.structure.blocks.arrange import Quantity, Stage
+from dse.modelica.structure.graphs import components
 
 
 class Reach:
@@ -20,16 +22,14 @@ class Reach:
 
     def __init__(
         self,
-        stages: Sequence[Stage],
-        steps: Sequence[Step],
+        stages: Sequence[Stage[EventBlock]],
         sources: Sequence[Symbol],
         relations: Sequence[Relation] = (),
     ) -> None:
         self._sources = {symbol: place for place, symbol in enumerate(sources)}
         nodes: list[tuple[tuple[Quantity, ...], tuple[Quantity, ...]]] = [(one.gives, one.needs) for one in stages]
-        nodes += [(step.gives, step.needs) for step in steps]
         nodes += [
-            ((Symbol(Place.HELD, str(place)),), tuple(occurring(relation.truth)))
+            ((Symbol(str(place), referent=Referent.HELD),), tuple(symbols(relation.truth)))
             for place, relation in enumerate(relations)
         ]
         self._giver = {quantity: place for place, (gives, _) in enumerate(nodes) for quantity in gives}
@@ -64,9 +64,44 @@ def dependencies(
     found = {}
     for name, variable in flat.variables.items():
         if variable.is_output:
-            symbol = aliases[name][0] if name in aliases else Symbol(Place.VARIABLE, name)
+            symbol = aliases[name][0] if name in aliases else Symbol(name)
             found[name] = frozenset(map(str, reach.of(symbol)))
     for state in states:
-        derivative = Symbol(Place.VARIABLE, state.name, state.order + 1)
+        derivative = state.derivative
         found[str(derivative)] = frozenset(map(str, reach.of(derivative)))
     return found
+
+
+def refuse_uncertain(flat: FlatModel, states: Sequence[Symbol], reach: Reach) -> None:
+    """Raise DseError for each ``reinit`` of what is no state, and where old and new values of a state could be mixed.
+
+    ``reinit(x, expression)`` makes x an unknown of the event instant (Modelica 3.6, 8.3.6), so whatever else reads x
+    without ``pre`` at that instant means the new value; but values are read before any state is written. Its own state
+    may be read plainly: ``reinit(v, -e * v)`` is common and means the value before.
+    """
+    names = {state.name for state in states if not state.order}
+    hint = "prefer it as a state by stateSelect"
+    what = "reinit of '{}', which is no state: its value follows from other states"
+    problems = [
+        Problem(what.format(one.state), one.where, hint) for one in flat.reinitializations if one.state not in names
+    ]
+    written = {one.state for one in flat.reinitializations}
+    written_by = {(one.trigger, one.state) for one in flat.reinitializations}
+    for one in flat.reinitializations:
+        for name in _read(one.value, reach):
+            if name in written and name != one.state:
+                what = f"the new value of '{one.state}' is read from '{name}', which is set anew itself"
+                problems.append(Problem(what, one.where, f"write pre({name})"))
+    for assignment in flat.assignments:
+        if assignment.trigger is None:
+            continue
+        for name in _read(assignment.value, reach):
+            if (assignment.trigger, name) in written_by:
+                what = f"'{assignment.target}' is read from '{name}', which is set anew at the same instant"
+                problems.append(Problem(what, assignment.where, f"write pre({name})"))
+    raise_if_any(problems)
+
+
+def _read(value: Expression, reach: Reach) -> list[str]:
+    """States that *value* depends on at the instant."""
+    return [symbol.name for symbol in reach.of(*symbols(value)) if not symbol.order]

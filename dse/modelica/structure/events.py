@@ -3,40 +3,27 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 
-from dse.errors import DseError, Location, Problem
-from dse.modelica.algebra.expression import Place, Symbol
-from dse.modelica.flat import FlatModel
-from dse.modelica.solved import Activation, EventBlock, When
-from dse.modelica.structure.arrange import Stage
-from dse.modelica.structure.blocks import components
-from dse.modelica.structure.incidence import occurring
-
-Quantity = Symbol | int
-"""A symbol, or the number of a trigger."""
+from dse.errors import DseError, Problem
+from dse.modelica.algebra.symbol import Symbol
+from dse.modelica.algebra.traversal import symbols
+from dse.modelica.flat_model import FlatModel
+from dse.modelica.solved_model import Activation, EventBlock, When
+from dse.modelica.structure.blocks.arrange import Quantity, Stage
+from dse.modelica.structure.graphs import components
 
 
-@dataclass(frozen=True, slots=True)
-class Step:
-    """An event block with what it gives and needs."""
-
-    block: EventBlock
-    gives: tuple[Quantity, ...]
-    needs: tuple[Quantity, ...]
-    where: Location | None
-    text: str
-
-
-def discrete_steps(flat: FlatModel, skipped: frozenset[str] = frozenset(), at_start: bool = False) -> list[Step]:
+def discrete_steps(
+    flat: FlatModel, skipped: frozenset[str] = frozenset(), at_start: bool = False
+) -> list[Stage[EventBlock]]:
     """Triggers and assignments of *flat*; without the assignments to *skipped*.
 
     With *at_start* branches under a trigger that is not active at the start are left out.
     """
-    steps = []
+    steps: list[Stage[EventBlock]] = []
     for number, trigger in enumerate(flat.triggers):
-        needs: tuple[Quantity, ...] = tuple(occurring(*trigger.conditions))
-        steps.append(Step(Activation(number), (number,), needs, None, f"when {number + 1}"))
+        needs: tuple[Quantity, ...] = tuple(symbols(*trigger.conditions))
+        steps.append(Stage(Activation(number), (number,), needs, None, f"when {number + 1}"))
     for target, own in by_target(flat).items():
         if target in skipped:
             continue
@@ -45,11 +32,11 @@ def discrete_steps(flat: FlatModel, skipped: frozenset[str] = frozenset(), at_st
             for one in (flat.assignments[place] for place in own)
             if not at_start or one.trigger is None or flat.triggers[one.trigger].at_start
         ]
-        symbol = Symbol(Place.VARIABLE, target)
+        symbol = Symbol(target)
         triggers = tuple(dict.fromkeys(trigger for trigger, _ in branches if trigger is not None))
-        needs = (*triggers, *occurring(*(value for _, value in branches)))
+        needs = (*triggers, *symbols(*(value for _, value in branches)))
         where = next((flat.assignments[place].where for place in own), None)
-        steps.append(Step(When(symbol, tuple(branches)), (symbol,), needs, where, target))
+        steps.append(Stage(When(symbol, tuple(branches)), (symbol,), needs, where, target))
     return steps
 
 
@@ -61,9 +48,8 @@ def by_target(flat: FlatModel) -> dict[str, list[int]]:
     return found
 
 
-def ordered(stages: Sequence[Stage], steps: Sequence[Step]) -> list[EventBlock]:
-    """All blocks, each after what it needs. Raises DseError for a loop through discrete equations."""
-    nodes = [Step(one.block, one.gives, one.needs, _place(one), _text(one)) for one in stages] + list(steps)
+def ordered(nodes: Sequence[Stage[EventBlock]]) -> list[EventBlock]:
+    """The blocks of *nodes*, each after what it needs. Raises DseError for a loop through discrete equations."""
     giver: Mapping[Quantity, int] = {quantity: place for place, node in enumerate(nodes) for quantity in node.gives}
     needs = [[giver[quantity] for quantity in node.needs if quantity in giver] for node in nodes]
     order: list[EventBlock] = []
@@ -78,11 +64,3 @@ def ordered(stages: Sequence[Stage], steps: Sequence[Step]) -> list[EventBlock]:
     if problems:
         raise DseError(*problems)
     return order
-
-
-def _place(stage: Stage) -> Location | None:
-    return next((row.where for row in stage.rows if row.where is not None), None)
-
-
-def _text(stage: Stage) -> str:
-    return ", ".join(str(symbol) for symbol in stage.gives[:3])

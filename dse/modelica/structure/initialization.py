@@ -6,12 +6,13 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 from dse.errors import DseError, Problem
-from dse.modelica.algebra.expression import Expression, Place, Symbol, shown
-from dse.modelica.flat import Check, FlatModel, Role, Trigger
+from dse.modelica.algebra.expression import Expression, shown
+from dse.modelica.algebra.symbol import Referent, Symbol
+from dse.modelica.algebra.traversal import smooth, symbols
+from dse.modelica.flat_model import Check, FlatModel, Role, Trigger
 from dse.modelica.structure.events import by_target
-from dse.modelica.structure.incidence import occurring, smooth
-from dse.modelica.structure.matching import Matching
-from dse.modelica.structure.parameters import default, is_dependent, is_free
+from dse.modelica.structure.graphs import Matching
+from dse.modelica.structure.known import default, is_dependent, is_free
 from dse.modelica.structure.rows import Row, told
 
 CONSISTENT = 1e-8
@@ -41,13 +42,13 @@ def start(flat: FlatModel, rows: Sequence[Row], unknowns: Sequence[Symbol], stat
     all_unknowns = list(unknowns)
     all_unknowns.extend(_free_parameters(flat, all_rows))
     discretes = _free_discretes(flat)
-    all_unknowns.extend(Symbol(Place.VARIABLE, name) for name in discretes)
+    all_unknowns.extend(Symbol(name) for name in discretes)
     filling = _Filling(all_rows, all_unknowns)
     filling.enter(_given(flat, [symbol.name for symbol in unknowns if symbol.order == 0]))
     is_state = set(states)
     others = [one for one in unknowns if one not in is_state and not one.order and _has_start(flat, one)]
     free = [one for one in all_unknowns[len(unknowns) :] if one.name not in discretes]
-    kept = [Symbol(Place.VARIABLE, name) for name in discretes]
+    kept = [Symbol(name) for name in discretes]
     notes = filling.complete(flat, kept, [*states, *free, *others])
     unfinished = filling.missing()
     if unfinished:
@@ -119,7 +120,7 @@ def _given(flat: FlatModel, names: Sequence[str]) -> list[Row]:
     for name in names:
         variable = flat.variables[name]
         if variable.is_fixed:
-            value = _start_of(flat, Symbol(Place.VARIABLE, name))
+            value = _start_of(flat, Symbol(name))
             rows.append(Row(flat.graph.variable(name) - value, variable.where))
     return rows
 
@@ -135,11 +136,11 @@ def _free_parameters(flat: FlatModel, rows: list[Row]) -> list[Symbol]:
         for name, variable in flat.variables.items():
             if name in names or not is_dependent(variable) or variable.binding is None:
                 continue
-            if any(symbol.name in names for symbol in occurring(variable.binding)):
+            if any(symbol.name in names for symbol in symbols(variable.binding)):
                 names[name] = None
                 rows.append(Row(flat.graph.variable(name) - variable.binding, variable.where))
                 is_grown = True
-    return [Symbol(Place.VARIABLE, name) for name in names]
+    return [Symbol(name) for name in names]
 
 
 def _free_discretes(flat: FlatModel) -> list[str]:
@@ -151,11 +152,11 @@ def _free_discretes(flat: FlatModel) -> list[str]:
             always.add(target)
     found: dict[str, None] = {}
     for equation in flat.initial_equations:
-        for symbol in occurring(equation.residual):
-            if symbol.place is Place.PRE:
+        for symbol in symbols(equation.residual):
+            if symbol.referent is Referent.PRE:
                 what = f"an initial equation refers to pre({symbol.name})"
                 raise DseError(Problem(what, equation.where, "give the variable a start value"))
-            if symbol.place is not Place.VARIABLE or flat.variables[symbol.name].role is not Role.DISCRETE:
+            if not symbol.is_variable or flat.variables[symbol.name].role is not Role.DISCRETE:
                 continue
             if symbol.name not in always:
                 found[symbol.name] = None

@@ -2,13 +2,19 @@
 
 from __future__ import annotations
 
+import math
+from collections.abc import Mapping
 from dataclasses import dataclass
 
+from dse.errors import DseError, Problem
 from dse.modelica.algebra.evaluate import evaluate
-from dse.modelica.algebra.expression import Expression, Place, Symbol
-from dse.modelica.flat import FlatModel, Role
-from dse.modelica.structure.incidence import occurring
-from dse.modelica.structure.parameters import Starts, is_free
+from dse.modelica.algebra.expression import Expression
+from dse.modelica.algebra.symbol import Referent, Symbol
+from dse.modelica.algebra.traversal import symbols
+from dse.modelica.flat_model import FlatModel, Role, ScalarType, Variable
+from dse.modelica.solved_model import Explicit
+from dse.modelica.structure.graphs import components
+from dse.modelica.structure.rows import listed
 
 
 @dataclass(frozen=True, slots=True)
@@ -20,7 +26,7 @@ class Known:
 
     def is_parameter(self, symbol: Symbol) -> bool:
         """Whether *symbol* has its value before the initialization and keeps it."""
-        if symbol.place is not Place.VARIABLE or symbol.order:
+        if not symbol.is_variable or symbol.order:
             return False
         variable = self.flat.variables[symbol.name]
         return variable.role is Role.PARAMETER and not is_free(variable)
@@ -31,7 +37,7 @@ class Known:
 
     def of_parameters(self, *roots: Expression) -> bool:
         """Whether *roots* are made of numbers and parameters only."""
-        return all(map(self.is_parameter, occurring(*roots)))
+        return all(map(self.is_parameter, symbols(*roots)))
 
     def is_never_zero(self, factor: Expression) -> bool:
         """Whether one may divide by *factor*: a number but 0, made of parameters, or positive by its form.
@@ -52,7 +58,104 @@ class Known:
             elif node.operator == "if":
                 stack.extend(node.operands[1:])
             elif node.operator not in ("exp", "cosh") and not (
-                self.of_parameters(node) and evaluate((node,), self.starts)[0] != 0
+                self.of_parameters(node) and evaluate((node,), self.starts.of)[0] != 0
             ):
                 return False
         return True
+
+
+def is_dependent(variable: Variable) -> bool:
+    """Whether *variable* is a parameter that follows from others and cannot be set."""
+    return variable.role is Role.PARAMETER and variable.binding is not None and not variable.binding.is_constant
+
+
+def is_free(variable: Variable) -> bool:
+    """Whether *variable* is a parameter that the initial equations determine."""
+    return variable.role is Role.PARAMETER and variable.binding is None and not variable.is_fixed
+
+
+def dependent_parameters(flat: FlatModel) -> list[Explicit]:
+    """Dependent parameters, each after those it needs.
+
+    Raises DseError for parameters that depend on each other, on themselves or on what is no parameter.
+    """
+    names = [name for name, variable in flat.variables.items() if is_dependent(variable)]
+    number = {name: place for place, name in enumerate(names)}
+    needs: list[list[int]] = []
+    problems: list[Problem] = []
+    for name in names:
+        refers = symbols(_binding(flat, name))
+        strange = [symbol for symbol in refers if not _is_parameter(symbol, flat.variables)]
+        if strange:
+            what = f"the parameter '{name}' depends on {listed(strange)}, which is no parameter"
+            problems.append(Problem(what, flat.variables[name].where))
+        needs.append([number[symbol.name] for symbol in refers if symbol.name in number])
+    order: list[Explicit] = []
+    for component in components(needs):
+        own = [Symbol(names[place]) for place in component]
+        if len(own) > 1 or component[0] in needs[component[0]]:
+            what = f"parameters depend on themselves: {listed(own)}"
+            problems.append(Problem(what, flat.variables[own[0].name].where))
+        order.extend(Explicit(symbol, _binding(flat, symbol.name)) for symbol in own)
+    if problems:
+        raise DseError(*problems)
+    return order
+
+
+class Starts:
+    """The value of each symbol at the starting values, 0 where nothing is given; of a pre-value its variable's.
+
+    A held relation is its truth there. What does not come out finite counts as not given.
+    """
+
+    def __init__(self, flat: FlatModel, parameters: list[Explicit]) -> None:
+        self._flat = flat
+        self._known: dict[Symbol, float] = {}
+        for variable in flat.variables.values():
+            if variable.role is Role.PARAMETER and not is_dependent(variable):
+                given = variable.start if variable.binding is None else variable.binding
+                self._known[Symbol(variable.name)] = self._value(given, default(variable))
+        for one in parameters:
+            self._known[one.unknown] = self._value(one.value, 0.0)
+
+    def of(self, symbol: Symbol) -> float:
+        """The value of *symbol*."""
+        if symbol not in self._known:
+            self._known[symbol] = self._computed(symbol)
+        return self._known[symbol]
+
+    def _computed(self, symbol: Symbol) -> float:
+        if symbol.referent is Referent.HELD:
+            self._known[symbol] = 0.0
+            return self._value(self._flat.relations[int(symbol.name)].truth, 0.0)
+        if symbol.referent not in (Referent.VARIABLE, Referent.PRE) or symbol.order:
+            return 0.0
+        variable = self._flat.variables[symbol.name]
+        self._known[symbol] = default(variable)
+        return self._value(variable.start, default(variable))
+
+    def _value(self, given: Expression | None, default: float) -> float:
+        value = default if given is None else evaluate((given,), self.of)[0]
+        return value if math.isfinite(value) else default
+
+
+def default(variable: Variable) -> float:
+    """The start value of *variable* if none is given."""
+    if variable.kind is ScalarType.ENUMERATION:
+        return 1.0
+    for bound, is_below in ((variable.minimum, False), (variable.maximum, True)):
+        # Without a start value it is 0, or the bound next to it (Modelica 3.6, 4.9).
+        if bound is not None and bound.is_constant and (bound.value < 0 if is_below else bound.value > 0):
+            return bound.value
+    return 0.0
+
+
+def _binding(flat: FlatModel, name: str) -> Expression:
+    binding = flat.variables[name].binding
+    if binding is None:
+        raise ValueError(name)
+    return binding
+
+
+def _is_parameter(symbol: Symbol, variables: Mapping[str, Variable]) -> bool:
+    return symbol.is_variable and not symbol.order and variables[symbol.name].role is Role.PARAMETER

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 from dse.errors import Location, Problem
-from dse.modelica.algebra.expression import Expression, Symbol, shown
+from dse.modelica.algebra.expression import Expression, shown
+from dse.modelica.algebra.symbol import Symbol
+from dse.modelica.structure.graphs import Matching
 
 
 @dataclass(frozen=True, slots=True)
@@ -22,9 +24,9 @@ class Row:
         return f"{_equation(self.residual)}{times}"
 
 
-def told(rows: Iterable[Row], what: str, hint: str = "") -> list[Problem]:
+def told(rows: Iterable[Row], what: str) -> list[Problem]:
     """One problem for each of *rows*, at its place; not more than a screen holds."""
-    return [Problem(f"{what}: {row}", row.where, hint) for row in list(rows)[:12]]
+    return [Problem(f"{what}: {row}", row.where) for row in list(rows)[:12]]
 
 
 def listed(symbols: Iterable[Symbol]) -> str:
@@ -38,3 +40,18 @@ def _equation(residual: Expression) -> str:
         left, right = residual.operands
         return f"{shown(left)} = {shown(right)}"
     return f"{shown(residual)} = 0"
+
+
+def matched(
+    rows: Sequence[Row], columns: Sequence[Sequence[int]], unknowns: Sequence[Symbol]
+) -> tuple[Matching, list[Problem]]:
+    """A matching of *rows* with the *columns* of *unknowns* they can be solved for, and the rows that are too many."""
+    matching = Matching()
+    problems: list[Problem] = []
+    for place, row in enumerate(rows):
+        seen = matching.match(place, columns)
+        if seen:
+            others = sorted({column for one in seen for column in columns[one]})
+            what = f"this equation is one too many for {listed(unknowns[column] for column in others)}"
+            problems.extend(told([row], what if others else "this equation contains no unknown"))
+    return matching, problems

@@ -31,10 +31,7 @@ from dse.report.content.nouns import (
     SamplerKind,
     Variable,
 )
-from dse.storage.database.connection import damaged_study
-from dse.storage.database.table import RunTable
-from dse.storage.folder import StudyFolder
-from dse.storage.waveforms import read_all_waveforms
+from dse.storage import RunTable, StudyFolder, damaged_study, read_all_waveforms
 from dse.units import Unit, parse_unit
 
 MAX_WAVEFORMS = 4000

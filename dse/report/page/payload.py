@@ -81,7 +81,8 @@ def _document(content: ReportContent) -> Json:
             {"id": c.id, "choices": list(c.choices.items()), "properties": list(c.properties.items())}
             for c in content.configurations
         ],
-        "slices": [[variables.index(name) for name in names] for names in content.slices],
+        # One variable by itself spans no plane.
+        "slices": [[variables.index(name) for name in names] for names in content.slices if len(names) > 1],
         "problems": [[row, text] for row, text in enumerate(content.runs.problems) if text],
     }
 

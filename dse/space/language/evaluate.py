@@ -22,7 +22,7 @@ from typing import Any, Generic, TypeVar
 from dse.domain.design import DesignSpace
 from dse.domain.expression import Expression
 from dse.errors import fail
-from dse.expression.sorts import error_in
+from dse.expression import error_in
 from dse.space.decisions import Choices, Site
 from dse.space.language.arithmetic import FUNCTIONS, UndefinedError, Value, quota, roll_up
 from dse.space.language.interpret import interpret, interpret_condition

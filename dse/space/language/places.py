@@ -10,7 +10,7 @@ from dse.domain.component import Component, Kind, Parameter
 from dse.domain.design import DesignSpace, split_path
 from dse.domain.expression import Call, Chosen, Expression, Name, Node, Span
 from dse.errors import closest
-from dse.expression.sorts import PLAIN, Form, Sort, error_in
+from dse.expression import PLAIN, Form, Sort, error_in
 from dse.space.decisions import Site, sites
 from dse.space.language.terms import Entries
 from dse.units import Dimension, Unit, describe

@@ -10,7 +10,7 @@ import numpy as np
 
 from dse.domain.design import DesignSpace
 from dse.domain.expression import Expression
-from dse.expression.sorts import require_number
+from dse.expression import require_number
 from dse.space.flat import Floats, Fold, Ints
 from dse.space.language.interpret import interpret
 from dse.space.language.intervals import Numbers

@@ -19,16 +19,13 @@ from dse.errors import DseError, fail
 from dse.space.flat import FlatSpace, Ints, Linear, Rows, Wide
 from dse.space.methods import listed
 from dse.space.methods.budget import TooMuchError
-from dse.space.methods.dnnf import queries
-from dse.space.methods.dnnf import rows as listing
+from dse.space.methods.dnnf import queries, rows as listing
 from dse.space.methods.dnnf.compile import Dnnf, compile_dnnf
 from dse.space.methods.dnnf.optimum import least
 from dse.space.methods.dnnf.satisfy import satisfiable
 from dse.space.methods.dnnf.trim import UnsupportedError
 from dse.space.methods.listing.recheck import recheck
-from dse.space.methods.listing.search import Effort
-from dse.space.methods.listing.search import first as search_first
-from dse.space.methods.listing.search import rows as search_rows
+from dse.space.methods.listing.search import Effort, first as search_first, rows as search_rows
 from dse.space.methods.mdd.growth import TooWideError
 from dse.space.methods.sampling.estimate import Shares, exact_shares
 from dse.space.methods.sampling.tilt import EmptyError

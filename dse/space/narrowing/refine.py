@@ -13,7 +13,7 @@ from dataclasses import replace
 
 from dse.domain.design import Alternative, Compound, Connection, Constraint, DesignSpace, Node, Optional, Part
 from dse.errors import Problem, closest, fail, raise_if_any
-from dse.expression.parse import parse_expression
+from dse.expression import parse_expression
 from dse.space.decisions import Choices, alternatives, decisions, made
 from dse.space.narrowing.rewriting import rewritten_constraints
 

@@ -30,9 +30,7 @@ from dse.domain.expression import (
     Unary,
     is_rollup,
 )
-from dse.expression.parse import parse_expression
-from dse.expression.text import show_expression
-from dse.expression.tree import children, descend
+from dse.expression import children, descend, parse_expression, show_expression
 from dse.space.decisions import sites
 from dse.units import DIMENSIONLESS, Unit
 

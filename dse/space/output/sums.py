@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from dse.domain.design import DesignSpace
 from dse.domain.expression import ROLLUPS, Call, Expression, Name
-from dse.expression.tree import descend
+from dse.expression import descend
 from dse.space.decisions import Site, sites
 from dse.space.flat import Bools, Floats, Ints, Rows
 from dse.space.lowering.shape import shape_of

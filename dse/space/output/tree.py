@@ -7,7 +7,7 @@ from itertools import count
 
 from dse.domain.design import Alternative, Compound, DesignSpace, Node, Optional, Part
 from dse.errors import closest, fail
-from dse.pictures.tree_layout import NodeKind, TreeNode
+from dse.pictures import NodeKind, TreeNode
 from dse.space.decisions import Choices
 from dse.space.lowering.shape import Branch
 

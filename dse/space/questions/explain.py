@@ -9,8 +9,7 @@ from typing import TYPE_CHECKING
 
 from dse.domain.design import Constraint, DesignSpace
 from dse.domain.expression import Between, Binary, Call, Chosen, Expression, Name, Node, Number
-from dse.expression.sorts import Form
-from dse.expression.tree import children, descend
+from dse.expression import Form, children, descend
 from dse.space.configurations.ids import identify
 from dse.space.decisions import Choices, sites
 from dse.space.language.evaluate import compile_in, compile_value

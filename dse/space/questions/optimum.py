@@ -10,8 +10,7 @@ from fractions import Fraction
 from dse.domain.design import DesignSpace
 from dse.domain.expression import Expression, Number
 from dse.errors import DseError, Location, fail
-from dse.expression.parse import parse_expression
-from dse.expression.tree import descend
+from dse.expression import descend, parse_expression
 from dse.space.configurations.ids import IdentifiedChoices
 from dse.space.decisions import sites
 from dse.space.lowering.objective import FoldedObjective, LinearObjective, LoweredObjective, objective

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from dse.modelica.solved import Solved
+from dse.modelica.solved_model import Solved
 
 sys.path.insert(0, str(Path(__file__).parent))
 

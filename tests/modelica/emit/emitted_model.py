@@ -12,11 +12,11 @@ import dse.fmu
 from dse import csolve
 from dse.fmu.toolchain.compilation import LANGUAGE_OPTIONS
 from dse.fmu.toolchain.compiler import environment, find_compiler
-from dse.modelica.algebra.expression import Symbol
-from dse.modelica.emit.layout import layout
+from dse.modelica.algebra.symbol import Symbol
+from dse.modelica.emit.memory import memory_layout
 from dse.modelica.emit.model import emit
 from dse.modelica.emit.variables import FmuVariable, variables
-from dse.modelica.solved import Solved
+from dse.modelica.solved_model import Solved
 
 INCLUDES = (f"-I{Path(dse.fmu.__file__).parent / 'runtime'}", f"-I{csolve.INCLUDE}")
 _SHIM = """
@@ -145,7 +145,7 @@ def compiled(folder: Path, solved: Solved, options: tuple[str, ...], starts: Map
     command += [str(folder / "shim.c"), str(folder / "start.c"), "-o", str(library), "-lm"]
     done = subprocess.run(command, capture_output=True, text=True, env=environment(), check=False)
     assert done.returncode == 0, done.stderr[:3000]
-    where = layout(solved)
+    where = memory_layout(solved)
     made = Emitted(ctypes.CDLL(str(library)), where.places, files, listed, where.own)
     made.library.test_time.argtypes = [ctypes.c_double]
     made.library.test_start()

@@ -2,15 +2,10 @@
 
 from __future__ import annotations
 
-from dse.modelica.algebra.expression import Expression, Graph, Symbol
-from dse.modelica.emit.layout import variable
-from dse.modelica.flat import (
-    FlatModel,
-    Kind,
-    Role,
-    Variable,
-)
-from dse.modelica.solved import EventBlock, Explicit, Solved
+from dse.modelica.algebra.expression import Expression, Graph
+from dse.modelica.algebra.symbol import Symbol
+from dse.modelica.flat_model import FlatModel, Role, ScalarType, Variable
+from dse.modelica.solved_model import EventBlock, Explicit, Solved
 
 
 class Maker:
@@ -27,11 +22,11 @@ class Maker:
 
     def parameter(self, name: str, value: float | None = 0.0, **options: object) -> Expression:
         start = None if value is None else self.graph.constant(value)
-        self.declared[name] = Variable(name, Kind.REAL, Role.PARAMETER, start=start, **options)  # type: ignore[arg-type]  # options of a dataclass
+        self.declared[name] = Variable(name, ScalarType.REAL, Role.PARAMETER, start=start, **options)  # type: ignore[arg-type]  # options of a dataclass
         return self.graph.variable(name)
 
     def variable(
-        self, name: str, role: Role = Role.CONTINUOUS, kind: Kind = Kind.REAL, **options: object
+        self, name: str, role: Role = Role.CONTINUOUS, kind: ScalarType = ScalarType.REAL, **options: object
     ) -> Expression:
         self.declared[name] = Variable(name, kind, role, **options)  # type: ignore[arg-type]  # options of a dataclass
         return self.graph.variable(name)
@@ -46,4 +41,4 @@ class Maker:
 
 
 def explicit(name: str, value: Expression, order: int = 0) -> Explicit:
-    return Explicit(variable(name, order), value)
+    return Explicit(Symbol(name, order), value)

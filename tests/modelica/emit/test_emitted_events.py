@@ -12,17 +12,9 @@ from model_maker import Maker, explicit
 
 from dse.errors import Location
 from dse.fmu.toolchain.compilation import LANGUAGE_OPTIONS
-from dse.modelica.algebra.expression import Place, Symbol
-from dse.modelica.emit.layout import variable
-from dse.modelica.flat import (
-    Check,
-    Clock,
-    Reinitialization,
-    Relation,
-    Role,
-    Trigger,
-)
-from dse.modelica.solved import Activation, When
+from dse.modelica.algebra.symbol import Referent, Symbol
+from dse.modelica.flat_model import Check, Clock, Reinitialization, Relation, Role, Trigger
+from dse.modelica.solved_model import Activation, When
 
 _AT = Location("ball.mo", 7, 3)
 
@@ -33,10 +25,10 @@ def ball() -> Maker:
     graph = made.graph
     h, n = made.variable("h"), made.variable("n", Role.DISCRETE)
     made.variable("d", Role.DISCRETE)
-    made.states.append(variable("h"))
-    held = graph.symbol(Symbol(Place.HELD, "0"))
-    pre_n = graph.symbol(Symbol(Place.PRE, "n"))
-    pre_h = graph.symbol(Symbol(Place.PRE, "h"))
+    made.states.append(Symbol("h"))
+    held = graph.symbol(Symbol("0", referent=Referent.HELD))
+    pre_n = graph.symbol(Symbol("n", referent=Referent.PRE))
+    pre_h = graph.symbol(Symbol("h", referent=Referent.PRE))
     made.flat = {
         "relations": (
             Relation(graph.make("less_equal", h, graph.constant(0)), _AT),
@@ -63,19 +55,19 @@ def ball() -> Maker:
         "event",
         Activation(0),
         Activation(1),
-        When(variable("n"), ((0, pre_n + 1.0), (1, pre_n + 10.0))),
+        When(Symbol("n"), ((0, pre_n + 1.0), (1, pre_n + 10.0))),
         Activation(2),
-        When(variable("d"), ((2, n * 2.0), (None, graph.constant(-1.0)))),
+        When(Symbol("d"), ((2, n * 2.0), (None, graph.constant(-1.0)))),
     )
-    made.put("initial", explicit("h", graph.constant(1.0)), When(variable("n"), ()), Activation(2))
-    made.put("initial", When(variable("d"), ((2, n + 1.0), (None, graph.constant(-1.0)))))
+    made.put("initial", explicit("h", graph.constant(1.0)), When(Symbol("n"), ()), Activation(2))
+    made.put("initial", When(Symbol("d"), ((2, n + 1.0), (None, graph.constant(-1.0)))))
     made.put("guesses", explicit("n", graph.constant(4.0)))
     return made
 
 
 def test_whens_triggers_and_clocks_make_one_pass_of_an_event(emitted: Emitter) -> None:
     model = emitted(ball().solved())
-    n, d = variable("n"), variable("d")
+    n, d = Symbol("n"), Symbol("d")
     model.start()
     pre, ticks, held = model.doubles("pre"), model.flags("ticks"), model.flags("held")
     is_true, was_true, is_active = model.flags("is_true"), model.flags("was_true"), model.flags("is_active")
@@ -107,16 +99,16 @@ def test_reinit_of_the_first_active_when_writes_the_state(emitted: Emitter) -> N
     model = emitted(ball().solved())
     is_active = model.flags("is_active")
     for active, code, expected in (((1, 1), 1, -2.0), ((0, 1), 1, 9.0), ((0, 0), 0, 4.0)):
-        model.set({variable("h"): 4.0})
+        model.set({Symbol("h"): 4.0})
         is_active[0], is_active[1] = active
         assert model.call("reinitialize") == code
-        assert model.get(variable("h")) == expected
+        assert model.get(Symbol("h")) == expected
 
 
 def test_relations_tell_the_difference_of_their_sides_and_their_truth(emitted: Emitter) -> None:
     model = emitted(ball().solved())
     for h, n in ((0.5, 2.0), (0.0, 3.0), (-0.5, 2.0)):
-        model.set({variable("h"): h, variable("n"): n})
+        model.set({Symbol("h"): h, Symbol("n"): n})
         assert model.call("relations") == 0
         assert model.double("crossing", 0) == h
         assert [model.library.test_truth(k) for k in (0, 1)] == [int(h <= 0), int(n == 2)]
@@ -128,7 +120,7 @@ def test_asserts_tell_their_text_and_terminate_ends(emitted: Emitter) -> None:
     is_active = model.flags("is_active")
     for h, code, told in ((0.0, 0, []), (60.0, 0, ["1 1 high"]), (-200.0, 1, ['0 0 h "left" the\nworld \\ ä ??/'])):
         model.start()
-        model.set({variable("h"): h})
+        model.set({Symbol("h"): h})
         assert model.call("check") == code
         assert [model.text("told", k) for k in range(model.library.test_told_count())] == told
     is_active[1] = 0

@@ -6,14 +6,13 @@ import math
 import struct
 
 from emitted_model import Emitter
-from hypothesis import HealthCheck, given, settings
-from hypothesis import strategies as st
+from hypothesis import HealthCheck, given, settings, strategies as st
 
 from dse.modelica.algebra.evaluate import evaluate
 from dse.modelica.algebra.expression import Expression, Graph
-from dse.modelica.emit.layout import variable
-from dse.modelica.flat import FlatModel, Kind, Role, Variable
-from dse.modelica.solved import Explicit, Solved
+from dse.modelica.algebra.symbol import Symbol
+from dse.modelica.flat_model import FlatModel, Role, ScalarType, Variable
+from dse.modelica.solved_model import Explicit, Solved
 
 _INPUTS = ("a", "b", "c", "d")
 
@@ -21,10 +20,10 @@ _INPUTS = ("a", "b", "c", "d")
 def model_of(graph: Graph, values: list[Expression]) -> Solved:
     """A model without states whose outputs y0, y1, … are *values* of the inputs a, b, c, d."""
     names = [f"y{number}" for number in range(len(values))]
-    declared = {name: Variable(name, Kind.REAL, Role.INPUT) for name in _INPUTS}
-    declared |= {name: Variable(name, Kind.REAL, Role.CONTINUOUS, is_output=True) for name in names}
+    declared = {name: Variable(name, ScalarType.REAL, Role.INPUT) for name in _INPUTS}
+    declared |= {name: Variable(name, ScalarType.REAL, Role.CONTINUOUS, is_output=True) for name in names}
     flat = FlatModel("Random", graph, declared, ())
-    blocks = tuple(Explicit(variable(n), value) for n, value in zip(names, values, strict=True))
+    blocks = tuple(Explicit(Symbol(n), value) for n, value in zip(names, values, strict=True))
     return Solved(flat, (), (), (), blocks, blocks, blocks, {}, (), {})
 
 
@@ -64,11 +63,11 @@ def test_every_operator_computes_what_the_evaluator_does_for_every_special_value
     wrong = []
     for first in _SPECIAL:
         for second in _SPECIAL:
-            numbers = {variable(name): value for name, value in zip("abc", (first, second, 4.0), strict=True)}
+            numbers = {Symbol(name): value for name, value in zip("abc", (first, second, 4.0), strict=True)}
             model.set(numbers)
             assert model.call("outputs") == 0
             for number, (value, expected) in enumerate(zip(values, evaluate(values, numbers), strict=True)):
-                found = model.get(variable(f"y{number}"))
+                found = model.get(Symbol(f"y{number}"))
                 if not is_close(found, expected, 1):
                     wrong.append((value, first, second, found, expected))
     assert wrong == []
@@ -80,11 +79,11 @@ def test_a_constant_power_is_the_power(emitted: Emitter) -> None:
     values = [graph.node("power", (graph.variable("a"), graph.constant(exponent))) for exponent in exponents]
     model = emitted(model_of(graph, values))
     for base in (0.0, 1.0, -1.0, 1.7, -2.3, 1e-5, 12345.678, math.inf, math.nan):
-        model.set({variable("a"): base})
+        model.set({Symbol("a"): base})
         model.call("outputs")
-        for number, expected in enumerate(evaluate(values, {variable("a"): base})):
+        for number, expected in enumerate(evaluate(values, {Symbol("a"): base})):
             # Each of at most 7 multiplications rounds once, on up to twice the error of its operands.
-            assert is_close(model.get(variable(f"y{number}")), expected, 16), (base, exponents[number])
+            assert is_close(model.get(Symbol(f"y{number}")), expected, 16), (base, exponents[number])
 
 
 def graphs(count: int) -> st.SearchStrategy[list[tuple[str, tuple[int, ...], float]]]:
@@ -130,10 +129,10 @@ def test_random_graphs_compute_what_the_evaluator_computes(
     model = emitted(model_of(graph, values))
     assert model.call("parameters") == 0  # what is constant is computed there
     for point in points:
-        numbers = {variable(name): value for name, value in zip(_INPUTS, point, strict=True)}
+        numbers = {Symbol(name): value for name, value in zip(_INPUTS, point, strict=True)}
         model.set(numbers)
         code = model.call("outputs")
-        found = [model.get(variable(f"y{number}")) for number in range(len(values))]
+        found = [model.get(Symbol(f"y{number}")) for number in range(len(values))]
         # Python and C call the same libm, so that all but multiplied powers are equal to the bit.
         assert code == 0
         for value, one, other in zip(values, found, evaluate(values, numbers), strict=True):

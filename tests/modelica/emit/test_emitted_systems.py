@@ -11,14 +11,11 @@ from model_maker import Maker, explicit
 
 from dse.errors import DseError, Location
 from dse.modelica.algebra.expression import Expression
-from dse.modelica.emit.layout import variable
+from dse.modelica.algebra.symbol import Symbol
 from dse.modelica.emit.model import emit
 from dse.modelica.emit.variables import variables
-from dse.modelica.flat import (
-    Clock,
-    Role,
-)
-from dse.modelica.solved import Explicit, Solved, System
+from dse.modelica.flat_model import Clock, Role
+from dse.modelica.solved_model import Explicit, Solved, System
 
 _AT = Location("ball.mo", 7, 3)
 
@@ -31,7 +28,7 @@ def test_a_linear_system_is_solved_whatever_the_unknowns_were(emitted: Emitter) 
     residuals = (p * x + y - u, x - z - 1)
     one, zero = made.graph.constant(1), made.graph.constant(0)
     system = System(
-        (variable("x"), variable("y")),
+        (Symbol("x"), Symbol("y")),
         (explicit("z", x + y),),
         residuals,
         ((p, one), (zero, -one)),
@@ -42,9 +39,9 @@ def test_a_linear_system_is_solved_whatever_the_unknowns_were(emitted: Emitter) 
     model = emitted(made.solved())
     for before in (0.0, math.nan, 1e300):
         model.start()
-        model.set({variable("u"): 5.0, variable("x"): before, variable("y"): before, variable("z"): before})
+        model.set({Symbol("u"): 5.0, Symbol("x"): before, Symbol("y"): before, Symbol("z"): before})
         assert model.call("derivatives") == 0
-        assert [model.get(variable(name)) for name in "xyz"] == [3.0, -1.0, 2.0]
+        assert [model.get(Symbol(name)) for name in "xyz"] == [3.0, -1.0, 2.0]
     model.start(p=0.0)
     code = model.call("derivatives")
     assert (
@@ -65,16 +62,16 @@ def test_linear_systems_of_every_size_are_solved(emitted: Emitter, size: int) ->
         for column in range(size):
             total = total + unknowns[column] * entries[row][column]
         residuals.append(total)
-    made.put("outputs", System(tuple(variable(f"x{k}") for k in range(size)), (), tuple(residuals), jacobian, True))
+    made.put("outputs", System(tuple(Symbol(f"x{k}") for k in range(size)), (), tuple(residuals), jacobian, True))
     model = emitted(made.solved())
     assert model.call("outputs") == 0
-    found = [model.get(variable(f"x{k}")) for k in range(size)]
+    found = [model.get(Symbol(f"x{k}")) for k in range(size)]
     for row in range(size):
         assert sum(e * x for e, x in zip(entries[row], found, strict=True)) == pytest.approx(row + 1, rel=1e-13)
 
 
 def newton(made: Maker, residual: Expression, slope: Expression, *inner: Explicit) -> Solved:
-    made.put("derivatives", System((variable("x"),), inner, (residual,), ((slope,),), False, (_AT,)))
+    made.put("derivatives", System((Symbol("x"),), inner, (residual,), ((slope,),), False, (_AT,)))
     return made.solved()
 
 
@@ -84,10 +81,10 @@ def test_newton_finds_the_root_near_the_guess_and_computes_the_inner_variables_t
     # x^2 = u through the inner variable q = x x
     model = emitted(newton(made, q - u, 2.0 * x, explicit("q", x * x)))
     for guess, sign in ((1.0, 1.0), (-3.0, -1.0), (1e6, 1.0)):
-        model.set({variable("u"): 2.0, variable("x"): guess})
+        model.set({Symbol("u"): 2.0, Symbol("x"): guess})
         assert model.call("derivatives") == 0
-        assert model.get(variable("x")) == pytest.approx(sign * math.sqrt(2.0), rel=1e-15)
-        assert model.get(variable("q")) == model.get(variable("x")) ** 2
+        assert model.get(Symbol("x")) == pytest.approx(sign * math.sqrt(2.0), rel=1e-15)
+        assert model.get(Symbol("q")) == model.get(Symbol("x")) ** 2
 
 
 def test_newton_is_damped_where_the_full_step_would_leave_for_infinity(emitted: Emitter) -> None:
@@ -97,9 +94,9 @@ def test_newton_is_damped_where_the_full_step_would_leave_for_infinity(emitted: 
     slope = made.graph.constant(1.0) / (1.0 + x * x)
     model = emitted(newton(made, made.graph.make("atan", x), slope))
     for guess in (0.5, 3.0, -40.0, 1e4):
-        model.set({variable("x"): guess})
+        model.set({Symbol("x"): guess})
         assert model.call("derivatives") == 0
-        assert abs(model.get(variable("x"))) < 1e-15
+        assert abs(model.get(Symbol("x"))) < 1e-15
 
 
 def test_newton_follows_a_small_change_of_a_small_unknown(emitted: Emitter) -> None:
@@ -108,20 +105,20 @@ def test_newton_follows_a_small_change_of_a_small_unknown(emitted: Emitter) -> N
     # Far below the scale 1 of an unknown without nominal value.
     model = emitted(newton(made, x + x * x - u, 1.0 + 2.0 * x))
     for u_now in (1e-13, 1.1e-13, 0.0):
-        model.set({variable("u"): u_now})
+        model.set({Symbol("u"): u_now})
         assert model.call("derivatives") == 0
-        assert model.get(variable("x")) == pytest.approx(u_now, rel=1e-9, abs=1e-25)
+        assert model.get(Symbol("x")) == pytest.approx(u_now, rel=1e-9, abs=1e-25)
 
 
 def test_a_system_without_solution_fails_by_name_and_leaves_the_unknowns(emitted: Emitter) -> None:
     made = Maker()
     x = made.variable("x")
     model = emitted(newton(made, x * x + 1.0, 2.0 * x))
-    model.set({variable("x"): 0.7})
+    model.set({Symbol("x"): 0.7})
     code = model.call("derivatives")
     expected = "the equations at ball.mo:7 for x cannot be solved: Newton's method finds no solution"
     assert model.text("failure", code) == expected
-    assert model.get(variable("x")) == 0.7
+    assert model.get(Symbol("x")) == 0.7
 
 
 def test_a_system_too_large_and_a_clock_too_fine_are_refused() -> None:
@@ -129,7 +126,7 @@ def test_a_system_too_large_and_a_clock_too_fine_are_refused() -> None:
     graph = made.graph
     unknowns = [made.variable(f"x{k}") for k in range(129)]
     jacobian = tuple(tuple(graph.constant(float(r == c)) for c in range(129)) for r in range(129))
-    symbols = tuple(variable(f"x{k}") for k in range(129))
+    symbols = tuple(Symbol(f"x{k}") for k in range(129))
     made.put("outputs", System(symbols, (), tuple(unknowns), jacobian, True, (_AT,)))
     solved = made.solved()
     with pytest.raises(DseError, match="129 equations depend on each other"):

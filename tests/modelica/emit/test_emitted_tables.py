@@ -9,13 +9,10 @@ from emitted_model import Emitter
 from model_maker import Maker, explicit
 
 from dse.errors import DseError, Location
-from dse.modelica.emit.layout import variable
+from dse.modelica.algebra.symbol import Symbol
 from dse.modelica.emit.model import emit
 from dse.modelica.emit.variables import variables
-from dse.modelica.flat import (
-    Kind,
-    Role,
-)
+from dse.modelica.flat_model import Role, ScalarType
 
 _AT = Location("ball.mo", 7, 3)
 
@@ -24,17 +21,17 @@ def test_an_index_outside_of_the_array_fails_by_name(emitted: Emitter) -> None:
     made = Maker()
     graph = made.graph
     values = [made.parameter(f"p[{k}]", 10.0 * k) for k in (1, 2, 3, 4, 5, 6)]
-    i, j = made.variable("i", Role.INPUT, Kind.INTEGER), made.variable("j", Role.INPUT, Kind.INTEGER)
+    i, j = made.variable("i", Role.INPUT, ScalarType.INTEGER), made.variable("j", Role.INPUT, ScalarType.INTEGER)
     made.variable("y", is_output=True)
     made.put("outputs", explicit("y", graph.make("select", graph.array(values, (2, 3)), i, j)))
     model = emitted(made.solved())
     for row in (1.0, 2.0):
         for column in (1.0, 2.0, 3.0):
-            model.set({variable("i"): row, variable("j"): column})
+            model.set({Symbol("i"): row, Symbol("j"): column})
             assert model.call("outputs") == 0
-            assert model.get(variable("y")) == 10.0 * (3 * (row - 1) + column)
+            assert model.get(Symbol("y")) == 10.0 * (3 * (row - 1) + column)
     for row, column in ((0.0, 1.0), (3.0, 1.0), (1.0, 4.0), (1.0, 0.0), (1.5, 1.0), (math.nan, 1.0), (math.inf, 1.0)):
-        model.set({variable("i"): row, variable("j"): column})
+        model.set({Symbol("i"): row, Symbol("j"): column})
         code = model.call("outputs")
         assert model.text("failure", code) == "an index is not in 1:2, 1:3: in the equation for y"
 
@@ -42,7 +39,7 @@ def test_an_index_outside_of_the_array_fails_by_name(emitted: Emitter) -> None:
 def test_a_branch_that_is_not_taken_cannot_fail(emitted: Emitter) -> None:
     made = Maker()
     graph = made.graph
-    i = made.variable("i", Role.INPUT, Kind.INTEGER)
+    i = made.variable("i", Role.INPUT, ScalarType.INTEGER)
     made.variable("y", is_output=True)
     made.variable("z", is_output=True)
     three = graph.array([graph.constant(k) for k in (7.0, 8.0, 9.0)], (3,))
@@ -53,9 +50,9 @@ def test_a_branch_that_is_not_taken_cannot_fail(emitted: Emitter) -> None:
     made.put("outputs", explicit("z", graph.make("if", is_eight, graph.constant(1), graph.constant(0))))
     model = emitted(made.solved())
     for index, expected in ((0, (-1, 0)), (1, (14, 0)), (2, (16, 1)), (3, (18, 0)), (4, (-1, 0))):
-        model.set({variable("i"): index})
+        model.set({Symbol("i"): index})
         assert model.call("outputs") == 0
-        assert (model.get(variable("y")), model.get(variable("z"))) == expected
+        assert (model.get(Symbol("y")), model.get(Symbol("z"))) == expected
 
 
 def test_tables_pass_parameters_in_a_row_copies_and_constants_alike(emitted: Emitter) -> None:
@@ -75,11 +72,11 @@ def test_tables_pass_parameters_in_a_row_copies_and_constants_alike(emitted: Emi
     model = emitted(made.solved())
     for u_now, expected in ((0.0, 1.0), (1.5, 2.5), (2.5, 6.5), (9.0, 9.0)):
         model.start()
-        model.set({variable("u"): u_now})
+        model.set({Symbol("u"): u_now})
         assert model.call("outputs") == 0
-        assert [model.get(variable(name)) for name in axes] == [expected] * 3
+        assert [model.get(Symbol(name)) for name in axes] == [expected] * 3
     model.library.test_start()
-    model.set({variable("xs[2]"): 3.0})
+    model.set({Symbol("xs[2]"): 3.0})
     text = model.text("failure", model.call("parameters"))
     assert (
         text == "the axis of a table (xs[1], …, xs[3]) must have at least two numbers, each greater than the one before"
@@ -102,7 +99,7 @@ def test_a_table_that_must_not_extrapolate_fails_by_name(emitted: Emitter) -> No
     )
     made.put("outputs", explicit("y", graph.call("table1", operands)))
     model = emitted(made.solved())
-    model.set({variable("u"): 2.5})
+    model.set({Symbol("u"): 2.5})
     text = model.text("failure", model.call("outputs"))
     assert text == "a table is read outside of its axis, where that is an error: in the equation for y"
 
@@ -123,7 +120,7 @@ def test_an_array_that_follows_from_parameters_is_copied_when_they_are_set_not_i
     made = Maker()
     graph = made.graph
     values = [made.parameter(f"p[{k}]", float(k)) for k in range(1, 501)]
-    i = made.variable("i", Role.INPUT, Kind.INTEGER)
+    i = made.variable("i", Role.INPUT, ScalarType.INTEGER)
     made.variable("y", is_output=True)
     doubled = graph.array([2.0 * value for value in values], (500,))
     made.put("outputs", explicit("y", graph.make("select", doubled, i)))
@@ -134,6 +131,6 @@ def test_an_array_that_follows_from_parameters_is_copied_when_they_are_set_not_i
     assert len(hot.splitlines()) < 20
     model.start(**{"p[1]": 7.0, "p[500]": -3.0})
     for index, expected in ((1, 14.0), (2, 4.0), (499, 998.0), (500, -6.0)):
-        model.set({variable("i"): float(index)})
+        model.set({Symbol("i"): float(index)})
         assert model.call("outputs") == 0
-        assert model.get(variable("y")) == expected
+        assert model.get(Symbol("y")) == expected

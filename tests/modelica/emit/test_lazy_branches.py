@@ -5,15 +5,15 @@ from __future__ import annotations
 import math
 
 from emitted_model import Emitter
-from hypothesis import HealthCheck, given, settings
-from hypothesis import strategies as st
+from hypothesis import HealthCheck, given, settings, strategies as st
 
 from dse.modelica.algebra.arithmetic import FUNCTIONS
-from dse.modelica.algebra.expression import Expression, Graph, walk
-from dse.modelica.emit.layout import variable
-from dse.modelica.emit.regions import ROOT, regions
-from dse.modelica.flat import FlatModel, Kind, Role, Variable
-from dse.modelica.solved import Explicit, Solved
+from dse.modelica.algebra.expression import Expression, Graph
+from dse.modelica.algebra.symbol import Symbol
+from dse.modelica.algebra.traversal import walk
+from dse.modelica.emit.expressions.regions import ROOT, regions
+from dse.modelica.flat_model import FlatModel, Role, ScalarType, Variable
+from dse.modelica.solved_model import Explicit, Solved
 
 _INPUTS = ("a", "b", "c")
 
@@ -69,9 +69,9 @@ def built(recipe: list[tuple[str, tuple[int, int, int]]]) -> list[Expression]:
 
 def model_of(values: list[Expression]) -> Solved:
     """One model for each way to fail: the outputs y0, y1, … are *values*."""
-    declared = {name: Variable(name, Kind.REAL, Role.INPUT) for name in _INPUTS}
-    declared |= {f"y{k}": Variable(f"y{k}", Kind.REAL, Role.CONTINUOUS) for k in range(len(values))}
-    blocks = tuple(Explicit(variable(f"y{k}"), value) for k, value in enumerate(values))
+    declared = {name: Variable(name, ScalarType.REAL, Role.INPUT) for name in _INPUTS}
+    declared |= {f"y{k}": Variable(f"y{k}", ScalarType.REAL, Role.CONTINUOUS) for k in range(len(values))}
+    blocks = tuple(Explicit(Symbol(f"y{k}"), value) for k, value in enumerate(values))
     flat = FlatModel("Lazy", values[0].graph, declared, ())
     return Solved(flat, (), (), (), blocks, (), (), {}, (), {})
 
@@ -95,14 +95,14 @@ def test_a_model_fails_exactly_where_a_needed_index_is_outside(
         for b in _NUMBERS:
             for c in _NUMBERS:
                 inputs = dict(zip(_INPUTS, (a, b, c), strict=True))
-                model.set({variable(name): value for name, value in inputs.items()})
+                model.set({Symbol(name): value for name, value in inputs.items()})
                 try:
                     expected = [lazy(value, inputs) for value in values]
                 except IndexOutsideError:
                     assert model.call("parameters") or model.call("outputs")
                     continue
                 assert (model.call("parameters"), model.call("outputs")) == (0, 0)
-                found = [model.get(variable(f"y{k}")) for k in range(len(values))]
+                found = [model.get(Symbol(f"y{k}")) for k in range(len(values))]
                 assert all(f == e or (math.isnan(f) and math.isnan(e)) for f, e in zip(found, expected, strict=True))
 
 

@@ -9,9 +9,11 @@ from collections.abc import Mapping
 import rumoca
 
 from dse.modelica.algebra.evaluate import evaluate
-from dse.modelica.algebra.expression import Expression, Place, Symbol, symbols
-from dse.modelica.flat import FlatModel, Role
-from dse.modelica.flatten import flatten
+from dse.modelica.algebra.expression import Expression
+from dse.modelica.algebra.symbol import Referent, Symbol
+from dse.modelica.algebra.traversal import symbols
+from dse.modelica.flat_model import FlatModel, Role
+from dse.modelica.flatten.flattening import flatten
 from dse.modelica.frontend.result import FrontEndResult
 from dse.modelica.frontend.sources import SourceText
 
@@ -37,40 +39,40 @@ def values(flat: FlatModel, given: Mapping[str, float] | None = None, time: floa
     Equations are solved one after the other for a single unknown in which they are affine; a derivative is called
     ``der(x)``. Discrete variables that no assignment without trigger gives have the value given, else 0.
     """
-    known: dict[Symbol, float] = {Symbol(Place.TIME): time, Symbol(Place.INITIAL): 0.0}
+    known: dict[Symbol, float] = {Symbol(referent=Referent.TIME): time, Symbol(referent=Referent.INITIAL): 0.0}
     for name, value in (given or {}).items():
-        known[Symbol(Place.VARIABLE, name)] = value
-        known[Symbol(Place.PRE, name)] = value
+        known[Symbol(name)] = value
+        known[Symbol(name, referent=Referent.PRE)] = value
     left = [equation.residual for equation in flat.equations]
     always = {item.target: item.value for item in flat.assignments if item.trigger is None}
     for variable in flat.variables.values():
-        symbol = Symbol(Place.VARIABLE, variable.name)
+        symbol = Symbol(variable.name)
         if symbol in known:
             continue
         if variable.role is Role.PARAMETER:
             left += [flat.graph.variable(variable.name) - (variable.binding or variable.start or 0.0)]
         elif variable.role is Role.DISCRETE and variable.name not in always:
-            known[symbol] = known[Symbol(Place.PRE, variable.name)] = 0.0
+            known[symbol] = known[Symbol(variable.name, referent=Referent.PRE)] = 0.0
     pending = {**always}
-    held = {Symbol(Place.HELD, str(place)): relation.truth for place, relation in enumerate(flat.relations)}
+    held = {Symbol(str(place), referent=Referent.HELD): relation.truth for place, relation in enumerate(flat.relations)}
     while True:
         before = len(known)
         for symbol, truth in held.items():
-            if symbol not in known and symbols(truth) <= known.keys():
+            if symbol not in known and symbols(truth).keys() <= known.keys():
                 known[symbol] = evaluate([truth], known)[0]
         for name, assigned in list(pending.items()):
-            if symbols(assigned) <= known.keys():
-                known[Symbol(Place.VARIABLE, name)] = evaluate([assigned], known)[0]
+            if symbols(assigned).keys() <= known.keys():
+                known[Symbol(name)] = evaluate([assigned], known)[0]
                 del pending[name]
         for residual in list(left):
-            unknown = symbols(residual) - known.keys()
+            unknown = symbols(residual).keys() - known.keys()
             if len(unknown) == 1:
                 (symbol,) = unknown
                 known[symbol] = _root(residual, symbol, known)
                 left.remove(residual)
         if len(known) == before:
             break
-    return {str(symbol): value for symbol, value in known.items() if symbol.place is Place.VARIABLE}
+    return {str(symbol): value for symbol, value in known.items() if symbol.is_variable}
 
 
 def _root(residual: Expression, symbol: Symbol, known: Mapping[Symbol, float]) -> float:

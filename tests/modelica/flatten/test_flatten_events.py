@@ -9,17 +9,18 @@ import pytest
 from modelica_text import flattened, values
 
 from dse.modelica.algebra.evaluate import evaluate
-from dse.modelica.algebra.expression import Expression, Place, Symbol
-from dse.modelica.flat import Assignment, Clock, FlatModel, Kind, Role, Trigger
+from dse.modelica.algebra.expression import Expression
+from dse.modelica.algebra.symbol import Referent, Symbol
+from dse.modelica.flat_model import Assignment, Clock, FlatModel, Role, ScalarType, Trigger
 
 STATE = "model M Real x(start = 0, fixed = true); "
 
 
 def _known(**given: float) -> dict[Symbol, float]:
-    known = {Symbol(Place.TIME): given.pop("time", 0.0), Symbol(Place.INITIAL): 0.0}
+    known = {Symbol(referent=Referent.TIME): given.pop("time", 0.0), Symbol(referent=Referent.INITIAL): 0.0}
     for name, value in given.items():
-        known[Symbol(Place.VARIABLE, name)] = value
-        known[Symbol(Place.PRE, name)] = value
+        known[Symbol(name)] = value
+        known[Symbol(name, referent=Referent.PRE)] = value
     return known
 
 
@@ -36,7 +37,7 @@ def test_a_comparison_in_an_equation_is_held_between_events() -> None:
     (relation,) = flat.relations
     (equation,) = flat.equations
     assert relation.truth.operator == "greater"
-    known = {**_known(u=5.0, y=0.0), Symbol(Place.HELD, "0"): 0.0}
+    known = {**_known(u=5.0, y=0.0), Symbol("0", referent=Referent.HELD): 0.0}
     assert _value(equation.residual, known) == -2.0
 
 
@@ -91,7 +92,7 @@ def test_a_when_condition_over_a_state_is_a_held_relation() -> None:
     (step,) = _steps(flat, "d")
     assert step.trigger is not None
     (condition,) = flat.triggers[step.trigger].conditions
-    assert condition.symbol == Symbol(Place.HELD, "0")
+    assert condition.symbol == Symbol("0", referent=Referent.HELD)
     assert _value(step.value, _known(d=5.0, x=2.0)) == 7.0
     assert flat.variables["d"].role is Role.DISCRETE
 
@@ -124,7 +125,7 @@ def test_a_sample_in_a_compound_condition_ticks_through_an_internal_variable() -
     assert step.trigger is not None
     (condition,) = flat.triggers[step.trigger].conditions
     (name,) = (name for name in flat.variables if name.startswith("$"))
-    known = {**_known(**{name: 1.0}), Symbol(Place.HELD, "0"): 1.0}
+    known = {**_known(**{name: 1.0}), Symbol("0", referent=Referent.HELD): 1.0}
     assert _value(condition, known) == 1.0
     ticking, resting = _steps(flat, name)
     assert (ticking.value.value, resting.value.value, resting.trigger) == (1.0, 0.0, None)
@@ -214,9 +215,9 @@ def test_edge_and_change_compare_with_the_value_before() -> None:
     flat = flattened(
         "model M input Real u; Boolean b; Boolean e; Boolean c; equation b = u > 0; e = edge(b); c = change(b); end M;"
     )
-    known = {**_known(), Symbol(Place.VARIABLE, "b"): 1.0, Symbol(Place.PRE, "b"): 0.0}
+    known = {**_known(), Symbol("b"): 1.0, Symbol("b", referent=Referent.PRE): 0.0}
     assert [_value(_steps(flat, name)[0].value, known) for name in ("e", "c")] == [1.0, 1.0]
-    known[Symbol(Place.PRE, "b")] = 1.0
+    known[Symbol("b", referent=Referent.PRE)] = 1.0
     assert [_value(_steps(flat, name)[0].value, known) for name in ("e", "c")] == [0.0, 0.0]
 
 
@@ -285,7 +286,7 @@ def test_families_of_discrete_equations_go_element_by_element() -> None:
     flat = flattened(STATE + "Boolean b[3]; equation der(x) = 1; for k in 1:3 loop b[k] = x > k; end for; end M;")
     found = values(flat, {"x": 2.5})
     assert [found[f"b[{k}]"] for k in (1, 2, 3)] == [1.0, 1.0, 0.0]
-    assert flat.variables["b[2]"].kind is Kind.BOOLEAN
+    assert flat.variables["b[2]"].kind is ScalarType.BOOLEAN
 
 
 def test_initial_is_true_at_the_start_only() -> None:

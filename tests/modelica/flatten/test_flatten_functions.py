@@ -7,13 +7,12 @@ from collections.abc import Callable, Mapping
 from functools import cache
 
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 from modelica_text import flattened, values
 
 from dse.modelica.algebra.evaluate import evaluate
-from dse.modelica.algebra.expression import Place, Symbol
-from dse.modelica.flat import FlatModel
+from dse.modelica.algebra.symbol import Symbol
+from dse.modelica.flat_model import FlatModel
 
 
 def _branches(u: float, w: float) -> float:
@@ -241,7 +240,7 @@ def _flat(name: str) -> FlatModel:
 @pytest.mark.parametrize("name", FUNCTIONS)
 @given(u=NUMBERS, w=NUMBERS)
 def test_an_inlined_function_gives_what_its_transcription_gives(name: str, u: float, w: float) -> None:
-    known = {Symbol(Place.VARIABLE, item): value for item, value in (("u", u), ("w", w), ("y", 0.0))}
+    known = {Symbol(item): value for item, value in (("u", u), ("w", w), ("y", 0.0))}
     (residual,) = (equation.residual for equation in _flat(name).equations)
     assert -evaluate([residual], known)[0] == pytest.approx(FUNCTIONS[name][1](u, w), rel=1e-12, abs=1e-12)
 
@@ -272,7 +271,7 @@ def test_an_index_outside_its_array_is_a_check_that_fails() -> None:
         "model M input Real u; input Integer k(start = 1); Real y[3] = f(u, k); end M;"
     )
     (check,) = flat.checks
-    assert [evaluate([check.condition], {Symbol(Place.VARIABLE, "k"): k})[0] for k in (0.0, 1.0, 3.0, 4.0)] == [
+    assert [evaluate([check.condition], {Symbol("k"): k})[0] for k in (0.0, 1.0, 3.0, 4.0)] == [
         0,
         1,
         1,
@@ -287,9 +286,9 @@ def test_an_assert_in_a_function_holds_only_where_the_function_is_called() -> No
     )
     (check,) = flat.checks
     assert check.message == "too big"
-    known = {Symbol(Place.VARIABLE, "u"): 7.0}
-    assert evaluate([check.condition], {**known, Symbol(Place.VARIABLE, "on"): 1.0}) == [0.0]
-    assert evaluate([check.condition], {**known, Symbol(Place.VARIABLE, "on"): 0.0}) == [1.0]
+    known = {Symbol("u"): 7.0}
+    assert evaluate([check.condition], {**known, Symbol("on"): 1.0}) == [0.0]
+    assert evaluate([check.condition], {**known, Symbol("on"): 0.0}) == [1.0]
 
 
 def test_functions_make_no_events() -> None:

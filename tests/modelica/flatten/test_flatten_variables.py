@@ -7,9 +7,10 @@ from modelica_text import compiled, flattened
 
 from dse.errors import Location
 from dse.modelica.algebra.evaluate import evaluate
-from dse.modelica.algebra.expression import Expression, Place, Symbol
-from dse.modelica.flat import FlatModel, Kind, Role
-from dse.modelica.flatten import flatten
+from dse.modelica.algebra.expression import Expression
+from dse.modelica.algebra.symbol import Symbol
+from dse.modelica.flat_model import FlatModel, Role, ScalarType
+from dse.modelica.flatten.flattening import flatten
 
 
 def _number(flat: FlatModel, expression: Expression | None) -> float | None:
@@ -20,7 +21,7 @@ def _number(flat: FlatModel, expression: Expression | None) -> float | None:
         if variable.role is Role.PARAMETER:
             own = variable.binding or variable.start
             if own is not None and own.is_constant:
-                known[Symbol(Place.VARIABLE, name)] = own.value
+                known[Symbol(name)] = own.value
     return evaluate([expression], known)[0]
 
 
@@ -31,7 +32,7 @@ def test_attributes_of_a_type_and_of_the_declaration_meet() -> None:
         "Real x(start = 1, fixed = true, stateSelect = StateSelect.prefer); equation der(x) = u; end M;"
     )
     u, x = flat.variables["u"], flat.variables["x"]
-    assert (u.role, u.kind, u.unit, u.description) == (Role.INPUT, Kind.REAL, "N.m", "demand")
+    assert (u.role, u.kind, u.unit, u.description) == (Role.INPUT, ScalarType.REAL, "N.m", "demand")
     assert [_number(flat, item) for item in (u.minimum, u.maximum, u.start, u.nominal)] == [-9.0, 5.0, 2.0, 100.0]
     assert (x.role, x.is_fixed, x.prefers_state) == (Role.CONTINUOUS, True, 1)
 
@@ -66,7 +67,7 @@ def test_dependent_parameters_keep_their_formulas() -> None:
     a, b, c, d = (flat.variables[name] for name in "abcd")
     assert (a.is_final, b.is_final) == (False, True)
     assert b.binding is not None
-    assert Symbol(Place.VARIABLE, "a") in {node.symbol for node in b.binding.operands}
+    assert Symbol("a") in {node.symbol for node in b.binding.operands}
     assert (c.binding, c.is_fixed, len(flat.initial_equations)) == (None, False, 1)
     assert (d.binding, _number(flat, d.start), d.is_fixed) == (None, 4.0, True)
 
@@ -77,7 +78,7 @@ def test_a_parameter_computed_by_an_initial_algorithm_is_an_initial_equation() -
         "for i in 1:2 loop p := p + i; end for; end M;"
     )
     (equation,) = flat.initial_equations
-    known = {Symbol(Place.VARIABLE, "base"): 1.0, Symbol(Place.VARIABLE, "p"): 0.0}
+    known = {Symbol("base"): 1.0, Symbol("p"): 0.0}
     assert -evaluate([equation.residual], known)[0] == 4.0
 
 
@@ -88,7 +89,7 @@ def test_constants_and_strings_take_their_place_and_are_no_variables() -> None:
         "end M;"
     )
     assert set(flat.variables) == {"y"}
-    assert evaluate([flat.equations[0].residual], {Symbol(Place.VARIABLE, "y"): 0.0}) == [-5.0]
+    assert evaluate([flat.equations[0].residual], {Symbol("y"): 0.0}) == [-5.0]
 
 
 def test_enumerations_list_their_items() -> None:
@@ -96,7 +97,7 @@ def test_enumerations_list_their_items() -> None:
         "type Mode = enumeration(Off, Speed, Gap); model M parameter Mode m = Mode.Speed; Mode n = Mode.Gap; end M;"
     )
     m = flat.variables["m"]
-    assert (m.kind, m.items, _number(flat, m.binding)) == (Kind.ENUMERATION, ("Off", "Speed", "Gap"), 2.0)
+    assert (m.kind, m.items, _number(flat, m.binding)) == (ScalarType.ENUMERATION, ("Off", "Speed", "Gap"), 2.0)
     assert flat.variables["n"].role is Role.DISCRETE
 
 

@@ -9,9 +9,10 @@ import numpy as np
 from scipy.integrate import solve_ivp
 
 from dse.modelica.algebra.evaluate import evaluate
-from dse.modelica.algebra.expression import Expression, Graph, Place, Symbol
-from dse.modelica.flat import Equation, FlatModel, Kind, Relation, Role, Variable
-from dse.modelica.solved import Activation, EventBlock, Explicit, Solved, System, When
+from dse.modelica.algebra.expression import Expression, Graph
+from dse.modelica.algebra.symbol import Referent, Symbol
+from dse.modelica.flat_model import Equation, FlatModel, Relation, Role, ScalarType, Variable
+from dse.modelica.solved_model import Activation, EventBlock, Explicit, Solved, System, When
 
 
 class RunError(Exception):
@@ -19,7 +20,7 @@ class RunError(Exception):
 
 
 def symbol(name: str, order: int = 0) -> Symbol:
-    return Symbol(Place.VARIABLE, name, order)
+    return Symbol(name, order)
 
 
 class Building:
@@ -33,7 +34,7 @@ class Building:
         self.initial: list[Equation] = []
         self.relations: list[Relation] = []
         self.more: dict[str, object] = {}
-        self.time = self.graph.symbol(Symbol(Place.TIME))
+        self.time = self.graph.symbol(Symbol(referent=Referent.TIME))
 
     def parameter(self, name: str, value: float, **more: object) -> Expression:
         return self._declare(name, Role.PARAMETER, {"start": value, "is_fixed": True, **more})
@@ -54,7 +55,7 @@ class Building:
         for key in ("start", "binding", "minimum", "maximum"):
             if isinstance(more.get(key), (int, float)):
                 more[key] = self.graph.constant(float(more[key]))  # type: ignore[arg-type]  # a number, as tested
-        kind = more.pop("kind", Kind.REAL)
+        kind = more.pop("kind", ScalarType.REAL)
         self.variables[name] = Variable(name, kind, role, **more)  # type: ignore[arg-type]  # tests name the fields
         return self.graph.variable(name)
 
@@ -62,7 +63,7 @@ class Building:
         return self.graph.variable(name, order)
 
     def held(self, number: int) -> Expression:
-        return self.graph.symbol(Symbol(Place.HELD, str(number)))
+        return self.graph.symbol(Symbol(str(number), referent=Referent.HELD))
 
     def equal(self, left: Expression, right: Expression | float) -> None:
         self.equations.append(Equation(left - right))
@@ -105,14 +106,14 @@ class Machine:
                 self.values[symbol(variable.name)] = given.value if given is not None and is_number else 0.0
 
     def of(self, one: Symbol) -> float:
-        match one.place:
-            case Place.TIME:
+        match one.referent:
+            case Referent.TIME:
                 return self.time
-            case Place.INITIAL:
+            case Referent.INITIAL:
                 return float(self.is_initial)
-            case Place.HELD:
+            case Referent.HELD:
                 return self.held[int(one.name)]
-            case Place.PRE:
+            case Referent.PRE:
                 return self.pre[one.name]
         if self.inputs is not None and self.solved.flat.variables[one.name].role is Role.INPUT:
             return self.inputs(one.name, self.time)
@@ -275,7 +276,7 @@ class Machine:
         self.time = float(time)
         self.values.update(zip(self.solved.states, map(float, states), strict=False))
         self.run(self.solved.derivatives)
-        return [self.of(Symbol(one.place, one.name, one.order + 1)) for one in self.solved.states]
+        return [self.of(one.derivative) for one in self.solved.states]
 
     def simulate(self, stop: float, names: Sequence[str], points: int = 21, tolerance: float = 1e-10) -> np.ndarray:
         """Values of *names* at evenly spaced points of time, one row a point; events are located."""
@@ -373,7 +374,7 @@ def check_order(solved: Solved) -> None:
 
 
 def _refers(block: EventBlock) -> set[Symbol]:
-    from dse.modelica.algebra.expression import symbols
+    from dse.modelica.algebra.traversal import symbols
 
     roots: list[Expression] = []
     match block:

@@ -4,9 +4,8 @@ import pytest
 from modelica.structure.interpreter import Building, Machine, symbol
 
 from dse.errors import DseError
-from dse.modelica.flat import Relation
-from dse.modelica.structure.blocks import components
-from dse.modelica.structure.matching import Matching
+from dse.modelica.flat_model import Relation
+from dse.modelica.structure.graphs import Matching, components
 from dse.modelica.structure.solve import solve
 
 

@@ -8,13 +8,13 @@ import pytest
 from modelica.structure.interpreter import Building, Machine, check_order
 
 from dse.errors import DseError
-from dse.modelica.algebra.expression import Place, Symbol
-from dse.modelica.flat import Assignment, Clock, Reinitialization, Relation, Trigger
+from dse.modelica.algebra.symbol import Referent, Symbol
+from dse.modelica.flat_model import Assignment, Clock, Reinitialization, Relation, Trigger
 from dse.modelica.structure.solve import solve
 
 
 def pre(b: Building, name: str):
-    return b.graph.symbol(Symbol(Place.PRE, name))
+    return b.graph.symbol(Symbol(name, referent=Referent.PRE))
 
 
 def test_a_bouncing_ball_bounces_when_it_should() -> None:

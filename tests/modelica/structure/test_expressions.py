@@ -6,18 +6,19 @@ import math
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
+from hypothesis import given, settings, strategies as st
 from modelica.structure.interpreter import symbol
 from scipy.interpolate import CubicHermiteSpline, PchipInterpolator
 
 from dse.errors import DseError
 from dse.modelica.algebra.arithmetic import FUNCTIONS
+from dse.modelica.algebra.derivative import partial
 from dse.modelica.algebra.evaluate import evaluate
-from dse.modelica.algebra.expression import Expression, Graph, Place, Symbol
+from dse.modelica.algebra.expression import Expression, Graph
+from dse.modelica.algebra.symbol import Referent, Symbol
 from dse.modelica.algebra.tables import table1, table2
-from dse.modelica.derive import partial, total
-from dse.modelica.flat import Kind, Role, Variable
+from dse.modelica.flat_model import Role, ScalarType, Variable
+from dse.modelica.structure.reduction.pantelides import total
 
 ARITY = {
     **dict.fromkeys(("add", "subtract", "multiply", "divide", "power", "minimum", "maximum", "atan2", "and", "or"), 2),
@@ -80,7 +81,7 @@ def test_simplifying_keeps_every_finite_value_to_the_bit(lines: list[tuple[objec
 
 
 def _finite_everywhere(root: Expression, values: dict[Symbol, float]) -> float | None:
-    from dse.modelica.algebra.expression import walk
+    from dse.modelica.algebra.traversal import walk
 
     nodes = list(walk([root]))
     found = evaluate(nodes, values)
@@ -105,7 +106,7 @@ def test_partial_derivatives_agree_with_finite_differences(lines: list[tuple[obj
 
 
 def _nodes(root: Expression) -> list[Expression]:
-    from dse.modelica.algebra.expression import walk
+    from dse.modelica.algebra.traversal import walk
 
     return list(walk([root]))
 
@@ -131,15 +132,15 @@ def test_steps_have_no_derivative_and_kinks_have_one_side() -> None:
 def test_time_derivatives_raise_the_order_and_leave_parameters() -> None:
     graph = Graph()
     variables = {
-        "x": Variable("x", Kind.REAL, Role.CONTINUOUS),
-        "p": Variable("p", Kind.REAL, Role.PARAMETER),
-        "u": Variable("u", Kind.REAL, Role.INPUT),
+        "x": Variable("x", ScalarType.REAL, Role.CONTINUOUS),
+        "p": Variable("p", ScalarType.REAL, Role.PARAMETER),
+        "u": Variable("u", ScalarType.REAL, Role.INPUT),
     }
     x, p, u = (graph.variable(name) for name in variables)
-    time = graph.symbol(Symbol(Place.TIME))
+    time = graph.symbol(Symbol(referent=Referent.TIME))
     assert total(p * x, variables) is p * graph.variable("x", 1)
     assert total(graph.variable("x", 1) + time, variables) is graph.variable("x", 2) + 1.0
-    assert total(graph.symbol(Symbol(Place.HELD, "0")) * x, variables).operands[1] is graph.variable("x", 1)
+    assert total(graph.symbol(Symbol("0", referent=Referent.HELD)) * x, variables).operands[1] is graph.variable("x", 1)
     with pytest.raises(DseError, match="derivative of the input 'u'"):
         total(u * x, variables)
 

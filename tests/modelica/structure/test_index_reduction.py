@@ -6,7 +6,7 @@ from modelica.structure.interpreter import Building, Machine, RunError, check_or
 from scipy.integrate import solve_ivp
 
 from dse.errors import DseError
-from dse.modelica.solved import System
+from dse.modelica.solved_model import System
 from dse.modelica.structure.solve import solve
 
 

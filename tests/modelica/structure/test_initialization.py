@@ -7,7 +7,7 @@ from modelica.structure.interpreter import Building, Machine, check_order, symbo
 
 from dse.errors import DseError
 from dse.modelica.algebra.evaluate import evaluate
-from dse.modelica.flat import Assignment, Trigger
+from dse.modelica.flat_model import Assignment, Trigger
 from dse.modelica.structure.solve import solve
 
 
@@ -127,12 +127,12 @@ def test_a_discrete_variable_that_only_appears_in_an_initial_equation_keeps_its_
 
 
 def test_initial_is_true_at_the_start_only() -> None:
-    from dse.modelica.algebra.expression import Place, Symbol
+    from dse.modelica.algebra.symbol import Referent, Symbol
 
     b = Building()
     x, y = b.real("x", start=0.0, is_fixed=True), b.real("y")
     b.equal(b.der("x"), 1.0)
-    b.equal(y, b.graph.make("if", b.graph.symbol(Symbol(Place.INITIAL)), b.graph.constant(7.0), x))
+    b.equal(y, b.graph.make("if", b.graph.symbol(Symbol(referent=Referent.INITIAL)), b.graph.constant(7.0), x))
     solved = solve(b.flat())
     machine = Machine(solved)
     assert machine.simulate(1.0, ["y"], points=2)[-1, 0] == pytest.approx(1.0)

@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
-from hypothesis import assume, given, settings
-from hypothesis import strategies as st
+from hypothesis import assume, given, settings, strategies as st
 from modelica.structure.interpreter import Building, Machine, RunError, check_order
 
 from dse.errors import DseError

@@ -7,7 +7,7 @@ import pytest
 from modelica.structure.interpreter import Building, Machine, check_order, symbol
 
 from dse.errors import DseError
-from dse.modelica.solved import Explicit, System
+from dse.modelica.solved_model import Explicit, System
 from dse.modelica.structure.solve import solve
 
 

@@ -6,8 +6,7 @@ import math
 from pathlib import Path
 
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 
 from dse.domain.component import Causality, Interface, Kind, Port, Type
 from dse.domain.fmu import FmuModel, UnitDefinition, Variable

@@ -8,8 +8,7 @@ from pathlib import Path
 
 import fmpy
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
+from hypothesis import given, settings, strategies as st
 from lxml import etree
 from ssp_packages import METRES_PER_SECOND, model, variable
 

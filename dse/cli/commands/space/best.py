@@ -6,8 +6,7 @@ from typing import Annotated
 
 import typer
 
-from dse.api.naming import opened
-from dse.api.spaces.ranking import Ranking
+from dse.api import Ranking, opened
 from dse.cli.arguments import Choose, Design, Format, Off, On, Output, Where
 from dse.cli.commands.space import space_app
 from dse.cli.terminal import plain_table, print_json, print_table, say
@@ -42,7 +41,7 @@ def space_best(
 
     Exact and complete: there is none better than those listed.
     """
-    from dse.space.questions.optimum import read_aims
+    from dse.space import read_aims
 
     wanted = read_aims(minimize or [], maximize or [])
     if len(wanted) != 1:
@@ -66,7 +65,7 @@ def space_pareto(
 
     The complete Pareto set over sums of properties, with one configuration for each of its points.
     """
-    from dse.space.questions.optimum import read_aims
+    from dse.space import read_aims
 
     wanted = read_aims(minimize or [], maximize or [])
     if len(wanted) < 2:

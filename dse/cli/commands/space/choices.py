@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from dse.api.naming import opened
+from dse.api import opened
 from dse.cli.arguments import Choose, Design, Format, Off, On, Output, Seed, Where
 from dse.cli.commands.space import space_app
 from dse.cli.terminal import plain_table, print_json, print_table, say
@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from rich.table import Table
     from rich.text import Text
 
-    from dse.space.questions.occurrence import Occurrence
+    from dse.space import Occurrence
 
 _BAR = 20
 _LONGEST = 32

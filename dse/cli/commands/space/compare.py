@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from dse.api.naming import opened
+from dse.api import opened
 from dse.cli.arguments import Design, Format, Off, On, Output, Seed
 from dse.cli.commands.space import space_app
 from dse.cli.spaces import number_text, tally_data, tally_text
@@ -15,8 +15,7 @@ from dse.cli.terminal import print_json, say
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
-    from dse.space.methods.tally import Tally
-    from dse.space.questions.difference import Difference
+    from dse.space import Difference, Tally
 
 
 @space_app.command("compare")

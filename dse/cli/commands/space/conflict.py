@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dse.api.naming import opened
+from dse.api import opened
 from dse.cli.arguments import Choose, Design, Format, Off, On, Output, Where
 from dse.cli.commands.space import space_app
 from dse.cli.spaces import constraint_data, show_constraints

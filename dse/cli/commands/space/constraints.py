@@ -6,14 +6,14 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from dse.api.naming import opened
+from dse.api import opened
 from dse.cli.arguments import Choose, Design, Format, Off, On, Output, Seed, Where
 from dse.cli.commands.space import space_app
 from dse.cli.spaces import constraint_data, tally_cell, tally_data, tally_text
 from dse.cli.terminal import plain_table, print_json, print_table, say
 
 if TYPE_CHECKING:
-    from dse.space.questions.impact import Impact
+    from dse.space import Impact
 
 
 @space_app.command("constraints")

@@ -6,7 +6,7 @@ from typing import Annotated
 
 import typer
 
-from dse.api.naming import opened
+from dse.api import opened
 from dse.cli.arguments import Choose, Design, Format, Off, On, Output, Seed, Where
 from dse.cli.commands.space import space_app
 from dse.cli.spaces import number_text, tally_data, tally_text

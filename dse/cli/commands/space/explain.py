@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import typer
 
-from dse.api.naming import opened
+from dse.api import opened
 from dse.cli.arguments import Choose, Design, Format, Off, On, Output, Where
 from dse.cli.commands.space import space_app
 from dse.cli.spaces import constraint_data, show_constraints
@@ -15,9 +15,7 @@ from dse.cli.terminal import print_json, say
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from dse.space.opened import OpenedSpace
-    from dse.space.questions.explain import Broken, Explanation
-    from dse.space.questions.nearest import Change, Nearest
+    from dse.space import Broken, Change, Explanation, Nearest, OpenedSpace
 
 
 @space_app.command("explain")

@@ -7,14 +7,14 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from dse.api.naming import opened
+from dse.api import opened
 from dse.cli.arguments import Choose, Configuration, Design, Off, On
 from dse.cli.commands.space import space_app
 from dse.cli.terminal import say
 
 if TYPE_CHECKING:
     from dse.domain import design as nouns
-    from dse.space.opened import OpenedSpace
+    from dse.space import OpenedSpace
 
 
 def _svg(path: Path) -> Path:

@@ -8,7 +8,7 @@ from typing import Annotated
 
 import typer
 
-from dse.api.naming import opened
+from dse.api import opened
 from dse.cli.arguments import Choose, Design
 from dse.cli.commands.space import space_app
 from dse.cli.spaces import number_text
@@ -37,8 +37,8 @@ def space_refine(
 
     Its configurations are those of the design that choose nothing else, with the same ids. Without -o it is printed.
     """
-    from dse.loading.writing.design import write_design
-    from dse.space.decisions import combinations
+    from dse.loading import write_design
+    from dse.space import combinations
 
     _check(design, target, asked=bool(keep or drop or choose or ids))
     whole = opened(design)

@@ -1,0 +1,18 @@
+from .api import (
+    Bench as Bench,
+    Design as Design,
+    ExplorationInterruptedError as ExplorationInterruptedError,
+    Progress as Progress,
+    Ranking as Ranking,
+    Results as Results,
+    Run as Run,
+    Study as Study,
+    Waveforms as Waveforms,
+    Workspace as Workspace,
+    open as open,
+    results as results,
+)
+from .errors import DseError as DseError, Problem as Problem
+from .space import Explanation as Explanation, Tally as Tally
+
+__version__: str

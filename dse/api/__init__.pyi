@@ -1,0 +1,31 @@
+from .naming import opened as opened, space_of as space_of, workspace_of as workspace_of
+from .packages import simulate_package as simulate_package
+from .probing import (
+    consequences as consequences,
+    facts_as_data as facts_as_data,
+    known_facts as known_facts,
+    model_of as model_of,
+    probe_fmu as probe_fmu,
+)
+from .showing.described import metric_rows as metric_rows, requirement_labels as requirement_labels
+from .showing.progress import progress_bar as progress_bar
+from .spaces.design import Design as Design
+from .spaces.ranking import Ranking as Ranking
+from .studies.bench import Bench as Bench, Study as Study
+from .studies.exploring import (
+    ExplorationInterruptedError as ExplorationInterruptedError,
+    Explored as Explored,
+    ExploreOptions as ExploreOptions,
+    Progress as Progress,
+    explore_into as explore_into,
+)
+from .studies.replaying import replay as replay
+from .studies.results import Results as Results, Summary as Summary, results as results
+from .studies.run import Run as Run, Waveforms as Waveforms
+from .studies.single import (
+    fused_libraries as fused_libraries,
+    simulate_once as simulate_once,
+    study_of_bench as study_of_bench,
+    write_package as write_package,
+)
+from .workspace import Workspace as Workspace, open as open

@@ -1,0 +1,26 @@
+from .building import build as build, build_all as build_all
+from .c.build import build_c as build_c
+from .c.describe import (
+    add_base_unit as add_base_unit,
+    describe_sources as describe_sources,
+    model_identifier as model_identifier,
+    xml_text as xml_text,
+)
+from .fusion.fuse import Wanted as Wanted, fuse_all as fuse_all
+from .parallel import Tell as Tell, in_parallel as in_parallel
+from .reading.description import read_description as read_description
+from .reading.units import BASE_UNITS as BASE_UNITS, base_unit as base_unit
+from .reading.variables import VALUE_KINDS as VALUE_KINDS
+from .slot_table import SLOT_TABLE as SLOT_TABLE, Row as Row, SlotTable as SlotTable
+from .statics import shares_nothing as shares_nothing
+from .toolchain.compilation import (
+    LANGUAGE_OPTIONS as LANGUAGE_OPTIONS,
+    MODEL_OPTIONS as MODEL_OPTIONS,
+    CompilationError as CompilationError,
+    compile_object as compile_object,
+    link_library as link_library,
+    options as options,
+)
+from .toolchain.compiler import Compiler as Compiler, find_compiler as find_compiler
+from .toolchain.platforms import this_platform as this_platform
+from .unpack import open_fmu as open_fmu

@@ -1,0 +1,21 @@
+from .compose import UNSAFE as UNSAFE
+from .kept import read_kept as read_kept, remember as remember
+from .xml import XmlElement as XmlElement, read_xml as read_xml, read_xml_file as read_xml_file
+from .xml_values import flag_of as flag_of, real_of as real_of, shortened as shortened, whole_of as whole_of
+from .yaml import (
+    Document as Document,
+    Entry as Entry,
+    KeyPath as KeyPath,
+    Mark as Mark,
+    read_yaml as read_yaml,
+    shown as shown,
+)
+from .yaml_text import (
+    write_file as write_file,
+    write_flow as write_flow,
+    write_name as write_name,
+    write_parameter as write_parameter,
+    write_text as write_text,
+    write_value as write_value,
+)
+from .zipped import digest_of as digest_of, pack_zip as pack_zip, unpack_zip as unpack_zip, unpacked as unpacked

@@ -1,0 +1,26 @@
+from .bench.bench import read_setting as read_setting
+from .component.kind import (
+    KINDS as KINDS,
+    ComponentKind as ComponentKind,
+    SourcePlace as SourcePlace,
+    SourceSection as SourceSection,
+    kind_of as kind_of,
+)
+from .design.exchangeable import misfits as misfits
+from .extensions import (
+    EXECUTORS as EXECUTORS,
+    SAMPLERS as SAMPLERS,
+    ExecutorSection as ExecutorSection,
+    SamplerSection as SamplerSection,
+    Surroundings as Surroundings,
+)
+from .names import check_choice as check_choice, is_identifier as is_identifier
+from .paths import find_root as find_root, is_file as is_file, named_file as named_file
+from .sections import Plain as Plain
+from .uvl.reading import read_uvl as read_uvl
+from .uvl.writing import to_uvl as to_uvl
+from .values import Raw as Raw, read_unit as read_unit
+from .workspace import Workspace as Workspace
+from .writing.bench import write_bench as write_bench
+from .writing.component import write_fmu_component as write_fmu_component, write_interfaces as write_interfaces
+from .writing.design import write_components as write_components, write_design as write_design

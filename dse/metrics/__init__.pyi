@@ -1,0 +1,15 @@
+from .catalogue import (
+    FUNCTIONS as FUNCTIONS,
+    Argument as Argument,
+    Function as Function,
+    Wants as Wants,
+    metric_function as metric_function,
+    same as same,
+)
+from .program import MetricProgram as MetricProgram, compile_metrics as compile_metrics, judge_failed as judge_failed
+from .verdicts import (
+    Codes as Codes,
+    margin_to_bounds as margin_to_bounds,
+    overall_codes as overall_codes,
+    verdict_codes as verdict_codes,
+)

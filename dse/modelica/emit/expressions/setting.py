@@ -1,0 +1,106 @@
+"""What a symbol, an array and a failure are called in the C code of one model."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+from dse.errors import Location
+from dse.modelica.algebra.expression import TRUTHS, Expression
+from dse.modelica.algebra.symbol import Referent, Symbol
+from dse.modelica.emit.expressions.text import literal, table
+from dse.modelica.emit.memory import MemoryLayout
+
+
+@dataclass(slots=True)
+class Collected:
+    """What the functions need beside them: texts of failures, arrays that never change, systems of equations."""
+
+    failures: dict[str, int] = field(default_factory=dict)
+    arrays: dict[tuple[float, ...], str] = field(default_factory=dict)
+    systems: dict[tuple[object, ...], int] = field(default_factory=dict)
+    system_lines: list[str] = field(default_factory=list)
+    largest_system: int = 1
+
+    def failure(self, text: str) -> int:
+        """What a function returns to tell *text*: 1 + its place in ``dse_failure``."""
+        return self.failures.setdefault(text, len(self.failures)) + 1
+
+    def constants(self, values: tuple[float, ...]) -> str:
+        """The array of *values*, one for equal ones."""
+        return self.arrays.setdefault(values, f"dse_numbers_{len(self.arrays)}")
+
+    def array_lines(self) -> list[str]:
+        """The definitions of all `constants`."""
+        return [
+            line
+            for values, name in self.arrays.items()
+            for line in table(f"static const double {name}[{len(values)}]", [literal(value) for value in values])
+        ]
+
+
+@dataclass(frozen=True, slots=True)
+class Setting:
+    """Where a function stands: *is_initial* is the value of ``initial()``, *on_failure* what it does about a code.
+
+    *own* are places behind the layout's, of what is computed from parameters beforehand; *gathered* places in
+    ``m->data`` of the arrays of such values, by their nodes' numbers.
+    """
+
+    layout: MemoryLayout
+    collected: Collected
+    is_initial: bool = False
+    own: Mapping[Symbol, int] = field(default_factory=dict)
+    gathered: Mapping[int, int] = field(default_factory=dict)
+    on_failure: str = "return {code};"
+
+    def failing(self, text: str) -> str:
+        """The statement that tells *text*."""
+        return self.on_failure.format(code=self.collected.failure(text))
+
+    def place(self, symbol: Symbol) -> int:
+        """Referent in ``v``."""
+        found = self.own.get(symbol)
+        return self.layout.places[symbol] if found is None else found
+
+    def symbol(self, symbol: Symbol) -> str:
+        """The value of *symbol* as an operand."""
+        match symbol.referent:
+            case Referent.VARIABLE:
+                return f"v[{self.place(symbol)}]"
+            case Referent.PRE if symbol.name in self.layout.pre:
+                return f"m->pre[{self.layout.pre[symbol.name]}]"
+            case Referent.PRE:
+                return f"v[{self.layout.places[Symbol(symbol.name)]}]"
+            case Referent.HELD:
+                return f"m->held[{symbol.name}]"
+            case Referent.TIME:
+                return "m->time"
+        return "1" if self.is_initial else "0"
+
+    def array(self, node: Expression) -> str | None:
+        """A pointer to the elements of *node*, if they stand in a row somewhere."""
+        if all(element.is_constant for element in node.operands):
+            return self.collected.constants(tuple(element.value for element in node.operands))
+        if node.number in self.gathered:
+            return f"(m->data + {self.gathered[node.number]})"
+        places = []
+        for element in node.operands:
+            if element.symbol is None or not element.symbol.is_variable:
+                return None
+            places.append(self.place(element.symbol))
+        is_row = all(place == places[0] + number for number, place in enumerate(places))
+        return f"(v + {places[0]})" if is_row else None
+
+
+def is_truth(node: Expression) -> bool:
+    """Whether *node* is an int in C, 0 or 1."""
+    if node.symbol is not None:
+        return node.symbol.referent in (Referent.HELD, Referent.INITIAL)
+    return node.operator in TRUTHS
+
+
+def locations(where: tuple[Location, ...]) -> str:
+    """*where* in words, cut after four places."""
+    shown = [f"{place.file}:{place.line}" if place.line else place.file for place in dict.fromkeys(where)]
+    return ", ".join(shown[:4]) + (", …" if len(shown) > 4 else "")

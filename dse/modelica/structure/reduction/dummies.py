@@ -1,0 +1,229 @@
+"""Which variables are states: the method of dummy derivatives.
+
+Mattsson and Söderlind, SIAM J. Sci. Comput. 14(3), 1993, 677-692: for every differentiated equation one derivative
+among its block's becomes an ordinary unknown; what it would have been the derivative of is no state. The choice is
+made once. Where it depends on coefficients that vary, a guard makes the run fail before the choice becomes singular.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+from dse.errors import DseError, Problem
+from dse.modelica.algebra.derivative import partial
+from dse.modelica.algebra.evaluate import Values, evaluate
+from dse.modelica.algebra.expression import Expression
+from dse.modelica.algebra.symbol import Symbol
+from dse.modelica.algebra.traversal import smooth, symbols
+from dse.modelica.flat_model import Variable
+from dse.modelica.structure.graphs import components
+from dse.modelica.structure.known import Known
+from dse.modelica.structure.reduction.pantelides import Reduced
+from dse.modelica.structure.rows import Row, listed, told
+
+ALWAYS = 2
+SMALLEST_PIVOT = 1e-9
+"""Relative to the largest entry of the row; below it a coefficient counts as 0."""
+
+
+Line = Mapping[int, Expression]
+"""A row's coefficients by the place of the candidate; absent where 0."""
+
+
+@dataclass(frozen=True, slots=True)
+class Guard:
+    """The choice of *dummies* among *candidates* by *rows* is good as long as *matrix*, of the entries of the
+    candidates, keeps well-conditioned columns for the dummies."""
+
+    rows: tuple[int, ...]
+    candidates: tuple[Symbol, ...]
+    dummies: tuple[Symbol, ...]
+    matrix: tuple[Line, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Choice:
+    """*dummies*: derivatives that are ordinary unknowns. *guards*: where that depends on values at run time."""
+
+    dummies: frozenset[Symbol]
+    guards: tuple[Guard, ...]
+
+
+def chosen(found: Reduced, variables: Mapping[str, Variable], known: Known) -> Choice:
+    """The dummy derivatives of *found*.
+
+    They are taken by stateSelect, then where coefficients are numbers, then parameters, then by the size of the pivot
+    at the start. Raises DseError if the differentiated equations are singular there or want stateSelect.always undone.
+    """
+    local = _local(found)
+    candidates = [Symbol(name, order) for name, order in found.highest.items() if order]
+    dummies: list[Symbol] = []
+    guards: list[Guard] = []
+    stage = 1
+    while rows := [row for row, chain in enumerate(found.chains) if len(chain) > stage]:
+        selection = _Selection(found, rows, candidates, variables, known, local)
+        picked = selection.done()
+        dummies.extend(picked)
+        if selection.varies(picked):
+            guards.append(Guard(tuple(rows), tuple(candidates), tuple(picked), selection.matrix))
+        candidates = [Symbol(one.name, one.order - 1) for one in picked if one.order > 1]
+        stage += 1
+    return Choice(frozenset(dummies), tuple(guards))
+
+
+def _local(found: Reduced) -> frozenset[str]:
+    """Unknowns whose highest derivatives are solved for in the blocks of the differentiated equations.
+
+    Others may become dummies too, if they are to be no states rather than these: the choice need not be made block by
+    block, as long as the differentiated equations have independent columns for it.
+    """
+    row_of = {name: row for row, name in found.column_of.items()}
+    needs = []
+    for chain in found.chains:
+        highest = [
+            symbol
+            for symbol in symbols(chain[-1].residual)
+            if symbol.is_variable and found.highest.get(symbol.name) == symbol.order
+        ]
+        needs.append(sorted({row_of[symbol.name] for symbol in highest}))
+    parts = [part for part in components(needs) if any(len(found.chains[row]) > 1 for row in part)]
+    return frozenset(found.column_of[row] for part in parts for row in part)
+
+
+class _Selection:
+    """One stage of one block: as many of *candidates* as there are *rows*, with independent columns."""
+
+    def __init__(
+        self,
+        found: Reduced,
+        rows: Sequence[int],
+        candidates: Sequence[Symbol],
+        variables: Mapping[str, Variable],
+        known: Known,
+        local: frozenset[str],
+    ) -> None:
+        self._rows = [found.chains[row][0] for row in rows]
+        self._candidates = list(candidates)
+        self._variables = variables
+        self._set_anew = frozenset(one.state for one in known.flat.reinitializations)
+        self._starts = known.starts
+        self._local = local
+        numbers = {symbol.name: column for column, symbol in enumerate(candidates)}
+        self.matrix = tuple(_coefficients(found.chains[row], numbers, found.highest) for row in rows)
+        self._grades: dict[int, int] = {}
+        for line in self.matrix:
+            for column, entry in line.items():
+                grade = 0 if entry.is_constant else 1 if known.of_parameters(entry) else 2
+                self._grades[column] = max(grade, self._grades.get(column, 0))
+
+    def done(self) -> list[Symbol]:
+        picked = self._independent(self._starts.of)
+        if picked is None:
+            # The starting values may be all 0, where any constraint is flat: look at a point that is nothing special.
+            at = symbols(*(entry for line in self.matrix for entry in line.values()))
+            nothing_special = {symbol: 0.5 + (0.6180339887498949 * k) % 1.0 for k, symbol in enumerate(at, 1)}
+            picked = self._independent(nothing_special)
+        if picked is None:
+            raise DseError(*told(self._rows, "equations that were differentiated contradict or repeat each other"))
+        symbols_picked = [self._candidates[column] for column in sorted(picked)]
+        wrong = [one for one in symbols_picked if one.order == 1 and self._preference(one) == ALWAYS]
+        if wrong:
+            problem = "not all variables with stateSelect.always can be states"
+            states = listed(Symbol(one.name, one.order - 1) for one in wrong)
+            raise DseError(Problem(f"{problem}: {states}", self._rows[0].where))
+        return symbols_picked
+
+    def varies(self, picked: Sequence[Symbol]) -> bool:
+        """Whether the chosen columns have entries that change during a run."""
+        chosen_ones = frozenset(picked)
+        return any(grade == 2 and self._candidates[column] in chosen_ones for column, grade in self._grades.items())
+
+    def _independent(self, values: Values) -> list[int] | None:
+        """Columns that are independent at *values*, the ones to be preferred as dummies first; by elimination."""
+        rows = [_scaled(dict(zip(line, evaluate(line.values(), values), strict=True))) for line in self.matrix]
+        rows_of: dict[int, dict[int, None]] = {}
+        for row, line in enumerate(rows):
+            for column in line:
+                rows_of.setdefault(column, {})[row] = None
+        is_free = [True] * len(rows)
+        picked: list[int] = []
+        groups: dict[tuple[int, ...], list[int]] = {}
+        for column in sorted(rows_of, key=self._key):
+            groups.setdefault(self._key(column), []).append(column)
+        for group in groups.values():
+            left = list(group)
+            while left:
+                column, pivot = _largest(left, rows, rows_of, is_free)
+                left.remove(column)
+                if pivot < 0:
+                    continue
+                picked.append(column)
+                is_free[pivot] = False
+                _eliminate(column, pivot, rows, rows_of, is_free)
+        return picked if len(picked) == len(rows) else None
+
+    def _key(self, column: int) -> tuple[int, ...]:
+        """What a dummy should be: first of all what should be no state; columns that vary share a key."""
+        symbol = self._candidates[column]
+        grade = self._grades[column]
+        is_fixed = self._variables[symbol.name].is_fixed and symbol.order == 1
+        is_foreign = symbol.name not in self._local
+        return (self._preference(symbol), grade, is_fixed, is_foreign, -symbol.order, 0 if grade == 2 else column)
+
+    def _preference(self, symbol: Symbol) -> int:
+        # For higher orders too: what is no dummy there cannot become one in the stages below. But it is the variable
+        # that was asked to be always a state, not its derivative.
+        wish = self._variables[symbol.name].prefers_state
+        if symbol.name in self._set_anew:
+            wish = max(wish, ALWAYS - 1)
+        return wish if symbol.order == 1 else min(wish, ALWAYS - 1)
+
+
+def _coefficients(chain: Sequence[Row], numbers: Mapping[str, int], highest: Mapping[str, int]) -> Line:
+    """Coefficients of the highest derivatives in the last row of *chain*.
+
+    An equation differentiated c times holds a highest derivative of order d as order d - c of the original, with the
+    same coefficient; the rows between have the same ones again.
+    """
+    residual, times = chain[0].residual, len(chain) - 1
+    found = {}
+    for symbol in smooth(residual):
+        if not symbol.is_variable or symbol.name not in numbers:
+            continue
+        entry = partial(residual, symbol)
+        if symbol.order + times == highest[symbol.name] and not entry.is_number(0):
+            found[numbers[symbol.name]] = entry
+    return found
+
+
+def _scaled(line: dict[int, float]) -> dict[int, float]:
+    size = max((abs(value) for value in line.values() if math.isfinite(value)), default=0.0) or 1.0
+    return {column: value / size if math.isfinite(value) else 0.0 for column, value in line.items()}
+
+
+def _largest(
+    columns: Sequence[int], rows: list[dict[int, float]], rows_of: dict[int, dict[int, None]], is_free: list[bool]
+) -> tuple[int, int]:
+    """The column with the largest pivot in the free rows and its row; (first column, -1) if there is none."""
+    best, best_size = (columns[0], -1), SMALLEST_PIVOT
+    for column in columns:
+        for row in rows_of[column]:
+            size = abs(rows[row].get(column, 0.0))
+            if is_free[row] and size > best_size:
+                best, best_size = (column, row), size
+    return best
+
+
+def _eliminate(
+    column: int, pivot: int, rows: list[dict[int, float]], rows_of: dict[int, dict[int, None]], is_free: list[bool]
+) -> None:
+    for row in list(rows_of[column]):
+        if not is_free[row] or column not in rows[row]:
+            continue
+        factor = rows[row].pop(column) / rows[pivot][column]
+        for other, value in rows[pivot].items():
+            if other != column:
+                rows[row][other] = rows[row].get(other, 0.0) - factor * value
+                rows_of[other][row] = None

@@ -1,0 +1,32 @@
+from .charts.chart import (
+    Axis as Axis,
+    Band as Band,
+    Bars as Bars,
+    Chart as Chart,
+    Line as Line,
+    Points as Points,
+    Rule as Rule,
+    Steps as Steps,
+)
+from .charts.problems import chart_problems as chart_problems
+from .content.nouns import (
+    ConfigurationEntry as ConfigurationEntry,
+    MetricColumn as MetricColumn,
+    ReportContent as ReportContent,
+    RequirementRow as RequirementRow,
+    Runs as Runs,
+    SamplerKind as SamplerKind,
+    Variable as Variable,
+)
+from .content.reading import read_content as read_content
+from .drawing.chart import draw_chart as draw_chart
+from .drawing.style import save_drawing as save_drawing
+from .figure import (
+    FIGURES as FIGURES,
+    Figure as Figure,
+    PrintedFigure as PrintedFigure,
+    View as View,
+    drawings as drawings,
+)
+from .figures.waveforms import draw_run as draw_run
+from .page.html import write_report as write_report

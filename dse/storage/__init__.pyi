@@ -1,0 +1,14 @@
+from .database.asks import Asks as Asks
+from .database.connection import damaged_study as damaged_study
+from .database.header import StudyHeader as StudyHeader
+from .database.table import RunTable as RunTable
+from .difference import changed_inputs as changed_inputs, changed_results as changed_results
+from .export.tables import EXPORTS as EXPORTS, columns_of as columns_of, to_frame as to_frame
+from .folder import StudyFolder as StudyFolder
+from .rows import Measures as Measures, RowBlock as RowBlock, block_of as block_of
+from .waveforms import (
+    read_all_waveforms as read_all_waveforms,
+    read_waveforms as read_waveforms,
+    waveform_file as waveform_file,
+    write_waveforms as write_waveforms,
+)

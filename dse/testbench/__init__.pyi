@@ -1,0 +1,21 @@
+from .check import check_workspace as check_workspace
+from .facts import (
+    consequences as consequences,
+    facts_as_data as facts_as_data,
+    keep_facts as keep_facts,
+    known_facts as known_facts,
+)
+from .fuse import fuse_study as fuse_study
+from .prepare import prepare_bench as prepare_bench, with_facts as with_facts
+from .prepared import PreparedBench as PreparedBench, Recording as Recording
+from .runner import make_runner as make_runner
+from .select import one_configuration as one_configuration
+from .study import (
+    PreparedStudy as PreparedStudy,
+    bench_study as bench_study,
+    prepare_study as prepare_study,
+    with_settings as with_settings,
+    with_values as with_values,
+)
+from .timing import is_multiple as is_multiple
+from .wired import wire_bench as wire_bench
