@@ -10,7 +10,7 @@ from dse.report.content.nouns import Floats, ReportContent, RequirementRow
 
 
 class Mark(IntEnum):
-    """How a run is marked in the plot and counted; the numbers are those of the page's ``verdicts.ts``."""
+    """How a run is marked in the plot and counted; the numbers are those of the page's ``marks.ts``."""
 
     PASS = VERDICTS.index(Verdict.PASS)
     FAIL = VERDICTS.index(Verdict.FAIL)

@@ -24,12 +24,12 @@ def test_the_sources_write_text_never_markup() -> None:
 
 
 def test_page_and_python_agree_on_what_the_numbers_mean() -> None:
-    verdicts = (WEB / "src" / "verdicts.ts").read_text(encoding="utf-8")
+    marks = (WEB / "src" / "marks.ts").read_text(encoding="utf-8")
     from dse.report.verdicts import Mark
 
     names = {"PASS": Mark.PASS, "FAIL": Mark.FAIL, "NOT_EXERCISED": Mark.NOT_EXERCISED, "FAILED": Mark.FAILED_TO_RUN}
     for name, mark in names.items():
-        assert f"export const {name} = {int(mark)};" in verdicts
+        assert f"export const {name} = {int(mark)};" in marks
 
 
 def test_the_bundle_is_not_older_than_its_sources() -> None:

@@ -1,6 +1,6 @@
 // Charts as dse/report/charts/chart.py describes them: two axes and what is drawn between them.
 import type { Numbers } from "./packing";
-import type { Mark } from "./verdicts";
+import type { Mark } from "./marks";
 
 export interface ChartAxis {
   title: string;

@@ -1,15 +1,8 @@
 // Verdicts at the thresholds the reader has set; the same rule as dse/metrics/verdicts.py (both are held to tests/verdict_cases.py).
 import type { Study } from "./study";
+import { FAIL, FAILED, NOT_EXERCISED, PASS } from "./marks";
 
-export const PASS = 0;
-export const FAIL = 1;
-export const NOT_EXERCISED = 2;
-export const FAILED = 3;
-export type Mark = typeof PASS | typeof FAIL | typeof NOT_EXERCISED | typeof FAILED;
-
-export const WORDS = ["pass", "fail", "not exercised", "failed to run"] as const;
-export const SIGNS = ["\u2713", "\u2717", "\u25cb", "\u00d7"] as const;
-export const CLASSES = ["pass", "fail", "open", "broken"] as const;
+export * from "./marks";
 
 export interface Threshold {
   atMost: number | null;
