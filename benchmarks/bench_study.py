@@ -18,8 +18,6 @@ from multiprocessing import get_context
 from pathlib import Path
 from statistics import median
 
-from dse.testbench.benches import PreparedBench
-
 from dse.domain.bench import Judgement, Verdict
 from dse.domain.definition import DefinedConfiguration, StudyDefinition
 from dse.domain.run import Outcome, Run, RunRequest
@@ -31,6 +29,7 @@ from dse.exploration.samplers.full_factorial import FullFactorial
 from dse.exploration.work import MakeRunner, Runnable
 from dse.loading.workspace import Workspace
 from dse.storage.folder import StudyFolder
+from dse.testbench.prepared import PreparedBench
 from dse.testbench.runner import Runner, make_runner
 from dse.testbench.study import PreparedStudy, prepare_study
 

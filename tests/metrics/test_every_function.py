@@ -51,6 +51,11 @@ class TestFirstTimeAbove(MetricSuite):
     shifts_with_time = True
 
 
+def turned(x):
+    """A complex number, of which a metric would keep the real part."""
+    return np.complex128(complex(float(x[0]), 1.0))
+
+
 def suite_of(function, name):
     suite = MetricSuite()
     suite.name, suite.function = name, metric_function(function, [X], same)
@@ -61,6 +66,7 @@ def suite_of(function, name):
     ("function", "test", "error"),
     [
         (sorted_in_place, lambda suite: suite.test_it_gives_a_number(), DseError),
+        (turned, lambda suite: suite.test_it_gives_a_number(), (DseError, np.exceptions.ComplexWarning)),
         (number_of_rows, lambda suite: suite.test_what_is_undefined_stays_undefined(), AssertionError),
         (inverse_of_span, lambda suite: suite.test_a_few_rows_are_enough(1), DseError),
     ],

@@ -210,6 +210,13 @@ def test_a_large_chart_is_thinned_to_its_extremes_and_says_so():
     assert thinned(less) is less
 
 
+def test_a_part_without_points_does_not_keep_the_others_from_being_thinned():
+    x = np.linspace(0, 1, 3 * MOST_POINTS)
+    full, empty = thinned(chart(Line(x, x), Line(x[:0], x[:0]))).drawn
+    assert 0 < len(full.x) <= MOST_POINTS
+    assert len(empty.x) == 0
+
+
 def test_a_band_is_thinned_without_losing_its_widest_place():
     x = np.arange(50_000.0)
     low, high = -np.ones(50_000), np.ones(50_000)

@@ -49,7 +49,7 @@ def _extremes(low: Floats, high: Floats, most: int) -> NDArray[np.intp]:
     edges = np.linspace(0, len(low), max(1, (most - 2) // 2) + 1).astype(np.intp)
     edges = np.unique(edges)
     smallest, largest = (np.where(np.isnan(part), np.inf, part) for part in (low, -high))
-    kept = [0, len(low) - 1]
+    kept = [0, len(low) - 1] if len(low) else []
     for start, end in pairwise(edges):
         kept += [start + int(smallest[start:end].argmin()), start + int(largest[start:end].argmin())]
     return np.unique(np.asarray(kept, dtype=np.intp))
