@@ -146,7 +146,6 @@ def test_an_interrupted_exploration_keeps_what_is_finished_and_goes_on(tmp_path:
 
 
 KILLED = """
-import signal
 import sys
 from pathlib import Path
 sys.path[:0] = {paths!r}
@@ -156,7 +155,6 @@ from dse.exploration.executors.local import Local
 from dse.exploration.loop import explore
 from dse.storage.folder import StudyFolder
 
-signal.signal(signal.SIGINT, signal.default_int_handler)  # tests in the background of a shell are started without
 study = study_of(levels=12, keep=Keep({keep!r}))
 with StudyFolder.resume(Path({folder!r}), definition_of(study, ("a", "b"))) as folder:
     explore(study, benches("a", "b", seconds=0.03), folder, executor=Local(workers=2), make_runner=make_fake)
