@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from dse.report import ReportContent
 
 
-class Kind(StrEnum):
+class PictureFormat(StrEnum):
     """File formats of figures."""
 
     PNG = "png"
@@ -29,7 +29,7 @@ class Kind(StrEnum):
 def figure(
     folder: Folder,
     target: Annotated[Path | None, typer.Option("--output", "-o", metavar="DIR", help="Default: DIR/figures.")] = None,
-    kind: Annotated[Kind, typer.Option("--format", help="File format.")] = Kind.PNG,
+    kind: Annotated[PictureFormat, typer.Option("--format", help="File format.")] = PictureFormat.PNG,
     x: Annotated[str | None, typer.Option("--x", help="Design variable of the horizontal axis.")] = None,
     y: Annotated[str | None, typer.Option("--y", help="Design variable of the vertical axis.")] = None,
     configuration: Configuration = None,

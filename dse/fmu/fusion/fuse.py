@@ -13,7 +13,7 @@ from dse.domain.method import PLAIN, Method
 from dse.domain.system import SystemStructure
 from dse.errors import Problem, fail, raise_if_any
 from dse.fmu.fusion.check import fusion_problems, not_ours, unknown_place
-from dse.fmu.fusion.loop import Seat, loop_text
+from dse.fmu.fusion.loop import FusedElement, loop_text
 from dse.fmu.fusion.part import Part, build_part
 from dse.fmu.fusion.sources import NotOursError, OwnSources, own_sources, runtime_file
 from dse.fmu.parallel import Tell, in_parallel
@@ -95,9 +95,11 @@ def _library(
 ) -> FusedLibrary:
     system = wanted.system
     libraries = [element.model.library for element in system.elements]
-    seats = [Seat(parts[library].prefix, parts[library].layout, sources[library].is_model) for library in libraries]
+    elements = [
+        FusedElement(parts[library].prefix, parts[library].layout, sources[library].is_model) for library in libraries
+    ]
     files = {name: runtime_file(name) for name in ("fused_values.h", "csolve/fused_abi.h")}
-    files["loop.c"] = loop_text(system, wanted.record, seats).encode()
+    files["loop.c"] = loop_text(system, wanted.record, elements).encode()
     platform = this_platform()
     keyed = [*sorted(files.items()), ("build", repr((compiler.identity, options(compiler), platform.name)).encode())]
     target = cache_folder(cache) / "fused" / f"{_stem(system.name)}-{content_key(keyed)}{platform.suffix}"

@@ -47,7 +47,7 @@ _C_TYPES = (
 
 
 @dataclass(frozen=True, slots=True)
-class Place:
+class StoredVariable:
     """A variable in an instance: *at* is where it is read and written, in bytes from the instance's begin."""
 
     row: Row
@@ -56,10 +56,10 @@ class Place:
 
 
 @dataclass(frozen=True, slots=True)
-class Layout:
+class InstanceLayout:
     """*places* by value reference; *changed_at*: where a model notes that it was given a value (uint16_t)."""
 
-    places: tuple[Place, ...]
+    places: tuple[StoredVariable, ...]
     changed_at: int
 
 
@@ -87,7 +87,7 @@ def layout_unit(sources: OwnSources) -> str:
     )
 
 
-def read_layout(sources: OwnSources, made: bytes) -> Layout:
+def read_layout(sources: OwnSources, made: bytes) -> InstanceLayout:
     """The layout from the object of `layout_unit`. Raises LookupError if it is not there."""
     begin = made.find(_MARK)
     if begin < 0:
@@ -105,5 +105,5 @@ def read_layout(sources: OwnSources, made: bytes) -> Layout:
             raise LookupError(f"'{row.member}' is of no type that has a number")
         # What can be set while stepping waits in a model's *start* until its next step (value.h).
         waits = sources.is_model and row.settable in ("INPUT", "TUNABLE")
-        places.append(Place(row, c_type, (start if waits else now) + offset))
-    return Layout(tuple(places), changed)
+        places.append(StoredVariable(row, c_type, (start if waits else now) + offset))
+    return InstanceLayout(tuple(places), changed)

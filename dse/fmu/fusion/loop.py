@@ -11,27 +11,27 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 from dse.domain.system import SystemStructure
-from dse.fmu.fusion.layout import Layout
+from dse.fmu.fusion.layout import InstanceLayout
 from dse.fmu.fusion.values import ACCESSORS, Signal, checking, reading, writing
 
 
 @dataclass(frozen=True, slots=True)
-class Seat:
+class FusedElement:
     """What stands for an element in the loop: the prefix of its component and where that keeps its variables."""
 
     prefix: str
-    layout: Layout
+    layout: InstanceLayout
     is_model: bool
 
 
-def loop_text(system: SystemStructure, record: Sequence[str], seats: Sequence[Seat]) -> str:
-    """The unit that holds ``dse_fused_simulate``; *seats* are in the order of the elements, which are fit for it."""
-    outputs = _signals(system, seats)
+def loop_text(system: SystemStructure, record: Sequence[str], elements: Sequence[FusedElement]) -> str:
+    """The unit that holds ``dse_fused_simulate``; *elements* are in the order of *system*'s, which are fit for it."""
+    outputs = _signals(system, elements)
     lines = [
-        f"/* Generated: {len(seats)} components and {len(system.wires)} connections in one loop. */",
+        f"/* Generated: {len(elements)} components and {len(system.wires)} connections in one loop. */",
         '#include "fused_values.h"',
     ]
-    for prefix in dict.fromkeys(seat.prefix for seat in seats):
+    for prefix in dict.fromkeys(fused.prefix for fused in elements):
         lines += [
             f"bool {prefix}dse_fused_step(void *c, double time, double step);",
             f"bool {prefix}dse_fused_refresh(void *c, const char *function);",
@@ -40,7 +40,7 @@ def loop_text(system: SystemStructure, record: Sequence[str], seats: Sequence[Se
     lines += [
         "DSE_EXPORT dse_fused_loop dse_fused_simulate;",
         "int dse_fused_simulate(dse_fused_run *run) {",
-        *(f"    char *const e{index} = dse_instance_at(run, {index});" for index in range(len(seats))),
+        *(f"    char *const e{index} = dse_instance_at(run, {index});" for index in range(len(elements))),
         "    volatile int64_t *const progress = run->progress;",
         "    const int64_t steps = run->steps, call_step = run->call_step;",
         "    const double step = run->step;",
@@ -51,11 +51,11 @@ def loop_text(system: SystemStructure, record: Sequence[str], seats: Sequence[Se
         "        if (k == steps) {",
         "            return DSE_FUSED_STOPPED;",
         "        }",
-        *_indented(_reading(system, seats, outputs)),
-        *_indented(_exchange(system, seats, outputs, record)),
+        *_indented(_reading(system, elements, outputs)),
+        *_indented(_exchange(system, elements, outputs, record)),
         "        /* Never accumulated: 6000 steps of 10 ms end at 60 s, not at 59.9999999999966 s. */",
         "        const double time = (double)k * step;",
-        *_indented(_stepping(seats)),
+        *_indented(_stepping(elements)),
         "    }",
         "}",
     ]
@@ -68,26 +68,26 @@ _UNUSUAL = ("if (!is_usual) {", "    return DSE_FUSED_STOPPED;", "}")
 _ERROR = 3  # in both versions of FMI
 
 
-def _signals(system: SystemStructure, seats: Sequence[Seat]) -> dict[str, Signal]:
+def _signals(system: SystemStructure, elements: Sequence[FusedElement]) -> dict[str, Signal]:
     found: dict[str, Signal] = {}
-    for index, (element, seat) in enumerate(zip(system.elements, seats, strict=True)):
+    for index, (element, fused) in enumerate(zip(system.elements, elements, strict=True)):
         for variable in element.outputs:
-            place = seat.layout.places[variable.reference]
-            found[f"{element.name}.{variable.name}"] = Signal(index, len(found), variable, place, seat.is_model)
+            place = fused.layout.places[variable.reference]
+            found[f"{element.name}.{variable.name}"] = Signal(index, len(found), variable, place, fused.is_model)
     return found
 
 
-def _reading(system: SystemStructure, seats: Sequence[Seat], outputs: _Outputs) -> Iterator[str]:
+def _reading(system: SystemStructure, elements: Sequence[FusedElement], outputs: _Outputs) -> Iterator[str]:
     """All outputs, in the order in which FMI calls ask for them: those of FMI 2 first."""
     may_be_unusual = False
     for index, element in sorted(enumerate(system.elements), key=lambda each: each[1].model.version):
         own = [signal for signal in outputs.values() if signal.index == index]
-        if own and seats[index].is_model:
+        if own and elements[index].is_model:
             if may_be_unusual:
                 yield from _UNUSUAL  # it would have been met before this model is asked
                 may_be_unusual = False
             number, accessor = min(ACCESSORS[element.model.version][signal.variable.fmi_type] for signal in own)
-            yield from _refreshing(index, seats[index].prefix, number, accessor)
+            yield from _refreshing(index, elements[index].prefix, number, accessor)
         for signal in own:
             lines = list(reading(signal))
             may_be_unusual |= any("is_usual" in line for line in lines)
@@ -103,7 +103,7 @@ def _refreshing(index: int, prefix: str, type_number: int, accessor: str) -> Ite
 
 
 def _exchange(
-    system: SystemStructure, seats: Sequence[Seat], outputs: _Outputs, record: Sequence[str]
+    system: SystemStructure, elements: Sequence[FusedElement], outputs: _Outputs, record: Sequence[str]
 ) -> Iterator[str]:
     """Check what goes over the wires, record, and write all inputs."""
     sources = {
@@ -111,10 +111,10 @@ def _exchange(
         for wire in system.wires
     }
     pairs: list[tuple[Signal, Signal]] = []
-    for index, (element, seat) in enumerate(zip(system.elements, seats, strict=True)):
+    for index, (element, fused) in enumerate(zip(system.elements, elements, strict=True)):
         for variable in element.inputs:
-            place = seat.layout.places[variable.reference]
-            target = Signal(index, len(pairs), variable, place, seat.is_model)
+            place = fused.layout.places[variable.reference]
+            target = Signal(index, len(pairs), variable, place, fused.is_model)
             pairs.append((sources[f"{element.name}.{variable.name}"], target))
     for value in sorted({source.number for source, _ in pairs if source.is_real}):
         yield f"is_usual &= v{value} - v{value} == 0.0; /* finite */"
@@ -126,14 +126,14 @@ def _exchange(
     for source, target in pairs:
         yield from writing(source, target)
     for index in dict.fromkeys(target.index for _, target in pairs if target.is_model):
-        yield f"dse_put_u16(e{index} + {seats[index].layout.changed_at}, 1);"
+        yield f"dse_put_u16(e{index} + {elements[index].layout.changed_at}, 1);"
 
 
-def _stepping(seats: Sequence[Seat]) -> Iterator[str]:
-    for index, seat in enumerate(seats):
+def _stepping(elements: Sequence[FusedElement]) -> Iterator[str]:
+    for index, fused in enumerate(elements):
         yield f"progress[0] = {index}, progress[1] = call_step;"
-        yield f"if (!{seat.prefix}dse_fused_step(e{index}, time, step)) {{"
-        yield f"    {seat.prefix}dse_fused_answer(e{index}, &run->status, &run->has_ended, &run->time);"
+        yield f"if (!{fused.prefix}dse_fused_step(e{index}, time, step)) {{"
+        yield f"    {fused.prefix}dse_fused_answer(e{index}, &run->status, &run->has_ended, &run->time);"
         yield "    return DSE_FUSED_FAILED;"
         yield "}"
 

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from dse.cache import cache_folder, content_key, keep_file, keep_folder
-from dse.fmu.fusion.layout import Layout, layout_unit, read_layout
+from dse.fmu.fusion.layout import InstanceLayout, layout_unit, read_layout
 from dse.fmu.fusion.sources import OwnSources, is_runtime, runtime_file
 from dse.fmu.toolchain.compilation import MODEL_OPTIONS, compile_assembly, compile_object, options
 from dse.fmu.toolchain.compiler import Compiler
@@ -21,7 +21,7 @@ class Part:
 
     prefix: str
     objects: tuple[Path, ...]
-    layout: Layout
+    layout: InstanceLayout
 
 
 _LAYOUT = "layout.o"

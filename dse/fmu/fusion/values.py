@@ -10,7 +10,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
 from dse.domain.fmu import Variable
-from dse.fmu.fusion.layout import Place
+from dse.fmu.fusion.layout import StoredVariable
 
 ACCESSORS: Mapping[int, Mapping[str, tuple[int, str]]] = {
     2: {"Real": (0, "fmi2GetReal"), "Integer": (6, "fmi2GetInteger"), "Boolean": (11, "fmi2GetBoolean")},
@@ -38,7 +38,7 @@ class Signal:
     index: int
     number: int
     variable: Variable
-    place: Place
+    place: StoredVariable
     is_model: bool
 
     @property
