@@ -20,8 +20,9 @@ from dse.interchange.reading.open import open_ssp
 from dse.interchange.resolving.network import Models
 from dse.interchange.resolving.resolve import ResolvedSystem, system_of
 from dse.interchange.structure import ExperimentSettings, SspComponent, SspSystem
+from dse.loading import is_multiple
 from dse.metrics import compile_metrics
-from dse.testbench import PreparedBench, Recording, is_multiple, with_facts
+from dse.testbench import PreparedBench, Recording, with_facts
 
 _STEPS = 1000
 """Steps of an experiment for which nobody says how long they are."""

@@ -17,5 +17,4 @@ from .study import (
     with_settings as with_settings,
     with_values as with_values,
 )
-from .timing import is_multiple as is_multiple
 from .wired import wire_bench as wire_bench

@@ -2,16 +2,13 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterator, Mapping
 
 from dse.domain.bench import Simulation
 from dse.domain.component import Component
 from dse.domain.fmu import FmuModel
 from dse.errors import Problem
-
-_EQUAL = 1e-9
-"""Relative difference up to which two times are the same."""
+from dse.loading import is_multiple
 
 
 def sampling_problems(simulation: Simulation, parts: Mapping[str, Component]) -> Iterator[Problem]:
@@ -47,9 +44,3 @@ def stepping_problems(
         elif simulation.check_step and not is_multiple(step / 2, fixed):
             what = f"{path} ({component.name}) steps by {fixed:g} s, so it cannot be checked with half the step"
             yield Problem(what, simulation.where, "leave out check_step, or double the step")
-
-
-def is_multiple(time: float, step: float) -> bool:
-    """Whether *time* is a whole number of steps, at least one, but for rounding."""
-    ratio = time / step
-    return math.isfinite(ratio) and ratio >= 1 - _EQUAL and abs(ratio - round(ratio)) <= _EQUAL * ratio
