@@ -11,6 +11,7 @@ Stamp = tuple[tuple[str, int, int, int, int, int], ...]
 
 FOLDER = "/"
 _UNREADABLE = "?"
+_SMALL = 2**20
 
 
 def stamp(path: Path) -> Stamp:
@@ -26,7 +27,7 @@ def contents(path: Path) -> dict[str, str]:
 
     Nothing if there is nothing. Links are not followed, and what cannot be read is neither.
     """
-    return {name: _content(path / name, found.st_mode) for name, found in _walk(path)}
+    return {name: _content(path / name, found) for name, found in _walk(path)}
 
 
 def digest_of(found: Mapping[str, str]) -> str:
@@ -58,14 +59,16 @@ def _names(folder: Path) -> list[str]:
         return [entry.name for entry in found]
 
 
-def _content(path: Path, mode: int) -> str:
-    from hashlib import file_digest
+def _content(path: Path, found: os.stat_result) -> str:
+    from hashlib import file_digest, sha256
 
-    if stat.S_ISDIR(mode):
+    if stat.S_ISDIR(found.st_mode):
         return FOLDER
-    if not stat.S_ISREG(mode):
+    if not stat.S_ISREG(found.st_mode):
         return _UNREADABLE
     try:
+        if found.st_size < _SMALL:  # for which a buffer would cost more than its bytes
+            return sha256(path.read_bytes()).hexdigest()
         with path.open("rb") as file:
             return file_digest(file, "sha256").hexdigest()
     except OSError:
