@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import importlib.util
-import tempfile
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 
@@ -14,6 +13,7 @@ from dse.fmu.reading.description import Description
 from dse.fmu.toolchain.compilation import CompilationError, compile_foreign, foreign_options
 from dse.fmu.toolchain.compiler import Compiler, find_compiler
 from dse.fmu.toolchain.platforms import this_platform
+from dse.scratch import ScratchFolder
 
 _HEADERS = {
     2: ("fmi2Functions.h", "fmi2FunctionTypes.h", "fmi2TypesPlatform.h"),
@@ -37,7 +37,7 @@ def build_from_sources(folder: Path, description: Description, name: str, cache:
     if target.is_file():
         return target
     units = {unit.path: (*unit.options, *_common_options(description.version)) for unit in recipe.units}
-    with tempfile.TemporaryDirectory(prefix="dse-") as scratch:
+    with ScratchFolder() as scratch:
         sources = Path(scratch)
         for path, content in files.items():
             (sources / path).parent.mkdir(parents=True, exist_ok=True)
