@@ -86,15 +86,15 @@ class Sandbox:
     folders: tuple[Path, ...]
     readable: tuple[Path, ...] = ()
 
-    def start(self, process: BaseProcess) -> None:
-        """Start *process* in the sandbox, for good. Raises DseError where that cannot be had."""
+    def start(self, process: BaseProcess, *files: Path) -> None:
+        """Start *process* in the sandbox, for good; it may write into *files*, too. DseError where there is none."""
         abi()
         for folder in self.folders:
             folder.mkdir(parents=True, exist_ok=True)
         resource_tracker.ensure_running()  # it serves other processes, too
         # Both restrict the thread that asks for it, and what it starts: so the process has no thread that is free.
         with ThreadPoolExecutor(1) as thread:
-            thread.submit(self._start, process).result()
+            thread.submit(self._start, process, files).result()
 
     def move_in(self) -> None:
         """Have this process write where it may: for what gives no folder, and for what asks for a temporary one."""
@@ -102,8 +102,8 @@ class Sandbox:
         os.environ["TMPDIR"] = tempfile.tempdir = str(home)
         os.chdir(home)
 
-    def _start(self, process: BaseProcess) -> None:
-        ruleset = self._ruleset()
+    def _start(self, process: BaseProcess, files: Iterable[Path]) -> None:
+        ruleset = self._ruleset(files)
         try:
             _call("prctl", _SET_NO_NEW_PRIVS, 1, 0, 0, 0)
             _drop_capabilities()
@@ -115,7 +115,7 @@ class Sandbox:
         _call("prctl", _SET_SECCOMP, _FILTER, struct.pack("HxxxxxxP", len(program) // 8, ctypes.addressof(held)), 0, 0)
         start_process(process)
 
-    def _ruleset(self) -> int:
+    def _ruleset(self, files: Iterable[Path]) -> int:
         version = abi()
         known = sum(rights for since, rights in _RIGHTS.items() if since <= version)
         scopes = _SCOPES if version >= _SCOPES_SINCE else 0
@@ -124,8 +124,8 @@ class Sandbox:
         reading = _EXECUTE | _READ | _LIST
         for path in (*map(Path, _SYSTEM), *_of_python(), cache_folder().absolute(), *self.readable):
             _allow(ruleset, path, reading & known)
-        for device in _DEVICES:
-            _allow(ruleset, Path(device), (_READ | _WRITE | _TRUNCATE) & known)
+        for file in (*map(Path, _DEVICES), *files):
+            _allow(ruleset, file, (_READ | _WRITE | _TRUNCATE) & known)
         for folder in self.folders:
             if folder.is_symlink():
                 # It may lead anywhere, and a study folder may come from anybody.
