@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from dse.cli.app import DONE, RUNS_FAILED, app
-from dse.cli.arguments import FmiVersion, Format, Output
+from dse.cli.arguments import FmiVersion, Format, Output, Sandbox
 from dse.cli.terminal import console, plain, plain_table, print_json, print_table, say
 
 if TYPE_CHECKING:
@@ -45,6 +45,7 @@ def probe(
     again: Annotated[bool, typer.Option("--again", help="Make the experiments again, even if they were made.")] = False,
     timeout: Annotated[float, typer.Option("--timeout", min=1.0, help="Seconds an experiment may take.")] = 30.0,
     version: FmiVersion = 2,
+    sandbox: Sandbox = False,
 ) -> None:
     """Find out what an FMU really does.
 
@@ -67,7 +68,7 @@ def probe(
                 def tell(question: Question) -> None:
                     status.update(plain(f"probing {name}: {_TITLES[str(question)]}?"))  # noqa: B023  # called at once
 
-                facts = probe_fmu(model, timeout=timeout, tell=tell)
+                facts = probe_fmu(model, timeout=timeout, tell=tell, sandbox=sandbox)
         found.append(facts)
         if output is Output.TABLE:
             _show(name, model, facts)
