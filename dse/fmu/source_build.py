@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import importlib.util
-import tempfile
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 
@@ -14,6 +13,7 @@ from dse.fmu.reading.description import Description
 from dse.fmu.toolchain.compilation import CompilationError, compile_foreign, foreign_options
 from dse.fmu.toolchain.compiler import Compiler, with_compiler
 from dse.fmu.toolchain.platforms import this_platform
+from dse.scratch import ScratchFolder
 
 _HEADERS = {
     2: ("fmi2Functions.h", "fmi2FunctionTypes.h", "fmi2TypesPlatform.h"),
@@ -39,7 +39,7 @@ def build_from_sources(folder: Path, description: Description, name: str, cache:
         return keep_files(target, lambda: {library: compiled(compiler)}) / library
 
     def compiled(compiler: Compiler) -> bytes:
-        with tempfile.TemporaryDirectory(prefix="dse-") as scratch:
+        with ScratchFolder() as scratch:
             sources = Path(scratch)
             for path, content in files.items():
                 (sources / path).parent.mkdir(parents=True, exist_ok=True)
