@@ -13,3 +13,11 @@ from .entries import (
 )
 from .folder import cache_folder as cache_folder, content_key as content_key
 from .plain import keep as keep, kept as kept
+from .shelves import SHELVES as SHELVES, Entry as Entry, Shelf as Shelf
+from .upkeep import (
+    damaged as damaged,
+    left_overs as left_overs,
+    survey as survey,
+    take_out as take_out,
+    unused as unused,
+)

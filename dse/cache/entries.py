@@ -121,7 +121,6 @@ def state_of(target: Path) -> State:
         if digest_of(contents(target)) != digest:
             return State.DAMAGED
         _checked[key] = digest, seen
-    touch(digest_file(target))
     return State.WHOLE
 
 
@@ -172,6 +171,8 @@ def _state_told(target: Path) -> State:
     state = state_of(target)
     if state is State.DAMAGED:
         tell_damage(target)
+    elif state is State.WHOLE:
+        touch(digest_file(target))
     return state
 
 

@@ -48,7 +48,7 @@ def aside(folder: Path) -> Iterator[Path]:
         made = Path(tempfile.mkdtemp(prefix=f".{os.getpid()}@{_host()}-", suffix=_ASIDE, dir=folder))
         yield made
     except OSError as error:
-        raise _unwritable(folder, error) from error
+        raise unwritable(folder, error) from error
     finally:
         if made:
             shutil.rmtree(made, ignore_errors=True)
@@ -102,8 +102,9 @@ def sync(path: Path) -> None:
         os.close(opened)
 
 
-def _unwritable(folder: Path, error: OSError) -> DseError:
+def unwritable(folder: Path, error: OSError) -> DseError:
+    """The DseError that *folder* cannot be written."""
     reason = (error.strerror or str(error)).lower()
     elsewhere = "set DSE_CACHE to a folder of yours"
-    hint = f"make room, or {elsewhere}" if error.errno in _ROOM else elsewhere
+    hint = f"make room, for example with dse cache prune, or {elsewhere}" if error.errno in _ROOM else elsewhere
     return fail(f"the cache folder {folder} cannot be written: {reason}", hint=hint)

@@ -172,7 +172,7 @@ target = Path(sys.argv[1])
 def fill(folder):
     for number in range(40):
         (folder / str(number)).write_bytes(bytes([number]) * 5000)
-for turn in range(12):
+for turn in range(8):
     keep_folder(target, fill)
     assert all((target / str(number)).read_bytes() == bytes([number]) * 5000 for number in range(10, 40))
     for number in range(10):
@@ -213,9 +213,7 @@ def test_a_full_disk_is_named_and_leaves_no_half_entry(tmp_path, monkeypatch, pl
     target = keep_file(tmp_path / "x", lambda: CONTENT)
     for module in (entries, rooms):
         monkeypatch.setattr(module, place, fails(errno.ENOSPC))
-    full = (
-        rf"^the cache folder {tmp_path} cannot be written: no space left on device\n +hint: make room, or set DSE_CACHE"
-    )
+    full = rf"^the cache folder {tmp_path} cannot be written: no space left on device\n +hint: make room, .*DSE_CACHE"
     with pytest.raises(DseError, match=full):
         keep_folder(tmp_path / "y", fill)
     assert keep_content(tmp_path / "z", lambda: b"worked out") == b"worked out"
