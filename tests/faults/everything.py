@@ -11,13 +11,13 @@ import json
 import tempfile
 import time
 from collections.abc import Container, Iterable, Iterator
-from dataclasses import asdict, dataclass
+from dataclasses import asdict
 from itertools import product
 from pathlib import Path
 
 import compile_cache
 from faults import shim
-from faults.undisturbed import Case, Studies
+from faults.undisturbed import Case, Scenario, Studies
 
 KINDS = (
     ("write", "ENOSPC", False),
@@ -36,18 +36,13 @@ KINDS = (
 """What fails, how, and whether it stays so until the command ends."""
 
 
-@dataclass(frozen=True, slots=True)
-class Scenario:
-    """A study, from a *cold* cache or a warm one."""
-
-    study: str
-    cold: bool = False
-
-    def __str__(self) -> str:
-        return f"{self.study}, {'cold' if self.cold else 'warm'} cache"
-
-
-SCENARIOS = (Scenario("all"), Scenario("near_boundary"), Scenario("none"), Scenario("all", cold=True))
+SCENARIOS = (
+    Scenario("all"),
+    Scenario("near_boundary"),
+    Scenario("none"),
+    Scenario("all", cold=True),
+    Scenario("none", fresh=True),
+)
 
 
 def calls(count: int, most: int, shift: int) -> range:
@@ -62,7 +57,7 @@ def tried(studies: Studies, scenario: Scenario, faults: Iterable[shim.Fault], kn
     for fault in faults:
         if f"{scenario}: {fault}" in known:
             continue
-        case = studies.disturbed(scenario.study, fault, cold=scenario.cold)
+        case = studies.disturbed(scenario, fault)
         if not case.happened:
             return
         yield case
@@ -89,7 +84,7 @@ def main() -> None:
         compile_cache.use(compiled)
         studies = Studies(Path(scratch), shim.build(Path(scratch)))
         for scenario in (SCENARIOS[index] for index in options.scenario):
-            counts = studies.counts(scenario.study, cold=scenario.cold)
+            counts = studies.counts(scenario)
             for (kind, error, stays), role in product(KINDS, options.role):
                 if kind not in options.kind:
                     continue

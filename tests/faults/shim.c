@@ -54,7 +54,9 @@ static void arm(const char *path, int command) {
     if (length < 0) length = 0;
     for (long at = 0; at < length && at < (long)sizeof program - 1; at++) program[at] = line[at] ? line[at] : ' ';
     struct control *ours = mapped;
+    int64_t nobody = 0;
     if (command) ours->first = getpid();
+    else atomic_compare_exchange_strong(&ours->first, &nobody, getpid());
     int python = has(line, (size_t)length, "python");
     role = ours->first == getpid() ? COORDINATOR : python && !has(line, (size_t)length, "compile_cache") ? WORKER : TOOL;
     control = ours;

@@ -15,7 +15,7 @@ fork: what starts processes and threads. The order is that of shim.c."""
 ROLES = ("coordinator", "worker", "compiler")
 """The command itself; every other Python it starts; every other program."""
 
-LEAST = 16384
+LEAST = 65536
 """Bytes from which on an allocation counts."""
 
 _SET = struct.Struct("=6q")
