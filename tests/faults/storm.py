@@ -26,6 +26,9 @@ STUDIES = ("long_all", "long_near_boundary", "long_none")
 WORKERS = 2
 
 _MEAN_WAIT = 0.8
+_LOOK_EVERY = 0.05
+_GONE_WITHIN = 10.0
+_WHEN_AT_WORK = 0.75
 _ENDED = (0, 3)
 """Exit codes of a study that is whole; with 3 runs of it failed."""
 
@@ -84,36 +87,49 @@ def storm(studies: Studies, signals: int, seed: int, until: float) -> Storm:
     return told
 
 
-def _disturbed(studies, place, study, chance, told, most):
+def _disturbed(
+    studies: Studies, place: Path, study: str, chance: random.Random, told: Storm, most: int
+) -> tuple[subprocess.CompletedProcess[str], int]:
     """One command, which is sent up to *most* signals; how it ended, and how many it was sent."""
     environment = {**os.environ, "DSE_CACHE": str(place / "cache"), "TMPDIR": str(place / "tmp")}
     words = [sys.executable, "-m", "dse", "explore", study, "-o", str(place / "out"), "-j", str(WORKERS)]
+    sent, until = 0, time.monotonic() + PATIENCE
     with (place / "said").open("w+b") as said:
         process = subprocess.Popen(
             words, cwd=studies.workspace, env=environment, stdout=said, stderr=said, start_new_session=True
         )
-        sent, until = 0, time.monotonic() + PATIENCE
-        while process.poll() is None:
+        # Now and then while it starts, mostly when there is something to lose.
+        at_work = chance.random() < _WHEN_AT_WORK
+        while process.poll() is None and time.monotonic() < until:
+            if at_work and sent < most and not _workers(process):
+                time.sleep(_LOOK_EVERY)
+                continue
             wait = chance.expovariate(1 / _MEAN_WAIT) if sent < most else PATIENCE
             with contextlib.suppress(subprocess.TimeoutExpired):
-                process.wait(min(wait, max(0.1, until - time.monotonic())))
-            if process.returncode is None and time.monotonic() > until:
-                os.killpg(process.pid, signal.SIGKILL)
-                told.wrong.append(f"{study}: hangs")
-            elif process.returncode is None and sent < most:
+                process.wait(wait)
+            if process.returncode is None and sent < most:
                 sent += _send(process, chance, told)
+        if process.poll() is None:
+            told.wrong.append(f"{study}: hangs")
+            os.killpg(process.pid, signal.SIGKILL)
+            process.wait()
         said.seek(0)
         text = said.read().decode(errors="replace")
     # Whoever is left of it must go by himself, and soon.
-    for _ in range(100):
-        if not _alive(process.pid):
-            break
-        time.sleep(0.1)
-    else:
+    until = time.monotonic() + _GONE_WITHIN
+    while _alive(process.pid) and time.monotonic() < until:
+        time.sleep(_LOOK_EVERY)
+    if _alive(process.pid):
         told.wrong.append(f"{study}: processes are left over")
-        with contextlib.suppress(ProcessLookupError):
-            os.killpg(process.pid, signal.SIGKILL)
+        os.killpg(process.pid, signal.SIGKILL)
     return subprocess.CompletedProcess(words, process.returncode, text, text), sent
+
+
+def _workers(process: subprocess.Popen[bytes]) -> list[int]:
+    with contextlib.suppress(psutil.Error):
+        children = psutil.Process(process.pid).children()
+        return [child.pid for child in children if "multiprocessing-fork" in child.cmdline()]
+    return []
 
 
 def _send(process: subprocess.Popen[bytes], chance: random.Random, told: Storm) -> int:
@@ -121,13 +137,10 @@ def _send(process: subprocess.Popen[bytes], chance: random.Random, told: Storm) 
     pause = chance.uniform(0.1, _LONGEST_STOP)
     number = process.pid
     if target == "worker":
-        try:
-            children = psutil.Process(process.pid).children()
-        except psutil.Error:
+        workers = _workers(process)
+        if not workers:
             return 0
-        if not children:
-            return 0
-        number = chance.choice(children).pid
+        number = chance.choice(workers)
     send = os.killpg if target == "group" else os.kill
     try:
         send(number, getattr(signal, f"SIG{name}"))
