@@ -16,7 +16,7 @@ from itertools import product
 from pathlib import Path
 
 import compile_cache
-from faults import shim
+from faults import page, shim
 from faults.undisturbed import Case, Scenario, Studies
 
 KINDS = (
@@ -73,9 +73,18 @@ def main() -> None:
     parser.add_argument("--role", nargs="*", default=shim.ROLES[:2])
     parser.add_argument("--kind", nargs="*", default=shim.KINDS)
     parser.add_argument("--file", type=Path, default=Path("out/faults.jsonl"))
+    parser.add_argument("--write", action="store_true", help="put what is in the file into docs/trust.md, too")
     options = parser.parse_args()
     options.file.parent.mkdir(parents=True, exist_ok=True)
     options.file.touch()
+    try:
+        _try(options)
+    finally:
+        if options.write:
+            page.write("faults", page.table_of_faults(map(json.loads, options.file.open(encoding="utf-8"))))
+
+
+def _try(options: argparse.Namespace) -> None:
     known = {f"{line['scenario']}: {line['name']}" for line in map(json.loads, options.file.open(encoding="utf-8"))}
     until = time.monotonic() + 60 * options.minutes
     with tempfile.TemporaryDirectory() as scratch, options.file.open("a", encoding="utf-8", buffering=1) as lines:

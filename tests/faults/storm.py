@@ -17,7 +17,7 @@ from pathlib import Path
 
 import compile_cache
 import psutil
-from faults import shim
+from faults import page, shim
 from faults.undisturbed import PATIENCE, Studies, litter, wrong_in
 
 SIGNALS = ("KILL", "TERM", "HUP", "INT", "STOP", "SEGV", "ABRT")
@@ -186,6 +186,7 @@ def main() -> None:
     parser.add_argument("--signals", type=int, default=200)
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--minutes", type=float, default=60, help="begin no study after so many")
+    parser.add_argument("--write", action="store_true", help="put the table into docs/trust.md, too")
     options = parser.parse_args()
     with tempfile.TemporaryDirectory() as scratch:
         compiled = Path(scratch, "compiled")
@@ -193,10 +194,14 @@ def main() -> None:
         compile_cache.use(compiled)
         studies = Studies(Path(scratch), shim.build(Path(scratch)))
         told = storm(studies, options.signals, options.seed, time.monotonic() + 60 * options.minutes)
-    print(f"{told.sent} signals, {told.commands} commands, {told.studies} studies, {told.repeats} runs repeated")
-    for (name, target), count in sorted(told.signals.items()):
-        print(f"  {name} to {target}: {count}")
-    print("\n".join(told.wrong) or "nothing was wrong")
+    said = (
+        f"{told.sent} signals, {told.commands} commands until {told.studies} studies were done; "
+        f"{told.repeats} runs begun in vain or made once more; {len(told.wrong)} findings."
+    )
+    print("\n".join([said, *page.table_of_signals(told.signals), *told.wrong]))
+    if options.write:
+        page.write("storm", [*page.table_of_signals(told.signals), "", said])
+    sys.exit(bool(told.wrong))
 
 
 if __name__ == "__main__":
