@@ -15,7 +15,7 @@ from dse.exploration.boundary import near_boundary
 from dse.exploration.executor import Executor
 from dse.exploration.progress import Meter, Progress, Stage
 from dse.exploration.work import Batch, MakeRunner, Runnable, Work
-from dse.storage import RowBlock, StudyFolder
+from dse.storage import Attempt, RowBlock, StudyFolder
 from dse.testbench import make_runner
 
 _TELL_EVERY = 0.1
@@ -27,8 +27,8 @@ class Explored:
 
     *before* is how many runs the folder had, *runs* how many it has now, of which *failed*; with *extended* the study
     asks for other runs than before. *simulated* were made by this call, for the first time or again for their
-    waveforms. *kept* have waveforms. *retried* were tried twice because their worker was killed from outside or grew
-    too large over several runs, *irreproducible* gave another result the second time.
+    waveforms. *kept* have waveforms. *retried* were tried twice, as the first time need not have been their fault;
+    *irreproducible* gave another result the second time.
     """
 
     before: int
@@ -159,6 +159,9 @@ class _Sink:
             self._compare(block.part(np.flatnonzero(~fresh)))
         self.simulated += len(block)
         self._there.update(self._wanted.intersection(numbers))
+
+    def tried(self, attempts: Sequence[Attempt]) -> None:
+        """Store tries that gave no row."""
 
     def ended(self, batch: Batch, kept: tuple[int, ...]) -> None:
         """Note which waveforms are there, and of which runs none ever will be."""

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Set as AbstractSet
+from collections.abc import Callable, Mapping, Sequence, Set as AbstractSet
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, Protocol
 
 from dse.domain.run import Run, RunRequest
-from dse.storage import Measures, RowBlock
+from dse.storage import Attempt, Measures, RowBlock
 
 PROGRESS_BYTES = 64
 """Size of the block that a simulation notes in where it is."""
@@ -59,7 +59,8 @@ MakeRunner = Callable[[Any, memoryview], Runner]
 class Batch:
     """Runs of one configuration that go to one worker together, sorted by number.
 
-    If *file* is not "", waveforms are kept in the file of that name. *alone* has its runs made one at a time.
+    If *file* is not "", waveforms are kept in the file of that name. *alone* has its runs made one at a time, *fresh*
+    by a process that has made none before.
     """
 
     identity: int
@@ -67,6 +68,7 @@ class Batch:
     requests: tuple[RunRequest, ...]
     file: str = ""
     alone: bool = False
+    fresh: bool = False
 
     @property
     def numbers(self) -> tuple[int, ...]:
@@ -88,6 +90,9 @@ class Sink(Protocol):
 
     def rows(self, batch: Batch, block: RowBlock) -> None:
         """Some runs of *batch* are finished."""
+
+    def tried(self, attempts: Sequence[Attempt]) -> None:
+        """Tries at runs that gave no row."""
 
     def ended(self, batch: Batch, kept: tuple[int, ...]) -> None:
         """All of *batch* is; the waveforms of *kept* are in its file, which lies in the study's folder of waveforms."""

@@ -19,7 +19,7 @@ import psutil
 from dse.cosim.failing.failure import RunFailed
 from dse.cosim.probing.journal import Journal
 from dse.errors import DseError
-from dse.processes import start_process
+from dse.processes import forget_start, start_process
 
 _LOOK_EVERY = 0.02
 _TO_START = 60.0
@@ -120,6 +120,7 @@ def _watch(
 
 
 def _carry_out(connection: Connection, experiment: Experiment, file: Path, arguments: tuple[object, ...]) -> None:
+    forget_start()
     # What an FMU prints must not garble what the probe prints.
     nowhere = os.open(os.devnull, os.O_RDWR)
     for standard in (0, 1, 2):

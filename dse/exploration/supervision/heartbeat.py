@@ -66,7 +66,10 @@ class Heartbeat:
     def beat(self, phase: Phase, batch: int = -1, number: int = -1) -> None:
         """Tell that the thread is in *phase* now."""
         self._beats += 1
-        printed = os.fstat(2).st_size
+        try:
+            printed = os.lseek(2, 0, os.SEEK_CUR)
+        except OSError:  # a run has closed it
+            printed = 0
         _STATE.pack_into(self._map, self._begin + PROGRESS_BYTES, self._beats, phase, batch, number, printed)
 
     def state(self) -> State:

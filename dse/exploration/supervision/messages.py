@@ -28,12 +28,22 @@ class Setup:
 
 
 @dataclass(frozen=True, slots=True)
+class Fault:
+    """What came to nothing after *seconds*: the run *number*, or loading its configuration if that is None."""
+
+    number: int | None
+    cause: str
+    seconds: float
+
+
+@dataclass(frozen=True, slots=True)
 class Report:
     """From a worker: runs of the batch *identity* that are finished.
 
     *ended* with the last of them; then *kept* are the numbers whose waveforms are in the batch's file. *retired*
     comes last: the process is worn out and leaves, runs that are still to be made go to another. *broken* says why the
-    worker cannot go on at all, as when the disk is full; *hurt* why this process cannot, which a run has harmed.
+    worker cannot go on at all, as when the disk is full; *hurt* why this process cannot, which a run has harmed;
+    *fault* what came to nothing here and may be good in another process.
     """
 
     identity: int
@@ -43,3 +53,4 @@ class Report:
     retired: bool = False
     broken: str = ""
     hurt: str = ""
+    fault: Fault | None = None

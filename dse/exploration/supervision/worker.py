@@ -25,6 +25,7 @@ from dse.exploration.supervision.messages import Report, Setup
 from dse.exploration.supervision.open_files import OUT_OF_FILES, SpareFiles
 from dse.exploration.supervision.worker_threads import are_spent, simulate
 from dse.exploration.work import Batch
+from dse.processes import forget_start
 from dse.storage import RowBlock, block_of, write_waveforms
 
 _SEND_EVERY = 0.1
@@ -39,8 +40,8 @@ _HARMED = OUT_OF_FILES | {errno.EFBIG}
 
 def serve(channel: socket.socket, setup: Setup, heartbeat: Path, log: Path) -> None:
     """Serve batches until None comes or the supervisor is gone. What simulations print goes to *log*."""
-    # Ctrl-C reaches the whole terminal group; it is the supervisor that decides what to do about it.
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    forget_start()
+    _leave_signals_to_the_supervisor()
     threading.Thread(target=_leave_with_parent, daemon=True).start()
     _print_to(log)
     _let_go_of_the_tracker()
@@ -55,7 +56,7 @@ def serve(channel: socket.socket, setup: Setup, heartbeat: Path, log: Path) -> N
     try:
         while (batch := receive(channel)) is not None:
             if _is_too_much(batch, runners):
-                _retire(channel, Report(batch.identity, retired=True))
+                _retire(channel, Report(batch.identity, retired=True, fault=runners[0].fault))
             _carry_out(batch, runners, channel, setup, hearts[0], spare)
             hearts[0].beat(Phase.WAITING)
         for runner in runners:
@@ -98,13 +99,13 @@ def _carry_out(
         if time.perf_counter() - sent > _SEND_EVERY:
             send(channel, Report(batch.identity, _block(finished, setup)))
             finished, sent = [], time.perf_counter()
-    hurt = next((runner.hurt for runner in runners if runner.hurt), "")
+    hurt, fault = "", next((runner.fault for runner in runners if runner.fault), None)
     if done < len(batch.requests) and batch.keep and is_fresh and any(runner.has_many_open for runner in runners):
         # No other process would come to the end of it either.
-        hurt = hurt or "too many open files"
+        hurt = "too many open files"
     block = _block(finished, setup) if finished else None
-    if done < len(batch.requests) or hurt:
-        _retire(channel, Report(batch.identity, block, retired=not hurt, hurt=hurt))
+    if done < len(batch.requests):
+        _retire(channel, Report(batch.identity, block, retired=not hurt, hurt=hurt, fault=fault))
     # Threads finish in any order.
     kept.sort(key=lambda entry: entry[0])
     if kept:
@@ -119,7 +120,7 @@ def _carry_out(
             send(channel, Report(batch.identity, broken=problem))
             return
         spare.take()
-    retired = are_spent(runners)
+    retired = are_spent(runners) or any(runner.is_worn for runner in runners)
     report = Report(batch.identity, block, ended=True, kept=tuple(number for number, _ in kept), retired=retired)
     if retired:
         _retire(channel, report)
@@ -134,6 +135,16 @@ def _retire(channel: socket.socket, report: Report) -> NoReturn:
     send(channel, report)
     # At once: an FMU that must not be called any more could be, by what its library does at the end of a process.
     os._exit(0)
+
+
+def _leave_signals_to_the_supervisor() -> None:
+    # Ctrl-C reaches the whole terminal group, and so may the others; it is the supervisor that decides what to do.
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    if sys.platform != "win32":
+        for number in (signal.SIGTERM, signal.SIGHUP):
+            # Unlike one that is ignored, such a signal still ends a program that an FMU starts.
+            signal.signal(number, lambda *_: None)
+            signal.siginterrupt(number, False)
 
 
 def _let_go_of_the_tracker() -> None:
