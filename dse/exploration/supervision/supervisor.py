@@ -240,7 +240,7 @@ class Supervisor:
             if silence > limit:
                 return f"no answer for {limit:g} s"
             if worker.stopped > limit:
-                return f"stopped from outside for {limit:g} s"
+                return f"stopped by a signal for {limit:g} s"
         return ""
 
     def _part_with(self, worker: WorkerProcess, offence: str = "") -> None:
