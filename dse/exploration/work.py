@@ -76,6 +76,11 @@ class Batch:
         return tuple(request.number for request in self.requests)
 
     @property
+    def name(self) -> str:
+        """What its runs are found under in the spool, the same whenever it is made."""
+        return self.file or f"runs-{self.identity:08d}"
+
+    @property
     def keep(self) -> bool:
         """Whether waveforms are kept."""
         return bool(self.file)
@@ -105,10 +110,13 @@ class Sink(Protocol):
 class Work:
     """What a study's runs are made from: its configurations by id, who simulates them, and what every run has to give.
 
-    Files of waveforms go into the folder *waveforms*.
+    Files of waveforms go into the folder *waveforms*, what is needed aside into *spool*; *study* is the fingerprint of
+    what is studied.
     """
 
     configurations: Mapping[str, Runnable]
     make_runner: MakeRunner
     waveforms: Path
     measures: Measures
+    spool: Path
+    study: str = ""

@@ -180,7 +180,7 @@ def work_in(folder: Path) -> Work:
         "breaking": SmallBench("breaking", breaks=(125,)),
         "missing": SmallBench("missing", loads=False),
     }
-    return Work(benches, make_small, folder, Measures(("m",), ("R",)))
+    return Work(benches, make_small, folder, Measures(("m",), ("R",)), folder.with_name(f"{folder.name}.spool"))
 
 
 def batches(*, keep: bool, first: int = 0) -> list[Batch]:

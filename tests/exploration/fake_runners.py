@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import mmap
 import os
 import signal
 import stat
@@ -96,7 +97,7 @@ class FakeRunner:
                 file.write(f"{os.getpid()} {threading.get_ident()}\n")
         first = bench.file is None or bench.mischief == "tells its process" or not bench.file.exists()
         if bench.mischief == "lowers a limit for good" and request.number not in bench.when:
-            bytearray(1 << 30)
+            mmap.mmap(-1, 1 << 30).close()
         if bench.mischief == "catches signals" and signal.getsignal(signal.SIGUSR1) != signal.SIG_DFL:
             return Run(request, Outcome.FAILED, problem="world: somebody has taken a signal")
         if bench.mischief == "fails after a greedy one":
@@ -179,8 +180,8 @@ class FakeRunner:
             case "is stopped":
                 os.kill(os.getpid(), signal.SIGSTOP)
             case "terminates":
-                for number in (signal.SIGTERM, signal.SIGHUP, signal.SIGINT):
-                    os.kill(os.getpid(), number)
+                for asked in (signal.SIGTERM, signal.SIGHUP, signal.SIGINT):
+                    os.kill(os.getpid(), asked)
             case "eats memory":
                 import resource
 

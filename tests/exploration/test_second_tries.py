@@ -1,4 +1,4 @@
-"""What the environment does to a run, or a run before it, is never the verdict on it: it is tried again in fresh air."""
+"""What the environment does to a run, or a run before it, is never the verdict on it: it is tried once more."""
 
 from __future__ import annotations
 

@@ -41,7 +41,7 @@ def simulate_alone(prepared: Runnable, make_runner: MakeRunner, configuration: s
     request, kept = RunRequest(0, configuration, {}), _Kept()
     with tempfile.TemporaryDirectory(prefix="dse-") as scratch:
         folder = Path(scratch)
-        work = Work({configuration: prepared}, make_runner, folder, measures)
+        work = Work({configuration: prepared}, make_runner, folder, measures, folder / "spool")
         batch = Batch(0, configuration, (request,), waveform_file(0, 0))
         with Supervisor(work, kept, workers=1) as supervisor:
             supervisor.work_off([batch])
