@@ -170,6 +170,7 @@ class _Sink:
         """Note which waveforms are there, and of which runs none ever will be."""
         if batch.keep:
             self._keep(kept, batch.file)
+            self._there.update(self._wanted.intersection(kept))
             self._keep([n for n in batch.numbers if n not in kept and n not in self.failed], "")
         self._folder.release(batch.name)
 

@@ -26,7 +26,6 @@ class GuardedRunner:
     def __init__(self, setup: Setup, heart: Heartbeat) -> None:
         self.runs = 0
         self.fault: Fault | None = None
-        self.has_many_open = self.is_worn = False
         self._setup = setup
         self._heart = heart
         self._progress = heart.block
@@ -97,16 +96,18 @@ class GuardedRunner:
         failed = run.outcome is Outcome.FAILED
         harm = self._state.harm(now=failed)
         if are_many_open():
-            self.has_many_open, harm = True, "there were too many open files"
+            harm = "there were too many open files"
         if failed and (doubt or harm):
             self._spent = True
             words = f"{run.problem}; {harm}" if harm else run.problem
             self.fault = Fault(request.number, words, time.perf_counter() - start)
             return None
-        # A chunk with waveforms is given up for nothing less than the end of all files: they are still in this process.
-        self._spent |= self.has_many_open or (bool(harm) and not batch.keep)
-        self.is_worn |= bool(harm)
+        self._spent |= bool(harm)
         return run
+
+    def put_back(self) -> None:
+        """Undo what runs have done to the limits of the process, as far as that is allowed."""
+        self._spent |= bool(self._state.harm(now=True))
 
     def rest(self) -> None:
         """Tell that nothing is simulated here for now."""

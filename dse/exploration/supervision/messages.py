@@ -19,7 +19,9 @@ class Setup:
     make_runner: MakeRunner
     configurations: Path
     waveforms: Path
+    spool: Path
     measures: Measures
+    study: str = ""
     threads: int = 1
 
     def file(self, configuration: str) -> Path:
@@ -41,9 +43,8 @@ class Report:
     """From a worker: runs of the batch *identity* that are finished.
 
     *ended* with the last of them; then *kept* are the numbers whose waveforms are in the batch's file. *retired*
-    comes last: the process is worn out and leaves, runs that are still to be made go to another. *broken* says why the
-    worker cannot go on at all, as when the disk is full; *hurt* why this process cannot, which a run has harmed;
-    *fault* what came to nothing here and may be good in another process.
+    comes last: the process is worn out and leaves, runs that are still to be made go to another; *fault* is what came
+    to nothing here and may be good there. *broken* says why no worker can go on, as when the disk is full.
     """
 
     identity: int
@@ -52,5 +53,4 @@ class Report:
     kept: tuple[int, ...] = ()
     retired: bool = False
     broken: str = ""
-    hurt: str = ""
     fault: Fault | None = None

@@ -11,34 +11,38 @@ Where something was done to the worker that showed only later, all runs of the b
 from __future__ import annotations
 
 import math
+import shutil
 import tempfile
 import time
 from collections import deque
 from collections.abc import Iterable, Mapping, Sequence
 from contextlib import ExitStack, suppress
 from dataclasses import dataclass, replace
-from itertools import count
 from multiprocessing.connection import wait
 from pathlib import Path
 from types import TracebackType
+
+import numpy as np
 
 from dse.errors import DseError, fail
 from dse.exploration.failures import failed_run
 from dse.exploration.remote import packed
 from dse.exploration.supervision.channel import GarbledError
-from dse.exploration.supervision.heartbeat import Phase
+from dse.exploration.supervision.heartbeat import Phase, states_in
 from dse.exploration.supervision.messages import Report, Setup
 from dse.exploration.supervision.post_mortem import Traces, cause_of, outside_of_runs, told, traces_of
 from dse.exploration.supervision.worker import CHANNEL_CLOSED
 from dse.exploration.supervision.worker_process import Assignment, WorkerProcess
 from dse.exploration.work import Batch, Sink, Work
-from dse.storage import Attempt, block_of, waveform_file
+from dse.storage import Attempt, RowBlock, block_of, made_by, read_spool, spooled_names
 
 START_TIMEOUT = 60.0
 """Seconds a worker may take to start, to load a configuration or to write a file."""
 
 MOST_FRUITLESS_DEATHS = 5
 """Workers that may die in a row outside of any run, none of which had made one, before the exploration is given up."""
+
+_FOLDER = "workers-"
 
 _LOOK_EVERY = 0.05
 
@@ -73,8 +77,10 @@ class Supervisor:
         self._sink = sink
         self.retried = 0
         self._workers_wanted = self._most = workers
-        self._folder = tempfile.TemporaryDirectory(prefix="dse-", ignore_cleanup_errors=True)
-        self._setup = Setup(work.make_runner, Path(self._folder.name), work.waveforms, work.measures, threads)
+        work.spool.mkdir(parents=True, exist_ok=True)
+        self._folder = tempfile.TemporaryDirectory(prefix=_FOLDER, dir=work.spool, ignore_cleanup_errors=True)
+        place = Path(self._folder.name)
+        self._setup = Setup(work.make_runner, place, work.waveforms, work.spool, work.measures, work.study, threads)
         self._workers: list[WorkerProcess] = []
         self._pending: deque[Batch] = deque()
         self._started = 0
@@ -84,7 +90,6 @@ class Supervisor:
         self._unloadable: set[str] = set()
         self._wholes: dict[int, _Whole] = {}
         self._looked = time.monotonic()
-        self._spare = count(1 << 40)
 
     def work_off(self, batches: Iterable[Batch]) -> None:
         """Carry out *batches*; returns when each of their runs has been given to the sink.
@@ -103,13 +108,32 @@ class Supervisor:
     def _work_off(self, batches: Iterable[Batch], workers: int) -> None:
         self._most = workers
         self._tried.clear()
-        self._pending.extend(batches)
+        spooled = spooled_names(self._setup.spool)
+        self._pending.extend(self._less_spooled(batch) if batch.name in spooled else batch for batch in batches)
+        self._tell_of_interrupted()
         while self._pending or self._again or any(worker.assignments for worker in self._workers):
             self._start_workers()
             self._assign()
             self._listen()
             self._look_after_workers()
             self._sink.tick()
+
+    def _less_spooled(self, batch: Batch) -> Batch:
+        """*batch* without the runs whose waveforms are in the spool, as their rows are in the folder, from before."""
+        setup = self._setup
+        spooled = read_spool(setup.spool, setup.measures, setup.study, batch.name) if batch.keep else []
+        return batch.after({number for each in spooled for number in each.kept}.intersection(batch.numbers))
+
+    def _tell_of_interrupted(self) -> None:
+        """Tell of runs that were begun when a supervisor before this one was killed with its workers."""
+        asked = {request.number for batch in self._pending for request in batch.todo}
+        for folder in self._setup.spool.glob(f"{_FOLDER}*"):
+            if folder != self._setup.configurations:
+                for state in (state for file in folder.glob("*.beat") for state in states_in(file)):
+                    if state.phase is Phase.RUNNING and state.number in asked:
+                        attempt = Attempt(state.number, made_by(state.process), "stopped with the program", math.nan)
+                        self._sink.tried([attempt])
+                shutil.rmtree(folder, ignore_errors=True)
 
     def __enter__(self) -> Supervisor:
         return self
@@ -192,25 +216,33 @@ class Supervisor:
         return True
 
     def _take(self, worker: WorkerProcess, report: Report) -> None:
+        assignment = worker.assignments[0]
+        if report.block is not None:
+            self._take_rows(worker, assignment, report.block)
         if report.broken:
             worker.assignments.popleft()  # what it sends next is of the batch after
             raise fail(report.broken, hint="finished runs are stored: the same command goes on when there is room")
-        assignment = worker.assignments[0]
-        if report.block is not None:
-            assignment.received.update(report.block.numbers.tolist())
-            assignment.failed.update(report.block.numbers[~report.block.done].tolist())
-            self._sink.rows(assignment.batch, report.block)
-            self._unloadable.discard(assignment.batch.configuration)
-            if not assignment.batch.keep:
-                self._bears_fruit(worker)
         if report.ended:
             worker.assignments.popleft()
-            self._bears_fruit(worker)
+            worker.useful, self._fruitless = True, 0
             self._end(assignment.batch, report.kept)
-        worker.retired, worker.fault, worker.offence = report.retired, report.fault, report.hurt
+        worker.retired, worker.fault = report.retired, report.fault
 
-    def _bears_fruit(self, worker: WorkerProcess) -> None:
+    def _take_rows(self, worker: WorkerProcess, assignment: Assignment, block: RowBlock) -> None:
         worker.useful, self._fruitless = True, 0
+        assignment.received.update(block.numbers.tolist())
+        self._unloadable.discard(assignment.batch.configuration)
+        self._sink.rows(assignment.batch, block)
+
+    def _recover(self, worker: WorkerProcess) -> None:
+        """Take what a dead *worker* had spooled and not sent."""
+        setup = self._setup
+        for assignment in worker.assignments:
+            for spooled in read_spool(setup.spool, setup.measures, setup.study, assignment.batch.name):
+                missing = assignment.missing
+                rows = [row for row, number in enumerate(spooled.block.numbers.tolist()) if number in missing]
+                if rows:
+                    self._take_rows(worker, assignment, spooled.block.part(np.array(rows, np.intp)))
 
     def _look_after_workers(self) -> None:
         now = time.monotonic()
@@ -249,10 +281,12 @@ class Supervisor:
         What was not at hand goes back to the front of the queue.
         """
         self._workers.remove(worker)
-        traces = traces_of(worker)
         if offence or worker.offence:
             worker.kill()
-        code = worker.reap()
+        code = worker.end()
+        self._recover(worker)
+        traces = traces_of(worker)
+        worker.free()
         if code == CHANNEL_CLOSED:
             worker.offence = worker.offence or _CLOSED
         cause = worker.offence or offence or cause_of(code)
@@ -296,22 +330,14 @@ class Supervisor:
 
         The rest of the batch is passed on.
         """
-        rest = at_hand.rest()
-        doubtful = [number for number in causes if number not in self._tried]
-        for number in causes.keys() & self._tried:
+        rest, given_up = at_hand.rest(), causes.keys() & self._tried
+        for number in given_up:
             self._fail(rest, causes[number], number, seconds)
-        rest = rest.without(causes.keys() - {*doubtful})
+        doubtful = [number for number in causes if number not in given_up]
         self._tell(worker, {number: causes[number] for number in doubtful}, seconds)
         self._tried.update(doubtful)
         self.retried += len(doubtful)
-        if not rest.keep:
-            self._split(rest, doubtful)
-        elif doubtful:
-            # Its waveforms go into one file: the runs in doubt come first, before any other could do harm.
-            order = sorted(rest.requests, key=lambda request: request.number not in doubtful)
-            self._again.append(replace(rest, requests=tuple(order), alone=True, fresh=True))
-        else:
-            self._pass_on(rest)
+        self._split(rest.after(given_up), doubtful, self._again)
 
     def _load_again(self, at_hand: Assignment, worker: WorkerProcess, cause: str, seconds: float) -> None:
         """Have the configuration loaded once more by a fresh process; the second time its runs are failures."""
@@ -319,9 +345,9 @@ class Supervisor:
         if configuration in self._unloadable and rest.fresh:
             for batch in [rest, *self._withdrawn(configuration)]:
                 self._fail(batch, cause)
-                self._end(batch, ())
+                self._pass_on(batch.after({*batch.numbers}))
             return
-        self._tell(worker, {rest.numbers[0]: cause}, seconds)
+        self._tell(worker, {rest.todo[0].number: cause}, seconds)
         self._unloadable.add(configuration)
         self._again.append(replace(rest, fresh=True))
 
@@ -337,56 +363,50 @@ class Supervisor:
 
     def _examine(self, suspect: Assignment, worker: WorkerProcess, traces: Traces, offence: str) -> None:
         """Have the runs of *suspect* made in batches of their own; a single one has to answer for the *offence*."""
-        rest = suspect.rest()
-        if len(rest.numbers) > 1:
-            self._split(rest, rest.numbers, self._pending)
-        elif suspect.missing:
-            self._try_again(suspect, dict.fromkeys(rest.numbers, offence), worker, traces.seconds)
+        rest, missing = suspect.rest(), sorted(suspect.missing)
+        if len(missing) == 1:
+            self._try_again(suspect, {missing[0]: offence}, worker, traces.seconds)
         else:
+            self._split(rest, missing, self._pending)
+
+    def _split(self, batch: Batch, singles: Sequence[int], queue: deque[Batch]) -> None:
+        """Have *singles* of *batch* made each on its own, next in *queue*, and pass on the rest."""
+        if not singles:
+            self._pass_on(batch)
+            return
+        fresh = queue is self._again
+        parts = [replace(batch.only(number), alone=True, fresh=fresh) for number in singles]
+        rest = replace(batch.after({*singles}), part=True, fresh=False)
+        if not batch.part:
+            self._wholes[batch.identity] = _Whole(batch, 1)
+        self._wholes[batch.identity].parts += len(parts) - (not rest.todo)
+        queue.extendleft(reversed(parts))
+        if rest.todo:
             self._pass_on(rest)
 
-    def _split(self, batch: Batch, singles: Sequence[int], queue: deque[Batch] | None = None) -> None:
-        """Have *singles* of *batch* made each on its own, next in *queue* or else by fresh processes, and the rest."""
-        parts = [self._single(batch, number, fresh=queue is None) for number in singles]
-        rest = batch.without({*singles})
-        if parts:
-            whole = self._wholes.pop(batch.identity, None) or _Whole(batch, 1)
-            whole.parts += len(parts) if rest.numbers else len(parts) - 1
-            members = [*parts, rest] if rest.numbers else parts
-            self._wholes.update((part.identity, whole) for part in members)
-        (self._again if queue is None else queue).extendleft(reversed(parts))
-        if rest.numbers or not parts:
-            self._pass_on(rest)
-
-    def _single(self, batch: Batch, number: int, *, fresh: bool) -> Batch:
-        file = waveform_file(number, number) if batch.keep else ""
-        single = batch.without({*batch.numbers} - {number})
-        return replace(single, identity=next(self._spare), file=file, fresh=fresh)
-
-    def _pass_on(self, rest: Batch) -> None:
-        if rest.numbers:
-            self._pending.appendleft(rest)
+    def _pass_on(self, batch: Batch) -> None:
+        if batch.todo or (batch.keep and not batch.part):
+            self._pending.appendleft(batch)
         else:
-            self._end(rest, ())
+            self._end(batch, ())
 
     def _end(self, batch: Batch, kept: tuple[int, ...]) -> None:
-        """Tell the sink that all of *batch* has come, or of what it was a part of."""
-        whole = self._wholes.pop(batch.identity, None)
-        if whole is not None:
-            whole.parts -= 1
-            if batch.keep:
-                self._sink.ended(batch, kept)
-            elif not whole.parts:
-                self._sink.ended(whole.batch, ())
+        """Tell the sink that all of *batch* has come, or of what it was the last part of."""
+        if not batch.part:
+            self._sink.ended(batch, kept)
             return
-        self._sink.ended(batch, kept)
+        whole = self._wholes[batch.identity]
+        whole.parts -= 1
+        if not whole.parts:
+            del self._wholes[batch.identity]
+            self._pass_on(whole.batch.after({*whole.batch.numbers}))
 
     def _tell(self, worker: WorkerProcess, causes: Mapping[int, str], seconds: float) -> None:
         self._sink.tried([Attempt(number, worker.maker, cause, seconds) for number, cause in causes.items()])
 
     def _fail(self, batch: Batch, problem: str, number: int | None = None, seconds: float = math.nan) -> None:
         """Tell the sink that the runs of *batch*, or the one with *number*, came to nothing."""
-        runs = [failed_run(request, problem) for request in batch.requests if number in (None, request.number)]
+        runs = [failed_run(request, problem) for request in batch.todo if number in (None, request.number)]
         if runs:
             self._sink.rows(batch, block_of(runs, self._setup.measures, [seconds] * len(runs)))
 

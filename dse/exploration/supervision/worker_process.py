@@ -19,7 +19,7 @@ from dse.exploration.supervision.messages import Fault, Report, Setup
 from dse.exploration.supervision.worker import serve
 from dse.exploration.work import Batch
 from dse.processes import start_process
-from dse.storage import this_process
+from dse.storage import made_by
 
 _TAIL = 2000
 _LARGEST_LOG = 4_000_000
@@ -29,20 +29,19 @@ _TURN = 1e-3
 
 @dataclass(slots=True)
 class Assignment:
-    """A batch a worker has been given, and the runs of it that have come back, of which some *failed*."""
+    """A batch a worker has been given, and the runs of it that have come back."""
 
     batch: Batch
     received: set[int] = field(default_factory=set)
-    failed: set[int] = field(default_factory=set)
 
     @property
     def missing(self) -> set[int]:
-        """The runs that have not come back."""
-        return {*self.batch.numbers} - self.received
+        """The runs that are to come back."""
+        return {request.number for request in self.batch.todo} - self.received
 
     def rest(self) -> Batch:
-        """What is to be done again if the worker dies: with waveforms all of it, as they were still in the worker."""
-        return self.batch.without(self.failed if self.batch.keep else self.received)
+        """What is to be done yet if the worker dies."""
+        return self.batch.after(self.received)
 
 
 class WorkerProcess:
@@ -69,7 +68,7 @@ class WorkerProcess:
         start_process(self._process)
         far.close()
         self._seen = psutil.Process(self._process.pid)
-        self.maker = f"{this_process().rpartition('/')[0]}/{self._process.pid}"
+        self.maker = made_by(self._process.pid or 0)
         self.assignments: deque[Assignment] = deque()
         self.used = self.useful = self.retired = False
         self.fault: Fault | None = None
@@ -174,14 +173,21 @@ class WorkerProcess:
         """End the process whatever it does."""
         self._process.kill()
 
-    def reap(self) -> int:
-        """Wait for the process to end, not for long, and free what belongs to it; its exit code, < 0 for a signal."""
+    def end(self) -> int:
+        """Wait for the process to end, not for long; its exit code, < 0 for a signal."""
         if not self.ends_within(_PATIENCE):
             self.kill()
             self._process.join()
-        code = self._process.exitcode or 0
+        return self._process.exitcode or 0
+
+    def free(self) -> None:
+        """Free what belongs to the process, which has ended."""
         self._process.close()
         self._channel.close()
         for heart in self._hearts:
             heart.close()
-        return code
+
+    def reap(self) -> None:
+        """Both."""
+        self.end()
+        self.free()
