@@ -2,20 +2,82 @@
 
 from __future__ import annotations
 
+import os
 import sys
+import sysconfig
+import tempfile
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
 from multiprocessing.process import BaseProcess
+from pathlib import Path
 from types import ModuleType
+
+_SAFE, _BY_US = "PYTHONSAFEPATH", "while dse starts"
 
 
 def start_process(process: BaseProcess) -> None:
     """Start *process* without the parent's main module, which spawn would otherwise import again in the child.
 
     A console script would cost each child the whole command line, and a script without a main guard would do again
-    what it did to start it.
+    what it did to start it. Nor does it find modules in the current folder: whatever lies there would be taken for the
+    standard library's, and run. The child calls `forget_start`.
     """
-    main = sys.modules["__main__"]
+    main, path, safe = sys.modules["__main__"], sys.path, os.environ.get(_SAFE)
+    sys.path = path_without_here()
     sys.modules["__main__"] = ModuleType("__main__")
+    os.environ[_SAFE] = safe or _BY_US
     try:
-        process.start()
+        with _somewhere():
+            process.start()
     finally:
-        sys.modules["__main__"] = main
+        sys.modules["__main__"], sys.path = main, path
+        os.environ.pop(_SAFE) if safe is None else os.environ.update({_SAFE: safe})
+
+
+def forget_start() -> None:
+    """What was changed for the start of this process is no business of the programs that an FMU may start."""
+    if os.environ.get(_SAFE) == _BY_US:
+        del os.environ[_SAFE]
+
+
+def path_without_here() -> list[str]:
+    """``sys.path`` without the current folder, unless PYTHONPATH names it or it was installed.
+
+    What the user's script has beside it and dse itself are found last of all.
+    """
+    here = _here()
+    standard = sysconfig.get_path("stdlib")
+    before = sys.path.index(standard) if standard in sys.path else len(sys.path)
+    named = {os.path.realpath(entry) for entry in os.environ.get("PYTHONPATH", "").split(os.pathsep) if entry}
+    kept = [
+        entry
+        for place, entry in enumerate(sys.path)
+        if entry and not (place < before and os.path.realpath(entry) == here and here not in named)
+    ]
+    main = sys.modules["__main__"]
+    script = getattr(main, "__file__", None) if main.__spec__ is None else None
+    last = [str(Path(__file__).parents[1]), *([str(Path(script).resolve().parent)] if script else [])]
+    return kept + [entry for entry in last if entry not in kept]
+
+
+def _here() -> str:
+    try:
+        return os.path.realpath(Path.cwd())
+    except OSError:
+        return ""
+
+
+@contextmanager
+def _somewhere() -> Iterator[None]:
+    """Be in a folder that exists: the current one may have been deleted, which a start would not survive."""
+    if _here():
+        yield
+        return
+    nowhere = os.open(".", os.O_RDONLY)
+    try:
+        os.chdir(tempfile.gettempdir())
+        yield
+    finally:
+        with suppress(OSError):
+            os.fchdir(nowhere)
+        os.close(nowhere)

@@ -27,9 +27,8 @@ class Explored:
 
     *before* is how many runs the folder had, *runs* how many it has now, of which *failed*; with *extended* the study
     asks for other runs than before. *simulated* were made by this call, for the first time or again for their
-    waveforms. *kept* have waveforms. *retried* were tried twice because their worker was killed from outside or grew
-    too large over several runs, *irreproducible* gave another result the second time. The waveforms of *damaged* were
-    gone, cut or changed.
+    waveforms. *kept* have waveforms. *retried* were tried twice, as the first time need not have been their fault;
+    *irreproducible* gave another result the second time. The waveforms of *damaged* were gone, cut or changed.
     """
 
     before: int
@@ -173,6 +172,7 @@ class _Sink:
         """Note which waveforms are there, and of which runs none ever will be."""
         if batch.keep:
             self._keep(kept, batch.file)
+            self._there.update(self._wanted.intersection(kept))
             self._keep([n for n in batch.numbers if n not in kept and n not in self.failed], "")
         self._folder.release(batch.name)
 
