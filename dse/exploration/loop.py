@@ -28,7 +28,7 @@ class Explored:
     *before* is how many runs the folder had, *runs* how many it has now, of which *failed*; with *extended* the study
     asks for other runs than before. *simulated* were made by this call, for the first time or again for their
     waveforms. *kept* have waveforms. *retried* were tried twice, as the first time need not have been their fault;
-    *irreproducible* gave another result the second time.
+    *irreproducible* gave another result the second time. The waveforms of *damaged* were gone, cut or changed.
     """
 
     before: int
@@ -39,6 +39,7 @@ class Explored:
     retried: int
     irreproducible: int
     extended: bool
+    damaged: int = 0
 
     @property
     def new(self) -> int:
@@ -118,6 +119,7 @@ def explore(
         pool.retried,
         len(sink.irreproducible),
         folder.is_extended,
+        len(folder.damaged),
     )
 
 

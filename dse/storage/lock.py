@@ -11,6 +11,7 @@ from types import TracebackType
 
 from dse.errors import DseError, Location, fail
 from dse.storage.attempts import this_process
+from dse.storage.disk import refused
 
 LOCK = "writer.lock"
 WRITER = "writer.json"
@@ -49,8 +50,7 @@ class WriterLock:
             raise _refused(path, writer_of(path)) from None
         except OSError as error:
             if error.errno not in _NO_LOCKS:
-                what = f"the folder cannot be written to: {error.strerror}"
-                raise fail(what, Location(str(path)), "mend that, or give another folder with -o") from error
+                raise refused(path, error) from error
             if writer_of(path):
                 raise _refused(path, writer_of(path)) from None
         self._is_held = True
@@ -58,7 +58,7 @@ class WriterLock:
             _note(path)
         except OSError as error:
             self.release()
-            raise fail(f"the folder cannot be written to: {error.strerror}", Location(str(path))) from error
+            raise refused(path, error) from error
 
     def release(self) -> None:
         """Let go, if it is held."""
