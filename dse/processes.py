@@ -16,19 +16,25 @@ _SAFE, _BY_US = "PYTHONSAFEPATH", "while dse starts"
 
 
 def start_process(process: BaseProcess) -> None:
-    """Start *process* without the parent's main module, which spawn would otherwise import again in the child.
+    """Start *process*, as `unburdened`."""
+    with unburdened(), _somewhere():
+        process.start()
+
+
+@contextmanager
+def unburdened() -> Iterator[None]:
+    """Processes are started without this one's main module, which spawn would otherwise import again in the child.
 
     A console script would cost each child the whole command line, and a script without a main guard would do again
-    what it did to start it. Nor does it find modules in the current folder: whatever lies there would be taken for the
-    standard library's, and run. The child calls `forget_start`.
+    what it did to start it. Nor do they find modules in the current folder: whatever lies there would be taken for the
+    standard library's, and run. What is started calls `forget_start`.
     """
     main, path, safe = sys.modules["__main__"], sys.path, os.environ.get(_SAFE)
     sys.path = path_without_here()
     sys.modules["__main__"] = ModuleType("__main__")
     os.environ[_SAFE] = safe or _BY_US
     try:
-        with _somewhere():
-            process.start()
+        yield
     finally:
         sys.modules["__main__"], sys.path = main, path
         os.environ.pop(_SAFE) if safe is None else os.environ.update({_SAFE: safe})

@@ -29,6 +29,7 @@ NewFolder = Annotated[
     Path, typer.Option("--output", "-o", metavar="DIR", help="The study folder to make or to go on with.")
 ]
 Fresh = Annotated[bool, typer.Option("--fresh", help="Throw away what the folder holds and start again.")]
+RetryFailed = Annotated[bool, typer.Option("--retry-failed", help="Make runs again that failed before.")]
 Settings = Annotated[
     list[str],
     typer.Option("--set", metavar="NAME=VALUE", help="Another parameter value, as 'controller.kp_speed=1.2'."),

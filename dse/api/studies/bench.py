@@ -124,14 +124,16 @@ class Study(_Named[nouns.Study]):
         fresh: bool = False,
         fmi: int = 2,
         sandbox: bool = False,
+        retry_failed: bool = False,
         progress: Callable[[Progress], None] | bool | None = None,
     ) -> Results:
         """Make the runs that *folder* does not have yet, and return what is in it.
 
         *workers* processes (0: one for each processor) make *threads* runs at once each. *fuse* links each
-        configuration into one library first, *fresh* throws away what the folder holds. *progress* is called with how
-        far it has come; True shows a bar on standard error. In a *sandbox* FMUs have no network and write in their
-        scratch folder only (Linux). Results do not depend on any of that.
+        configuration into one library first, *fresh* throws away what the folder holds; with *retry_failed* runs that
+        failed before are made again. *progress* is called with how far it has come; True shows a bar on standard
+        error. In a *sandbox* FMUs have no network and write in their scratch folder only (Linux). Results do not depend
+        on any of that.
 
         Raises DseError with everything that is wrong, and ExplorationInterruptedError, a KeyboardInterrupt, on Ctrl-C:
         what was finished is stored, and the same call goes on from there.
@@ -140,7 +142,7 @@ class Study(_Named[nouns.Study]):
         from dse.api.studies.exploring import ExploreOptions, explore_into
         from dse.api.studies.results import Results
 
-        options = ExploreOptions(workers, threads, fuse, fresh, fmi, sandbox)
+        options = ExploreOptions(workers, threads, fuse, fresh, fmi, sandbox, retry_failed)
         with telling(progress) as tell:
             explored = explore_into(self.noun, Path(folder), options, on_progress=tell)
         return Results(Path(folder), explored)

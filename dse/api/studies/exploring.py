@@ -38,7 +38,7 @@ class ExploreOptions:
     The local executor has so many *workers* (0: what the study says, or one for each processor), each with *threads*
     runs at once. *fuse* links each configuration into one library first, *fresh* throws away what the folder holds.
     *fmi* is the version of the FMUs that are built. In a *sandbox*, FMUs have no network and write in their scratch
-    folder only.
+    folder only. With *retry_failed*, runs that failed before are made again.
     """
 
     workers: int = 0
@@ -47,6 +47,7 @@ class ExploreOptions:
     fresh: bool = False
     fmi: int = 2
     sandbox: bool = False
+    retry_failed: bool = False
 
 
 def ready(study: Study, fmi: int = 2, *, fuse: bool = False, tell: Tell | None = None) -> PreparedStudy:
@@ -77,6 +78,8 @@ def explore_into(
     if options.fresh:
         StudyFolder.discard(folder)
     with StudyFolder.resume(folder, planned.definition) as store:
+        if options.retry_failed:
+            store.forget(store.failed())
         return explore(study, planned.benches, store, executor=executor, on_progress=on_progress)
 
 

@@ -4,7 +4,18 @@ from __future__ import annotations
 
 from dse.api import workspace_of
 from dse.cli.app import app
-from dse.cli.arguments import FmiVersion, Fresh, Fuse, Gate, NewFolder, Sandbox, StudyName, Threads, Workers
+from dse.cli.arguments import (
+    FmiVersion,
+    Fresh,
+    Fuse,
+    Gate,
+    NewFolder,
+    RetryFailed,
+    Sandbox,
+    StudyName,
+    Threads,
+    Workers,
+)
 
 
 @app.command()
@@ -16,6 +27,7 @@ def explore(
     version: FmiVersion = 2,
     fuse: Fuse = False,
     fresh: Fresh = False,
+    retry_failed: RetryFailed = False,
     gate: Gate = False,
     sandbox: Sandbox = False,
 ) -> None:
@@ -26,5 +38,5 @@ def explore(
     from dse.api import ExploreOptions
     from dse.cli.exploring import explore_and_show
 
-    options = ExploreOptions(workers, threads, fuse, fresh, version, sandbox)
+    options = ExploreOptions(workers, threads, fuse, fresh, version, sandbox, retry_failed)
     explore_and_show(workspace_of(study).study(study), folder, options, gate=gate)

@@ -33,9 +33,9 @@ class Setup:
 
 def in_sandbox(setup: Setup) -> Setup:
     """*setup* for workers in a sandbox, who are in a folder of their own: no place in it is relative any more."""
-    place, waveforms, spool = (each.absolute() for each in (setup.configurations, setup.waveforms, setup.spool))
-    writable = (place / "scratch", waveforms, spool)
-    return replace(setup, configurations=place, waveforms=waveforms, spool=spool, sandbox=Sandbox(writable, (place,)))
+    home, waveforms, spool = setup.configurations / "scratch", setup.waveforms.absolute(), setup.spool.absolute()
+    sandbox = Sandbox((home, waveforms, spool), (setup.configurations,))
+    return replace(setup, waveforms=waveforms, spool=spool, sandbox=sandbox)
 
 
 @dataclass(frozen=True, slots=True)
@@ -65,5 +65,9 @@ class Report:
     fault: Fault | None = None
 
 
+<<<<<<< HEAD
 FROM_WORKERS = (Report, RowBlock, Fault)
+=======
+FROM_WORKERS = (Report, Fault, RowBlock)
+>>>>>>> workers
 """What a worker's messages are made of."""

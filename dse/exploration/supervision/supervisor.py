@@ -34,6 +34,8 @@ from dse.exploration.supervision.post_mortem import Traces, cause_of, outside_of
 from dse.exploration.supervision.worker import CHANNEL_CLOSED
 from dse.exploration.supervision.worker_process import Assignment, WorkerProcess
 from dse.exploration.work import Batch, Sink, Work
+from dse.scratch import ScratchFolder
+from dse.scratch import ScratchFolder
 from dse.storage import Attempt, RowBlock, block_of, made_by, read_spool, spooled_names
 
 START_TIMEOUT = 60.0
@@ -78,7 +80,8 @@ class Supervisor:
         self.retried = 0
         self._workers_wanted = self._most = workers
         work.spool.mkdir(parents=True, exist_ok=True)
-        self._folder = tempfile.TemporaryDirectory(prefix=_FOLDER, dir=work.spool, ignore_cleanup_errors=True)
+        # In a sandbox the spool can be written, and what this process reads again must not be.
+        self._folder = ScratchFolder() if sandboxed else _beside(work.spool)
         place = Path(self._folder.name)
         self._setup = Setup(work.make_runner, place, work.waveforms, work.spool, work.measures, work.study, threads)
         if sandboxed:
@@ -411,6 +414,14 @@ class Supervisor:
         runs = [failed_run(request, problem) for request in batch.todo if number in (None, request.number)]
         if runs:
             self._sink.rows(batch, block_of(runs, self._setup.measures, [seconds] * len(runs)))
+
+
+def _beside(spool: Path) -> tempfile.TemporaryDirectory[str]:
+    return tempfile.TemporaryDirectory(prefix=_FOLDER, dir=spool.absolute(), ignore_cleanup_errors=True)
+
+
+def _beside(spool: Path) -> tempfile.TemporaryDirectory[str]:
+    return tempfile.TemporaryDirectory(prefix=_FOLDER, dir=spool.absolute(), ignore_cleanup_errors=True)
 
 
 def _given_up(cause: str, traces: Traces) -> DseError:

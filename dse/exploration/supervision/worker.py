@@ -41,13 +41,13 @@ _HARMED = OUT_OF_FILES | {errno.EFBIG, errno.EBADF}
 
 def serve(channel: socket.socket, setup: Setup, heartbeat: Path, log: Path) -> None:
     """Serve batches until None comes or the supervisor is gone. What simulations print goes to *log*."""
-    forget_start()
     _leave_signals_to_the_supervisor()
     threading.Thread(target=_leave_with_parent, daemon=True).start()
     _print_to(log)
     if setup.sandbox is not None:
         setup.sandbox.move_in()
     _let_go_of_the_tracker()
+    forget_start()
     spare = SpareFiles()
     hearts = [Heartbeat(heartbeat, thread) for thread in range(setup.threads)]
     runners = [GuardedRunner(setup, heart) for heart in hearts]
