@@ -28,7 +28,8 @@ class Explored:
     *before* is how many runs the folder had, *runs* how many it has now, of which *failed*; with *extended* the study
     asks for other runs than before. *simulated* were made by this call, for the first time or again for their
     waveforms. *kept* have waveforms. *retried* were tried twice because their worker was killed from outside or grew
-    too large over several runs, *irreproducible* gave another result the second time.
+    too large over several runs, *irreproducible* gave another result the second time. The waveforms of *damaged* were
+    gone, cut or changed.
     """
 
     before: int
@@ -39,6 +40,7 @@ class Explored:
     retried: int
     irreproducible: int
     extended: bool
+    damaged: int = 0
 
     @property
     def new(self) -> int:
@@ -107,6 +109,7 @@ def explore(
         raise ExplorationInterruptedError(len(folder.finished()), folder.header.runs) from None
     finally:
         folder.commit()
+    folder.end()
     sink.tell()
     return Explored(
         before,
@@ -117,6 +120,7 @@ def explore(
         pool.retried,
         len(sink.irreproducible),
         folder.is_extended,
+        len(folder.damaged),
     )
 
 

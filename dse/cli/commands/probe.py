@@ -9,6 +9,7 @@ import typer
 
 from dse.cli.app import DONE, RUNS_FAILED, app
 from dse.cli.arguments import FmiVersion, Format, Output, Sandbox
+from dse.cli.sizes import size_text
 from dse.cli.terminal import console, plain, plain_table, print_json, print_table, say
 
 if TYPE_CHECKING:
@@ -114,9 +115,9 @@ def _measured(facts: FmuFacts) -> Iterator[tuple[str, str]]:
     if not math.isnan(facts.step_cost):
         yield "a step costs", _time(facts.step_cost)
     if not math.isnan(facts.memory):
-        yield "an instance takes", _bytes(facts.memory)
+        yield "an instance takes", size_text(facts.memory)
     if not math.isnan(facts.run_growth):
-        yield "a run leaves behind", _bytes(facts.run_growth)
+        yield "a run leaves behind", size_text(facts.run_growth)
 
 
 def _time(seconds: float) -> str:
@@ -124,10 +125,3 @@ def _time(seconds: float) -> str:
         if seconds >= size:
             return f"{seconds / size:.3g} {unit}"
     return f"{seconds / 1e-9:.3g} ns"
-
-
-def _bytes(number: float) -> str:
-    for unit, size in (("GB", 1e9), ("MB", 1e6), ("kB", 1e3)):
-        if number >= size:
-            return f"{number / size:.3g} {unit}"
-    return f"{number:.0f} B"
