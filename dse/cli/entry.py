@@ -6,14 +6,19 @@ import errno
 import gc
 import os
 import sys
+import warnings
 from pathlib import Path
+from typing import Any
 
+from dse.cache import CacheWarning
 from dse.cli.app import DONE, WRONG_FILES, InterruptedCommandError, app
 from dse.cli.commands import register
 from dse.cli.signals import interrupt, stop_code, tidy_up
 from dse.cli.streams import OutputError, silence
 from dse.cli.terminal import say, show_problems
 from dse.errors import DseError, Location, fail
+
+_python_shows = warnings.showwarning
 
 _HINTS = {
     errno.ENOSPC: "make room on the disk; the same command can then be given again",
@@ -40,6 +45,7 @@ def _carry_out() -> int:
     try:
         # The shapes of our files need no plugin, and looking for one reads the metadata of every installed package.
         os.environ.setdefault("PYDANTIC_DISABLE_PLUGINS", "__all__")
+        warnings.showwarning = _show_warning
         register(sys.argv[1:])
         # What a command reads and imports stays until its end: looking through it again and again is in vain.
         gc.set_threshold(50_000, 20, 20)
@@ -113,3 +119,11 @@ def _unforeseen(error: BaseException) -> DseError:
     except (DseError, OSError):
         return fail(what, hint=f"please report it with this:\n{story}")
     return fail(what, hint=f"please report it with what stands in {file}")
+
+
+def _show_warning(message: Warning | str, category: type[Warning], *place: Any, **more: Any) -> None:
+    """What was wrong with the cache is told as a note."""
+    if issubclass(category, CacheWarning):
+        say(f"note: {message}", stderr=True)
+    else:
+        _python_shows(message, category, *place, **more)

@@ -49,6 +49,8 @@ def _say(results: Results, summary: Summary, explored: Explored) -> None:
         what = f"all {summary.finished} runs were there"
     if explored.again:
         what += f", {explored.again} made again for their waveforms"
+    if explored.damaged:
+        what += f"; waveforms of {explored.damaged} runs were gone or damaged"
     if explored.extended:
         what += f"; the study was extended, its {explored.before} runs are kept"
     screen.print(f"{folder}: {what}", soft_wrap=True)

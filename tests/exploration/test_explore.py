@@ -89,9 +89,29 @@ def test_waveforms_near_the_boundary_are_kept_and_no_others(tmp_path: Path) -> N
         assert 0 < len(near) < 128
         assert set(folder.kept()) == near
         assert all(folder.waveforms(number) is not None for number in near)
+        tries = folder.attempts()
+        assert sorted(attempt.run for attempt in tries) == sorted([*range(128), *near])
+        assert {attempt.cause for attempt in tries} == {""}
+        assert 1 <= len({attempt.maker for attempt in tries}) <= 2
     assert summary.kept == len(near)
     assert summary.simulated == 128 + len(near)
     assert summary.irreproducible == 0
+
+
+@pytest.mark.thorough
+def test_damaged_waveforms_are_noticed_and_made_again(tmp_path: Path) -> None:
+    study = study_of(levels=8, keep=Keep.NEAR_BOUNDARY)
+    assert run(tmp_path, study).damaged == 0
+    before = content(tmp_path)
+    first, second, *_ = sorted((tmp_path / "waveforms").iterdir())
+    with StudyFolder.open(tmp_path) as folder:
+        harmed = sum(file in (first.name, second.name) for file in folder.kept().values())
+    first.write_bytes(b"")
+    second.write_bytes(second.read_bytes()[:-1] + b"x")
+    summary = run(tmp_path, study)
+    assert (summary.damaged, summary.again) == (harmed, harmed)
+    assert content(tmp_path) == before
+    assert run(tmp_path, study).damaged == 0
 
 
 def test_a_run_that_differs_when_simulated_again_is_reported(tmp_path: Path) -> None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dse.api import workspace_of
 from dse.cli.app import app
-from dse.cli.arguments import FmiVersion, Fresh, Fuse, Gate, NewFolder, StudyName, Threads, Workers
+from dse.cli.arguments import FmiVersion, Fresh, Fuse, Gate, NewFolder, Sandbox, StudyName, Threads, Workers
 
 
 @app.command()
@@ -17,6 +17,7 @@ def explore(
     fuse: Fuse = False,
     fresh: Fresh = False,
     gate: Gate = False,
+    sandbox: Sandbox = False,
 ) -> None:
     """Explore a study's design variables (PET).
 
@@ -25,5 +26,5 @@ def explore(
     from dse.api import ExploreOptions
     from dse.cli.exploring import explore_and_show
 
-    options = ExploreOptions(workers, threads, fuse, fresh, version)
+    options = ExploreOptions(workers, threads, fuse, fresh, version, sandbox)
     explore_and_show(workspace_of(study).study(study), folder, options, gate=gate)

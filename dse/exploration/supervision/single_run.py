@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import tempfile
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
 from dse.domain.run import Run, RunRequest
 from dse.exploration.supervision.supervisor import Supervisor
 from dse.exploration.work import Batch, MakeRunner, Runnable, Work
-from dse.storage import Measures, RowBlock, read_waveforms, waveform_file
+from dse.storage import Attempt, Measures, RowBlock, read_waveforms, waveform_file
 
 
 @dataclass(slots=True)
@@ -22,6 +23,9 @@ class _Kept:
     def rows(self, _batch: Batch, block: RowBlock) -> None:
         self.block = block
 
+    def tried(self, attempts: Sequence[Attempt]) -> None:
+        pass
+
     def ended(self, _batch: Batch, kept: tuple[int, ...]) -> None:
         self.waveforms = kept
 
@@ -29,17 +33,19 @@ class _Kept:
         pass
 
 
-def simulate_alone(prepared: Runnable, make_runner: MakeRunner, configuration: str, measures: Measures) -> Run:
+def simulate_alone(
+    prepared: Runnable, make_runner: MakeRunner, configuration: str, measures: Measures, *, sandboxed: bool = False
+) -> Run:
     """The run of *prepared* at its own point, with its waveforms unless it failed; its number is 0.
 
-    Raises DseError if the worker cannot even start.
+    Raises DseError if the worker cannot even start, or no sandbox can be had that is asked for.
     """
     request, kept = RunRequest(0, configuration, {}), _Kept()
     with tempfile.TemporaryDirectory(prefix="dse-") as scratch:
         folder = Path(scratch)
-        work = Work({configuration: prepared}, make_runner, folder, measures)
+        work = Work({configuration: prepared}, make_runner, folder, measures, folder / "spool")
         batch = Batch(0, configuration, (request,), waveform_file(0, 0))
-        with Supervisor(work, kept, workers=1) as supervisor:
+        with Supervisor(work, kept, workers=1, sandboxed=sandboxed) as supervisor:
             supervisor.work_off([batch])
         assert kept.block is not None  # noqa: S101  # a supervisor gives a row for every run
         # As a study folder has it, where a zero has no sign.

@@ -12,7 +12,7 @@ from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from pathlib import Path
 
-from dse.fmu.toolchain.compiler import Compiler, environment
+from dse.fmu.toolchain.compiler import Compiler, environment, no_compiler
 from dse.scratch import ScratchFolder
 
 # No contraction: a*b+c rounds twice everywhere, so results do not depend on the processor's instructions.
@@ -169,6 +169,8 @@ def _made(
 
 
 def _run(compiler: Compiler, arguments: Iterable[str], folder: Path) -> subprocess.CompletedProcess[str]:
+    if not compiler.command:
+        raise no_compiler()
     command = [*compiler.command, *arguments]
     try:
         return subprocess.run(
