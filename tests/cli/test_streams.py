@@ -40,7 +40,7 @@ def shell(example, cache):
         ("{dse} enumerate acc_vehicle --count <&- 2>&-", 0, "acc_vehicle: ", ""),
         ("{dse} docs <&- >&- 2>&-", 0, "", ""),
         ("{dse} docs no_page <&- >&-", 1, "", "there is no page 'no_page'\n"),
-        ("{dse} export uvl acc_vehicle -o /dev/full", 1, "", "cannot write '/dev/full': No space left on device\n"),
+        ("{dse} export uvl acc_vehicle -o /dev/full", 1, "", "cannot write /dev/full: No space left on device\n"),
     ],
 )
 def test_streams_are_what_they_are(shell, line, code, output, errors):
