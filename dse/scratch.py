@@ -1,4 +1,7 @@
-"""Temporary folders: each goes with its context, and what dead processes left behind goes when the next one is made."""
+"""What is there for a while: folders that go with their context, files until they become what the user wants.
+
+What dead processes left behind of such folders goes when the next one is made.
+"""
 
 from __future__ import annotations
 
@@ -8,7 +11,8 @@ import shutil
 import sys
 import tempfile
 import zlib
-from contextlib import suppress
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
 from functools import cache
 from pathlib import Path
 
@@ -88,3 +92,30 @@ def _start_of(process: int) -> int:
         return 0
     except psutil.Error as error:
         raise OSError(str(error)) from error
+
+
+@contextmanager
+def written_whole(target: Path) -> Iterator[Path]:
+    """Gives the path to write what the user wants to have in *target*, which then is there whole or as it was before.
+
+    A pipe or device is written itself, a link stays one. OSError inside becomes a DseError.
+    """
+    real = Path(os.path.realpath(target))
+    is_special = real.exists() and not real.is_file()
+    aside = real if is_special else real.with_name(f".{real.stem[:99]}.{os.getpid()}.part{real.suffix}")
+    try:
+        yield aside
+        if not is_special:
+            aside.replace(real)
+    except OSError as error:
+        raise fail(f"cannot write {target}: {error.strerror or error}", hint="choose another place with -o") from error
+    finally:
+        if not is_special:
+            with suppress(OSError):
+                aside.unlink(missing_ok=True)
+
+
+def write_whole(target: Path, content: str | bytes) -> None:
+    """Write *content*, text as UTF-8, to *target*, which the user named: whole or not at all. Raises DseError."""
+    with written_whole(target) as path:
+        path.write_bytes(content.encode() if isinstance(content, str) else content)

@@ -102,14 +102,14 @@ class Results:
     ) -> Path:
         """Write the HTML report to *target* (``report.html`` in the folder) and return its path.
 
-        It holds the waveforms of at most so many runs. Nothing is simulated. *on_problems* is told of figures that
-        could not be drawn; by default they are warnings.
+        It holds the waveforms of at most so many runs. Nothing is simulated. *on_problems* is told of waveforms that
+        are gone or damaged and of figures that could not be drawn; by default these are warnings.
         """
         from dse.report import read_content, write_report
 
         page = Path(target) if target is not None else self.folder / "report.html"
         content = read_content(self.folder, waveforms)
-        if problems := write_report(content, page):
+        if problems := (*content.missing, *write_report(content, page)):
             (on_problems or _warn)(problems)
         return page
 

@@ -36,6 +36,8 @@ from dse.exploration.supervision.worker_process import Assignment, WorkerProcess
 from dse.exploration.work import Batch, Sink, Work
 from dse.scratch import ScratchFolder
 from dse.scratch import ScratchFolder
+from dse.scratch import ScratchFolder
+from dse.scratch import ScratchFolder
 from dse.storage import Attempt, RowBlock, block_of, made_by, read_spool, spooled_names
 
 START_TIMEOUT = 60.0
@@ -414,6 +416,14 @@ class Supervisor:
         runs = [failed_run(request, problem) for request in batch.todo if number in (None, request.number)]
         if runs:
             self._sink.rows(batch, block_of(runs, self._setup.measures, [seconds] * len(runs)))
+
+
+def _beside(spool: Path) -> tempfile.TemporaryDirectory[str]:
+    return tempfile.TemporaryDirectory(prefix=_FOLDER, dir=spool.absolute(), ignore_cleanup_errors=True)
+
+
+def _beside(spool: Path) -> tempfile.TemporaryDirectory[str]:
+    return tempfile.TemporaryDirectory(prefix=_FOLDER, dir=spool.absolute(), ignore_cleanup_errors=True)
 
 
 def _beside(spool: Path) -> tempfile.TemporaryDirectory[str]:
