@@ -6,7 +6,9 @@ from .difference import changed_inputs as changed_inputs, changed_results as cha
 from .export.tables import EXPORTS as EXPORTS, columns_of as columns_of, to_frame as to_frame
 from .folder import StudyFolder as StudyFolder
 from .rows import Measures as Measures, RowBlock as RowBlock, block_of as block_of
+from .run_store import RunStore as RunStore
 from .waveforms import (
+    gather_waveforms as gather_waveforms,
     read_all_waveforms as read_all_waveforms,
     read_waveforms as read_waveforms,
     waveform_file as waveform_file,

@@ -7,19 +7,21 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from dse.cache import cache_folder
 from dse.domain.study import ExecutorChoice
 from dse.errors import fail
 from dse.exploration import (
     Executor,
     ExplorationInterruptedError,
     Explored,
+    KnownRuns,
     Progress,
     explore,
     load_executor,
     simulate_alone,
 )
-from dse.storage import StudyFolder, StudyHeader
-from dse.testbench import PreparedStudy, fuse_study, make_runner, prepare_study
+from dse.storage import RunStore, StudyFolder, StudyHeader
+from dse.testbench import PreparedStudy, address_of, fuse_study, machine_key, make_runner, prepare_study
 
 if TYPE_CHECKING:
     from dse.domain.run import Run
@@ -74,8 +76,17 @@ def explore_into(
     executor = executor_of(study, options)
     if options.fresh:
         StudyFolder.discard(folder)
+    known = known_runs(planned, reads=not options.fresh)
     with StudyFolder.resume(folder, planned.definition) as store:
-        return explore(study, planned.benches, store, executor=executor, on_progress=on_progress)
+        return explore(study, planned.benches, store, executor=executor, on_progress=on_progress, known=known)
+
+
+def known_runs(planned: PreparedStudy, *, reads: bool = True) -> KnownRuns:
+    """What the cache has of the runs of *planned*."""
+    addresses = {name: address for name, bench in planned.benches.items() if (address := address_of(bench))}
+    kept = {name: bench.recording.kept for name, bench in planned.benches.items()}
+    store = RunStore(cache_folder() / "runs" / machine_key())
+    return KnownRuns(store, addresses, StudyHeader(planned.definition).measures, kept, reads=reads)
 
 
 def executor_of(study: Study, options: ExploreOptions) -> Executor:
