@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from hashlib import blake2b
 
 import numpy as np
@@ -19,15 +19,26 @@ NOT_GIVEN = np.array([0x7FF8_DE5E_DE5E_DE5E], dtype="<u8").view("<f8")
 class Address:
     """What names the runs of one configuration.
 
-    *key* stands for all that decides their results but the values they are given: runs with another key have nothing to
-    do with each other. *names* are what they are given, sorted, *values* what that is at the bench's own point, one
-    float64 (little-endian) each. *places* are the positions in both that a value of a point goes to, by its name.
+    *key* stands for all that decides their results but the values they are given, *machine* for the arithmetic they
+    were made with: runs of another key or machine have nothing to do with each other. *names* are what they are given,
+    sorted, *values* what that is at the bench's own point, one float64 (little-endian) each. *places* are the positions
+    in both that a value of a point goes to, by its name.
     """
 
     key: str
     names: tuple[str, ...]
     values: bytes
     places: Mapping[str, tuple[int, ...]]
+    machine: str = ""
+
+    @property
+    def entry(self) -> str:
+        """Where its runs are kept, as a path of two parts."""
+        return f"{self.machine}/{self.key}"
+
+    def names_alike(self, other: Address) -> bool:
+        """Whether the same points name the same runs, wherever they were made."""
+        return replace(self, machine="") == replace(other, machine="")
 
     def of(self, variables: Sequence[str], points: NDArray[np.float64]) -> NDArray[np.uint8]:
         """The names of runs at *points* (n, *variables*), as bytes (n, 16). KeyError for what no point may set.

@@ -14,9 +14,12 @@ from numpy.typing import NDArray
 
 from dse.domain.address import Address
 from dse.domain.run import RunRequest
-from dse.errors import DseError
+from dse.errors import DseError, fail
 from dse.exploration.work import Batch
-from dse.storage import Measures, RowBlock, RunStore, gather_waveforms
+from dse.storage import Measures, RowBlock, RunStore, StudyFolder, gather_waveforms
+
+NOT_REPRODUCIBLE = "not reproducible: "
+"""What is said of a run begins with it if it gave another result when it was made again."""
 
 _PUT_EVERY = 1.0
 _COLUMNS = ("numbers", "done", "metrics", "verdicts", "margins", "wall")
@@ -53,13 +56,13 @@ class KnownRuns:
         self._put = time.monotonic()
 
     def rows(self, requests: Iterable[RunRequest]) -> Iterator[tuple[list[RunRequest], RowBlock]]:
-        """Those of *requests*, sorted by configuration, of which there is a row, with these rows."""
-        for configuration, group in groupby(requests, key=lambda request: request.configuration):
+        """Those of *requests* of which there is a row, by configuration, with these rows."""
+        for configuration, group in groupby(_sorted(requests), key=_configuration):
             asked = list(group)
             names = self._names(configuration, asked) if self._reads else None
             if names is None:
                 continue
-            at, block = self._store.find(self._addresses[configuration].key, names, *self._counts)
+            at, block = self._store.find(self._addresses[configuration].entry, names, *self._counts)
             if len(at):
                 there = [asked[row] for row in at.tolist()]
                 numbers = np.array([request.number for request in there], dtype=np.int64)
@@ -74,7 +77,7 @@ class KnownRuns:
         names = self._names(batch.configuration, [requests[n] for n in block.numbers.tolist()])
         if names is None:
             return
-        key = self._addresses[batch.configuration].key
+        key = self._addresses[batch.configuration].entry
         self._waiting.setdefault(key, []).append((names, block))
         if time.monotonic() - self._put > _PUT_EVERY:
             self.put()
@@ -84,22 +87,24 @@ class KnownRuns:
         names = self._names(batch.configuration, [r for r in batch.requests if r.number == number])
         if names is not None and self._writes:
             self.put()
-            self._store.withdraw(self._addresses[batch.configuration].key, names)
+            self._store.withdraw(self._addresses[batch.configuration].entry, names)
 
-    def put(self) -> None:
-        """Give the store what is waiting."""
+    def put(self) -> bool:
+        """Give the store what is waiting; False if it cannot keep it."""
         waiting, self._waiting = self._waiting, {}
+        done = True
         for key, added in waiting.items():
             names = np.concatenate([names for names, _ in added])
-            self._store.add(key, names, _ordered(_joined([block for _, block in added]), self._to_store))
+            done &= self._store.add(key, names, _ordered(_joined([block for _, block in added]), self._to_store))
         self._put = time.monotonic()
+        return done
 
     def make_file(self, batch: Batch, file: Path) -> bool:
         """Write the *file* of waveforms of *batch* from those that are there; False unless all of them are."""
         names = self._names(batch.configuration, batch.requests) if self._reads else None
         if names is None:
             return False
-        places = [place for place in self._store.places(self._addresses[batch.configuration].key, names) if place]
+        places = [place for place in self._store.places(self._addresses[batch.configuration].entry, names) if place]
         if len(places) < len(names):
             return False
         try:
@@ -114,7 +119,7 @@ class KnownRuns:
         there = set(kept)
         names = self._names(batch.configuration, [r for r in batch.requests if r.number in there])
         if names is not None and kept and self._writes:
-            self._store.add_waveforms(self._addresses[batch.configuration].key, names, sorted(there), file)
+            self._store.add_waveforms(self._addresses[batch.configuration].entry, names, sorted(there), file)
 
     def _names(self, configuration: str, requests: Sequence[RunRequest]) -> NDArray[np.uint8] | None:
         address = self._addresses.get(configuration)
@@ -125,6 +130,38 @@ class KnownRuns:
             return None
         points = np.array([tuple(request.point.values()) for request in requests], dtype=np.float64)
         return address.of(variables, points.reshape(len(requests), len(variables)))
+
+
+def give(folder: StudyFolder, store: RunStore) -> None:
+    """Give *store* all runs of *folder* that came to their end, with their waveforms. DseError if it cannot keep them.
+
+    Those that were not reproducible are left out.
+    """
+    table = folder.table()
+    known = KnownRuns(store, folder.addresses(), folder.header.measures, {})
+    fit = zip(table.requests(), table.done.tolist(), table.problems, strict=True)
+    requests = {r.number: r for r, done, said in fit if done and not said.startswith(NOT_REPRODUCIBLE)}
+    there = {request.number for found, _ in known.rows(requests.values()) for request in found}
+    rows = {number: row for row, number in enumerate(table.numbers.tolist())}
+    files = folder.kept()
+    for configuration, group in groupby(_sorted(requests.values()), key=_configuration):
+        batch = Batch(0, configuration, tuple(group))
+        fresh = [rows[number] for number in batch.numbers if number not in there]
+        if fresh:
+            known.add(batch, table.block.part(np.array(fresh, dtype=np.intp)))
+        for file, numbers in groupby(batch.numbers, key=lambda number: files.get(number, "")):
+            if file:
+                known.add_file(batch, list(numbers), folder.waveform_folder / file)
+    if not known.put():
+        raise fail(f"the runs cannot be kept in {store.folder}", hint="set DSE_CACHE to a folder of yours with room")
+
+
+def _sorted(requests: Iterable[RunRequest]) -> list[RunRequest]:
+    return sorted(requests, key=lambda request: (request.configuration, request.number))
+
+
+def _configuration(request: RunRequest) -> str:
+    return request.configuration
 
 
 def _each(measures: Measures) -> tuple[tuple[str, ...], tuple[str, ...]]:

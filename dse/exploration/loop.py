@@ -14,7 +14,7 @@ from dse.exploration.asking import Asking
 from dse.exploration.batches import Chunks
 from dse.exploration.boundary import near_boundary
 from dse.exploration.executor import Executor
-from dse.exploration.known_runs import NOTHING_KNOWN, KnownRuns
+from dse.exploration.known_runs import NOT_REPRODUCIBLE, NOTHING_KNOWN, KnownRuns
 from dse.exploration.progress import Meter, Progress, Stage
 from dse.exploration.work import Batch, MakeRunner, Runnable, Work
 from dse.storage import RowBlock, StudyFolder
@@ -159,7 +159,7 @@ class _Sink:
 
     def take(self, requests: Iterable[RunRequest]) -> None:
         """Store those of *requests* that are known."""
-        for there, block in self._known.rows(sorted(requests, key=lambda r: (r.configuration, r.number))):
+        for there, block in self._known.rows(requests):
             self._store(there[0].configuration, there, block)
             self.taken += len(block)
 
@@ -223,7 +223,7 @@ class _Sink:
         for row in np.flatnonzero(again.differs_from(stored)).tolist():
             number = numbers[row]
             why = again.problems.get(number, "") if not again.done[row] else "another result"
-            self._folder.set_problem(number, f"not reproducible: simulated again it gave {why}")
+            self._folder.set_problem(number, f"{NOT_REPRODUCIBLE}simulated again it gave {why}")
             self.irreproducible.add(number)
             self._known.withdraw(batch, number)
             if not again.done[row]:

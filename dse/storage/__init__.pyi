@@ -2,7 +2,11 @@ from .database.asks import Asks as Asks
 from .database.connection import damaged_study as damaged_study
 from .database.header import StudyHeader as StudyHeader
 from .database.table import RunTable as RunTable
-from .difference import changed_inputs as changed_inputs, changed_results as changed_results
+from .difference import (
+    changed_inputs as changed_inputs,
+    changed_results as changed_results,
+    changed_study as changed_study,
+)
 from .export.tables import EXPORTS as EXPORTS, columns_of as columns_of, to_frame as to_frame
 from .folder import StudyFolder as StudyFolder
 from .rows import Measures as Measures, RowBlock as RowBlock, block_of as block_of

@@ -5,20 +5,24 @@ from __future__ import annotations
 import sqlite3
 import time
 from collections.abc import Mapping, Sequence
+from contextlib import closing
 from dataclasses import replace
 from pathlib import Path
 from types import TracebackType
 
+from dse.domain.address import Address
 from dse.domain.bench import VERDICTS
 from dse.domain.component import Value
 from dse.domain.definition import StudyDefinition
 from dse.domain.run import Outcome, Run, RunRequest, Waveforms
 from dse.errors import Location, fail
+from dse.storage.database.addresses import read_addresses, write_addresses
 from dse.storage.database.asks import Asks, blocks_of, write_asks
 from dse.storage.database.connection import (
     NAME,
     connect,
     damaged_study,
+    fill,
     lay_out,
     located,
     migrate,
@@ -90,6 +94,26 @@ class StudyFolder:
             folder.forget_lost()
         except BaseException:
             folder.close()
+            raise
+        return folder
+
+    @classmethod
+    def rehearsal(cls, path: Path, definition: StudyDefinition) -> StudyFolder:
+        """What `resume` would give, as a copy that is gone when it is closed: *path* is left as it is."""
+        copy = sqlite3.connect("", isolation_level=None)  # a file that SQLite removes
+        try:
+            with located(path):
+                if (path / NAME).exists():
+                    with closing(connect(path, write=False)) as stored:
+                        stored.backup(copy)
+                else:
+                    fill(copy, StudyHeader(definition))
+                header, asks = read_header(copy, path)
+            folder = cls(path, header, copy, asks)
+            folder.take_up(definition)
+            folder.forget_lost()
+        except BaseException:
+            copy.close()
             raise
         return folder
 
@@ -170,6 +194,21 @@ class StudyFolder:
                 self._begin()
                 write_asks(self._connection, () if stored else blocks)
                 write_header(self._connection, header)
+            self.commit()
+
+    def addresses(self) -> dict[str, Address]:
+        """What names the runs of each configuration, as far as it is known."""
+        with located(self.path):
+            return read_addresses(self._connection)
+
+    def note_addresses(self, addresses: Mapping[str, Address]) -> None:
+        """Note *addresses* of configurations of which none is known yet."""
+        there = self.addresses()
+        fresh = {name: address for name, address in addresses.items() if name not in there}
+        if fresh:
+            with located(self.path):
+                self._begin()
+                write_addresses(self._connection, fresh)
             self.commit()
 
     def table(self, numbers: Sequence[int] = ()) -> RunTable:

@@ -58,7 +58,7 @@ def address_of(prepared: PreparedBench) -> Address | None:
         if setting.type.kind is not Kind.ENUMERATION
     }
     values = np.array([given[name] for name in names], dtype="<f8").tobytes()
-    return Address(_key(prepared), names, values, places)
+    return Address(_key(prepared), names, values, places, machine_key())
 
 
 @cache

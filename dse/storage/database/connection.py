@@ -57,12 +57,17 @@ def lay_out(path: Path, header: StudyHeader) -> None:
     aside = path / f"{NAME}.part"
     aside.unlink(missing_ok=True)
     with located(path), closing(sqlite3.connect(aside, isolation_level=None)) as connection:
-        connection.execute("BEGIN")
-        for statement in statements(header):
-            connection.execute(statement)
-        write_header(connection, header)
-        connection.execute("COMMIT")
+        fill(connection, header)
     aside.replace(path / NAME)
+
+
+def fill(connection: sqlite3.Connection, header: StudyHeader) -> None:
+    """Make the tables of an empty study in an empty database."""
+    connection.execute("BEGIN")
+    for statement in statements(header):
+        connection.execute(statement)
+    write_header(connection, header)
+    connection.execute("COMMIT")
 
 
 def connect(path: Path, *, write: bool) -> sqlite3.Connection:
