@@ -1,3 +1,4 @@
+from .attempts import Attempt as Attempt, this_process as this_process
 from .database.asks import Asks as Asks
 from .database.connection import damaged_study as damaged_study
 from .database.header import StudyHeader as StudyHeader
@@ -11,6 +12,13 @@ from .export.tables import EXPORTS as EXPORTS, columns_of as columns_of, to_fram
 from .folder import StudyFolder as StudyFolder
 from .rows import Measures as Measures, RowBlock as RowBlock, block_of as block_of
 from .run_store import RunStore as RunStore
+from .spool import (
+    Spooled as Spooled,
+    SpoolWriter as SpoolWriter,
+    assemble as assemble,
+    clear_spool as clear_spool,
+    read_spool as read_spool,
+)
 from .waveforms import (
     gather_waveforms as gather_waveforms,
     read_all_waveforms as read_all_waveforms,

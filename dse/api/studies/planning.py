@@ -2,16 +2,13 @@
 
 from __future__ import annotations
 
-import os
-from collections import Counter
-from collections.abc import Iterable, Iterator, Mapping
-from contextlib import contextmanager
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING
 
 from dse.cache import cache_folder
-from dse.exploration import Batch, KnownRuns, Pool, Sink, Work, explore, give
+from dse.exploration import KnownRuns
 from dse.storage import RunStore, StudyFolder, StudyHeader, changed_study
 from dse.testbench import PreparedStudy, address_of
 
