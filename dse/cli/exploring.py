@@ -8,10 +8,13 @@ from typing import TYPE_CHECKING
 import typer
 
 from dse.cli.app import DONE, INTERRUPTED, RUNS_FAILED
-from dse.cli.terminal import console, plain, plain_table, print_table, say
+from dse.cli.arguments import Output
+from dse.cli.terminal import console, plain, plain_table, print_json, print_table, say
 
 if TYPE_CHECKING:
-    from dse.api import Explored, ExploreOptions, Progress, Results, Summary
+    from collections.abc import Iterator
+
+    from dse.api import Explored, ExploreOptions, Plan, Progress, Results, Summary
     from dse.domain.study import Study
 
 _MOST_PROBLEMS = 5
@@ -22,6 +25,11 @@ def explore_and_show(study: Study, folder: Path, options: ExploreOptions, *, gat
     from dse.api import ExplorationInterruptedError, Results, explore_into, progress_bar
 
     screen = console(stderr=True)
+
+    def tell_changes(plan: Plan) -> None:
+        for line in _plan_lines(plan):
+            say(line, stderr=True)
+
     try:
         with screen.status("") as status, progress_bar(screen) as show:
 
@@ -29,7 +37,9 @@ def explore_and_show(study: Study, folder: Path, options: ExploreOptions, *, gat
                 status.stop()
                 show(progress)
 
-            explored = explore_into(study, folder, options, on_progress=advance, tell=status.update)
+            explored = explore_into(
+                study, folder, options, on_progress=advance, tell=status.update, on_changes=tell_changes
+            )
     except ExplorationInterruptedError as stop:
         say(f"{folder}: {stop}", stderr=True)
         raise typer.Exit(INTERRUPTED) from None
@@ -40,12 +50,50 @@ def explore_and_show(study: Study, folder: Path, options: ExploreOptions, *, gat
     raise typer.Exit(RUNS_FAILED if failed else DONE)
 
 
+def show_plan(study: Study, folder: Path, options: ExploreOptions, form: Output) -> None:
+    """Print what exploring *study* into *folder* would do."""
+    from dataclasses import asdict
+
+    from dse.api import plan_into
+
+    with console(stderr=True).status("") as status:
+        plan = plan_into(study, folder, options, tell=status.update)
+    if form is Output.JSON:
+        print_json(asdict(plan))
+        return
+    say(f"{folder}: {plan.runs} runs of {plan.configurations} configurations")
+    for line in _plan_lines(plan):
+        say(line)
+
+
+def _plan_lines(plan: Plan) -> Iterator[str]:
+    if plan.changes:
+        yield f"  changed: {', '.join(plan.changes)}"
+    yield f"  {plan.there} runs stay, {plan.known} were made before and are taken from the cache"
+    todo = f"  {plan.missing} of {plan.simulated} configurations are to be simulated"
+    if plan.again:
+        todo += f", {plan.again} again for their waveforms"
+    if plan.open_ended:
+        todo += "; then the sampler may ask for more"
+    yield todo
+    if plan.missing or plan.again:
+        yield f"  that takes {'an unknown time' if plan.seconds is None else _duration(plan.seconds)}"
+
+
+def _duration(seconds: float) -> str:
+    from datetime import timedelta
+
+    return "less than a second" if seconds < 1 else f"about {timedelta(seconds=round(seconds))}"
+
+
 def _say(results: Results, summary: Summary, explored: Explored) -> None:
 
     from dse.api import requirement_labels
 
     screen, folder = console(), results.folder
     what = f"{summary.finished} runs, {explored.new} of them new"
+    if explored.taken:
+        what += f", {explored.taken} made before and taken from the cache"
     if not explored.new:
         what = f"all {summary.finished} runs were there"
     if explored.again:

@@ -43,8 +43,8 @@ class KnownRuns:
         reads: bool = True,
         writes: bool = True,
     ) -> None:
-        self._store = store
-        self._addresses = addresses
+        self.store = store
+        self.addresses = addresses
         self._kept = kept
         self._reads = reads
         self._writes = writes
@@ -62,7 +62,7 @@ class KnownRuns:
             names = self._names(configuration, asked) if self._reads else None
             if names is None:
                 continue
-            at, block = self._store.find(self._addresses[configuration].entry, names, *self._counts)
+            at, block = self.store.find(self.addresses[configuration].entry, names, *self._counts)
             if len(at):
                 there = [asked[row] for row in at.tolist()]
                 numbers = np.array([request.number for request in there], dtype=np.int64)
@@ -70,14 +70,14 @@ class KnownRuns:
 
     def add(self, batch: Batch, block: RowBlock) -> None:
         """Note runs of *batch* that were made just now."""
-        if not self._writes or batch.configuration not in self._addresses:
+        if not self._writes or batch.configuration not in self.addresses:
             return
         requests = {request.number: request for request in batch.requests}
         block = block if block.done.all() else block.part(np.flatnonzero(block.done))
         names = self._names(batch.configuration, [requests[n] for n in block.numbers.tolist()])
         if names is None:
             return
-        key = self._addresses[batch.configuration].entry
+        key = self.addresses[batch.configuration].entry
         self._waiting.setdefault(key, []).append((names, block))
         if time.monotonic() - self._put > _PUT_EVERY:
             self.put()
@@ -87,7 +87,7 @@ class KnownRuns:
         names = self._names(batch.configuration, [r for r in batch.requests if r.number == number])
         if names is not None and self._writes:
             self.put()
-            self._store.withdraw(self._addresses[batch.configuration].entry, names)
+            self.store.withdraw(self.addresses[batch.configuration].entry, names)
 
     def put(self) -> bool:
         """Give the store what is waiting; False if it cannot keep it."""
@@ -95,7 +95,7 @@ class KnownRuns:
         done = True
         for key, added in waiting.items():
             names = np.concatenate([names for names, _ in added])
-            done &= self._store.add(key, names, _ordered(_joined([block for _, block in added]), self._to_store))
+            done &= self.store.add(key, names, _ordered(_joined([block for _, block in added]), self._to_store))
         self._put = time.monotonic()
         return done
 
@@ -104,7 +104,7 @@ class KnownRuns:
         names = self._names(batch.configuration, batch.requests) if self._reads else None
         if names is None:
             return False
-        places = [place for place in self._store.places(self._addresses[batch.configuration].entry, names) if place]
+        places = [place for place in self.store.places(self.addresses[batch.configuration].entry, names) if place]
         if len(places) < len(names):
             return False
         try:
@@ -119,10 +119,10 @@ class KnownRuns:
         there = set(kept)
         names = self._names(batch.configuration, [r for r in batch.requests if r.number in there])
         if names is not None and kept and self._writes:
-            self._store.add_waveforms(self._addresses[batch.configuration].entry, names, sorted(there), file)
+            self.store.add_waveforms(self.addresses[batch.configuration].entry, names, sorted(there), file)
 
     def _names(self, configuration: str, requests: Sequence[RunRequest]) -> NDArray[np.uint8] | None:
-        address = self._addresses.get(configuration)
+        address = self.addresses.get(configuration)
         if address is None or not requests:
             return None
         variables = tuple(requests[0].point)

@@ -130,6 +130,11 @@ class StudyFolder:
         return cls._connected(path, write=False)
 
     @staticmethod
+    def is_at(path: Path) -> bool:
+        """Whether there is a study in *path*, of whatever kind."""
+        return (path / NAME).exists()
+
+    @staticmethod
     def discard(path: Path) -> None:
         """Remove the study in *path* and nothing else; DseError if there is something there that is no study."""
         if not (path / NAME).exists():

@@ -7,27 +7,36 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from dse.cache import cache_folder
+from dse.api.studies.planning import Plan, changes_since, known_runs, plan, start_over
 from dse.domain.study import ExecutorChoice
 from dse.errors import fail
 from dse.exploration import (
     Executor,
     ExplorationInterruptedError,
     Explored,
-    KnownRuns,
     Progress,
     explore,
     load_executor,
     simulate_alone,
 )
-from dse.storage import RunStore, StudyFolder, StudyHeader
-from dse.testbench import PreparedStudy, address_of, fuse_study, machine_key, make_runner, prepare_study
+from dse.storage import StudyFolder, StudyHeader
+from dse.testbench import PreparedStudy, fuse_study, make_runner, prepare_study
 
 if TYPE_CHECKING:
     from dse.domain.run import Run
     from dse.domain.study import Study
 
-__all__ = ["ExplorationInterruptedError", "ExploreOptions", "Explored", "Progress", "alone", "explore_into", "ready"]
+__all__ = [
+    "ExplorationInterruptedError",
+    "ExploreOptions",
+    "Explored",
+    "Plan",
+    "Progress",
+    "alone",
+    "explore_into",
+    "plan_into",
+    "ready",
+]
 
 Tell = Callable[[str], None]
 """Is told what is going on while things are built."""
@@ -38,7 +47,8 @@ class ExploreOptions:
     """How a study is explored; its results do not depend on it.
 
     The local executor has so many *workers* (0: what the study says, or one for each processor), each with *threads*
-    runs at once. *fuse* links each configuration into one library first, *fresh* throws away what the folder holds.
+    runs at once. *fuse* links each configuration into one library first, *fresh* throws away what the folder holds
+    and simulates every run, whether it was made before or not.
     *fmi* is the version of the FMUs that are built.
     """
 
@@ -67,26 +77,36 @@ def explore_into(
     *,
     on_progress: Callable[[Progress], None] | None = None,
     tell: Tell | None = None,
+    on_changes: Callable[[Plan], None] | None = None,
 ) -> Explored:
-    """Have the study's executor make the runs that *folder* does not have yet.
+    """Have the study's executor make the runs that *folder* does not have yet, and that were not made elsewhere.
 
+    If the study's files have changed since *folder* was made, the folder becomes what a new one would be: *on_changes*
+    is told what will be done before it is. Earlier results stay in the cache.
     Raises DseError, and ExplorationInterruptedError on Ctrl-C; what was finished is stored then.
     """
     planned = ready(study, options.fmi, fuse=options.fuse, tell=tell)
     executor = executor_of(study, options)
+    known = known_runs(planned, reads=not options.fresh)
     if options.fresh:
         StudyFolder.discard(folder)
-    known = known_runs(planned, reads=not options.fresh)
+    elif changes_since(folder, planned, known.addresses):
+        if on_changes:
+            on_changes(plan(planned, folder, workers=options.workers))
+        start_over(folder)
     with StudyFolder.resume(folder, planned.definition) as store:
+        store.note_addresses(known.addresses)
         return explore(study, planned.benches, store, executor=executor, on_progress=on_progress, known=known)
 
 
-def known_runs(planned: PreparedStudy, *, reads: bool = True) -> KnownRuns:
-    """What the cache has of the runs of *planned*."""
-    addresses = {name: address for name, bench in planned.benches.items() if (address := address_of(bench))}
-    kept = {name: bench.recording.kept for name, bench in planned.benches.items()}
-    store = RunStore(cache_folder() / "runs" / machine_key())
-    return KnownRuns(store, addresses, StudyHeader(planned.definition).measures, kept, reads=reads)
+def plan_into(study: Study, folder: Path, options: ExploreOptions, *, tell: Tell | None = None) -> Plan:
+    """What `explore_into` would do. FMUs are built, nothing is simulated, and *folder* is left as it is.
+
+    Raises DseError as exploring would.
+    """
+    planned = ready(study, options.fmi, fuse=options.fuse, tell=tell)
+    executor_of(study, options)
+    return plan(planned, folder, workers=options.workers, fresh=options.fresh)
 
 
 def executor_of(study: Study, options: ExploreOptions) -> Executor:
