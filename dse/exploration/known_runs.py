@@ -52,7 +52,7 @@ class KnownRuns:
         # In the store metrics and requirements are sorted: their order in a study does not matter.
         self._to_store = [np.argsort(np.array(names, dtype=np.str_), kind="stable") for names in _each(measures)]
         self._from_store = [np.argsort(order) for order in self._to_store]
-        self._waiting: dict[str, list[tuple[NDArray[np.uint8], RowBlock]]] = {}
+        self._waiting: dict[str, list[tuple[list[RunRequest], RowBlock]]] = {}
         self._put = time.monotonic()
 
     def rows(self, requests: Iterable[RunRequest]) -> Iterator[tuple[list[RunRequest], RowBlock]]:
@@ -73,12 +73,8 @@ class KnownRuns:
         if not self._writes or batch.configuration not in self.addresses:
             return
         requests = {request.number: request for request in batch.requests}
-        block = block if block.done.all() else block.part(np.flatnonzero(block.done))
-        names = self._names(batch.configuration, [requests[n] for n in block.numbers.tolist()])
-        if names is None:
-            return
-        key = self.addresses[batch.configuration].entry
-        self._waiting.setdefault(key, []).append((names, block))
+        made = [requests[number] for number in block.numbers.tolist()]
+        self._waiting.setdefault(batch.configuration, []).append((made, block))
         if time.monotonic() - self._put > _PUT_EVERY:
             self.put()
 
@@ -93,9 +89,14 @@ class KnownRuns:
         """Give the store what is waiting; False if it cannot keep it."""
         waiting, self._waiting = self._waiting, {}
         done = True
-        for key, added in waiting.items():
-            names = np.concatenate([names for names, _ in added])
-            done &= self.store.add(key, names, _ordered(_joined([block for _, block in added]), self._to_store))
+        for configuration, added in waiting.items():
+            block = _joined([block for _, block in added])
+            fit = np.flatnonzero(block.done)
+            requests = [request for made, _ in added for request in made]
+            names = self._names(configuration, requests)
+            if names is not None and len(fit):
+                rows = _ordered(block.part(fit), self._to_store)
+                done &= self.store.add(self.addresses[configuration].entry, names[fit], rows)
         self._put = time.monotonic()
         return done
 
