@@ -15,7 +15,7 @@ PIP := $(if $(UV),$(UV) pip install --quiet --python $(VENV),$(BIN)/python -m pi
 # A machine without a C compiler gets one as a wheel.
 EXTRA := $(shell command -v $${CC:-cc} >/dev/null 2>&1 || command -v gcc >/dev/null 2>&1 || command -v clang >/dev/null 2>&1 || echo "[toolchain]")
 
-.PHONY: demo test thorough rest check nightly bench setup clean lint types layers web plugin
+.PHONY: demo test thorough rest check nightly bench faults setup clean lint types layers web plugin
 
 setup: $(VENV)/.ready
 
@@ -87,6 +87,11 @@ bench: setup
 	$(BIN)/python benchmarks/bench_space.py
 	$(BIN)/python benchmarks/bench_modelica.py
 	$(BIN)/python benchmarks/bench_startup.py
+
+# Every call of the system that a small study makes fails once, and 200 signals; hours. What is in out/faults.jsonl is done.
+faults: setup
+	PYTHONPATH=tests $(BIN)/python -m faults.everything --write
+	PYTHONPATH=tests $(BIN)/python -m faults.storm --write
 
 clean:
 	rm -rf out dist build dse/report/web/dist dse/report/web/node_modules dse/cosim/_kernel.* $(VENV)

@@ -18,23 +18,29 @@ _LONGEST = 300
 _START = {"PYTHONUTF8": "0", "LC_ALL": "C", "COLUMNS": "100"}
 
 
-def run_dse(folder: Path, *arguments: str, cache: Path) -> subprocess.CompletedProcess[str]:
-    """What ``dse ARGUMENTS`` prints and returns in *folder*; it ends with a signal after five minutes."""
-    environment = {**os.environ, **_START, "DSE_CACHE": str(cache)}
+def run_dse(
+    folder: Path, *arguments: str, cache: Path, longest: int = _LONGEST, **more: str
+) -> subprocess.CompletedProcess[str]:
+    """What ``dse ARGUMENTS`` prints and returns in *folder*; it ends with a signal after *longest* seconds.
+
+    *more* of the environment can name a library in LD_PRELOAD; if that has ``faults_arm``, it is told when the command
+    begins, with the file that DSE_TESTS_FAULTS names (tests/faults/shim.c).
+    """
+    environment = {**os.environ, **_START, "DSE_CACHE": str(cache), **more}
     if sys.platform != "linux":
         command = [sys.executable, "-m", "dse", *arguments]
         return subprocess.run(
-            command, cwd=folder, env=environment, capture_output=True, encoding="utf-8", check=False, timeout=_LONGEST
+            command, cwd=folder, env=environment, capture_output=True, encoding="utf-8", check=False, timeout=longest
         )
     import tempfile
 
     with tempfile.TemporaryDirectory() as scratch:
         outputs = [Path(scratch, "out"), Path(scratch, "err")]
         job = {"folder": str(folder), "arguments": arguments, "environment": environment, "scratch": scratch}
-        server = _server()
+        server = _server(more.get("LD_PRELOAD", ""))
         assert server.stdin
         assert server.stdout
-        server.stdin.write(json.dumps(job) + "\n")
+        server.stdin.write(json.dumps({**job, "longest": longest}) + "\n")
         server.stdin.flush()
         code = int(server.stdout.readline())
         out, err = (path.read_bytes().decode("utf-8").replace("\r\n", "\n") for path in outputs)
@@ -42,8 +48,8 @@ def run_dse(folder: Path, *arguments: str, cache: Path) -> subprocess.CompletedP
 
 
 @cache
-def _server() -> subprocess.Popen[str]:
-    environment = {**os.environ, **_START}
+def _server(preload: str) -> subprocess.Popen[str]:
+    environment = {**os.environ, **_START} | ({"LD_PRELOAD": preload} if preload else {})
     pipe = subprocess.PIPE
     started = subprocess.Popen([sys.executable, __file__], env=environment, stdin=pipe, stdout=pipe, encoding="utf-8")
     atexit.register(_stop, started)
@@ -73,7 +79,8 @@ def _serve() -> None:
         answers.flush()
 
 
-def _be_dse(folder: str, arguments: list[str], environment: dict[str, str], scratch: str) -> None:
+def _be_dse(folder: str, arguments: list[str], environment: dict[str, str], scratch: str, longest: int) -> None:
+    import ctypes
     import signal
     from importlib import import_module
 
@@ -86,12 +93,17 @@ def _be_dse(folder: str, arguments: list[str], environment: dict[str, str], scra
     os.environ.update(environment)
     sys.argv = ["dse", *arguments]
     sys.path[:0] = [folder, *environment.get("PYTHONPATH", "").split(os.pathsep)]  # as python -m does
-    signal.alarm(_LONGEST)
+    signal.alarm(longest)
     # Workers of a study import the main module again, by its name.
     sys.modules["__main__"] = module = import_module("dse.__main__")
+    faults = environment.get("DSE_TESTS_FAULTS", "")
     try:
+        if faults:
+            ctypes.CDLL(None).faults_arm(faults.encode())
         module.main()
     finally:
+        if faults:
+            ctypes.CDLL(None).faults_disarm()
         needed = [name for name in sys.modules if name not in before and name != "dse.__main__"]
         Path(scratch, "modules").write_text("\n".join(needed), encoding="utf-8")
 

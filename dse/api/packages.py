@@ -14,9 +14,9 @@ if TYPE_CHECKING:
     from dse.interchange import PreparedPackage
 
 
-def simulate_package(package: PreparedPackage) -> Run:
-    """The run of the package at its own point; its waveforms are the package's signals by name."""
-    run = simulate_alone(package.bench, make_runner, "ssp", Measures())
+def simulate_package(package: PreparedPackage, *, sandbox: bool = False) -> Run:
+    """The run of the package at its own point; its waveforms are the package's signals by name; see `Study.explore`."""
+    run = simulate_alone(package.bench, make_runner, "ssp", Measures(), sandboxed=sandbox)
     if run.waveforms is None:
         return run
     return replace(run, waveforms=package.signals(run.waveforms))

@@ -26,8 +26,8 @@ def model_of(name: str, *, version: int = 2) -> FmuModel:
     return open_fmu(build(Workspace.around(Path()).component(name), version=version))
 
 
-def probe_fmu(model: FmuModel, *, timeout: float, tell: Callable[[Question], None]) -> FmuFacts:
+def probe_fmu(model: FmuModel, *, timeout: float, tell: Callable[[Question], None], sandbox: bool = False) -> FmuFacts:
     """Make the experiments, each of at most *timeout* seconds, and keep what they show in the cache."""
-    facts = probe(model, this_platform().name, limits=ProbeLimits(time=timeout), tell=tell)
+    facts = probe(model, this_platform().name, limits=ProbeLimits(time=timeout), tell=tell, sandboxed=sandbox)
     keep_facts(facts)
     return facts

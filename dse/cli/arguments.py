@@ -90,3 +90,19 @@ Choose = Annotated[
     typer.Option("--choose", metavar="PLACE=CHOICE", help="What is chosen where, as 'sensor=lidar_905nm'."),
 ]
 Seed = Annotated[int, typer.Option("--seed", min=0, help="Where random draws start; the same seed, the same draws.")]
+
+
+def _sandbox(asked: bool) -> bool:
+    """Say what holds in the sandbox; DseError, before anything is done, where there is none."""
+    if asked:
+        from dse.cli.terminal import say
+        from dse.sandbox import enforced
+
+        say(f"sandbox: FMUs have {enforced()}", stderr=True)
+    return asked
+
+
+Sandbox = Annotated[
+    bool,
+    typer.Option("--sandbox", callback=_sandbox, help="Keep FMUs from the network, and from files (Linux)."),
+]

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import typer
 
-from dse.cli.app import DONE, INTERRUPTED, RUNS_FAILED
+from dse.cli.app import DONE, RUNS_FAILED
 from dse.cli.arguments import Output
 from dse.cli.terminal import console, plain, plain_table, print_json, print_table, say
 
@@ -41,8 +41,7 @@ def explore_and_show(study: Study, folder: Path, options: ExploreOptions, *, gat
                 study, folder, options, on_progress=advance, tell=status.update, on_changes=tell_changes
             )
     except ExplorationInterruptedError as stop:
-        say(f"{folder}: {stop}", stderr=True)
-        raise typer.Exit(INTERRUPTED) from None
+        raise KeyboardInterrupt(f"{folder}: {stop}") from None
     results = Results(folder, explored)
     summary = results.summary
     _say(results, summary, explored)
@@ -98,6 +97,8 @@ def _say(results: Results, summary: Summary, explored: Explored) -> None:
         what = f"all {summary.finished} runs were there"
     if explored.again:
         what += f", {explored.again} made again for their waveforms"
+    if explored.damaged:
+        what += f"; waveforms of {explored.damaged} runs were gone or damaged"
     if explored.extended:
         what += f"; the study was extended, its {explored.before} runs are kept"
     screen.print(f"{folder}: {what}", soft_wrap=True)

@@ -59,7 +59,7 @@ def waveform_file(path: Path | None) -> Path | None:
     return path
 
 
-def simulate_package(path: Path, wishes: Wishes, target: Path | None, output: Output) -> None:
+def simulate_package(path: Path, wishes: Wishes, target: Path | None, output: Output, *, sandbox: bool) -> None:
     """Simulate the package once, show or write its waveforms, and exit as it deserves."""
     from dse.api import simulate_package as simulated
     from dse.interchange import prepare_ssp
@@ -76,7 +76,7 @@ def simulate_package(path: Path, wishes: Wishes, target: Path | None, output: Ou
             timeout=seconds("--timeout", wishes.timeout) or _TIMEOUT,
         )
     _say_notes(prepared)
-    run = simulated(prepared)
+    run = simulated(prepared, sandbox=sandbox)
     if run.waveforms is None:
         say(f"{path.name} failed to run: {run.problem}", style="bold red", stderr=True)
         raise typer.Exit(RUNS_FAILED)

@@ -30,7 +30,8 @@ class Explored:
     *before* is how many runs the folder had, *runs* how many it has now, of which *failed*; with *extended* the study
     asks for other runs than before. *simulated* were made by this call, for the first time or again for their
     waveforms, *taken* were known. *kept* have waveforms. *retried* were tried twice because their worker was killed
-    from outside or grew too large over several runs, *irreproducible* gave another result the second time.
+    from outside or grew too large over several runs, *irreproducible* gave another result the second time. The
+    waveforms of *damaged* were gone, cut or changed.
     """
 
     before: int
@@ -41,6 +42,7 @@ class Explored:
     retried: int
     irreproducible: int
     extended: bool
+    damaged: int = 0
     taken: int = 0
 
     @property
@@ -113,6 +115,7 @@ def explore(
     finally:
         known.put()
         folder.commit()
+    folder.end()
     sink.tell()
     return Explored(
         before,
@@ -123,6 +126,7 @@ def explore(
         pool.retried,
         len(sink.irreproducible),
         folder.is_extended,
+        len(folder.damaged),
         sink.taken,
     )
 

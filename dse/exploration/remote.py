@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import io
 import pickle
-import tempfile
 from dataclasses import dataclass, replace
 from pathlib import Path, PurePath
 from typing import Any
@@ -19,6 +18,7 @@ from dse.domain.run import Run, RunRequest, Waveforms
 from dse.errors import FreshProcessNeeded, Problem, fail
 from dse.exploration.failures import checked_run, failed_run, in_words
 from dse.exploration.work import PROGRESS_BYTES, Batch, MakeRunner, Runnable, Runner, Sink, Work
+from dse.scratch import ScratchFolder
 from dse.storage import Measures, RowBlock, block_of, write_waveforms
 
 
@@ -128,6 +128,6 @@ def _made(runner: Runner, request: RunRequest, parcel: Parcel) -> Run:
 def _file(kept: list[tuple[int, Waveforms]], name: str) -> bytes:
     if not kept:
         return b""
-    with tempfile.TemporaryDirectory(prefix="dse-") as scratch:
+    with ScratchFolder() as scratch:
         write_waveforms(Path(scratch) / name, kept)
         return (Path(scratch) / name).read_bytes()

@@ -10,6 +10,8 @@ from .difference import (
 )
 from .export.tables import EXPORTS as EXPORTS, columns_of as columns_of, to_frame as to_frame
 from .folder import StudyFolder as StudyFolder
+from .lock import Writer as Writer, WriterLock as WriterLock, writer_of as writer_of
+from .rehearsal import Rehearsal as Rehearsal
 from .rows import Measures as Measures, RowBlock as RowBlock, block_of as block_of
 from .run_store import RunStore as RunStore
 from .spool import (

@@ -2,132 +2,98 @@
 
 from __future__ import annotations
 
+import math
 import shutil
 import sqlite3
 import time
-from collections.abc import Mapping, Sequence
-from contextlib import closing, suppress
+from collections.abc import Iterator, Mapping, Sequence, Set as AbstractSet
+from contextlib import ExitStack, contextmanager, suppress
 from dataclasses import replace
 from itertools import groupby, repeat
 from pathlib import Path
-from types import TracebackType
+
+import numpy as np
 
 from dse.domain.address import Address
 from dse.domain.bench import VERDICTS
 from dse.domain.component import Value
 from dse.domain.definition import StudyDefinition
-from dse.domain.run import Outcome, Run, RunRequest, Waveforms
+from dse.domain.run import Outcome, RunRequest
 from dse.errors import Location, fail
 from dse.storage.attempts import Attempt
-from dse.storage.database.addresses import read_addresses, write_addresses
+from dse.storage.database.addresses import write_addresses
 from dse.storage.database.asks import Asks, blocks_of, write_asks
-from dse.storage.database.attempts import read_attempts, write_attempts
+from dse.storage.database.attempts import write_attempts
 from dse.storage.database.connection import (
     NAME,
-    connect,
-    damaged_study,
-    fill,
     lay_out,
     located,
     migrate,
-    read_header,
     write_header,
 )
-from dse.storage.database.definition import unit_flaws
+from dse.storage.database.files import write_files
 from dse.storage.database.header import StudyHeader
 from dse.storage.database.schema import cell_of, columns
-from dse.storage.database.table import RunTable, read_table
+from dse.storage.lock import LOCK, WRITER, WriterLock
+from dse.storage.reader import SPOOL, WAVEFORMS, StudyReader
 from dse.storage.rows import RowBlock
-from dse.storage.spool import clear_spool
-from dse.storage.waveforms import PART, is_file_name, read_waveforms
-
-WAVEFORMS = "waveforms"
-SPOOL = "spool"
+from dse.storage.spool import SUFFIX as SPOOLED, Spooled, clear_spool, read_spool
+from dse.storage.waveform_check import checked, facts_of
+from dse.storage.waveforms import PART
 
 _COMMIT_EVERY = 0.25
-_OURS = (WAVEFORMS, SPOOL, f"{NAME}.part", "report.html", "figures")
+_OURS = (WAVEFORMS, SPOOL, LOCK, WRITER, "report.html", "figures")
 """What an earlier study may have left in a folder that is used again."""
 
 
-class StudyFolder:
-    """One study's results. Use `create`, `resume` or `open`; close it, or use it in a with statement.
+class StudyFolder(StudyReader):
+    """One study's results, also to write. Use `create`, `resume` or `open`; close it, or use it in a with statement.
 
-    *is_extended* tells that `resume` was given a definition that asks for other runs.
-    There is one writer; any number of readers may look on while it writes. What is added is committed every
-    quarter of a second and at the end, so a killed process loses no more than that.
+    *is_extended* tells that `resume` was given a definition that asks for other runs, *damaged* are the runs whose
+    waveforms it did not find as they were kept. There is one writer; any number of readers may look on while it
+    writes. What is added is committed every quarter of a second and at the end, so a killed process loses no more
+    than that. If something cannot be written, all that was not committed is taken back.
     """
 
     def __init__(self, path: Path, header: StudyHeader, connection: sqlite3.Connection, asks: Asks) -> None:
-        self.path = path
-        self.header = header
-        self.asks = asks
-        self._connection = connection
+        super().__init__(path, header, connection, asks)
         self.is_extended = False
-        self._begun: float | None = None
+        self.damaged: frozenset[int] = frozenset()
+        self._begun = 0.0
         self._released: set[str] = set()
+        self.lock: WriterLock | None = None
 
     @classmethod
     def create(cls, path: Path, definition: StudyDefinition) -> StudyFolder:
         """A new folder for the study of *definition*; DseError if *path* is a file or holds something else already."""
-        if path.is_file():
-            raise fail("is a file, not a folder", Location(str(path)), "give another folder with -o")
         if (path / NAME).exists():
             raise fail("holds a study already", Location(str(path)), "give another folder with -o, or say --fresh")
-        if path.is_dir() and any(entry.name not in _OURS for entry in path.iterdir()):
-            raise fail("is not empty and not a study folder", Location(str(path)), "give another folder with -o")
-        try:
-            (path / WAVEFORMS).mkdir(parents=True, exist_ok=True)
-        except OSError as error:
-            raise fail(f"the folder cannot be made: {error.strerror}", Location(str(path))) from error
-        header = StudyHeader(definition)
-        lay_out(path, header)
-        return cls(path, header, connect(path, write=True), Asks())
+        return cls.resume(path, definition)
 
     @classmethod
     def resume(cls, path: Path, definition: StudyDefinition) -> StudyFolder:
         """The folder at *path* to go on with, or a new one; DseError if it holds the results of another study.
 
         If *definition* only asks for other points or more configurations than the stored one, the study is extended:
-        a new era begins. Waveforms whose file is gone count as never kept, so that they are made again.
+        a new era begins. Runs that were spooled and not stored are. Waveforms whose file is gone, cut or changed count
+        as never kept, so that they are made again. DseError if somebody else writes into the folder.
         """
-        if not (path / NAME).exists():
-            return cls.create(path, definition)
-        folder = cls._connected(path, write=True)
-        try:
-            folder.take_up(definition)
-            for torn in (path / WAVEFORMS).glob(f"*{PART}"):
-                torn.unlink(missing_ok=True)
-            (path / WAVEFORMS).mkdir(exist_ok=True)
-            folder.forget_lost()
-        except BaseException:
-            folder.close()
-            raise
-        return folder
-
-    @classmethod
-    def rehearsal(cls, path: Path, definition: StudyDefinition) -> StudyFolder:
-        """What `resume` would give, as a copy that is gone when it is closed: *path* is left as it is."""
-        copy = sqlite3.connect("", isolation_level=None)  # a file that SQLite removes
-        try:
+        _require_room(path)
+        with ExitStack() as undo:
+            lock = undo.enter_context(WriterLock(path))
             with located(path):
-                if (path / NAME).exists():
-                    with closing(connect(path, write=False)) as stored:
-                        stored.backup(copy)
-                else:
-                    fill(copy, StudyHeader(definition))
-                header, asks = read_header(copy, path)
-            folder = cls(path, header, copy, asks)
-            folder.take_up(definition)
-            folder.forget_lost()
-        except BaseException:
-            copy.close()
-            raise
+                (path / WAVEFORMS).mkdir(exist_ok=True)
+            if not (path / NAME).exists():
+                lay_out(path, StudyHeader(definition))
+            folder = undo.enter_context(cls._connected(path, write=True))
+            folder.lock = lock
+            with located(path):
+                folder.take_up(definition)
+                for torn in (path / WAVEFORMS).glob(f"*{PART}"):
+                    torn.unlink(missing_ok=True)
+                folder.forget_damaged()
+            undo.pop_all()
         return folder
-
-    @classmethod
-    def open(cls, path: Path) -> StudyFolder:
-        """The folder at *path* for reading; DseError if it is none, is damaged or was written by a newer dse."""
-        return cls._connected(path, write=False)
 
     @staticmethod
     def is_at(path: Path) -> bool:
@@ -138,59 +104,26 @@ class StudyFolder:
     def discard(path: Path) -> None:
         """Remove the study in *path* and nothing else; DseError if there is something there that is no study."""
         if not (path / NAME).exists():
-            if path.exists() and not (path.is_dir() and all(entry.name in _OURS for entry in path.iterdir())):
+            if path.exists() and not (path.is_dir() and all(_is_ours(entry.name) for entry in path.iterdir())):
                 raise fail("is not a study folder", Location(str(path)), "give another folder with -o")
             return
-        for pattern in (f"{NAME}*", f"{WAVEFORMS}/*.parquet", f"{WAVEFORMS}/*{PART}"):
-            for file in path.glob(pattern):
-                file.unlink()
-        shutil.rmtree(path / SPOOL, ignore_errors=True)
+        with WriterLock(path), located(path):
+            for pattern in (f"{NAME}*", f"{WAVEFORMS}/*.parquet", f"{WAVEFORMS}/*{PART}"):
+                for file in path.glob(pattern):
+                    file.unlink()
+            shutil.rmtree(path / SPOOL, ignore_errors=True)
 
-    @property
-    def waveform_folder(self) -> Path:
-        """Where the waveform files lie."""
-        return self.path / WAVEFORMS
-
-    @property
-    def spool_folder(self) -> Path:
-        """What those who make the runs need aside: what is not in the database yet, and nothing after a study's end."""
-        return self.path / SPOOL
-
-    def finished(self) -> set[int]:
-        """Numbers of the runs that have a row, done or failed."""
-        return self._numbers("SELECT number FROM runs")
-
-    def failed(self) -> set[int]:
-        """Numbers of the runs that failed."""
-        return self._numbers("SELECT number FROM runs WHERE outcome = 'failed'")
-
-    def kept(self) -> Mapping[int, str]:
-        """Waveform file by number for the runs whose waveforms were asked for; "" where there are none to store."""
-        with located(self.path):
-            rows = self._connection.execute("SELECT number, file FROM kept ORDER BY number").fetchall()
-        return {number: self._checked(file) for number, file in rows}
-
-    def lost(self) -> set[int]:
-        """Numbers of the runs whose waveforms were kept in a file that is there no more."""
-        kept = self.kept()
-        gone = {file for file in set(kept.values()) if file and not (self.waveform_folder / file).is_file()}
-        return {number for number, file in kept.items() if file in gone}
-
-    def forget_lost(self) -> None:
-        """Take waveforms whose file is gone as never kept."""
-        lost = self.lost()
-        if lost:
-            with located(self.path):
-                self._begin()
-                self._connection.executemany("DELETE FROM kept WHERE number = ?", [(number,) for number in lost])
+    def forget_damaged(self) -> None:
+        """Take waveforms whose file is gone, cut or changed as never kept."""
+        known, kept = self._files(), self.kept()
+        now = {file: checked(self.waveform_folder / file, known.get(file)) for file in {*kept.values()} - {""}}
+        self.damaged = frozenset(number for number, file in kept.items() if file and not now[file])
+        news = {file: facts for file, facts in now.items() if facts and facts != known.get(file)}
+        if self.damaged or news:
+            with self._writing() as connection:
+                connection.executemany("DELETE FROM kept WHERE number = ?", [(number,) for number in self.damaged])
+                write_files(connection, news)
             self.commit()
-
-    def require_definition(self) -> StudyDefinition:
-        """The study's definition, fit to be shown; DseError if it has units that nobody can read."""
-        flaw = next(unit_flaws(self.header.definition), "")
-        if flaw:
-            raise damaged_study(self.path, flaw)
-        return self.header.definition
 
     def ask(self, number: int, requests: Sequence[RunRequest], asked: int) -> None:
         """Note that the sampler's ask *number* of this era wants *requests*, which are new, and *asked* in all so far.
@@ -208,48 +141,19 @@ class StudyFolder:
         header = replace(self.header, runs=runs, asked=asked, numbers=self.asks.numbers)
         if not stored or header != self.header:
             self.header = header
-            with located(self.path):
-                self._begin()
-                write_asks(self._connection, () if stored else blocks)
-                write_header(self._connection, header)
+            with self._writing() as connection:
+                write_asks(connection, () if stored else blocks)
+                write_header(connection, header)
             self.commit()
-
-    def addresses(self) -> dict[str, Address]:
-        """What names the runs of each configuration, as far as it is known."""
-        with located(self.path):
-            return read_addresses(self._connection)
 
     def note_addresses(self, addresses: Mapping[str, Address]) -> None:
         """Note *addresses* of configurations of which none is known yet."""
         there = self.addresses()
         fresh = {name: address for name, address in addresses.items() if name not in there}
         if fresh:
-            with located(self.path):
-                self._begin()
-                write_addresses(self._connection, fresh)
+            with self._writing() as connection:
+                write_addresses(connection, fresh)
             self.commit()
-
-    def table(self, numbers: Sequence[int] = ()) -> RunTable:
-        """The runs of *numbers* that are stored, or all that are, as columns; DseError if the database is damaged."""
-        try:
-            with located(self.path):
-                return read_table(self._connection, self.header, numbers)
-        except (KeyError, ValueError, TypeError) as error:
-            raise damaged_study(self.path, str(error)) from error
-
-    def run(self, number: int) -> Run:
-        """Run *number* with its waveforms if they were kept; DseError if it has not been made."""
-        for run in self.table((number,)).runs():
-            return replace(run, waveforms=self.waveforms(number))
-        raise fail(
-            f"there is no run {number}", Location(str(self.path)), f"the study has runs 0 to {self.header.numbers - 1}"
-        )
-
-    def waveforms(self, number: int) -> Waveforms | None:
-        """The waveforms of run *number*, None if they were not kept; DseError if their file is gone or damaged."""
-        with located(self.path):
-            row = self._connection.execute("SELECT file FROM kept WHERE number = ?", (number,)).fetchone()
-        return read_waveforms(self.waveform_folder / self._checked(row[0]), number) if row and row[0] else None
 
     def add(self, configuration: str, points: Sequence[Sequence[Value]], block: RowBlock) -> None:
         """Store *block*, all of one *configuration*; *points* (n, variables) in the header's order.
@@ -272,33 +176,27 @@ class StudyFolder:
             for number, point, done, metrics, verdicts, margins in zip(numbers, points, *cells, strict=True)
         ]
         places = ", ".join("?" * len(columns(self.header)))
-        with located(self.path):
-            self._begin()
-            self._connection.executemany(f"INSERT OR IGNORE INTO runs VALUES ({places})", rows)  # noqa: S608  # marks only
+        with self._writing() as connection:
+            connection.executemany(f"INSERT OR IGNORE INTO runs VALUES ({places})", rows)  # noqa: S608  # marks only
             tries = zip(numbers, repeat(""), block.wall.tolist(), strict=False)
-            write_attempts(self._connection, block.maker, tries)
+            write_attempts(connection, block.maker, tries)
         self.commit_if_due()
 
     def add_attempts(self, attempts: Sequence[Attempt]) -> None:
         """Store tries that gave no row, or at runs that have one already."""
-        with located(self.path):
-            self._begin()
+        with self._writing() as connection:
             for maker, tries in groupby(attempts, key=lambda attempt: attempt.maker):
-                write_attempts(self._connection, maker, ((a.run, a.cause, a.seconds) for a in tries))
+                write_attempts(connection, maker, ((a.run, a.cause, a.seconds) for a in tries))
         self.commit_if_due()
-
-    def attempts(self) -> list[Attempt]:
-        """Every try at a run, in the order they were made."""
-        with located(self.path):
-            return read_attempts(self._connection)
 
     def add_kept(self, numbers: Sequence[int], file: str) -> None:
         """Note that the waveforms of *numbers* are in *file*, which is there already; "" if there are none to store."""
-        with located(self.path):
-            self._begin()
-            self._connection.executemany(
+        with self._writing() as connection:
+            connection.executemany(
                 "INSERT OR REPLACE INTO kept VALUES (?, ?)", [(number, file or None) for number in numbers]
             )
+            if file:
+                write_files(connection, {file: facts_of(self.waveform_folder / file)})
         self.commit_if_due()
 
     def release(self, name: str) -> None:
@@ -307,53 +205,37 @@ class StudyFolder:
 
     def set_problem(self, number: int, problem: str) -> None:
         """Replace what run *number* has to say of itself."""
-        with located(self.path):
-            self._begin()
-            self._connection.execute("UPDATE runs SET problem = ? WHERE number = ?", (problem, number))
+        with self._writing() as connection:
+            connection.execute("UPDATE runs SET problem = ? WHERE number = ?", (problem, number))
         self.commit_if_due()
 
     def commit_if_due(self) -> None:
         """Commit what has been waiting for a quarter of a second or more."""
-        if self._begun is not None and time.monotonic() - self._begun >= _COMMIT_EVERY:
+        if self._connection.in_transaction and time.monotonic() - self._begun >= _COMMIT_EVERY:
             self.commit()
 
     def commit(self) -> None:
         """Commit what has been added."""
-        if self._begun is not None:
-            with located(self.path):
-                self._connection.execute("COMMIT")
-            self._begun = None
+        if self._connection.in_transaction:
+            with self._writing() as connection:
+                connection.execute("COMMIT")
         if self._released:
-            clear_spool(self.spool_folder, self._released)
-            self._released = set()
+            with suppress(OSError):  # what stays is known to be stored
+                clear_spool(self.spool_folder, self._released)
+            self._released.clear()
 
     def close(self) -> None:
-        """Commit and close."""
-        try:
+        """Commit, close, and let others write."""
+        with ExitStack() as last:
+            if self.lock is not None:
+                last.callback(self.lock.release)
+            last.callback(super().close)
             self.commit()
-            with suppress(OSError):  # it holds something that is still needed, or was never there
-                self.spool_folder.rmdir()
-        finally:
-            self._connection.close()
 
-    def __enter__(self) -> StudyFolder:
-        return self
-
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
-        self.close()
-
-    @classmethod
-    def _connected(cls, path: Path, *, write: bool) -> StudyFolder:
-        connection = connect(path, write=write)
-        try:
-            with located(path):
-                header, asks = read_header(connection, path)
-        except BaseException:
-            connection.close()
-            raise
-        return cls(path, header, connection, asks)
+    def end(self) -> None:
+        """Commit; the study is complete, and nothing is needed aside any more."""
+        self.commit()
+        shutil.rmtree(self.spool_folder, ignore_errors=True)
 
     def take_up(self, definition: StudyDefinition) -> None:
         """Make *definition* the folder's, in a new era if it asks for other runs; DseError if it is another study's."""
@@ -365,31 +247,100 @@ class StudyFolder:
                 Location(str(self.path)),
                 "give another folder with -o, or say --fresh to throw these results away",
             )
+        with self._writing() as connection:
+            migrate(connection, self.header, self.asks)
+        self.recover()
         header = replace(self.header, definition=stored.joined(definition))
         if not stored.samples_alike(definition):
             self.is_extended = True
             era = self.header.era + 1
             earlier = len(self.finished())
             header = replace(header, era=era, base=self.asks.numbers, earlier=earlier, runs=earlier, asked=0)
-        with located(self.path):
-            self._begin()
-            migrate(self._connection, header, self.asks)
-            if header != self.header:
-                write_header(self._connection, header)
+        if header != self.header:
+            with self._writing() as connection:
+                write_header(connection, header)
         self.commit()
         self.header = header
 
-    def _checked(self, file: str | None) -> str:
-        # The database may come from anywhere: what it names must lie in the folder of waveforms.
-        if file and not is_file_name(file):
-            raise damaged_study(self.path, f"'{file}' is no file of waveforms")
-        return file or ""
+    def recover(self) -> None:
+        """Store the runs that are in the spool and not here; waveforms stay there until their chunk is complete."""
+        finished, kept = self.finished(), self.kept()
+        spooled = read_spool(self.spool_folder, self.header.measures, self.header.fingerprint)
+        known = {(a.run, a.maker, a.seconds) for a in self.attempts()} if spooled else set()
+        needed: set[Path] = set()
+        for each in spooled:
+            if not self._asked_for(each):
+                continue
+            numbers, block = each.block.numbers.tolist(), each.block
+            fresh = [row for row, number in enumerate(numbers) if number not in finished]
+            self.add(each.configuration, [each.points[row] for row in fresh], block.part(np.array(fresh, np.intp)))
+            again = [row for row, number in enumerate(numbers) if number in finished]
+            tries = [Attempt(numbers[row], block.maker, "", float(block.wall[row])) for row in again]
+            self.add_attempts([a for a in tries if (a.run, a.maker, a.seconds) not in known])
+            stored = self.table(numbers).block
+            order = np.argsort(block.numbers)
+            is_same = not block.part(order).differs_from(stored).any()
+            # Runs that came out differently are made again, and then found not to be reproducible.
+            if is_same and any(not kept.get(number) for number in each.kept):
+                needed.add(each.path)
+            finished.update(numbers)
+        self.commit()
+        for file in self.spool_folder.glob(f"*{SPOOLED}"):
+            if file not in needed:
+                file.unlink(missing_ok=True)
 
-    def _numbers(self, query: str) -> set[int]:
-        with located(self.path):
-            return {number for (number,) in self._connection.execute(query)}
+    def forget(self, numbers: AbstractSet[int]) -> None:
+        """Take away the rows of the runs *numbers* and what is known of their waveforms; their attempts stay."""
+        gone = self.finished() & numbers
+        earlier = sum(number < self.header.base for number in gone)
+        header = replace(self.header, earlier=self.header.earlier - earlier, runs=self.header.runs - earlier)
+        for each in read_spool(self.spool_folder, header.measures, header.fingerprint):
+            if gone.intersection(each.block.numbers.tolist()):
+                each.path.unlink(missing_ok=True)
+        with self._writing() as connection:
+            for table in ("runs", "kept"):
+                statement = f"DELETE FROM {table} WHERE number = ?"  # noqa: S608  # one of ours
+                connection.executemany(statement, [(number,) for number in gone])
+            write_header(connection, header)
+        self.commit()
+        self.header = header
 
-    def _begin(self) -> None:
-        if self._begun is None:
-            self._connection.execute("BEGIN IMMEDIATE")
-            self._begun = time.monotonic()
+    def _asked_for(self, spooled: Spooled) -> bool:
+        """Whether the study asked for runs like these; a file of another one may say it is of this."""
+        if spooled.variables != self.header.variables:
+            return False
+        values = (value for point in spooled.points for value in point)
+        numbers = spooled.block.numbers.tolist()
+        return all(
+            isinstance(value, int | float) and not isinstance(value, bool) and math.isfinite(value) for value in values
+        ) and all(self.asks.configuration(number) == spooled.configuration for number in numbers)
+
+    @contextmanager
+    def _writing(self) -> Iterator[sqlite3.Connection]:
+        """The transaction to write in, begun if there is none; if something fails, all of it is taken back."""
+        try:
+            with located(self.path):
+                if not self._connection.in_transaction:
+                    self._connection.execute("BEGIN IMMEDIATE")
+                    self._begun = time.monotonic()
+                yield self._connection
+        except Exception:
+            self._take_back()
+            raise
+
+    def _take_back(self) -> None:
+        self._released.clear()
+        with suppress(sqlite3.Error):  # SQLite may have done so
+            self._connection.execute("ROLLBACK")
+
+
+def _require_room(path: Path) -> None:
+    """DseError if *path* is neither a study folder nor a place for one."""
+    if path.is_file():
+        raise fail("is a file, not a folder", Location(str(path)), "give another folder with -o")
+    if not (path / NAME).exists() and path.is_dir() and any(not _is_ours(entry.name) for entry in path.iterdir()):
+        raise fail("is not empty and not a study folder", Location(str(path)), "give another folder with -o")
+
+
+def _is_ours(name: str) -> bool:
+    return name in _OURS or name.startswith(f"{NAME}.part")

@@ -53,6 +53,9 @@ MAY_IMPORT = {
     "check": {"networkx", "numpy", "pint", "ruamel.yaml", "scipy"},  # the first to read the benches
     "build pd_acc": set(),
     "probe {f}": {"numpy"},
+    "cache show": set(),
+    "cache verify": set(),
+    "cache prune": set(),
     "import fmu {f} -o {o}": RUNS,
     "simulate acc_following": RUNS,
     "run acc_following -o {o}": RUNS,

@@ -98,6 +98,22 @@ def test_waveforms_near_the_boundary_are_kept_and_no_others(tmp_path: Path) -> N
     assert summary.irreproducible == 0
 
 
+@pytest.mark.thorough
+def test_damaged_waveforms_are_noticed_and_made_again(tmp_path: Path) -> None:
+    study = study_of(levels=8, keep=Keep.NEAR_BOUNDARY)
+    assert run(tmp_path, study).damaged == 0
+    before = content(tmp_path)
+    first, second, *_ = sorted((tmp_path / "waveforms").iterdir())
+    with StudyFolder.open(tmp_path) as folder:
+        harmed = sum(file in (first.name, second.name) for file in folder.kept().values())
+    first.write_bytes(b"")
+    second.write_bytes(second.read_bytes()[:-1] + b"x")
+    summary = run(tmp_path, study)
+    assert (summary.damaged, summary.again) == (harmed, harmed)
+    assert content(tmp_path) == before
+    assert run(tmp_path, study).damaged == 0
+
+
 def test_a_run_that_differs_when_simulated_again_is_reported(tmp_path: Path) -> None:
     study = study_of(levels=8, keep=Keep.NEAR_BOUNDARY)
     summary = run(tmp_path, study, mischief="drifts")

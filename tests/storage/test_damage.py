@@ -21,6 +21,7 @@ from dse.errors import DseError
 from dse.storage.database.definition import definition_from_json, definition_to_json, unit_flaws
 from dse.storage.export.tables import EXPORTS
 from dse.storage.folder import StudyFolder
+from dse.storage.waveform_check import facts_of
 from dse.storage.waveforms import read_all_waveforms, waveform_file, write_waveforms
 
 Add = Callable[[StudyFolder, Run], None]
@@ -220,7 +221,9 @@ def test_going_on_forgets_waveforms_whose_file_is_gone(stored: Path, definition:
         write_waveforms(folder.waveform_folder / there, [(0, wave), (1, wave)])
         folder.add_kept((0, 1), there)
         folder.add_kept((2,), "")
+        write_waveforms(folder.waveform_folder / gone, [(4, wave)])
         folder.add_kept((4,), gone)
+        (folder.waveform_folder / gone).unlink()
     with StudyFolder.open(stored) as folder:
         assert folder.lost() == {4}
     with StudyFolder.resume(stored, definition) as folder:
@@ -229,6 +232,78 @@ def test_going_on_forgets_waveforms_whose_file_is_gone(stored: Path, definition:
     with StudyFolder.resume(stored, definition) as folder:
         assert folder.kept() == {2: ""}
         assert folder.waveform_folder.is_dir()
+
+
+@pytest.fixture
+def kept(stored: Path, definition: StudyDefinition) -> Path:
+    """The one file of waveforms of a study."""
+    wave = Waveforms(np.linspace(0.0, 1.0, 50), {"world.gap": np.random.default_rng(1).normal(size=50)})
+    with StudyFolder.resume(stored, definition) as folder:
+        file = folder.waveform_folder / waveform_file(0, 1)
+        write_waveforms(file, [(0, wave), (1, wave)])
+        folder.add_kept((0, 1), file.name)
+        folder.add_kept((2,), "")
+    return file
+
+
+@pytest.mark.parametrize(
+    "harm",
+    [
+        lambda data: b"",
+        lambda data: data[:-1],
+        lambda data: data + b"x",
+        lambda data: bytes([*data[:100], data[100] ^ 1, *data[101:]]),
+    ],
+    ids=["empty", "cut", "longer", "one bit"],
+)
+def test_going_on_forgets_waveforms_that_are_not_what_was_kept(
+    stored: Path, definition: StudyDefinition, kept: Path, harm: Callable[[bytes], bytes]
+) -> None:
+    whole = kept.read_bytes()
+    kept.write_bytes(harm(whole))
+    with StudyFolder.open(stored) as folder:
+        assert folder.lost() == (set() if kept.stat().st_size == len(whole) else {0, 1})
+    with StudyFolder.resume(stored, definition) as folder:
+        assert folder.damaged == {0, 1}
+        assert folder.kept() == {2: ""}
+        write_waveforms(kept, read_all_waveforms(_written(kept, whole)))
+        folder.add_kept((0, 1), kept.name)
+    with StudyFolder.resume(stored, definition) as folder:
+        assert folder.damaged == set()
+
+
+def _written(file: Path, data: bytes) -> Path:
+    other = file.with_name("other")
+    other.write_bytes(data)
+    return other
+
+
+def test_waveforms_that_were_copied_are_read_once_and_stay(
+    stored: Path, definition: StudyDefinition, kept: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    data = kept.read_bytes()
+    kept.unlink()
+    kept.write_bytes(data)
+    for reads in (1, 0):
+        read = []
+        with monkeypatch.context() as patch:
+            patch.setattr(
+                "dse.storage.waveform_check.facts_of", lambda file, read=read: read.append(file) or facts_of(file)
+            )
+            with StudyFolder.resume(stored, definition) as folder:
+                assert folder.kept() == {0: kept.name, 1: kept.name, 2: ""}
+        assert len(read) == reads
+
+
+@pytest.mark.parametrize("size", [None, 0, 500])
+def test_waveforms_of_a_study_of_the_second_version_must_be_readable(
+    stored: Path, definition: StudyDefinition, kept: Path, size: int | None
+) -> None:
+    execute(stored, "DELETE FROM files")
+    kept.write_bytes(kept.read_bytes()[:size])
+    for _ in range(2):
+        with StudyFolder.resume(stored, definition) as folder:
+            assert folder.kept() == ({2: ""} if size is not None else {0: kept.name, 1: kept.name, 2: ""})
 
 
 def test_a_parquet_file_of_something_else_is_no_waveforms(tmp_path: Path) -> None:

@@ -30,6 +30,7 @@ class Exploring(TypedDict, total=False):
     fuse: bool
     fresh: bool
     fmi: int
+    sandbox: bool
     progress: Callable[[Progress], None] | bool | None
 
 
@@ -71,18 +72,21 @@ class Bench(_Named[TestBench]):
         check_step: bool = False,
         fuse: bool = False,
         fmi: int = 2,
+        sandbox: bool = False,
     ) -> Run:
         """Simulate one configuration once, in a process of its own, and keep its waveforms.
 
         It is the first valid one unless *configuration* is another, or the start of its id. *set* gives parameters
         other values: ``{"controller.kp_speed": 1.2}`` in the parameter's unit, or ``"1.2 1/s"``. With *check_step*
-        every metric has an error bar beside it (``NAME.error``); with *fuse* the configuration is one library.
+        every metric has an error bar beside it (``NAME.error``); with *fuse* the configuration is one library. In a
+        *sandbox* FMUs have no network and write in their scratch folder only (Linux).
         Raises DseError if something cannot be built; a run that fails is a result.
         """
         from dse.api.studies.single import simulate_once
 
         wanted = configuration if configuration is None or isinstance(configuration, str) else configuration.id
-        return simulate_once(self.noun, wanted, set or {}, check_step=check_step, fuse=fuse, fmi=fmi)
+        given = set or {}
+        return simulate_once(self.noun, wanted, given, check_step=check_step, fuse=fuse, sandbox=sandbox, fmi=fmi)
 
     def run(self, folder: str | Path, **options: Unpack[Exploring]) -> Results:
         """Run the bench on every valid configuration, into a study folder; see `Study.explore`."""
@@ -120,14 +124,16 @@ class Study(_Named[nouns.Study]):
         fuse: bool = False,
         fresh: bool = False,
         fmi: int = 2,
+        sandbox: bool = False,
         progress: Callable[[Progress], None] | bool | None = None,
     ) -> Results:
         """Make the runs that *folder* does not have yet, and return what is in it.
 
         *workers* processes (0: one for each processor) make *threads* runs at once each. *fuse* links each
         configuration into one library first, *fresh* throws away what the folder holds. *progress* is called with how
-        far it has come; True shows a bar on standard error. Results do not depend on any of that. Runs that were made
-        before, for this study or another, are not simulated again, unless *fresh*; `plan` tells.
+        far it has come; True shows a bar on standard error. In a *sandbox* FMUs have no network and write in their
+        scratch folder only (Linux). Results do not depend on any of that. Runs that were made before, for this study or
+        another, are not simulated again, unless *fresh*; `plan` tells.
 
         Raises DseError with everything that is wrong, and ExplorationInterruptedError, a KeyboardInterrupt, on Ctrl-C:
         what was finished is stored, and the same call goes on from there.
@@ -136,7 +142,7 @@ class Study(_Named[nouns.Study]):
         from dse.api.studies.exploring import ExploreOptions, explore_into
         from dse.api.studies.results import Results
 
-        options = ExploreOptions(workers, threads, fuse, fresh, fmi)
+        options = ExploreOptions(workers, threads, fuse, fresh, fmi, sandbox)
         with telling(progress) as tell:
             explored = explore_into(self.noun, Path(folder), options, on_progress=tell)
         return Results(Path(folder), explored)

@@ -48,8 +48,8 @@ class ExploreOptions:
 
     The local executor has so many *workers* (0: what the study says, or one for each processor), each with *threads*
     runs at once. *fuse* links each configuration into one library first, *fresh* throws away what the folder holds
-    and simulates every run, whether it was made before or not.
-    *fmi* is the version of the FMUs that are built.
+    and simulates every run, made before or not. *fmi* is the version of the FMUs that are built. In a *sandbox*, FMUs
+    have no network and write in their scratch folder only.
     """
 
     workers: int = 0
@@ -57,6 +57,7 @@ class ExploreOptions:
     fuse: bool = False
     fresh: bool = False
     fmi: int = 2
+    sandbox: bool = False
 
 
 def ready(study: Study, fmi: int = 2, *, fuse: bool = False, tell: Tell | None = None) -> PreparedStudy:
@@ -85,8 +86,8 @@ def explore_into(
     is told what will be done before it is. Earlier results stay in the cache.
     Raises DseError, and ExplorationInterruptedError on Ctrl-C; what was finished is stored then.
     """
-    planned = ready(study, options.fmi, fuse=options.fuse, tell=tell)
     executor = executor_of(study, options)
+    planned = ready(study, options.fmi, fuse=options.fuse, tell=tell)
     known = known_runs(planned, reads=not options.fresh)
     if options.fresh:
         StudyFolder.discard(folder)
@@ -110,9 +111,10 @@ def plan_into(study: Study, folder: Path, options: ExploreOptions, *, tell: Tell
 
 
 def executor_of(study: Study, options: ExploreOptions) -> Executor:
-    """What makes the runs of *study*; DseError for workers or threads of another executor than the local one."""
+    """What makes the runs of *study*; DseError for options that another executor than the local one does not have."""
     given = {"workers": options.workers} if options.workers else {}
     given |= {"threads": options.threads} if options.threads > 1 else {}
+    given |= {"sandbox": True} if options.sandbox else {}
     choice = study.executor
     if given and choice.name != "local":
         what = f"the study's executor is '{choice.name}', and {' and '.join(given)} can be given to 'local' only"
@@ -120,10 +122,13 @@ def executor_of(study: Study, options: ExploreOptions) -> Executor:
     return load_executor(ExecutorChoice(choice.name, {**choice.options, **given}))
 
 
-def alone(study: Study, fmi: int, *, fuse: bool = False, tell: Tell | None = None) -> tuple[Run, PreparedStudy]:
+def alone(
+    study: Study, fmi: int, *, fuse: bool = False, sandbox: bool = False, tell: Tell | None = None
+) -> tuple[Run, PreparedStudy]:
     """The single run of *study*, made in a process of its own, with waveforms; and what it was made from."""
     planned = ready(study, fmi, fuse=fuse, tell=tell)
     ((name, prepared),) = planned.benches.items()
     if tell:
         tell("simulating")
-    return simulate_alone(prepared, make_runner, name, StudyHeader(planned.definition).measures), planned
+    measures = StudyHeader(planned.definition).measures
+    return simulate_alone(prepared, make_runner, name, measures, sandboxed=sandbox), planned

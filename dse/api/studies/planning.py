@@ -16,7 +16,7 @@ from dse.domain.component import Value
 from dse.domain.run import RunRequest
 from dse.domain.study import Study
 from dse.exploration import Batch, KnownRuns, Sink, Work, explore, give
-from dse.storage import RunStore, StudyFolder, StudyHeader, changed_study
+from dse.storage import Rehearsal, RunStore, StudyFolder, StudyHeader, changed_study
 from dse.testbench import PreparedStudy, address_of
 
 _LOCAL = "local"
@@ -98,7 +98,7 @@ def plan(planned: PreparedStudy, folder: Path, *, workers: int = 0, fresh: bool 
             stay = {_point(r) for r in stored.table().requests() if r.configuration in alike}
     rehearsed = folder / "nothing" if changes or fresh else folder
     counter = _Counter(planned.study)
-    with StudyFolder.rehearsal(rehearsed, planned.definition) as scratch:
+    with Rehearsal.of(rehearsed, planned.definition) as scratch:
         there = scratch.finished()
         with suppress(_EnoughError):
             explore(planned.study, planned.benches, scratch, executor=counter, known=known)

@@ -28,6 +28,7 @@ def simulate_once(
     *,
     check_step: bool = False,
     fuse: bool = False,
+    sandbox: bool = False,
     fmi: int = 2,
     tell: Tell | None = None,
 ) -> Run:
@@ -39,7 +40,7 @@ def simulate_once(
     if check_step:
         simulation = replace(study.bench.simulation, check_step=True)
         study = replace(study, bench=replace(study.bench, simulation=simulation))
-    run, planned = alone(study, fmi, fuse=fuse, tell=tell)
+    run, planned = alone(study, fmi, fuse=fuse, sandbox=sandbox, tell=tell)
     return Run(run, planned.definition, recorded_units(planned))
 
 

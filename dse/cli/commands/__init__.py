@@ -30,6 +30,7 @@ COMMANDS = (
     "report",
     "figure",
     "replay",
+    "cache",
     "docs",
 )
 

@@ -13,6 +13,7 @@ from dse.cli.arguments import (
     Gate,
     NewFolder,
     Output,
+    Sandbox,
     StudyName,
     Threads,
     Workers,
@@ -29,6 +30,7 @@ def explore(
     fuse: Fuse = False,
     fresh: Fresh = False,
     gate: Gate = False,
+    sandbox: Sandbox = False,
     dry_run: DryRun = False,
     form: Format = Output.TABLE,
 ) -> None:
@@ -40,7 +42,7 @@ def explore(
     from dse.api import ExploreOptions
     from dse.cli.exploring import explore_and_show, show_plan
 
-    options = ExploreOptions(workers, threads, fuse, fresh, version)
+    options = ExploreOptions(workers, threads, fuse, fresh, version, sandbox)
     if dry_run:
         show_plan(workspace_of(study).study(study), folder, options, form)
         return

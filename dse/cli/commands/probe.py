@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from dse.cli.app import DONE, RUNS_FAILED, app
-from dse.cli.arguments import FmiVersion, Format, Output
+from dse.cli.arguments import FmiVersion, Format, Output, Sandbox
+from dse.cli.sizes import size_text
 from dse.cli.terminal import console, plain, plain_table, print_json, print_table, say
 
 if TYPE_CHECKING:
@@ -45,6 +46,7 @@ def probe(
     again: Annotated[bool, typer.Option("--again", help="Make the experiments again, even if they were made.")] = False,
     timeout: Annotated[float, typer.Option("--timeout", min=1.0, help="Seconds an experiment may take.")] = 30.0,
     version: FmiVersion = 2,
+    sandbox: Sandbox = False,
 ) -> None:
     """Find out what an FMU really does.
 
@@ -67,7 +69,7 @@ def probe(
                 def tell(question: Question) -> None:
                     status.update(plain(f"probing {name}: {_TITLES[str(question)]}?"))  # noqa: B023  # called at once
 
-                facts = probe_fmu(model, timeout=timeout, tell=tell)
+                facts = probe_fmu(model, timeout=timeout, tell=tell, sandbox=sandbox)
         found.append(facts)
         if output is Output.TABLE:
             _show(name, model, facts)
@@ -113,9 +115,9 @@ def _measured(facts: FmuFacts) -> Iterator[tuple[str, str]]:
     if not math.isnan(facts.step_cost):
         yield "a step costs", _time(facts.step_cost)
     if not math.isnan(facts.memory):
-        yield "an instance takes", _bytes(facts.memory)
+        yield "an instance takes", size_text(facts.memory)
     if not math.isnan(facts.run_growth):
-        yield "a run leaves behind", _bytes(facts.run_growth)
+        yield "a run leaves behind", size_text(facts.run_growth)
 
 
 def _time(seconds: float) -> str:
@@ -123,10 +125,3 @@ def _time(seconds: float) -> str:
         if seconds >= size:
             return f"{seconds / size:.3g} {unit}"
     return f"{seconds / 1e-9:.3g} ns"
-
-
-def _bytes(number: float) -> str:
-    for unit, size in (("GB", 1e9), ("MB", 1e6), ("kB", 1e3)):
-        if number >= size:
-            return f"{number / size:.3g} {unit}"
-    return f"{number:.0f} B"

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dse.api import workspace_of
 from dse.cli.app import app
-from dse.cli.arguments import Bench, FmiVersion, Fresh, Fuse, Gate, NewFolder, Threads, Workers
+from dse.cli.arguments import Bench, FmiVersion, Fresh, Fuse, Gate, NewFolder, Sandbox, Threads, Workers
 
 
 @app.command()
@@ -17,6 +17,7 @@ def run(
     fuse: Fuse = False,
     fresh: Fresh = False,
     gate: Gate = False,
+    sandbox: Sandbox = False,
 ) -> None:
     """Run a test bench on every valid configuration.
 
@@ -25,5 +26,5 @@ def run(
     from dse.api import ExploreOptions, study_of_bench
     from dse.cli.exploring import explore_and_show
 
-    options = ExploreOptions(workers, threads, fuse, fresh, version)
+    options = ExploreOptions(workers, threads, fuse, fresh, version, sandbox)
     explore_and_show(study_of_bench(workspace_of(bench).bench(bench)), folder, options, gate=gate)

@@ -19,6 +19,7 @@ from dse.cli.arguments import (
     Gate,
     Output,
     Plot,
+    Sandbox,
     Settings,
 )
 from dse.cli.packages import Wishes, is_package, simulate_package, waveform_file
@@ -65,6 +66,7 @@ def simulate(
     coupling: Word = None,
     extrapolation: Word = None,
     timeout: Timeout = None,
+    sandbox: Sandbox = False,
 ) -> None:
     """Simulate one configuration once, or an SSP package.
 
@@ -80,7 +82,7 @@ def simulate(
     if is_package(bench):
         meant = {"--configuration": configuration, "--plot": plot, "--fuse": fuse, "--gate": gate}
         _refuse({**meant, "--check-step": check_step, "--fmi": version != 2}, "bench")  # the default
-        simulate_package(Path(bench), wishes, waveforms, output)
+        simulate_package(Path(bench), wishes, waveforms, output, sandbox=sandbox)
     asked = {"--output": waveforms, "--variant": variant, "--stop": stop, "--step": step, "--record": record}
     words = {"--algorithm": algorithm, "--coupling": coupling, "--extrapolation": extrapolation, "--timeout": timeout}
     _refuse({**asked, **words}, "package")
@@ -95,6 +97,7 @@ def simulate(
             wishes.settings,
             check_step=check_step,
             fuse=fuse,
+            sandbox=sandbox,
             fmi=version,
             tell=status.update,
         )

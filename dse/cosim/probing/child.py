@@ -6,7 +6,6 @@ import contextlib
 import multiprocessing
 import os
 import sys
-import tempfile
 import time
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -19,7 +18,10 @@ import psutil
 from dse.cosim.failing.failure import RunFailed
 from dse.cosim.probing.journal import Journal
 from dse.errors import DseError
+from dse.plain import packed, unpacked
 from dse.processes import start_process
+from dse.sandbox import Sandbox
+from dse.scratch import ScratchFolder
 
 _LOOK_EVERY = 0.02
 _TO_START = 60.0
@@ -53,20 +55,27 @@ Experiment = Callable[..., Any]
 """A function that can be imported by name; its first argument is the `Journal`."""
 
 
-def attempt(experiment: Experiment, *arguments: object, limits: ProbeLimits, anew: bool = False) -> ExperimentOutcome:
-    """Carry out ``experiment(journal, *arguments)`` in a process of its own; arguments and result are pickled.
+def attempt(
+    experiment: Experiment, *arguments: object, limits: ProbeLimits, anew: bool = False, sandboxed: bool = False
+) -> ExperimentOutcome:
+    """Carry out ``experiment(journal, *arguments)`` in a process of its own; arguments are pickled, the result packed.
 
     Processes come from one that has done nothing but imports, where the system can do that. One started *anew* has
     another layout of memory besides.
     """
-    with tempfile.TemporaryDirectory(prefix="dse-probe-", ignore_cleanup_errors=True) as folder:
+    with ScratchFolder() as folder:
         file = Path(folder) / "journal"
         Journal.lay_out(file)
         journal = Journal(file)
-        context = _context(anew=anew)
+        # Of a process that is started by another one, nobody can say what it may do.
+        context = _context(anew=anew or sandboxed)
         near, far = context.Pipe(duplex=False)
-        process = context.Process(target=_carry_out, args=(far, experiment, file, arguments), daemon=True)
-        start_process(process)
+        sandbox = Sandbox((Path(folder) / "scratch",)) if sandboxed else None
+        process = context.Process(target=_carry_out, args=(far, experiment, file, sandbox, arguments), daemon=True)
+        if sandbox is None:
+            start_process(process)
+        else:
+            sandbox.start(process, file)
         far.close()
         try:
             offence, report = _watch(near, process.pid or 0, limits, journal)
@@ -107,8 +116,9 @@ def _watch(
     while True:
         try:
             if connection.poll(_LOOK_EVERY):
-                return "", connection.recv()
-        except (EOFError, OSError):
+                result, failure, unclear = unpacked(connection.recv_bytes())
+                return "", (result, str(failure), bool(unclear))
+        except (EOFError, OSError, TypeError, ValueError):
             return "", None
         if not under_way and journal.doing:
             under_way, deadline = True, time.monotonic() + limits.time
@@ -119,7 +129,11 @@ def _watch(
                 return f"grew beyond {limits.memory / 1e9:.3g} GB of memory", None
 
 
-def _carry_out(connection: Connection, experiment: Experiment, file: Path, arguments: tuple[object, ...]) -> None:
+def _carry_out(
+    connection: Connection, experiment: Experiment, file: Path, sandbox: Sandbox | None, arguments: tuple[object, ...]
+) -> None:
+    if sandbox is not None:
+        sandbox.move_in()
     # What an FMU prints must not garble what the probe prints.
     nowhere = os.open(os.devnull, os.O_RDWR)
     for standard in (0, 1, 2):
@@ -133,7 +147,7 @@ def _carry_out(connection: Connection, experiment: Experiment, file: Path, argum
         report = None, "ran out of memory", False
     except Exception as error:  # noqa: BLE001  # whatever it is, it is the outcome of this experiment and no other's
         report = None, f"the experiment went wrong: {type(error).__name__}: {error}", True
-    connection.send(report)
+    connection.send_bytes(packed(report))
     # What the library does at the end of a process is no part of the experiment.
     os._exit(0)
 

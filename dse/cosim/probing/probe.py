@@ -37,15 +37,17 @@ def probe(
     limits: ProbeLimits | None = None,
     tell: Tell = lambda _: None,
     only: frozenset[Question] = frozenset(Question),
+    sandboxed: bool = False,
 ) -> FmuFacts:
     """What the FMU does; never raises for what an FMU does, be it a crash. Takes some seconds.
 
     Raises DseError if the kernel is not there.
 
-    Only the questions of *only* are asked, besides those that must be answered first.
+    Only the questions of *only* are asked, besides those that must be answered first. *sandboxed* has each experiment
+    made in a sandbox; DseError where there is none.
     """
     kernel()  # that it is missing is no fact about an FMU
-    return _Probe(model, platform, limits or ProbeLimits(), tell, only).facts()
+    return _Probe(model, platform, limits or ProbeLimits(), tell, only, sandboxed).facts()
 
 
 @dataclass
@@ -55,6 +57,7 @@ class _Probe:
     limits: ProbeLimits
     tell: Tell
     only: frozenset[Question]
+    sandboxed: bool
     answers: dict[Question, Answer] = field(default_factory=dict)
     reasons: dict[Question, str] = field(default_factory=dict)
 
@@ -151,12 +154,13 @@ class _Probe:
             self.tell(Question.LASTS)
             lasted = self._attempt(strain.instances_in_a_row, drive, _STRAINING, limits=self._longer())
             self._settle(Question.LASTS, lasted)
+            memory, run_growth = (nan, nan) if lasted.failure else lasted.result
             cost = self._attempt(strain.cost_of_a_step, drive, _MEASURING)
             facts = replace(
                 facts,
                 instances=lasted.count,
-                memory=nan if lasted.failure else lasted.result.memory,
-                run_growth=nan if lasted.failure else lasted.result.growth,
+                memory=memory,
+                run_growth=run_growth,
                 step_cost=nan if cost.failure else cost.result,
             )
         if Question.RELOADS in self.only:
@@ -186,7 +190,8 @@ class _Probe:
     def _attempt(
         self, experiment: Experiment, *arguments: object, limits: ProbeLimits | None = None, anew: bool = False
     ) -> ExperimentOutcome:
-        return attempt(experiment, self.model, *arguments, limits=limits or self.limits, anew=anew)
+        limits = limits or self.limits
+        return attempt(experiment, self.model, *arguments, limits=limits, anew=anew, sandboxed=self.sandboxed)
 
     def _longer(self) -> ProbeLimits:
         return replace(self.limits, time=self.limits.time + _STRAINING)

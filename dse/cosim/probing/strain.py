@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import threading
 import time
-from dataclasses import dataclass
 from math import nan
 
 import psutil
@@ -22,16 +21,11 @@ _SHORT = 20
 _THREADS = 2
 
 
-@dataclass(frozen=True, slots=True)
-class Strain:
-    """Bytes the process grew by with the first instance, and by each run on a fresh one once warm."""
+def instances_in_a_row(journal: Journal, model: FmuModel, drive: Drive, seconds: float) -> tuple[float, float]:
+    """Short runs, each on a fresh instance, at most 2,000 and as many as *seconds* allow; counted.
 
-    memory: float
-    growth: float
-
-
-def instances_in_a_row(journal: Journal, model: FmuModel, drive: Drive, seconds: float) -> Strain:
-    """Short runs, each on a fresh instance, at most 2,000 and as many as *seconds* allow; counted."""
+    Returns the bytes the process grew by with the first instance, and by each run once warm.
+    """
     process, end = psutil.Process(), time.monotonic() + seconds
     steps = min(_SHORT, drive.steps)
     before = first = warm = process.memory_info().rss
@@ -49,7 +43,7 @@ def instances_in_a_row(journal: Journal, model: FmuModel, drive: Drive, seconds:
                 break
     runs = number - _WARM_UP
     growth = max(0.0, (process.memory_info().rss - warm) / runs) if runs > 0 else nan
-    return Strain(max(0.0, float(first - before)), growth)
+    return max(0.0, float(first - before)), growth
 
 
 def cost_of_a_step(journal: Journal, model: FmuModel, drive: Drive, seconds: float) -> float:

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from dse.exploration.work import MakeRunner
+from dse.sandbox import Sandbox
 from dse.storage import Measures, RowBlock
 
 
@@ -13,7 +14,7 @@ from dse.storage import Measures, RowBlock
 class Setup:
     """What every worker needs; the folder *configurations* holds each as a pickle.
 
-    A worker makes *threads* runs at a time.
+    A worker makes *threads* runs at a time, and is in *sandbox* if there is one.
     """
 
     make_runner: MakeRunner
@@ -21,10 +22,19 @@ class Setup:
     waveforms: Path
     measures: Measures
     threads: int = 1
+    sandbox: Sandbox | None = None
 
     def file(self, configuration: str) -> Path:
         """Where *configuration* lies; an id may hold what a file name may not."""
         return self.configurations / f"{configuration.encode().hex()[:200]}.pickle"
+
+
+def in_sandbox(setup: Setup, spool: Path) -> Setup:
+    """*setup* for workers in a sandbox, who are in a folder of their own: no place in it is relative any more."""
+    home, waveforms = setup.configurations / "scratch", setup.waveforms.absolute()
+    return replace(
+        setup, waveforms=waveforms, sandbox=Sandbox((home, waveforms, spool.absolute()), (setup.configurations,))
+    )
 
 
 @dataclass(frozen=True, slots=True)
@@ -43,3 +53,7 @@ class Report:
     retired: bool = False
     broken: str = ""
     hurt: str = ""
+
+
+FROM_WORKERS = (Report, RowBlock)
+"""What a worker's messages are made of."""

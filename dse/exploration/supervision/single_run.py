@@ -33,17 +33,19 @@ class _Kept:
         pass
 
 
-def simulate_alone(prepared: Runnable, make_runner: MakeRunner, configuration: str, measures: Measures) -> Run:
+def simulate_alone(
+    prepared: Runnable, make_runner: MakeRunner, configuration: str, measures: Measures, *, sandboxed: bool = False
+) -> Run:
     """The run of *prepared* at its own point, with its waveforms unless it failed; its number is 0.
 
-    Raises DseError if the worker cannot even start.
+    Raises DseError if the worker cannot even start, or no sandbox can be had that is asked for.
     """
     request, kept = RunRequest(0, configuration, {}), _Kept()
     with tempfile.TemporaryDirectory(prefix="dse-") as scratch:
         folder = Path(scratch)
         work = Work({configuration: prepared}, make_runner, folder, measures, folder / "spool")
         batch = Batch(0, configuration, (request,), waveform_file(0, 0))
-        with Supervisor(work, kept, workers=1) as supervisor:
+        with Supervisor(work, kept, workers=1, sandboxed=sandboxed) as supervisor:
             supervisor.work_off([batch])
         assert kept.block is not None  # noqa: S101  # a supervisor gives a row for every run
         # As a study folder has it, where a zero has no sign.

@@ -28,7 +28,7 @@ from dse.exploration.failures import failed_run
 from dse.exploration.remote import packed
 from dse.exploration.supervision.channel import GarbledError
 from dse.exploration.supervision.heartbeat import Phase
-from dse.exploration.supervision.messages import Report, Setup
+from dse.exploration.supervision.messages import Report, Setup, in_sandbox
 from dse.exploration.supervision.post_mortem import Traces, cause_of, outside_of_runs, told, traces_of
 from dse.exploration.supervision.worker import CHANNEL_CLOSED
 from dse.exploration.supervision.worker_process import Assignment, WorkerProcess
@@ -60,12 +60,14 @@ class Supervisor:
     With several *threads* in a worker, configurations that do not bear them have as many more workers instead.
     """
 
-    def __init__(self, work: Work, sink: Sink, workers: int, threads: int = 1) -> None:
+    def __init__(self, work: Work, sink: Sink, workers: int, threads: int = 1, *, sandboxed: bool = False) -> None:
         self._configurations = work.configurations
         self._sink = sink
         self._workers_wanted = self._most = workers
         self._folder = tempfile.TemporaryDirectory(prefix="dse-", ignore_cleanup_errors=True)
         self._setup = Setup(work.make_runner, Path(self._folder.name), work.waveforms, work.measures, threads)
+        if sandboxed:
+            self._setup = in_sandbox(self._setup, work.spool)
         self._workers: list[WorkerProcess] = []
         self._pending: deque[Batch] = deque()
         self._started = 0

@@ -43,6 +43,8 @@ def serve(channel: socket.socket, setup: Setup, heartbeat: Path, log: Path) -> N
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     threading.Thread(target=_leave_with_parent, daemon=True).start()
     _print_to(log)
+    if setup.sandbox is not None:
+        setup.sandbox.move_in()
     _let_go_of_the_tracker()
     spare = SpareFiles()
     hearts = [Heartbeat(heartbeat, thread) for thread in range(setup.threads)]

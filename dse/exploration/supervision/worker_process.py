@@ -15,7 +15,7 @@ import psutil
 
 from dse.exploration.supervision.channel import Channel
 from dse.exploration.supervision.heartbeat import Heartbeat, Phase, State
-from dse.exploration.supervision.messages import Report, Setup
+from dse.exploration.supervision.messages import FROM_WORKERS, Report, Setup
 from dse.exploration.supervision.worker import serve
 from dse.exploration.work import Batch
 from dse.processes import start_process
@@ -54,9 +54,12 @@ class WorkerProcess:
         self._beats, self._since = [0] * setup.threads, [time.monotonic()] * setup.threads
         context = multiprocessing.get_context("spawn")
         near, far = socket.socketpair()
-        self._channel = Channel(near)
+        self._channel = Channel(near, *FROM_WORKERS)
         self._process = context.Process(target=serve, args=(far, setup, heartbeat, self._log), daemon=True)
-        start_process(self._process)
+        if setup.sandbox is None:
+            start_process(self._process)
+        else:
+            setup.sandbox.start(self._process, heartbeat, self._log)
         far.close()
         self._memory = psutil.Process(self._process.pid)
         self.assignments: deque[Assignment] = deque()

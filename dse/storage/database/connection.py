@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import shutil
 import sqlite3
 from collections.abc import Iterator, Mapping
 from contextlib import closing, contextmanager
@@ -15,33 +16,49 @@ from dse.errors import DseError, Location, fail
 from dse.storage.database.asks import Asks, Block, read_asks, write_asks
 from dse.storage.database.attempts import ATTEMPTS, FROM_TIMING
 from dse.storage.database.definition import definition_from_json, definition_to_json
+from dse.storage.database.files import FILES
 from dse.storage.database.header import StudyHeader
-from dse.storage.database.schema import APPLICATION_ID, ASKS, FILES, VERSION, statements
+from dse.storage.database.schema import APPLICATION_ID, ASKS, VERSION, statements
+from dse.storage.disk import FULL, GO_ON, refused
 
 NAME = "study.sqlite"
 
 _BUSY_SECONDS = 30.0
 
-_BROKEN = (sqlite3.SQLITE_ERROR, sqlite3.SQLITE_CORRUPT, sqlite3.SQLITE_NOTADB, sqlite3.SQLITE_MISMATCH)
-"""SQLite's codes for a table or column that is gone, and for bytes that are no database."""
+_WHOLE = {
+    sqlite3.SQLITE_FULL: FULL,
+    sqlite3.SQLITE_IOERR: "the system refused (a quota, a limit on the size of files, a broken disk)",
+    sqlite3.SQLITE_READONLY: "it may not be written to",
+    sqlite3.SQLITE_PERM: "it may not be used",
+    sqlite3.SQLITE_CANTOPEN: "a file could not be opened",
+    sqlite3.SQLITE_BUSY: "another program keeps it locked",
+    sqlite3.SQLITE_LOCKED: "another program keeps it locked",
+    sqlite3.SQLITE_NOMEM: "there is no memory left",
+}
+"""SQLite's codes for what is no fault of the database; any other is a sign of bytes that this program never wrote."""
+
+_LITTLE = 1 << 16
+"""Bytes that SQLite needs to go on, beside the rows."""
 
 _WHICH = "name the folder given to explore or run with -o"
 
 
 @contextmanager
 def located(path: Path) -> Iterator[None]:
-    """SQLite's errors inside the block become a DseError that names the study folder *path*."""
+    """SQLite's and the system's errors inside the block become a DseError that names the study folder *path*."""
     try:
         yield
-    except sqlite3.OperationalError as error:
+    except sqlite3.Error as error:
         # Text that is no UTF-8 has no code: Python itself refuses it.
-        if getattr(error, "sqlite_errorcode", sqlite3.SQLITE_ERROR) & 0xFF in _BROKEN:
+        code = getattr(error, "sqlite_errorcode", sqlite3.SQLITE_ERROR) & 0xFF
+        why = _WHOLE.get(code)
+        if why is None:
             raise damaged_study(path, str(error)) from error
-        raise fail(
-            f"{NAME} cannot be used: {error}", Location(str(path)), "look at the disk's space, the rights and the locks"
-        ) from error
-    except sqlite3.DatabaseError as error:
-        raise damaged_study(path, str(error)) from error
+        if code == sqlite3.SQLITE_IOERR and shutil.disk_usage(path).free < _LITTLE:
+            why = FULL
+        raise fail(f"{NAME} cannot be used, {why}: {error}", Location(str(path)), GO_ON) from error
+    except OSError as error:
+        raise refused(path, error) from error
 
 
 def damaged_study(path: Path, why: str) -> DseError:
@@ -61,7 +78,8 @@ def lay_out(path: Path, header: StudyHeader) -> None:
         # A journal beside it, left by a killed process, would be no part of the next one's.
         connection.execute("PRAGMA journal_mode = MEMORY")
         fill(connection, header)
-    aside.replace(path / NAME)
+    with located(path):
+        aside.replace(path / NAME)
 
 
 def fill(connection: sqlite3.Connection, header: StudyHeader) -> None:

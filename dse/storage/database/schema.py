@@ -9,6 +9,7 @@ from collections.abc import Sequence
 from dse.domain.component import Value
 from dse.errors import fail
 from dse.storage.database.attempts import ATTEMPTS
+from dse.storage.database.files import FILES
 from dse.storage.database.header import StudyHeader
 
 APPLICATION_ID = 0x44534553
@@ -20,9 +21,6 @@ VERSION = 3
 ASKS = """CREATE TABLE asks (
     first INTEGER PRIMARY KEY, count INTEGER NOT NULL, configuration TEXT NOT NULL, ask INTEGER NOT NULL,
     era INTEGER NOT NULL) STRICT"""
-
-FILES = """CREATE TABLE files (
-    name TEXT PRIMARY KEY, size INTEGER NOT NULL, modified INTEGER NOT NULL, digest TEXT NOT NULL) STRICT"""
 
 _FIXED = ("number", "configuration", "outcome", "problem")
 

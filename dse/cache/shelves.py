@@ -1,0 +1,92 @@
+"""What the cache holds, kind by kind: what is kept in a folder of its own gets a line here."""
+
+from __future__ import annotations
+
+import os
+import time
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+from dse.cache.digests import stamp
+from dse.cache.entries import DIGEST, State, digest_file, state_of
+from dse.cache.folder import is_aside
+from dse.cache.plain import is_plain
+
+
+def _matches_digest(path: Path) -> bool:
+    state = state_of(path)
+    return state is State.WHOLE or (state is State.ABSENT and time.time() - path.lstat().st_mtime < _IN_THE_MAKING)
+
+
+def _matches_head(path: Path) -> bool:
+    return path.is_file() and is_plain(path.read_bytes())
+
+
+_IN_THE_MAKING = 3600.0
+"""Seconds for which what has no digest may get one."""
+
+
+@dataclass(frozen=True, slots=True)
+class Shelf:
+    """The entries in the folder *name* of the cache: *holds* says what they are, *is_whole* whether one is whole.
+
+    Those that *stay* are small, and others cannot be found without them.
+    """
+
+    name: str
+    holds: str
+    is_whole: Callable[[Path], bool] = _matches_digest
+    stay: bool = False
+
+
+SHELVES = (
+    Shelf("built", "FMUs made of components"),
+    Shelf("unpacked", "FMUs, unpacked"),
+    Shelf("compiled", "libraries of FMUs that came as sources"),
+    Shelf("fused", "fused configurations"),
+    Shelf("fused/parts", "components of fused configurations"),
+    Shelf("fused/names", "names in the C of fused components"),
+    Shelf("generated", "C written by kinds of components"),
+    Shelf("modelica", "Modelica models, translated"),
+    Shelf("objects", "Modelica models, compiled"),
+    Shelf("checked", "Modelica models found right"),
+    Shelf("statics", "C components searched for static variables"),
+    Shelf("facts", "what was found out about FMUs by dse probe"),
+    Shelf("ssp", "SSP packages, unpacked"),
+    Shelf("compilers", "compilers that made what is here", stay=True),
+    Shelf("documents", "YAML files of workspaces, read", _matches_head),
+    Shelf("units", "units, looked up", _matches_head),
+)
+
+
+@dataclass(frozen=True, slots=True)
+class Entry:
+    """One entry: its place, its bytes, and when it was used last, to the hour, in seconds since 1970."""
+
+    shelf: Shelf
+    path: Path
+    size: int
+    used: float
+
+
+def entries_of(shelf: Shelf, root: Path) -> Iterator[Entry]:
+    """The entries on *shelf* of the cache *root*, by name; those of which a digest is left over are among them."""
+    folder = root / shelf.name
+    others = {other.name for other in SHELVES}
+    for name in sorted({name.removesuffix(DIGEST) for name in names(folder)}):
+        path = folder / name
+        if is_aside(path) or f"{shelf.name}/{name}" in others:
+            continue
+        sizes = [size for _, _, size, *_ in stamp(path)]
+        marks = [mark for mark in (digest_file(path), path) if os.path.lexists(mark)]
+        if marks:
+            yield Entry(shelf, path, sum(sizes), os.lstat(marks[0]).st_mtime)
+
+
+def names(folder: Path) -> list[str]:
+    """The names in *folder*, none if it cannot be read."""
+    try:
+        return sorted(path.name for path in folder.iterdir())
+    except OSError:
+        return []

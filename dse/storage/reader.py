@@ -1,0 +1,151 @@
+"""A study folder as its readers see it: `study.sqlite` with a row per run, and the waveforms that were kept."""
+
+from __future__ import annotations
+
+import sqlite3
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from pathlib import Path
+from types import TracebackType
+from typing import Self
+
+from dse.domain.address import Address
+from dse.domain.definition import StudyDefinition
+from dse.domain.run import Run, Waveforms
+from dse.errors import Location, fail
+from dse.storage.attempts import Attempt
+from dse.storage.database.addresses import read_addresses
+from dse.storage.database.asks import Asks
+from dse.storage.database.attempts import read_attempts
+from dse.storage.database.connection import connect, damaged_study, located, read_header
+from dse.storage.database.definition import unit_flaws
+from dse.storage.database.files import read_files
+from dse.storage.database.header import StudyHeader
+from dse.storage.database.table import RunTable, read_table
+from dse.storage.waveform_check import FileFacts, size_of
+from dse.storage.waveforms import is_file_name, read_waveforms
+
+WAVEFORMS = "waveforms"
+SPOOL = "spool"
+
+
+class StudyReader:
+    """One study's results. Close it, or use it in a with statement; others may read and one may write meanwhile."""
+
+    def __init__(self, path: Path, header: StudyHeader, connection: sqlite3.Connection, asks: Asks) -> None:
+        self.path = path
+        self.header = header
+        self.asks = asks
+        self._connection = connection
+
+    @classmethod
+    def open(cls, path: Path) -> Self:
+        """The folder at *path* for reading; DseError if it is none, is damaged or was written by a newer dse."""
+        return cls._connected(path, write=False)
+
+    @property
+    def waveform_folder(self) -> Path:
+        """Where the waveform files lie."""
+        return self.path / WAVEFORMS
+
+    @property
+    def spool_folder(self) -> Path:
+        """What those who make the runs need aside: what is not in the database yet, and nothing after a study's end."""
+        return self.path / SPOOL
+
+    def finished(self) -> set[int]:
+        """Numbers of the runs that have a row, done or failed."""
+        return self._numbers("SELECT number FROM runs")
+
+    def failed(self) -> set[int]:
+        """Numbers of the runs that failed."""
+        return self._numbers("SELECT number FROM runs WHERE outcome = 'failed'")
+
+    def kept(self) -> Mapping[int, str]:
+        """Waveform file by number for the runs whose waveforms were asked for; "" where there are none to store."""
+        with located(self.path):
+            rows = self._connection.execute("SELECT number, file FROM kept ORDER BY number").fetchall()
+        return {number: self._checked(file) for number, file in rows}
+
+    def lost(self) -> set[int]:
+        """Numbers of the runs whose waveforms were kept in a file that is gone or has another size."""
+        kept, known = self.kept(), self._files()
+        sizes = {file: size_of(self.waveform_folder / file) for file in {*kept.values()} - {""}}
+        gone = {file for file, size in sizes.items() if size != (known[file].size if file in known else size or 0)}
+        return {number for number, file in kept.items() if file in gone}
+
+    def require_definition(self) -> StudyDefinition:
+        """The study's definition, fit to be shown; DseError if it has units that nobody can read."""
+        flaw = next(unit_flaws(self.header.definition), "")
+        if flaw:
+            raise damaged_study(self.path, flaw)
+        return self.header.definition
+
+    def table(self, numbers: Sequence[int] = ()) -> RunTable:
+        """The runs of *numbers* that are stored, or all that are, as columns; DseError if the database is damaged."""
+        try:
+            with located(self.path):
+                return read_table(self._connection, self.header, numbers)
+        except (KeyError, ValueError, TypeError) as error:
+            raise damaged_study(self.path, str(error)) from error
+
+    def run(self, number: int) -> Run:
+        """Run *number* with its waveforms if they were kept; DseError if it has not been made."""
+        for run in self.table((number,)).runs():
+            return replace(run, waveforms=self.waveforms(number))
+        raise fail(
+            f"there is no run {number}", Location(str(self.path)), f"the study has runs 0 to {self.header.numbers - 1}"
+        )
+
+    def waveforms(self, number: int) -> Waveforms | None:
+        """The waveforms of run *number*, None if they were not kept; DseError if their file is gone or damaged."""
+        with located(self.path):
+            row = self._connection.execute("SELECT file FROM kept WHERE number = ?", (number,)).fetchone()
+        return read_waveforms(self.waveform_folder / self._checked(row[0]), number) if row and row[0] else None
+
+    def addresses(self) -> dict[str, Address]:
+        """What names the runs of each configuration, as far as it is known."""
+        with located(self.path):
+            return read_addresses(self._connection)
+
+    def attempts(self) -> list[Attempt]:
+        """Every try at a run, in the order they were made."""
+        with located(self.path):
+            return read_attempts(self._connection)
+
+    def close(self) -> None:
+        """Close it."""
+        self._connection.close()
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self.close()
+
+    @classmethod
+    def _connected(cls, path: Path, *, write: bool) -> Self:
+        connection = connect(path, write=write)
+        try:
+            with located(path):
+                header, asks = read_header(connection, path)
+        except BaseException:
+            connection.close()
+            raise
+        return cls(path, header, connection, asks)
+
+    def _files(self) -> dict[str, FileFacts]:
+        with located(self.path):
+            return read_files(self._connection)
+
+    def _checked(self, file: str | None) -> str:
+        # The database may come from anywhere: what it names must lie in the folder of waveforms.
+        if file and not is_file_name(file):
+            raise damaged_study(self.path, f"'{file}' is no file of waveforms")
+        return file or ""
+
+    def _numbers(self, query: str) -> set[int]:
+        with located(self.path):
+            return {number for (number,) in self._connection.execute(query)}

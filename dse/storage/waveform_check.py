@@ -1,0 +1,54 @@
+"""Whether a file of waveforms is still what was written."""
+
+from __future__ import annotations
+
+import hashlib
+from contextlib import suppress
+from dataclasses import dataclass
+from pathlib import Path
+
+from dse.errors import DseError
+from dse.storage.waveforms import read_all_waveforms
+
+
+@dataclass(frozen=True, slots=True)
+class FileFacts:
+    """What is known of a file: its size, when it was *modified* (ns) and its SHA-256."""
+
+    size: int
+    modified: int
+    digest: str
+
+
+def facts_of(file: Path) -> FileFacts:
+    """The facts of *file*; OSError if it cannot be read."""
+    with file.open("rb") as stream:
+        digest = hashlib.file_digest(stream, "sha256").hexdigest()
+    stat = file.stat()
+    return FileFacts(stat.st_size, stat.st_mtime_ns, digest)
+
+
+def checked(file: Path, known: FileFacts | None) -> FileFacts | None:
+    """The present facts of *file* if it is whole, None if it is gone, cut or changed.
+
+    It is read only if its time is not the *known* one; of a file of which nothing is known, whether it can be.
+    """
+    with suppress(OSError, DseError):
+        stat = file.stat()
+        if known and (stat.st_size, stat.st_mtime_ns) == (known.size, known.modified):
+            return known
+        if known is None:
+            for _ in read_all_waveforms(file):
+                pass
+        elif stat.st_size != known.size:
+            return None
+        facts = facts_of(file)
+        return facts if known is None or facts.digest == known.digest else None
+    return None
+
+
+def size_of(file: Path) -> int | None:
+    """The size of *file*, None if it is not there."""
+    with suppress(OSError):
+        return file.stat().st_size
+    return None

@@ -1,0 +1,265 @@
+/* Preloaded into a command and all it starts: lets the n-th call of a kind fail, or all from the n-th on.
+
+   Which, stands in a file that all these processes have mapped: they count together. */
+#define _GNU_SOURCE
+#include <dlfcn.h>
+#include <errno.h>
+#include <fcntl.h>
+#include <pthread.h>
+#include <spawn.h>
+#include <stdarg.h>
+#include <stdatomic.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/mman.h>
+#include <sys/stat.h>
+#include <sys/syscall.h>
+#include <sys/uio.h>
+#include <unistd.h>
+
+enum kind { WRITE, RENAME, SYNC, MAP, ALLOCATE, OPEN, LENGTHEN, START, KINDS };
+enum role { COORDINATOR, WORKER, TOOL, ROLES };
+
+/* The order and the sizes are known to shim.py. */
+struct control {
+    int64_t kind, role, nth, stays, error, least; /* set by the test; stays: from the n-th on */
+    _Atomic int64_t first;                        /* process of the command itself */
+    _Atomic int64_t failed;                       /* how many calls were let fail */
+    _Atomic int64_t counts[ROLES][KINDS];
+    char what[1024]; /* the first that was */
+};
+
+static struct control *control;
+static enum role role;
+static char program[512];
+
+static void *map_by_kernel(int file, size_t size) {
+    return (void *)syscall(SYS_mmap, NULL, size, PROT_READ | PROT_WRITE, MAP_SHARED, file, 0);
+}
+
+static int has(const char *text, size_t length, const char *word) { return memmem(text, length, word, strlen(word)) != NULL; }
+
+static void arm(const char *path, int command) {
+    int file = (int)syscall(SYS_openat, AT_FDCWD, path, O_RDWR | O_CLOEXEC, 0);
+    if (file < 0) return;
+    void *mapped = map_by_kernel(file, sizeof *control);
+    syscall(SYS_close, file);
+    if (mapped == MAP_FAILED) return;
+    char line[4096];
+    file = (int)syscall(SYS_openat, AT_FDCWD, "/proc/self/cmdline", O_RDONLY | O_CLOEXEC, 0);
+    long length = file < 0 ? 0 : syscall(SYS_read, file, line, sizeof line);
+    if (file >= 0) syscall(SYS_close, file);
+    if (length < 0) length = 0;
+    for (long at = 0; at < length && at < (long)sizeof program - 1; at++) program[at] = line[at] ? line[at] : ' ';
+    struct control *ours = mapped;
+    int64_t nobody = 0;
+    if (command) ours->first = getpid();
+    else atomic_compare_exchange_strong(&ours->first, &nobody, getpid());
+    int python = has(line, (size_t)length, "python");
+    role = ours->first == getpid() ? COORDINATOR : python && !has(line, (size_t)length, "compile_cache") ? WORKER : TOOL;
+    control = ours;
+}
+
+/* A command that was forked, not started, calls these. */
+void faults_arm(const char *path) { arm(path, 1); }
+void faults_disarm(void) { control = NULL; }
+
+__attribute__((constructor)) static void begin(void) {
+    const char *path = getenv("DSE_TESTS_FAULTS");
+    if (path) arm(path, 0);
+}
+
+static int fails(enum kind kind, const char *call, const char *what) {
+    struct control *c = control;
+    if (!c) return 0;
+    int64_t count = ++c->counts[role][kind];
+    int ours = c->kind == (int64_t)kind && c->role == (int64_t)role && c->nth && (c->stays ? count >= c->nth : count == c->nth);
+    /* What stays, as a full disk, is met by everybody. */
+    int met = c->stays && c->failed && (c->kind == (int64_t)kind || (c->kind == WRITE && kind == LENGTHEN));
+    if (!ours && !met) return 0;
+    if (!c->failed++) snprintf(c->what, sizeof c->what, "%s %s [%d: %.300s]", call, what, getpid(), program);
+    errno = (int)c->error;
+    return 1;
+}
+
+#define REAL(name) \
+    static __typeof__(&name) real; \
+    if (!real) real = (__typeof__(&name))dlsym(RTLD_NEXT, #name)
+
+/* Files of a disk: what is said to pipes, terminals and devices is another matter. */
+static int fails_at(enum kind kind, const char *call, int file) {
+    struct stat status;
+    if (!control || (role == COORDINATOR && file < 3) || fstat(file, &status) != 0 || !S_ISREG(status.st_mode)) return 0;
+    char link[64], path[512];
+    snprintf(link, sizeof link, "/proc/self/fd/%d", file);
+    ssize_t length = readlink(link, path, sizeof path - 1);
+    path[length < 0 ? 0 : length] = 0;
+    return fails(kind, call, path);
+}
+
+ssize_t write(int file, const void *content, size_t size) {
+    REAL(write);
+    if (!fails_at(WRITE, "write", file)) return real(file, content, size);
+    /* A disk that becomes full takes what it can first. */
+    if (control->stays && control->failed == 1 && control->error == ENOSPC && size > 1) return real(file, content, size / 2);
+    errno = (int)control->error;
+    return -1;
+}
+ssize_t pwrite(int file, const void *content, size_t size, off_t at) {
+    REAL(pwrite);
+    return fails_at(WRITE, "pwrite", file) ? -1 : real(file, content, size, at);
+}
+ssize_t pwrite64(int file, const void *content, size_t size, off64_t at) {
+    REAL(pwrite64);
+    return fails_at(WRITE, "pwrite", file) ? -1 : real(file, content, size, at);
+}
+ssize_t writev(int file, const struct iovec *parts, int count) {
+    REAL(writev);
+    return fails_at(WRITE, "writev", file) ? -1 : real(file, parts, count);
+}
+
+int rename(const char *from, const char *to) {
+    REAL(rename);
+    return fails(RENAME, "rename", to) ? -1 : real(from, to);
+}
+int renameat(int a, const char *from, int b, const char *to) {
+    REAL(renameat);
+    return fails(RENAME, "renameat", to) ? -1 : real(a, from, b, to);
+}
+int renameat2(int a, const char *from, int b, const char *to, unsigned flags) {
+    REAL(renameat2);
+    return fails(RENAME, "renameat2", to) ? -1 : real(a, from, b, to, flags);
+}
+
+int fsync(int file) {
+    REAL(fsync);
+    return fails_at(SYNC, "fsync", file) ? -1 : real(file);
+}
+int fdatasync(int file) {
+    REAL(fdatasync);
+    return fails_at(SYNC, "fdatasync", file) ? -1 : real(file);
+}
+
+void *mmap(void *where, size_t size, int protection, int flags, int file, off_t at) {
+    REAL(mmap);
+    return fails(MAP, "mmap", "") ? MAP_FAILED : real(where, size, protection, flags, file, at);
+}
+void *mmap64(void *where, size_t size, int protection, int flags, int file, off64_t at) {
+    REAL(mmap64);
+    return fails(MAP, "mmap", "") ? MAP_FAILED : real(where, size, protection, flags, file, at);
+}
+
+static int fails_to_allocate(size_t size) { return control && (int64_t)size >= control->least && fails(ALLOCATE, "malloc", ""); }
+
+/* The C library's own names: looking these up with dlsym would allocate. */
+extern void *__libc_malloc(size_t);
+extern void *__libc_calloc(size_t, size_t);
+extern void *__libc_realloc(void *, size_t);
+
+void *malloc(size_t size) { return fails_to_allocate(size) ? NULL : __libc_malloc(size); }
+void *calloc(size_t count, size_t size) { return fails_to_allocate(count * size) ? NULL : __libc_calloc(count, size); }
+void *realloc(void *old, size_t size) { return fails_to_allocate(size) ? NULL : __libc_realloc(old, size); }
+int posix_memalign(void **place, size_t alignment, size_t size) {
+    REAL(posix_memalign);
+    return fails_to_allocate(size) ? ENOMEM : real(place, alignment, size);
+}
+
+static int fails_to_open(const char *path, int flags) {
+    int writes = (flags & O_ACCMODE) != O_RDONLY || flags & O_CREAT;
+    return control && writes && strncmp(path, "/dev/", 5) && strncmp(path, "/proc/", 6) && fails(OPEN, "open", path);
+}
+static mode_t mode_of(int flags, va_list rest) { return flags & (O_CREAT | O_TMPFILE) ? va_arg(rest, mode_t) : 0; }
+
+#define OPENS(name)                                                      \
+    int name(const char *path, int flags, ...) {                         \
+        REAL(name);                                                      \
+        va_list rest;                                                    \
+        va_start(rest, flags);                                           \
+        mode_t mode = mode_of(flags, rest);                              \
+        va_end(rest);                                                    \
+        return fails_to_open(path, flags) ? -1 : real(path, flags, mode); \
+    }
+#define OPENS_AT(name)                                                           \
+    int name(int folder, const char *path, int flags, ...) {                     \
+        REAL(name);                                                              \
+        va_list rest;                                                            \
+        va_start(rest, flags);                                                   \
+        mode_t mode = mode_of(flags, rest);                                      \
+        va_end(rest);                                                            \
+        return fails_to_open(path, flags) ? -1 : real(folder, path, flags, mode); \
+    }
+OPENS(open)
+OPENS(open64)
+OPENS_AT(openat)
+OPENS_AT(openat64)
+
+FILE *fopen(const char *path, const char *mode) {
+    REAL(fopen);
+    return fails_to_open(path, strpbrk(mode, "wa+") ? O_WRONLY : O_RDONLY) ? NULL : real(path, mode);
+}
+FILE *fopen64(const char *path, const char *mode) {
+    REAL(fopen64);
+    return fails_to_open(path, strpbrk(mode, "wa+") ? O_WRONLY : O_RDONLY) ? NULL : real(path, mode);
+}
+int mkdir(const char *path, mode_t mode) {
+    REAL(mkdir);
+    return fails(OPEN, "mkdir", path) ? -1 : real(path, mode);
+}
+
+int ftruncate(int file, off_t size) {
+    REAL(ftruncate);
+    return fails_at(LENGTHEN, "ftruncate", file) ? -1 : real(file, size);
+}
+int ftruncate64(int file, off64_t size) {
+    REAL(ftruncate64);
+    return fails_at(LENGTHEN, "ftruncate", file) ? -1 : real(file, size);
+}
+int truncate(const char *path, off_t size) {
+    REAL(truncate);
+    return fails(LENGTHEN, "truncate", path) ? -1 : real(path, size);
+}
+/* These return the error. */
+int posix_fallocate(int file, off_t at, off_t size) {
+    REAL(posix_fallocate);
+    return fails_at(LENGTHEN, "posix_fallocate", file) ? (int)control->error : real(file, at, size);
+}
+int posix_fallocate64(int file, off64_t at, off64_t size) {
+    REAL(posix_fallocate64);
+    return fails_at(LENGTHEN, "posix_fallocate", file) ? (int)control->error : real(file, at, size);
+}
+
+pid_t fork(void) {
+    REAL(fork);
+    return fails(START, "fork", "") ? -1 : real();
+}
+/* What vfork gives must not leave the function that called it: a fork is as good. */
+pid_t vfork(void) {
+    REAL(fork);
+    return fails(START, "vfork", "") ? -1 : real();
+}
+int posix_spawn(pid_t *process, const char *path, const posix_spawn_file_actions_t *actions,
+                const posix_spawnattr_t *attributes, char *const words[], char *const environment[]) {
+    REAL(posix_spawn);
+    if (fails(START, "posix_spawn", path)) return (int)control->error;
+    return real(process, path, actions, attributes, words, environment);
+}
+int posix_spawnp(pid_t *process, const char *path, const posix_spawn_file_actions_t *actions,
+                 const posix_spawnattr_t *attributes, char *const words[], char *const environment[]) {
+    REAL(posix_spawnp);
+    if (fails(START, "posix_spawn", path)) return (int)control->error;
+    return real(process, path, actions, attributes, words, environment);
+}
+int execve(const char *path, char *const words[], char *const environment[]) {
+    REAL(execve);
+    return fails(START, "execve", path) ? -1 : real(path, words, environment);
+}
+int execv(const char *path, char *const words[]) {
+    REAL(execv);
+    return fails(START, "execv", path) ? -1 : real(path, words);
+}
+int pthread_create(pthread_t *thread, const pthread_attr_t *attributes, void *(*run)(void *), void *with) {
+    REAL(pthread_create);
+    return fails(START, "pthread_create", "") ? EAGAIN : real(thread, attributes, run, with);
+}
