@@ -33,8 +33,8 @@ class Address:
 
     @property
     def entry(self) -> str:
-        """Where its runs are kept, as a path of two parts."""
-        return f"{self.machine}/{self.key}"
+        """What its runs are kept under, as the name of a folder."""
+        return f"{self.key}-{self.machine}"
 
     def names_alike(self, other: Address) -> bool:
         """Whether the same points name the same runs, wherever they were made."""

@@ -151,7 +151,7 @@ class RunStore:
         file = self._entry(key) / _RECORDS
         try:
             content = memoryview(file.read_bytes())
-            os.utime(file)  # what is used is not old
+            os.utime(file.parent)  # what is used is not old
         except OSError:
             return
         at = 0
