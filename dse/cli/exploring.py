@@ -60,23 +60,24 @@ def show_plan(study: Study, folder: Path, options: ExploreOptions, form: Output)
     if form is Output.JSON:
         print_json(asdict(plan))
         return
-    say(f"{folder}: {plan.runs} runs of {plan.configurations} configurations")
+    say(f"{folder}: {plan.runs} runs, configurations: {plan.configurations}")
     for line in _plan_lines(plan):
         say(line)
 
 
 def _plan_lines(plan: Plan) -> Iterator[str]:
-    if plan.changes:
-        yield f"  changed: {', '.join(plan.changes)}"
-    yield f"  {plan.there} runs stay, {plan.known} were made before and are taken from the cache"
-    todo = f"  {plan.missing} of {plan.simulated} configurations are to be simulated"
-    if plan.again:
-        todo += f", {plan.again} again for their waveforms"
+    simulated = f"{plan.missing}, configurations: {plan.simulated}" if plan.missing else "0"
     if plan.open_ended:
-        todo += "; then the sampler may ask for more"
-    yield todo
-    if plan.missing or plan.again:
-        yield f"  that takes {'an unknown time' if plan.seconds is None else _duration(plan.seconds)}"
+        simulated += "; then the sampler may ask for more"
+    told = {
+        "changed": ", ".join(plan.changes),
+        "stay in the folder": str(plan.there),
+        "made before, in the cache": str(plan.known),
+        "to be simulated": simulated,
+        "again for their waveforms": str(plan.again or ""),
+        "that takes": "" if plan.seconds == 0 else "nobody knows" if plan.seconds is None else _duration(plan.seconds),
+    }
+    yield from (f"  {what:<27}{how}" for what, how in told.items() if how)
 
 
 def _duration(seconds: float) -> str:

@@ -16,7 +16,7 @@ from dse.domain.address import Address
 from dse.domain.run import RunRequest
 from dse.errors import DseError, fail
 from dse.exploration.work import Batch
-from dse.storage import Measures, RowBlock, RunStore, StudyFolder, gather_waveforms
+from dse.storage import Measures, RowBlock, RunStore, StudyFolder, gather_waveforms, this_process
 
 NOT_REPRODUCIBLE = "not reproducible: "
 """What is said of a run begins with it if it gave another result when it was made again."""
@@ -69,8 +69,9 @@ class KnownRuns:
                 yield there, _numbered(_ordered(block, self._from_store), numbers)
 
     def add(self, batch: Batch, block: RowBlock) -> None:
-        """Note runs of *batch* that were made just now."""
-        if not self._writes or batch.configuration not in self.addresses:
+        """Note runs of *batch* that were made just now. What another machine made stays with its study."""
+        is_ours = not block.maker or _host(block.maker) == _host(this_process())
+        if not self._writes or not is_ours or batch.configuration not in self.addresses:
             return
         requests = {request.number: request for request in batch.requests}
         made = [requests[number] for number in block.numbers.tolist()]
@@ -155,6 +156,10 @@ def give(folder: StudyFolder, store: RunStore) -> None:
                 known.add_file(batch, list(numbers), folder.waveform_folder / file)
     if not known.put():
         raise fail(f"the runs cannot be kept in {store.folder}", hint="set DSE_CACHE to a folder of yours with room")
+
+
+def _host(maker: str) -> str:
+    return maker.rpartition("/")[0]
 
 
 def _sorted(requests: Iterable[RunRequest]) -> list[RunRequest]:

@@ -3,19 +3,21 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from dse.api.studies.planning import Plan, changes_since, known_runs, plan, start_over
 from dse.domain.study import ExecutorChoice
-from dse.errors import fail
+from dse.errors import DseError, fail
 from dse.exploration import (
     Executor,
     ExplorationInterruptedError,
     Explored,
     Progress,
     explore,
+    give,
     load_executor,
     simulate_alone,
 )
@@ -97,7 +99,11 @@ def explore_into(
         start_over(folder)
     with StudyFolder.resume(folder, planned.definition) as store:
         store.note_addresses(known.addresses)
-        return explore(study, planned.benches, store, executor=executor, on_progress=on_progress, known=known)
+        explored = explore(study, planned.benches, store, executor=executor, on_progress=on_progress, known=known)
+        if explored.before and explored.simulated:
+            with suppress(DseError):  # what was finished when it was stopped may not have come to the cache
+                give(store, known.store)
+        return explored
 
 
 def plan_into(study: Study, folder: Path, options: ExploreOptions, *, tell: Tell | None = None) -> Plan:
