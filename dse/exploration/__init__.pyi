@@ -1,4 +1,5 @@
 from .executor import Executor as Executor, load_executor as load_executor
+from .known_runs import KnownRuns as KnownRuns, give as give
 from .loop import ExplorationInterruptedError as ExplorationInterruptedError, Explored as Explored, explore as explore
 from .once_sampler import OnceSampler as OnceSampler, scaled as scaled
 from .progress import Progress as Progress

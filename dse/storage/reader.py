@@ -9,10 +9,12 @@ from pathlib import Path
 from types import TracebackType
 from typing import Self
 
+from dse.domain.address import Address
 from dse.domain.definition import StudyDefinition
 from dse.domain.run import Run, Waveforms
 from dse.errors import Location, fail
 from dse.storage.attempts import Attempt
+from dse.storage.database.addresses import read_addresses
 from dse.storage.database.asks import Asks
 from dse.storage.database.attempts import read_attempts, read_causes
 from dse.storage.database.connection import connect, damaged_study, located, read_header
@@ -100,6 +102,11 @@ class StudyReader:
         with located(self.path):
             row = self._connection.execute("SELECT file FROM kept WHERE number = ?", (number,)).fetchone()
         return read_waveforms(self.waveform_folder / self._checked(row[0]), number) if row and row[0] else None
+
+    def addresses(self) -> dict[str, Address]:
+        """What names the runs of each configuration, as far as it is known."""
+        with located(self.path):
+            return read_addresses(self._connection)
 
     def attempts(self) -> list[Attempt]:
         """Every try at a run, in the order they were made."""

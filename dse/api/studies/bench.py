@@ -14,6 +14,7 @@ if TYPE_CHECKING:
     from typing import Unpack
 
     from dse.api.spaces.design import Design
+    from dse.api.studies.planning import Plan
     from dse.api.studies.results import Results
     from dse.api.studies.run import Run
     from dse.domain.design import Configuration
@@ -133,7 +134,8 @@ class Study(_Named[nouns.Study]):
         configuration into one library first, *fresh* throws away what the folder holds; with *retry_failed* runs that
         failed before are made again. *progress* is called with how far it has come; True shows a bar on standard
         error. In a *sandbox* FMUs have no network and write in their scratch folder only (Linux). Results do not depend
-        on any of that.
+        on any of that. Runs that were made before, for this study or another, are not simulated again, unless *fresh*;
+        `plan` tells.
 
         Raises DseError with everything that is wrong, and ExplorationInterruptedError, a KeyboardInterrupt, on Ctrl-C:
         what was finished is stored, and the same call goes on from there.
@@ -146,6 +148,17 @@ class Study(_Named[nouns.Study]):
         with telling(progress) as tell:
             explored = explore_into(self.noun, Path(folder), options, on_progress=tell)
         return Results(Path(folder), explored)
+
+    def plan(
+        self, folder: str | Path, *, workers: int = 0, fuse: bool = False, fresh: bool = False, fmi: int = 2
+    ) -> Plan:
+        """What `explore` would do with these arguments: how many runs it would simulate, why, and for how long.
+
+        FMUs are built, nothing is simulated, and *folder* is left as it is. Raises DseError as `explore` would.
+        """
+        from dse.api.studies.exploring import ExploreOptions, plan_into
+
+        return plan_into(self.noun, Path(folder), ExploreOptions(workers, 1, fuse, fresh, fmi))
 
     def __repr__(self) -> str:
         names = ", ".join(variable.name for variable in self.noun.variables)

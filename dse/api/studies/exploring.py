@@ -3,18 +3,21 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from dse.api.studies.planning import Plan, changes_since, known_runs, plan, start_over
 from dse.domain.study import ExecutorChoice
-from dse.errors import fail
+from dse.errors import DseError, fail
 from dse.exploration import (
     Executor,
     ExplorationInterruptedError,
     Explored,
     Progress,
     explore,
+    give,
     load_executor,
     simulate_alone,
 )
@@ -25,7 +28,17 @@ if TYPE_CHECKING:
     from dse.domain.run import Run
     from dse.domain.study import Study
 
-__all__ = ["ExplorationInterruptedError", "ExploreOptions", "Explored", "Progress", "alone", "explore_into", "ready"]
+__all__ = [
+    "ExplorationInterruptedError",
+    "ExploreOptions",
+    "Explored",
+    "Plan",
+    "Progress",
+    "alone",
+    "explore_into",
+    "plan_into",
+    "ready",
+]
 
 Tell = Callable[[str], None]
 """Is told what is going on while things are built."""
@@ -36,9 +49,9 @@ class ExploreOptions:
     """How a study is explored; its results do not depend on it.
 
     The local executor has so many *workers* (0: what the study says, or one for each processor), each with *threads*
-    runs at once. *fuse* links each configuration into one library first, *fresh* throws away what the folder holds.
-    *fmi* is the version of the FMUs that are built. In a *sandbox*, FMUs have no network and write in their scratch
-    folder only. With *retry_failed*, runs that failed before are made again.
+    runs at once. *fuse* links each configuration into one library first, *fresh* throws away what the folder holds
+    and simulates every run, made before or not. *fmi* is the version of the FMUs that are built. In a *sandbox*, FMUs
+    have no network and write in their scratch folder only. With *retry_failed*, runs that failed before are made again.
     """
 
     workers: int = 0
@@ -68,19 +81,42 @@ def explore_into(
     *,
     on_progress: Callable[[Progress], None] | None = None,
     tell: Tell | None = None,
+    on_changes: Callable[[Plan], None] | None = None,
 ) -> Explored:
-    """Have the study's executor make the runs that *folder* does not have yet.
+    """Have the study's executor make the runs that *folder* does not have yet, and that were not made elsewhere.
 
+    If the study's files have changed since *folder* was made, the folder becomes what a new one would be: *on_changes*
+    is told what will be done before it is. Earlier results stay in the cache.
     Raises DseError, and ExplorationInterruptedError on Ctrl-C; what was finished is stored then.
     """
     executor = executor_of(study, options)
     planned = ready(study, options.fmi, fuse=options.fuse, tell=tell)
+    known = known_runs(planned, reads=not (options.fresh or options.retry_failed))
     if options.fresh:
         StudyFolder.discard(folder)
+    elif changes_since(folder, planned, known.addresses):
+        if on_changes:
+            on_changes(plan(planned, folder, workers=options.workers))
+        start_over(folder)
     with StudyFolder.resume(folder, planned.definition) as store:
         if options.retry_failed:
             store.forget(store.failed())
-        return explore(study, planned.benches, store, executor=executor, on_progress=on_progress)
+        store.note_addresses(known.addresses)
+        explored = explore(study, planned.benches, store, executor=executor, on_progress=on_progress, known=known)
+        if explored.before and explored.simulated:
+            with suppress(DseError):  # what was finished when it was stopped may not have come to the cache
+                give(store, known.store)
+        return explored
+
+
+def plan_into(study: Study, folder: Path, options: ExploreOptions, *, tell: Tell | None = None) -> Plan:
+    """What `explore_into` would do. FMUs are built, nothing is simulated, and *folder* is left as it is.
+
+    Raises DseError as exploring would.
+    """
+    planned = ready(study, options.fmi, fuse=options.fuse, tell=tell)
+    executor_of(study, options)
+    return plan(planned, folder, workers=options.workers, fresh=options.fresh)
 
 
 def executor_of(study: Study, options: ExploreOptions) -> Executor:
