@@ -3,8 +3,14 @@
 from __future__ import annotations
 
 import sys
+import threading
+from collections.abc import Iterator
+from contextlib import contextmanager
+from multiprocessing import current_process
 from multiprocessing.process import BaseProcess
 from types import ModuleType
+
+_one_at_a_time = threading.Lock()
 
 
 def start_process(process: BaseProcess) -> None:
@@ -13,9 +19,23 @@ def start_process(process: BaseProcess) -> None:
     A console script would cost each child the whole command line, and a script without a main guard would do again
     what it did to start it.
     """
-    main = sys.modules["__main__"]
-    sys.modules["__main__"] = ModuleType("__main__")
+    with _one_at_a_time, _as_parent():
+        main = sys.modules["__main__"]
+        sys.modules["__main__"] = ModuleType("__main__")
+        try:
+            process.start()
+        finally:
+            sys.modules["__main__"] = main
+
+
+@contextmanager
+def _as_parent() -> Iterator[None]:
+    """Be a process that may have children: multiprocessing forbids it to daemons, such as the workers of Dask are."""
+    # What speaks against it is that children would be left behind; ours leave with whoever started them.
+    settings = getattr(current_process(), "_config", {})
+    daemon = settings.pop("daemon", None)
     try:
-        process.start()
+        yield
     finally:
-        sys.modules["__main__"] = main
+        if daemon is not None:
+            settings["daemon"] = daemon

@@ -28,7 +28,7 @@ class Explored:
     *before* is how many runs the folder had, *runs* how many it has now, of which *failed*; with *extended* the study
     asks for other runs than before. *simulated* were made by this call, for the first time or again for their
     waveforms. *kept* have waveforms. *retried* were tried twice because their worker was killed from outside or grew
-    too large over several runs, *irreproducible* gave another result the second time.
+    too large over several runs, *irreproducible* gave another result the second time. *remarks* are on who made them.
     """
 
     before: int
@@ -39,6 +39,7 @@ class Explored:
     retried: int
     irreproducible: int
     extended: bool
+    remarks: tuple[str, ...] = ()
 
     @property
     def new(self) -> int:
@@ -102,6 +103,7 @@ def explore(
                 near = _near(study, folder, prepared)
                 sink.begin(Stage.WAVEFORMS, near, near & sink.kept.keys())
                 pool.work_off(chunks.waveforms(near - sink.kept.keys(), sink.kept))
+            remarks = pool.remarks
     except KeyboardInterrupt:
         raise ExplorationInterruptedError(len(folder.finished()), folder.header.runs) from None
     finally:
@@ -116,6 +118,7 @@ def explore(
         pool.retried,
         len(sink.irreproducible),
         folder.is_extended,
+        remarks,
     )
 
 

@@ -11,6 +11,7 @@ from dse.domain import study as nouns
 from dse.domain.bench import TestBench
 
 if TYPE_CHECKING:
+    from concurrent.futures import Executor as FuturesPool
     from typing import Unpack
 
     from dse.api.spaces.design import Design
@@ -29,6 +30,7 @@ class Exploring(TypedDict, total=False):
     fuse: bool
     fresh: bool
     fmi: int
+    executor: FuturesPool | Callable[[], FuturesPool] | None
     progress: Callable[[Progress], None] | bool | None
 
 
@@ -119,13 +121,16 @@ class Study(_Named[nouns.Study]):
         fuse: bool = False,
         fresh: bool = False,
         fmi: int = 2,
+        executor: FuturesPool | Callable[[], FuturesPool] | None = None,
         progress: Callable[[Progress], None] | bool | None = None,
     ) -> Results:
         """Make the runs that *folder* does not have yet, and return what is in it.
 
         *workers* processes (0: one for each processor) make *threads* runs at once each. *fuse* links each
         configuration into one library first, *fresh* throws away what the folder holds. *progress* is called with how
-        far it has come; True shows a bar on standard error. Results do not depend on any of that.
+        far it has come; True shows a bar on standard error. *executor* makes the runs instead of what the study names: any
+        executor of ``concurrent.futures`` with so many *workers* (0: as it says itself), or a function that makes one.
+        Results do not depend on any of that.
 
         Raises DseError with everything that is wrong, and ExplorationInterruptedError, a KeyboardInterrupt, on Ctrl-C:
         what was finished is stored, and the same call goes on from there.
@@ -134,7 +139,7 @@ class Study(_Named[nouns.Study]):
         from dse.api.studies.exploring import ExploreOptions, explore_into
         from dse.api.studies.results import Results
 
-        options = ExploreOptions(workers, threads, fuse, fresh, fmi)
+        options = ExploreOptions(workers, threads, fuse, fresh, fmi, executor)
         with telling(progress) as tell:
             explored = explore_into(self.noun, Path(folder), options, on_progress=tell)
         return Results(Path(folder), explored)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from concurrent.futures import Executor as FuturesPool
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -13,6 +14,7 @@ from dse.exploration import (
     Executor,
     ExplorationInterruptedError,
     Explored,
+    FuturesExecutor,
     Progress,
     explore,
     load_executor,
@@ -37,7 +39,8 @@ class ExploreOptions:
 
     The local executor has so many *workers* (0: what the study says, or one for each processor), each with *threads*
     runs at once. *fuse* links each configuration into one library first, *fresh* throws away what the folder holds.
-    *fmi* is the version of the FMUs that are built.
+    *fmi* is the version of the FMUs that are built. *executor* makes the runs instead of what the study names: an
+    executor of ``concurrent.futures`` with so many *workers* (0: as it says itself), or a function that makes one.
     """
 
     workers: int = 0
@@ -45,6 +48,7 @@ class ExploreOptions:
     fuse: bool = False
     fresh: bool = False
     fmi: int = 2
+    executor: FuturesPool | Callable[[], FuturesPool] | None = None
 
 
 def ready(study: Study, fmi: int = 2, *, fuse: bool = False, tell: Tell | None = None) -> PreparedStudy:
@@ -80,6 +84,8 @@ def explore_into(
 
 def executor_of(study: Study, options: ExploreOptions) -> Executor:
     """What makes the runs of *study*; DseError for workers or threads of another executor than the local one."""
+    if options.executor is not None:
+        return FuturesExecutor(options.executor, options.workers)
     given = {"workers": options.workers} if options.workers else {}
     given |= {"threads": options.threads} if options.threads > 1 else {}
     choice = study.executor

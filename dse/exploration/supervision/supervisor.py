@@ -25,7 +25,7 @@ from types import TracebackType
 
 from dse.errors import DseError, fail
 from dse.exploration.failures import failed_run
-from dse.exploration.remote import packed
+from dse.exploration.packing import packed
 from dse.exploration.supervision.channel import GarbledError
 from dse.exploration.supervision.heartbeat import Phase
 from dse.exploration.supervision.messages import Report, Setup
@@ -59,6 +59,8 @@ class Supervisor:
 
     With several *threads* in a worker, configurations that do not bear them have as many more workers instead.
     """
+
+    remarks: tuple[str, ...] = ()
 
     def __init__(self, work: Work, sink: Sink, workers: int, threads: int = 1) -> None:
         self._configurations = work.configurations
@@ -154,7 +156,7 @@ class Supervisor:
     def _store(self, configuration: str) -> None:
         file = self._setup.file(configuration)
         if not file.exists():
-            file.write_bytes(packed(self._configurations[configuration])[0])
+            file.write_bytes(packed(self._configurations[configuration]).content)
 
     def _listen(self) -> None:
         channels = [worker.channel for worker in self._workers]
