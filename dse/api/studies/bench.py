@@ -128,8 +128,8 @@ class Study(_Named[nouns.Study]):
 
         *workers* processes (0: one for each processor) make *threads* runs at once each. *fuse* links each
         configuration into one library first, *fresh* throws away what the folder holds. *progress* is called with how
-        far it has come; True shows a bar on standard error. *executor* makes the runs instead of what the study names: any
-        executor of ``concurrent.futures`` with so many *workers* (0: as it says itself), or a function that makes one.
+        far it has come; True shows a bar on standard error. *executor* makes the runs instead of what the study names:
+        one of ``concurrent.futures`` with so many *workers* (0: as it says itself), or a function that makes one.
         Results do not depend on any of that.
 
         Raises DseError with everything that is wrong, and ExplorationInterruptedError, a KeyboardInterrupt, on Ctrl-C:
