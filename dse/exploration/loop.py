@@ -15,7 +15,7 @@ from dse.exploration.boundary import near_boundary
 from dse.exploration.executor import Executor
 from dse.exploration.progress import Meter, Progress, Stage
 from dse.exploration.work import Batch, MakeRunner, Runnable, Work
-from dse.storage import RowBlock, StudyFolder
+from dse.storage import Attempt, RowBlock, StudyFolder
 from dse.testbench import make_runner
 
 _TELL_EVERY = 0.1
@@ -81,7 +81,8 @@ def explore(
 
     Raises DseError if workers cannot work at all, ExplorationInterruptedError on Ctrl-C.
     """
-    work = Work(prepared, make_runner, folder.waveform_folder, folder.header.measures)
+    header = folder.header
+    work = Work(prepared, make_runner, folder.waveform_folder, header.measures, folder.spool_folder, header.fingerprint)
     sink = _Sink(folder, on_progress)
     before = len(sink.finished)
     try:
@@ -163,11 +164,16 @@ class _Sink:
         self.simulated += len(block)
         self._there.update(self._wanted.intersection(numbers))
 
+    def tried(self, attempts: Sequence[Attempt]) -> None:
+        """Store tries that gave no row."""
+        self._folder.add_attempts(attempts)
+
     def ended(self, batch: Batch, kept: tuple[int, ...]) -> None:
         """Note which waveforms are there, and of which runs none ever will be."""
         if batch.keep:
             self._keep(kept, batch.file)
             self._keep([n for n in batch.numbers if n not in kept and n not in self.failed], "")
+        self._folder.release(batch.name)
 
     def tick(self) -> None:
         """Commit and tell, each when it is time."""
@@ -197,6 +203,9 @@ class _Sink:
 
     def _compare(self, again: RowBlock) -> None:
         numbers = again.numbers.tolist()
+        self._folder.add_attempts(
+            [Attempt(number, again.maker, "", wall) for number, wall in zip(numbers, again.wall.tolist(), strict=True)]
+        )
         stored = self._folder.table(numbers).block
         for row in np.flatnonzero(again.differs_from(stored)).tolist():
             number = numbers[row]

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Set as AbstractSet
+from collections.abc import Callable, Mapping, Sequence, Set as AbstractSet
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, Protocol
 
 from dse.domain.run import Run, RunRequest
-from dse.storage import Measures, RowBlock
+from dse.storage import Attempt, Measures, RowBlock
 
 PROGRESS_BYTES = 64
 """Size of the block that a simulation notes in where it is."""
@@ -74,6 +74,11 @@ class Batch:
         return tuple(request.number for request in self.requests)
 
     @property
+    def name(self) -> str:
+        """What its runs are found under in the spool, the same whenever it is made."""
+        return self.file or f"runs-{self.identity:08d}"
+
+    @property
     def keep(self) -> bool:
         """Whether waveforms are kept."""
         return bool(self.file)
@@ -89,6 +94,9 @@ class Sink(Protocol):
     def rows(self, batch: Batch, block: RowBlock) -> None:
         """Some runs of *batch* are finished."""
 
+    def tried(self, attempts: Sequence[Attempt]) -> None:
+        """Tries at runs that gave no row."""
+
     def ended(self, batch: Batch, kept: tuple[int, ...]) -> None:
         """All of *batch* is; the waveforms of *kept* are in its file, which lies in the study's folder of waveforms."""
 
@@ -100,10 +108,13 @@ class Sink(Protocol):
 class Work:
     """What a study's runs are made from: its configurations by id, who simulates them, and what every run has to give.
 
-    Files of waveforms go into the folder *waveforms*.
+    Files of waveforms go into the folder *waveforms*, what is needed aside into *spool*; *study* is the fingerprint of
+    what is studied.
     """
 
     configurations: Mapping[str, Runnable]
     make_runner: MakeRunner
     waveforms: Path
     measures: Measures
+    spool: Path
+    study: str = ""

@@ -1,3 +1,4 @@
+from .attempts import Attempt as Attempt, this_process as this_process
 from .database.asks import Asks as Asks
 from .database.connection import damaged_study as damaged_study
 from .database.header import StudyHeader as StudyHeader
@@ -6,6 +7,13 @@ from .difference import changed_inputs as changed_inputs, changed_results as cha
 from .export.tables import EXPORTS as EXPORTS, columns_of as columns_of, to_frame as to_frame
 from .folder import StudyFolder as StudyFolder
 from .rows import Measures as Measures, RowBlock as RowBlock, block_of as block_of
+from .spool import (
+    Spooled as Spooled,
+    SpoolWriter as SpoolWriter,
+    assemble as assemble,
+    clear_spool as clear_spool,
+    read_spool as read_spool,
+)
 from .waveforms import (
     read_all_waveforms as read_all_waveforms,
     read_waveforms as read_waveforms,

@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import shutil
 import sqlite3
 import time
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from dataclasses import replace
+from itertools import groupby, repeat
 from pathlib import Path
 from types import TracebackType
 
@@ -14,7 +17,9 @@ from dse.domain.component import Value
 from dse.domain.definition import StudyDefinition
 from dse.domain.run import Outcome, Run, RunRequest, Waveforms
 from dse.errors import Location, fail
+from dse.storage.attempts import Attempt
 from dse.storage.database.asks import Asks, blocks_of, write_asks
+from dse.storage.database.attempts import read_attempts, write_attempts
 from dse.storage.database.connection import (
     NAME,
     connect,
@@ -30,12 +35,14 @@ from dse.storage.database.header import StudyHeader
 from dse.storage.database.schema import cell_of, columns
 from dse.storage.database.table import RunTable, read_table
 from dse.storage.rows import RowBlock
+from dse.storage.spool import clear_spool
 from dse.storage.waveforms import PART, is_file_name, read_waveforms
 
 WAVEFORMS = "waveforms"
+SPOOL = "spool"
 
 _COMMIT_EVERY = 0.25
-_OURS = (WAVEFORMS, f"{NAME}.part", "report.html", "figures")
+_OURS = (WAVEFORMS, SPOOL, f"{NAME}.part", "report.html", "figures")
 """What an earlier study may have left in a folder that is used again."""
 
 
@@ -54,6 +61,7 @@ class StudyFolder:
         self._connection = connection
         self.is_extended = False
         self._begun: float | None = None
+        self._released: set[str] = set()
 
     @classmethod
     def create(cls, path: Path, definition: StudyDefinition) -> StudyFolder:
@@ -108,11 +116,17 @@ class StudyFolder:
         for pattern in (f"{NAME}*", f"{WAVEFORMS}/*.parquet", f"{WAVEFORMS}/*{PART}"):
             for file in path.glob(pattern):
                 file.unlink()
+        shutil.rmtree(path / SPOOL, ignore_errors=True)
 
     @property
     def waveform_folder(self) -> Path:
         """Where the waveform files lie."""
         return self.path / WAVEFORMS
+
+    @property
+    def spool_folder(self) -> Path:
+        """What those who make the runs need aside: what is not in the database yet, and nothing after a study's end."""
+        return self.path / SPOOL
 
     def finished(self) -> set[int]:
         """Numbers of the runs that have a row, done or failed."""
@@ -197,7 +211,7 @@ class StudyFolder:
     def add(self, configuration: str, points: Sequence[Sequence[Value]], block: RowBlock) -> None:
         """Store *block*, all of one *configuration*; *points* (n, variables) in the header's order.
 
-        A run that has a row already keeps it.
+        A run that has a row already keeps it. Each is an attempt.
         """
         numbers = block.numbers.tolist()
         cells = (column.tolist() for column in (block.done, block.metrics, block.verdicts, block.margins))
@@ -218,10 +232,22 @@ class StudyFolder:
         with located(self.path):
             self._begin()
             self._connection.executemany(f"INSERT OR IGNORE INTO runs VALUES ({places})", rows)  # noqa: S608  # marks only
-            self._connection.executemany(
-                "INSERT OR IGNORE INTO timing VALUES (?, ?)", zip(numbers, block.wall.tolist(), strict=True)
-            )
+            tries = zip(numbers, repeat(""), block.wall.tolist(), strict=False)
+            write_attempts(self._connection, block.maker, tries)
         self.commit_if_due()
+
+    def add_attempts(self, attempts: Sequence[Attempt]) -> None:
+        """Store tries that gave no row, or at runs that have one already."""
+        with located(self.path):
+            self._begin()
+            for maker, tries in groupby(attempts, key=lambda attempt: attempt.maker):
+                write_attempts(self._connection, maker, ((a.run, a.cause, a.seconds) for a in tries))
+        self.commit_if_due()
+
+    def attempts(self) -> list[Attempt]:
+        """Every try at a run, in the order they were made."""
+        with located(self.path):
+            return read_attempts(self._connection)
 
     def add_kept(self, numbers: Sequence[int], file: str) -> None:
         """Note that the waveforms of *numbers* are in *file*, which is there already; "" if there are none to store."""
@@ -231,6 +257,10 @@ class StudyFolder:
                 "INSERT OR REPLACE INTO kept VALUES (?, ?)", [(number, file or None) for number in numbers]
             )
         self.commit_if_due()
+
+    def release(self, name: str) -> None:
+        """Let the spool of the batch *name* go when what has been added is committed."""
+        self._released.add(name)
 
     def set_problem(self, number: int, problem: str) -> None:
         """Replace what run *number* has to say of itself."""
@@ -250,11 +280,16 @@ class StudyFolder:
             with located(self.path):
                 self._connection.execute("COMMIT")
             self._begun = None
+        if self._released:
+            clear_spool(self.spool_folder, self._released)
+            self._released = set()
 
     def close(self) -> None:
         """Commit and close."""
         try:
             self.commit()
+            with suppress(OSError):  # it holds something that is still needed, or was never there
+                self.spool_folder.rmdir()
         finally:
             self._connection.close()
 

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from dse.domain.bench import VERDICTS, Judgement, Verdict
 from dse.domain.run import Outcome, Run, RunRequest
+from dse.storage.attempts import this_process
 
 _CODES = {verdict: code for code, verdict in enumerate(VERDICTS)}
 
@@ -29,7 +30,7 @@ class RowBlock:
 
     *numbers* (n,) int64; *done* (n,) bool; *metrics* (n, m) and *margins* (n, r) float64 in SI, NaN where
     undefined; *verdicts* (n, r) uint8, positions in `VERDICTS`; *wall* (n,) seconds. *problems* has an entry for
-    each run that has something to say.
+    each run that has something to say. *maker* is the process that made the runs, as an `Attempt` has it.
     """
 
     numbers: NDArray[np.int64]
@@ -39,6 +40,7 @@ class RowBlock:
     margins: NDArray[np.float64]
     wall: NDArray[np.float64]
     problems: Mapping[int, str]
+    maker: str = ""
 
     def __len__(self) -> int:
         return len(self.numbers)
@@ -55,6 +57,7 @@ class RowBlock:
             self.margins[rows],
             self.wall[rows],
             {number: text for number, text in self.problems.items() if number in present},
+            self.maker,
         )
 
     def differs_from(self, other: RowBlock) -> NDArray[np.bool_]:
@@ -87,33 +90,32 @@ class RowBlock:
 
 
 def block_of(runs: Sequence[Run], measures: Measures, wall: Sequence[float] | None = None) -> RowBlock:
-    """*runs* as a block, *wall* seconds each; KeyError if a finished run lacks a metric or a requirement."""
+    """*runs* as a block of this process, *wall* seconds each; KeyError if a finished one lacks one of *measures*."""
     n = len(runs)
-    judged = [_judged(run, measures.requirements) for run in runs]
-    metrics = [_metrics(run, measures.metrics) for run in runs]
+    metrics, margins, codes = zip(*(numbers_of(run, measures) for run in runs), strict=True) if n else ((), (), ())
     shape = (n, len(measures.requirements))
     return RowBlock(
         np.array([run.request.number for run in runs], dtype=np.int64),
         np.array([run.outcome is Outcome.DONE for run in runs], dtype=np.bool_),
         np.array(metrics, dtype=np.float64).reshape(n, len(measures.metrics)),
-        np.array([[_CODES[verdict] for verdict, _ in row] for row in judged], dtype=np.uint8).reshape(shape),
-        np.array([[margin for _, margin in row] for row in judged], dtype=np.float64).reshape(shape),
+        np.array(codes, dtype=np.uint8).reshape(shape),
+        np.array(margins, dtype=np.float64).reshape(shape),
         np.full(n, math.nan) if wall is None else np.array(wall, dtype=np.float64),
         {run.request.number: run.problem for run in runs if run.problem},
+        this_process(),
     )
 
 
-def _metrics(run: Run, names: Sequence[str]) -> list[float]:
+def numbers_of(run: Run, measures: Measures) -> tuple[list[float], list[float], list[int]]:
+    """Metrics, margins and verdicts (positions in `VERDICTS`) of *run*; KeyError if it is finished and lacks one."""
+    names = measures.requirements
     if run.outcome is Outcome.FAILED:
-        return [math.nan] * len(names)
-    return [run.metrics[name] for name in names]
-
-
-def _judged(run: Run, names: Sequence[str]) -> list[tuple[Verdict, float]]:
-    if run.outcome is Outcome.FAILED:
-        return [(Verdict.FAILED_TO_RUN, math.nan)] * len(names)
-    by_name = {judgement.requirement: (judgement.verdict, judgement.margin) for judgement in run.judgements}
-    return [by_name[name] for name in names]
+        nothing = [math.nan] * len(names)
+        return [math.nan] * len(measures.metrics), nothing, [_CODES[Verdict.FAILED_TO_RUN]] * len(names)
+    judgements = {judgement.requirement: judgement for judgement in run.judgements}
+    judged = [judgements[name] for name in names]
+    metrics = [run.metrics[name] for name in measures.metrics]
+    return metrics, [judgement.margin for judgement in judged], [_CODES[judgement.verdict] for judgement in judged]
 
 
 def _differ(a: NDArray[np.float64], b: NDArray[np.float64]) -> NDArray[np.bool_]:

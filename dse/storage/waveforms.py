@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import os
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator
+from itertools import chain
 from pathlib import Path
 from typing import Any
 
@@ -30,8 +31,8 @@ def is_file_name(text: str) -> bool:
     return re.fullmatch(r"runs-[0-9]{8,}-[0-9]{8,}\.parquet", text) is not None
 
 
-def write_waveforms(file: Path, runs: Sequence[tuple[int, Waveforms]]) -> None:
-    """Write *runs* (number, waveforms), sorted by number, all recorded alike. The file is there whole or not at all.
+def write_waveforms(file: Path, runs: Iterable[tuple[int, Waveforms]]) -> None:
+    """Write *runs* (number, waveforms), one or more, sorted by number, recorded alike. The file is there whole or not.
 
     Columns: run (int32), time in seconds, one float64 column per recorded variable in SI. ValueError if the
     runs recorded different variables.
@@ -39,14 +40,16 @@ def write_waveforms(file: Path, runs: Sequence[tuple[int, Waveforms]]) -> None:
     import pyarrow as pa
     import pyarrow.parquet as pq
 
-    names = list(runs[0][1].values)
+    runs = iter(runs)
+    first, recorded = next(runs)
+    names = list(recorded.values)
     schema = pa.schema([("run", pa.int32()), ("time", pa.float64()), *((name, pa.float64()) for name in names)])
     # Its own name per process: a second writer of the same chunk writes the same bytes, but not into this file.
     aside = file.with_name(f"{file.name}.{os.getpid()}{PART}")
     with pq.ParquetWriter(aside, schema, compression="zstd", use_dictionary=False) as writer:
-        for number, waveforms in runs:
+        for number, waveforms in chain([(first, recorded)], runs):
             if list(waveforms.values) != names:
-                raise ValueError(f"run {number} recorded other variables than run {runs[0][0]}")
+                raise ValueError(f"run {number} recorded other variables than run {first}")
             run = np.full(len(waveforms.time), number, dtype=np.int32)
             columns: list[NDArray[Any]] = [run, waveforms.time, *(waveforms.values[name] for name in names)]
             arrays = [_arrow(column, field.type) for column, field in zip(columns, schema, strict=True)]

@@ -9,7 +9,7 @@ from __future__ import annotations
 import json
 import math
 import struct
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, cast
@@ -22,7 +22,7 @@ from dse.domain.run import Outcome, Run, RunRequest, Waveforms
 from dse.errors import DseError, fail
 from dse.exploration import Batch, Executor, Work, in_words
 from dse.loading import EXECUTORS, ExecutorSection
-from dse.storage import Measures, RowBlock, block_of, write_waveforms
+from dse.storage import Attempt, Measures, RowBlock, block_of, write_waveforms
 
 _RUNS, _SIZE = 60, 7
 
@@ -92,6 +92,9 @@ class Gathered:
     def rows(self, batch: Batch, block: RowBlock) -> None:
         assert set(block.numbers.tolist()) <= set(batch.numbers)
         self.blocks.append(block)
+
+    def tried(self, attempts: Sequence[Attempt]) -> None:
+        assert all(attempt.cause for attempt in attempts)
 
     def ended(self, batch: Batch, kept: tuple[int, ...]) -> None:
         self.ends.append(batch.identity)
@@ -177,7 +180,7 @@ def work_in(folder: Path) -> Work:
         "breaking": SmallBench("breaking", breaks=(125,)),
         "missing": SmallBench("missing", loads=False),
     }
-    return Work(benches, make_small, folder, Measures(("m",), ("R",)))
+    return Work(benches, make_small, folder, Measures(("m",), ("R",)), folder.with_name(f"{folder.name}.spool"))
 
 
 def make_here(batch: Batch, work: Work, sink: Gathered) -> None:

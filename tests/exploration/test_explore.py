@@ -89,6 +89,10 @@ def test_waveforms_near_the_boundary_are_kept_and_no_others(tmp_path: Path) -> N
         assert 0 < len(near) < 128
         assert set(folder.kept()) == near
         assert all(folder.waveforms(number) is not None for number in near)
+        tries = folder.attempts()
+        assert sorted(attempt.run for attempt in tries) == sorted([*range(128), *near])
+        assert {attempt.cause for attempt in tries} == {""}
+        assert 1 <= len({attempt.maker for attempt in tries}) <= 2
     assert summary.kept == len(near)
     assert summary.simulated == 128 + len(near)
     assert summary.irreproducible == 0

@@ -334,7 +334,10 @@ def make_first_version(path: Path) -> None:
         connection.execute("DELETE FROM facts")
         old = {"definition": definition, "fingerprint": "0123", "runs": facts["runs"]}
         connection.executemany("INSERT INTO facts VALUES (?, ?)", [(k, json.dumps(v)) for k, v in old.items()])
-        connection.execute("DROP TABLE asks")
+        connection.execute("CREATE TABLE timing (number INTEGER PRIMARY KEY, wall REAL) STRICT")
+        connection.execute("INSERT INTO timing SELECT run, seconds FROM attempts")
+        for table in ("asks", "attempts", "makers", "files"):
+            connection.execute(f"DROP TABLE {table}")
         connection.execute("PRAGMA user_version = 1")
         connection.commit()
 

@@ -16,9 +16,12 @@ from dse.domain.component import Value
 from dse.domain.definition import DefinedConfiguration, DefinedMetric, StudyDefinition
 from dse.domain.run import Outcome, Run, RunRequest, Waveforms
 from dse.errors import DseError
+from dse.storage.attempts import Attempt, this_process
 from dse.storage.database.schema import cell_of, value_of
+from dse.storage.export.tables import EXPORTS
 from dse.storage.folder import StudyFolder
 from dse.storage.rows import Measures, block_of
+from dse.storage.spool import SpoolWriter
 from dse.storage.waveforms import waveform_file, write_waveforms
 
 Add = Callable[[StudyFolder, Run], None]
@@ -98,10 +101,56 @@ def test_a_reader_cannot_write(stored: Path, runs: list[Run], add: Add) -> None:
         add(folder, runs[0])
 
 
-def test_wall_times_are_kept_apart(stored: Path) -> None:
+def test_each_row_is_an_attempt_in_the_order_of_arrival(stored: Path) -> None:
     with StudyFolder.open(stored) as folder:
-        timing = folder._connection.execute("SELECT number, wall FROM timing ORDER BY number").fetchall()
-        assert timing == [(0, 0.5), (1, 0.5), (2, 0.5), (4, 0.5)]
+        assert folder.attempts() == [Attempt(number, this_process(), "", 0.5) for number in (4, 2, 1, 0)]
+
+
+def test_attempts_without_a_row_come_back_and_make_no_row(stored: Path, definition: StudyDefinition) -> None:
+    tries = [
+        Attempt(3, "other.example/17", "killed by signal 9", 1.5),
+        Attempt(3, "other.example/18", "stopped with the program", math.inf),
+        Attempt(0, "other.example/17", "", 0.25),
+        Attempt(5, "", "lost", 0.0),
+        Attempt(5, "cloud", "lost", 0.0),
+    ]
+    with StudyFolder.resume(stored, definition) as folder:
+        before = folder.attempts()
+        folder.add_attempts(tries)
+        assert folder.finished() == {0, 1, 2, 4}
+        folder.add_attempts([Attempt(5, "a/1", "", math.nan)])
+    with StudyFolder.open(stored) as folder:
+        *after, last = folder.attempts()
+        assert after == before + tries
+        assert math.isnan(last.seconds)
+
+
+def to_second_version(path: Path) -> None:
+    """Turn the study in *path* into what version 2 wrote."""
+    with closing(sqlite3.connect(path / "study.sqlite")) as connection:
+        connection.execute("CREATE TABLE timing (number INTEGER PRIMARY KEY, wall REAL) STRICT")
+        connection.execute("INSERT INTO timing SELECT run, seconds FROM attempts")
+        for table in ("attempts", "makers", "files"):
+            connection.execute(f"DROP TABLE {table}")
+        connection.execute("PRAGMA user_version = 2")
+        connection.commit()
+
+
+def test_a_study_of_the_second_version_is_read_and_goes_on(
+    stored: Path, definition: StudyDefinition, runs: list[Run], add: Add
+) -> None:
+    exported = {}
+    for version in (3, 2):
+        with StudyFolder.open(stored) as folder:
+            exported[version] = [export(folder) for export in EXPORTS.values()]
+            attempts = sorted(folder.attempts(), key=lambda attempt: attempt.run)
+            maker = this_process() if version == 3 else ""
+            assert attempts == [Attempt(number, maker, "", 0.5) for number in (0, 1, 2, 4)]
+        to_second_version(stored) if version == 3 else None
+    assert exported[2] == exported[3]
+    with StudyFolder.resume(stored, definition) as folder:
+        add(folder, replace(runs[0], request=replace(runs[0].request, number=3)))
+        assert folder.attempts() == [*attempts, Attempt(3, this_process(), "", 0.5)]
 
 
 @given(
@@ -254,8 +303,27 @@ def test_going_on_sweeps_away_torn_waveform_files(stored: Path, definition: Stud
     assert not torn.exists()
 
 
+def test_the_spool_of_a_batch_goes_when_its_rows_are_committed(
+    stored: Path, definition: StudyDefinition, runs: list[Run]
+) -> None:
+    with StudyFolder.resume(stored, definition) as folder:
+        for name in ("runs-00000000", "runs-00000003"):
+            with SpoolWriter(folder.spool_folder, name, "a/1", folder.header.measures) as writer:
+                writer.add(runs[0], 0.5)
+        folder.add_attempts([Attempt(0, "a/1", "", 0.5)])
+        folder.release("runs-00000000")
+        assert len([*folder.spool_folder.iterdir()]) == 2
+        folder.commit()
+        assert len([*folder.spool_folder.iterdir()]) == 1
+        folder.release("runs-00000003")
+    assert not (stored / "spool").exists()
+
+
 def test_a_discarded_study_leaves_room_for_another(stored: Path, definition: StudyDefinition) -> None:
+    (stored / "spool").mkdir()
+    (stored / "spool" / "runs-00000000.7-0.spool").touch()
     StudyFolder.discard(stored)
+    assert not (stored / "spool").exists()
     with StudyFolder.resume(stored, replace(definition, seed=2)) as folder:
         assert folder.finished() == set()
 

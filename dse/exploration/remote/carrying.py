@@ -9,6 +9,7 @@ import sys
 import tempfile
 import threading
 import time
+from collections.abc import Sequence
 from pathlib import Path
 
 from dse.errors import DseError
@@ -18,7 +19,7 @@ from dse.exploration.remote.machine import this_machine
 from dse.exploration.remote.parcels import Answer, Carried, Missing, Parcel, Piece, Trouble, opened
 from dse.exploration.supervision.supervisor import Supervisor
 from dse.exploration.work import Batch, Runnable, Work
-from dse.storage import RowBlock
+from dse.storage import Attempt, RowBlock
 
 IDLE_SECONDS = 60.0
 """How long a process waits for another parcel."""
@@ -94,7 +95,9 @@ class _Crew:
         self._folder = tempfile.TemporaryDirectory(prefix="dse-", ignore_cleanup_errors=True)
         self._configurations: dict[str, Runnable] = {}
         self._sink = _Gathered(Path(self._folder.name))
-        work = Work(self._configurations, parcel.make_runner, self._sink.folder, parcel.measures)
+        work = Work(
+            self._configurations, parcel.make_runner, self._sink.folder, parcel.measures, self._sink.folder / "spool"
+        )
         self._supervisor = Supervisor(work, self._sink, workers=1)
         self._is_compared = False
 
@@ -105,14 +108,14 @@ class _Crew:
         if missing is not None:
             return missing
         retried, canary = self._supervisor.retried, None
-        is_new = not self._is_compared
-        if is_new:
+        if not self._is_compared:
             (block,) = self._pieces((parcel.canary,))[0].blocks
             self._is_compared, canary = True, block
         begun = time.perf_counter()
         pieces = self._pieces(parcel.batches)
         seconds = time.perf_counter() - begun
-        return Carried(pieces, this_machine(), seconds, self._supervisor.retried - retried, canary)
+        retried = self._supervisor.retried - retried
+        return Carried(pieces, this_machine(), seconds, retried, tuple(self._sink.attempts), canary)
 
     def close(self, error: BaseException | None = None) -> None:
         """End the process."""
@@ -159,6 +162,7 @@ class _Gathered:
         self._blocks: list[list[RowBlock]] = []
         self._kept: list[list[int]] = []
         self._files: list[list[bytes]] = []
+        self.attempts: list[Attempt] = []
 
     def begin(self, batches: tuple[Batch, ...]) -> None:
         """From now on it is results of *batches* that come."""
@@ -167,6 +171,7 @@ class _Gathered:
         self._blocks = [[] for _ in batches]
         self._kept = [[] for _ in batches]
         self._files = [[] for _ in batches]
+        self.attempts = []
 
     def pieces(self) -> tuple[Piece, ...]:
         """What came."""
@@ -176,6 +181,9 @@ class _Gathered:
     def rows(self, batch: Batch, block: RowBlock) -> None:
         if len(block):
             self._blocks[self._owner[batch.numbers[0]]].append(block)
+
+    def tried(self, attempts: Sequence[Attempt]) -> None:
+        self.attempts += attempts
 
     def ended(self, batch: Batch, kept: tuple[int, ...]) -> None:
         if kept:

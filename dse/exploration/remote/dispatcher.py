@@ -7,6 +7,7 @@ once, as a pool of processes breaks that one of them left, nobody knows which lo
 
 from __future__ import annotations
 
+import math
 import pickle
 import time
 import uuid
@@ -28,7 +29,7 @@ from dse.exploration.remote.loads import Cutter, Load
 from dse.exploration.remote.machine import Machine, this_machine
 from dse.exploration.remote.parcels import Answer, Carried, Missing, Parcel, Piece, Trouble, sealed
 from dse.exploration.work import Batch, Sink, Work
-from dse.storage import RowBlock, block_of
+from dse.storage import Attempt, RowBlock, block_of
 
 MOST_DEATHS = 2
 """Workers that may end with a run alone before it is taken to be what ends them."""
@@ -211,6 +212,8 @@ class Dispatcher:
             self._canaries.append((carried.machine, carried.canary))
         seconds = carried.seconds / len(load.numbers)
         self._seconds = (self._seconds + seconds) / 2 if self._seconds else seconds
+        if carried.attempts:
+            self._sink.tried(carried.attempts)
         for part, piece in zip(load.parts, carried.pieces, strict=True):
             part.job.take(part.batch, piece, self._work.waveforms, self._sink)
 
@@ -223,10 +226,13 @@ class Dispatcher:
         self._lost_all(error)
 
     def _lost_all(self, error: BaseException) -> None:
-        self._count_fruitless(f"the line to the workers broke: {error or type(error).__name__}")
+        words = str(error) or type(error).__name__
+        self._count_fruitless(f"the line to the workers broke: {words}")
         self._again.extend(self._sent.values())
         self._sent.clear()
-        self._retried.update(number for load in self._again for number in load.numbers)
+        lost = [number for load in self._again for number in load.numbers]
+        self._sink.tried([Attempt(number, "", f"lost on the way: {words}", math.nan) for number in lost])
+        self._retried.update(lost)
         for load in self._again:
             load.alone = load.alone or isinstance(error, BrokenExecutor)
         self._line.renew(error)
@@ -235,6 +241,7 @@ class Dispatcher:
     def _worker_died(self, load: Load, error: BaseException) -> None:
         words = str(error) or type(error).__name__
         self._count_fruitless(f"workers end with what they are given, the last: {words}")
+        self._sink.tried([Attempt(number, "", f"lost with its worker: {words}", math.nan) for number in load.numbers])
         load.deaths += 1
         if load.deaths < MOST_DEATHS:
             self._retried.update(load.numbers)

@@ -12,7 +12,7 @@ from dse.errors import fail
 from dse.exploration.remote.machine import Machine
 from dse.exploration.work import Batch, MakeRunner
 from dse.fmu import this_platform
-from dse.storage import Measures, RowBlock
+from dse.storage import Attempt, Measures, RowBlock
 
 
 @dataclass(frozen=True, slots=True)
@@ -64,13 +64,15 @@ class Piece:
 class Carried:
     """The results of a parcel, a piece for each batch, made by *machine* in *seconds*.
 
-    *retried* runs were made twice there. *canary* is the run by which machines are compared, if it was made just now.
+    *retried* runs were made twice there, *attempts* are the tries that gave no row. *canary* is the run by which
+    machines are compared, if it was made just now.
     """
 
     pieces: tuple[Piece, ...]
     machine: Machine
     seconds: float
     retried: int
+    attempts: tuple[Attempt, ...]
     canary: RowBlock | None
 
 

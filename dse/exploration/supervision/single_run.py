@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import tempfile
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
 from dse.domain.run import Run, RunRequest
 from dse.exploration.supervision.supervisor import Supervisor
 from dse.exploration.work import Batch, MakeRunner, Runnable, Work
-from dse.storage import Measures, RowBlock, read_waveforms, waveform_file
+from dse.storage import Attempt, Measures, RowBlock, read_waveforms, waveform_file
 
 
 @dataclass(slots=True)
@@ -21,6 +22,9 @@ class _Kept:
 
     def rows(self, _batch: Batch, block: RowBlock) -> None:
         self.block = block
+
+    def tried(self, attempts: Sequence[Attempt]) -> None:
+        pass
 
     def ended(self, _batch: Batch, kept: tuple[int, ...]) -> None:
         self.waveforms = kept
@@ -37,7 +41,7 @@ def simulate_alone(prepared: Runnable, make_runner: MakeRunner, configuration: s
     request, kept = RunRequest(0, configuration, {}), _Kept()
     with tempfile.TemporaryDirectory(prefix="dse-") as scratch:
         folder = Path(scratch)
-        work = Work({configuration: prepared}, make_runner, folder, measures)
+        work = Work({configuration: prepared}, make_runner, folder, measures, folder / "spool")
         batch = Batch(0, configuration, (request,), waveform_file(0, 0))
         with Supervisor(work, kept, workers=1) as supervisor:
             supervisor.work_off([batch])

@@ -13,9 +13,10 @@ from typing import Any
 from dse.domain.definition import StudyDefinition, to_json
 from dse.errors import DseError, Location, fail
 from dse.storage.database.asks import Asks, Block, read_asks, write_asks
+from dse.storage.database.attempts import ATTEMPTS, FROM_TIMING
 from dse.storage.database.definition import definition_from_json, definition_to_json
 from dse.storage.database.header import StudyHeader
-from dse.storage.database.schema import APPLICATION_ID, ASKS, VERSION, statements
+from dse.storage.database.schema import APPLICATION_ID, ASKS, FILES, VERSION, statements
 
 NAME = "study.sqlite"
 
@@ -57,6 +58,8 @@ def lay_out(path: Path, header: StudyHeader) -> None:
     aside = path / f"{NAME}.part"
     aside.unlink(missing_ok=True)
     with located(path), closing(sqlite3.connect(aside, isolation_level=None)) as connection:
+        # A journal beside it, left by a killed process, would be no part of the next one's.
+        connection.execute("PRAGMA journal_mode = MEMORY")
         connection.execute("BEGIN")
         for statement in statements(header):
             connection.execute(statement)
@@ -124,12 +127,15 @@ def read_header(connection: sqlite3.Connection, path: Path) -> tuple[StudyHeader
 
 def migrate(connection: sqlite3.Connection, header: StudyHeader, asks: Asks) -> None:
     """Bring the tables of an earlier version up to this one; the caller has a transaction open."""
-    if _version(connection) < VERSION:
+    version = _version(connection)
+    if version == 1:
         connection.execute(ASKS)
         write_asks(connection, asks.blocks)
         connection.execute("DELETE FROM facts")
         write_header(connection, header)
-        connection.execute(f"PRAGMA user_version = {VERSION}")
+    if version < VERSION:
+        for statement in (*ATTEMPTS, *FROM_TIMING, FILES, f"PRAGMA user_version = {VERSION}"):
+            connection.execute(statement)
 
 
 _COUNTS = ("runs", "asked", "era", "base", "earlier")

@@ -8,17 +8,21 @@ from collections.abc import Sequence
 
 from dse.domain.component import Value
 from dse.errors import fail
+from dse.storage.database.attempts import ATTEMPTS
 from dse.storage.database.header import StudyHeader
 
 APPLICATION_ID = 0x44534553
 """Marks an SQLite file as a study ("DSES")."""
 
-VERSION = 2
-"""Version of these tables, stored as user_version. Version 1 had no table of asks."""
+VERSION = 3
+"""Version of these tables, stored as user_version. Version 1 had no table of asks, 2 no attempts and files."""
 
 ASKS = """CREATE TABLE asks (
     first INTEGER PRIMARY KEY, count INTEGER NOT NULL, configuration TEXT NOT NULL, ask INTEGER NOT NULL,
     era INTEGER NOT NULL) STRICT"""
+
+FILES = """CREATE TABLE files (
+    name TEXT PRIMARY KEY, size INTEGER NOT NULL, modified INTEGER NOT NULL, digest TEXT NOT NULL) STRICT"""
 
 _FIXED = ("number", "configuration", "outcome", "problem")
 
@@ -41,9 +45,10 @@ def statements(header: StudyHeader) -> tuple[str, ...]:
         "CREATE TABLE facts (key TEXT PRIMARY KEY, value TEXT NOT NULL) STRICT",
         "CREATE TABLE configurations (id TEXT PRIMARY KEY, choices TEXT NOT NULL, properties TEXT NOT NULL) STRICT",
         f"CREATE TABLE runs ({', '.join(_column(name) for name in columns(header))}) STRICT",
-        "CREATE TABLE timing (number INTEGER PRIMARY KEY, wall REAL) STRICT",
         "CREATE TABLE kept (number INTEGER PRIMARY KEY, file TEXT) STRICT",
         ASKS,
+        *ATTEMPTS,
+        FILES,
         f"PRAGMA application_id = {APPLICATION_ID}",
         f"PRAGMA user_version = {VERSION}",
     )

@@ -1,0 +1,31 @@
+"""Tries at runs: who made them, how long they took and what they came to. Apart from the results, which never tell."""
+
+from __future__ import annotations
+
+import os
+import socket
+from dataclasses import dataclass
+from functools import cache
+
+
+@dataclass(frozen=True, slots=True)
+class Attempt:
+    """One try at *run* by the process *maker* (``HOST/PID``, "" where nobody knows) that took *seconds* (NaN: unknown).
+
+    *cause* is "" if it gave its row, otherwise what it came to, in words.
+    """
+
+    run: int
+    maker: str
+    cause: str
+    seconds: float
+
+
+def this_process() -> str:
+    """This process as a maker."""
+    return f"{_host()}/{os.getpid()}"
+
+
+@cache
+def _host() -> str:
+    return socket.gethostname()
