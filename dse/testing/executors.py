@@ -87,6 +87,7 @@ class Gathered:
         self.blocks: list[RowBlock] = []
         self.kept: dict[str, tuple[int, ...]] = {}
         self.ends: list[int] = []
+        self.attempts: list[Attempt] = []
         self._stops_after = stops_after
 
     def rows(self, batch: Batch, block: RowBlock) -> None:
@@ -95,6 +96,7 @@ class Gathered:
 
     def tried(self, attempts: Sequence[Attempt]) -> None:
         assert all(attempt.cause for attempt in attempts)
+        self.attempts += attempts
 
     def ended(self, batch: Batch, kept: tuple[int, ...]) -> None:
         self.ends.append(batch.identity)

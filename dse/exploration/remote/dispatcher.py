@@ -12,7 +12,7 @@ import pickle
 import time
 import uuid
 from collections import deque
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from concurrent.futures import BrokenExecutor, CancelledError, Future, ThreadPoolExecutor
 from contextlib import suppress
 from dataclasses import replace
@@ -143,7 +143,7 @@ class Dispatcher:
                 future = self._line.send(sealed(self._parcel(load)), load.worker)
             except (BrokenExecutor, CancelledError) as error:
                 self._again.appendleft(load)
-                self._lost_all(error)
+                self._lost_all([], error)
                 return
             self._sent[future] = load
             future.add_done_callback(self._done.put)
@@ -195,9 +195,13 @@ class Dispatcher:
             case Carried():
                 self._store(load, answer)
             case Missing():
-                load.configurations = tuple({*load.configurations, *answer.configurations})
-                load.entries = tuple({*load.entries, *answer.entries})
+                had = load.configurations, load.entries
+                load.configurations = tuple(sorted({*load.configurations, *answer.configurations}))
+                load.entries = tuple(sorted({*load.entries, *answer.entries}))
                 load.worker = answer.worker
+                if had == (load.configurations, load.entries):
+                    load.troubles += 1
+                    self._count_fruitless("a worker does not find what it was sent", load.troubles > MOST_DEATHS)
                 self._again.appendleft(load)
             case Trouble():
                 load.troubles += 1
@@ -221,30 +225,34 @@ class Dispatcher:
         """All that was under way is lost."""
         if load.alone and not self._sent and isinstance(error, BrokenExecutor):
             self._worker_died(load, error)
+            self._renew(error)
         else:
-            self._again.append(load)
-        self._lost_all(error)
+            self._lost_all([load], error)
 
-    def _lost_all(self, error: BaseException) -> None:
+    def _lost_all(self, lost: Sequence[Load], error: BaseException) -> None:
         words = str(error) or type(error).__name__
         self._count_fruitless(f"the line to the workers broke: {words}")
-        self._again.extend(self._sent.values())
-        self._sent.clear()
-        lost = [number for load in self._again for number in load.numbers]
-        self._sink.tried([Attempt(number, "", f"lost on the way: {words}", math.nan) for number in lost])
-        self._retried.update(lost)
-        for load in self._again:
+        for load in (*lost, *self._sent.values()):
             load.alone = load.alone or isinstance(error, BrokenExecutor)
+            self._note(load, f"lost on the way: {words}")
+            self._again.append(load)
+        self._sent.clear()
+        self._renew(error)
+
+    def _note(self, load: Load, cause: str) -> None:
+        self._retried.update(load.numbers)
+        self._sink.tried([Attempt(number, "", cause, math.nan) for number in load.numbers])
+
+    def _renew(self, error: BaseException) -> None:
         self._line.renew(error)
         self._asked = -_SLOTS_EVERY
 
     def _worker_died(self, load: Load, error: BaseException) -> None:
         words = str(error) or type(error).__name__
         self._count_fruitless(f"workers end with what they are given, the last: {words}")
-        self._sink.tried([Attempt(number, "", f"lost with its worker: {words}", math.nan) for number in load.numbers])
+        self._note(load, f"lost with its worker: {words}")
         load.deaths += 1
         if load.deaths < MOST_DEATHS:
-            self._retried.update(load.numbers)
             self._again.append(load)
         elif len(load.numbers) > 1:
             self._again.extend(load.halves())

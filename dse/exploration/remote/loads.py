@@ -78,14 +78,14 @@ class Load:
         return tuple(number for part in self.parts for number in part.batch.numbers)
 
     def halves(self) -> Iterator[Load]:
-        """The load in two, each of which has seen as many deaths as must not happen again."""
+        """The load in two; where several runs are left, the next death is enough to go on so."""
         runs = [(part.job, request) for part in self.parts for request in part.batch.requests]
         middle = len(runs) // 2
         for half in (runs[:middle], runs[middle:]):
             jobs = dict.fromkeys(job for job, _ in half)
             chosen = {job: tuple(request for other, request in half if other is job) for job in jobs}
             parts = [Part(job, replace(job.batch, requests=requests)) for job, requests in chosen.items()]
-            yield Load(tuple(parts), deaths=1, alone=self.alone)
+            yield Load(tuple(parts), deaths=int(len(half) > 1), alone=self.alone)
 
 
 class Cutter:
