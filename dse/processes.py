@@ -6,7 +6,7 @@ import sys
 import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
-from multiprocessing import current_process
+from multiprocessing import current_process, get_start_method, set_start_method
 from multiprocessing.process import BaseProcess
 from types import ModuleType
 
@@ -30,12 +30,16 @@ def start_process(process: BaseProcess) -> None:
 
 @contextmanager
 def _as_parent() -> Iterator[None]:
-    """Be a process that may have children: multiprocessing forbids it to daemons, such as the workers of Dask are."""
-    # What speaks against it is that children would be left behind; ours leave with whoever started them.
+    """Be a process that may have children, also as the worker of another package."""
+    # Dask's are daemons, to which multiprocessing forbids it: they would leave theirs behind. Ours leave by themselves.
     settings = getattr(current_process(), "_config", {})
     daemon = settings.pop("daemon", None)
+    # A child of loky's would be told to start others in loky's way, of which it knows nothing.
+    method = get_start_method(allow_none=True)
+    set_start_method("spawn", force=True)
     try:
         yield
     finally:
+        set_start_method(method, force=True)
         if daemon is not None:
             settings["daemon"] = daemon

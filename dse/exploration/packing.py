@@ -14,6 +14,7 @@ from pathlib import Path, PurePosixPath
 from typing import Any
 
 from dse.cache import cache_folder
+from dse.domain.component import Component
 from dse.domain.fmu import FmuModel
 from dse.exploration.work import Runnable
 
@@ -56,6 +57,9 @@ class _Pickler(pickle.Pickler):
         if isinstance(value, FmuModel) and value.archive.is_absolute():
             # Only messages name it once the FMU is unpacked.
             return _itself, (replace(value, archive=Path(value.archive.name)),)
+        if isinstance(value, Component) and value.source is not None:
+            # Its FMU has been built.
+            return _itself, (replace(value, source=None),)
         if isinstance(value, Path) and value.is_absolute():
             if value.is_relative_to(self._cache):
                 place = value.relative_to(self._cache).as_posix()

@@ -17,7 +17,7 @@ from dse.exploration.remote.dispatcher import Dispatcher
 from dse.exploration.remote.machine import Machine, this_machine
 from dse.exploration.remote.parcels import Answer, Carried, Missing, Parcel, Piece, Trouble, opened
 from dse.exploration.work import Batch
-from dse.testing.executors import Gathered, batches, files, make_here, work_in
+from dse.testing.executors import Gathered, SmallBench, batches, files, make_here, work_in
 
 FAR = replace(this_machine(), host="far")
 
@@ -96,6 +96,11 @@ def _canary_here(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
 @pytest.fixture
 def line(tmp_path: Path) -> Line:
     return Line(tmp_path / "far")
+
+
+@dataclass(frozen=True)
+class Filed(SmallBench):
+    file: Path = Path()
 
 
 def work_off(line: Line, folder: Path, todo: Iterator[Batch] | list[Batch]) -> tuple[Gathered, Dispatcher]:
@@ -282,3 +287,12 @@ def test_an_error_of_ours_ends_the_exploration_with_its_words(line: Line, tmp_pa
     line.mischief = deadly(0, error=fail("the worker on node3 has dse 0.0.1"))
     with pytest.raises(DseError, match="node3 has dse"):
         work_off(line, tmp_path, batches(keep=False))
+
+
+def test_a_file_that_only_this_machine_has_is_named(line: Line, tmp_path: Path) -> None:
+    work = replace(work_in(tmp_path / "found"), configurations={"plain": Filed("plain", file=tmp_path / "lead.csv")})
+    with (
+        pytest.raises(DseError, match=r"plain needs .*lead\.csv, which only this machine has"),
+        Dispatcher(line, work, Gathered()) as pool,
+    ):
+        pool.work_off(batches(keep=False))
