@@ -8,7 +8,7 @@ import threading
 import time
 from collections.abc import Callable
 from concurrent.futures import ProcessPoolExecutor
-from functools import partial
+from dataclasses import replace
 from multiprocessing import get_context
 from pathlib import Path
 
@@ -16,6 +16,7 @@ import pytest
 from example_study import small_study
 
 import dse
+from dse.domain.study import ExecutorChoice
 from dse.storage import StudyFolder
 
 pytestmark = pytest.mark.thorough
@@ -95,13 +96,8 @@ def test_half_of_the_workers_of_a_dask_cluster_are_killed(study, local, tmp_path
                 os.kill(process, signal.SIGKILL)
 
         when_there_are_runs(tmp_path / "out", 20, kill)
-        text = study.noun.where.file
-        (folder := Path(text).parent / "dask.pet.yaml").write_text(
-            Path(text).read_text(encoding="utf-8").replace("study: middle", "study: middle_by_dask")
-            + f"executor: {{dask: {cluster.scheduler_address}}}\n",
-            encoding="utf-8",
-        )
-        made = dse.open(folder.parents[1]).studies["middle_by_dask"].explore(tmp_path / "out")
+        chosen = ExecutorChoice("dask", {"address": cluster.scheduler_address})
+        made = dse.Study(replace(study.noun, executor=chosen)).explore(tmp_path / "out")
         assert not set(workers[:2]) & set(client.run(os.getpid).values())
     assert is_the_same(made, local)
     assert made.summary.failed == 0
@@ -119,4 +115,4 @@ def when_there_are_runs(folder: Path, runs: int, act: Callable[[], None]) -> Non
                         act()
                         return
 
-    threading.Thread(target=partial(watch), daemon=True).start()
+    threading.Thread(target=watch, daemon=True).start()
