@@ -5,8 +5,18 @@ for packages that add to it. Everything else is private and may change from one 
 before it is used.
 """
 
-import lazy_loader
-
 __version__ = "0.1.0"
 
-__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)
+
+def __getattr__(name: str) -> object:
+    import sys
+
+    import lazy_loader  # not before: the command line must not be interrupted before it can say so
+
+    here = sys.modules[__name__]
+    here.__getattr__, here.__dir__, here.__all__ = lazy_loader.attach_stub(__name__, __file__)  # this is called once
+    return getattr(here, name)
+
+
+def __dir__() -> list[str]:
+    return [*__getattr__("__all__")]

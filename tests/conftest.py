@@ -25,6 +25,9 @@ for _profile in _EXAMPLES:
     )
 settings.load_profile("everyday")
 
+# Tests survive no power cut; waiting for the disk would take them longer than all else.
+os.fsync = lambda _file: None
+
 # Hundreds of tests start a Python of their own; without its bytecode each would compile all it imports.
 os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
 sys.dont_write_bytecode = False

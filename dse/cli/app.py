@@ -2,27 +2,23 @@
 
 from __future__ import annotations
 
-import os
-import sys
 from typing import Annotated, Any
 
 import typer
 from typer.core import TyperGroup
 
-from dse.cli.terminal import console
-
-DONE, WRONG_FILES, USAGE, RUNS_FAILED, INTERRUPTED = 0, 1, 2, 3, 130
-"""Exit codes: done; the files are wrong; wrong usage; some runs failed, or a requirement under --gate; Ctrl-C."""
-
+DONE, WRONG_FILES, USAGE, RUNS_FAILED = 0, 1, 2, 3
+"""Exit codes: done; the files are wrong; wrong usage; some runs failed, or a requirement under --gate."""
 
 _GROUPS = ("space", "import", "export")
 
 
-class _Commands(TyperGroup):
-    """Lists the groups about design spaces beside ``dse enumerate``; they would come before all commands.
+class InterruptedCommandError(Exception):
+    """A command was stopped; says what became of it, if there is something to say."""
 
-    A reader that goes away, as ``head`` does, is no failure. The frameworks below would make it one.
-    """
+
+class _Commands(TyperGroup):
+    """Lists the groups about design spaces beside ``dse enumerate``; they would come before all commands."""
 
     def list_commands(self, ctx: Any) -> list[str]:  # a context of the click inside typer
         """The names in the order of the help."""
@@ -30,31 +26,12 @@ class _Commands(TyperGroup):
         place = names.index("enumerate") + 1 if "enumerate" in names else 0
         return [*names[:place], *(name for name in _GROUPS if name in self.commands), *names[place:]]
 
-    def make_context(self, *arguments: Any, **options: Any) -> Any:
-        """A context; shows the help and the version on the way."""
-        try:
-            return super().make_context(*arguments, **options)
-        except BrokenPipeError:
-            _silence()
-            raise typer.Exit(DONE) from None
-
     def invoke(self, ctx: Any) -> Any:
-        """Run the command; what it wrote is handed over before it counts as done."""
+        """Run the command. The frameworks below would forget what an interrupt says."""
         try:
-            result = super().invoke(ctx)
-            sys.stdout.flush()
-        except BrokenPipeError:
-            _silence()
-            raise typer.Exit(DONE) from None
-        except KeyboardInterrupt:
-            console(stderr=True).print("stopped")
-            raise typer.Exit(INTERRUPTED) from None
-        return result
-
-
-def _silence() -> None:
-    """Let nothing be written any more: what is still held back would fail again at the end of the process."""
-    os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+            return super().invoke(ctx)
+        except KeyboardInterrupt as stop:
+            raise InterruptedCommandError(*stop.args) from None
 
 
 _HELP = {"help_option_names": ["-h", "--help"]}

@@ -1,35 +1,129 @@
-"""The console script: registers the commands, runs one, turns what went wrong into words and an exit code."""
+"""The command line: registers the commands, runs one, turns what went wrong into words and an exit code."""
 
 from __future__ import annotations
 
+import errno
 import gc
 import os
 import sys
+import warnings
+from pathlib import Path
+from typing import Any
 
-from dse.cli.app import WRONG_FILES, app
+from dse.cache import CacheWarning
+from dse.cli.app import DONE, WRONG_FILES, InterruptedCommandError, app
 from dse.cli.commands import register
-from dse.cli.terminal import show_problems
+from dse.cli.signals import interrupt, stop_code, tidy_up
+from dse.cli.streams import OutputError, silence
+from dse.cli.terminal import say, show_problems
 from dse.errors import DseError, Location, fail
 
-_OUTPUT = "check that the folder exists, is a folder, has space and may be written"
+_python_shows = warnings.showwarning
+
+_HINTS = {
+    errno.ENOSPC: "make room on the disk; the same command can then be given again",
+    errno.EDQUOT: "make room in your quota; the same command can then be given again",
+    errno.EMFILE: "allow more open files ('ulimit -n'), or use fewer workers",
+    errno.ENFILE: "the system has too many open files: end other programs",
+    errno.ENOMEM: "allow more memory ('ulimit -v'), end other programs, or use fewer workers",
+    errno.EAGAIN: "allow more processes ('ulimit -u'), end other programs, or use fewer workers",
+}
+_HINT = "check that it exists, is of the right kind and that you may use it"
 
 
-def main() -> None:
-    """Run the command line; the console script ``dse``."""
-    for stream in (sys.stdout, sys.stderr):
-        # Windows and the C locale would refuse × and …; files and pipes are UTF-8 everywhere.
-        if hasattr(stream, "reconfigure") and (stream.encoding or "").lower() != "utf-8":
-            stream.reconfigure(encoding="utf-8")
-    # The shapes of our files need no plugin, and looking for one reads the metadata of every installed package.
-    os.environ.setdefault("PYDANTIC_DISABLE_PLUGINS", "__all__")
-    register(sys.argv[1:])
-    # What a command reads and imports stays until its end: looking through it again and again is in vain.
-    gc.set_threshold(50_000, 20, 20)
+def run() -> None:
+    """Run the command line in ``sys.argv`` and raise SystemExit."""
     try:
-        app()
-    except DseError as error:
-        show_problems(error)
-        sys.exit(WRONG_FILES)
-    except OSError as error:
-        show_problems(fail(error.strerror or str(error), Location(str(error.filename or "dse")), _OUTPUT))
-        sys.exit(WRONG_FILES)
+        code = _carry_out()
+        tidy_up()
+    except KeyboardInterrupt:  # while it was told what went wrong
+        code = stop_code()
+    sys.exit(code)
+
+
+def _carry_out() -> int:
+    try:
+        # The shapes of our files need no plugin, and looking for one reads the metadata of every installed package.
+        os.environ.setdefault("PYDANTIC_DISABLE_PLUGINS", "__all__")
+        warnings.showwarning = _show_warning
+        register(sys.argv[1:])
+        # What a command reads and imports stays until its end: looking through it again and again is in vain.
+        gc.set_threshold(50_000, 20, 20)
+        interrupt()
+        try:
+            app()
+        finally:
+            sys.stdout.flush()
+    except SystemExit as end:
+        if not stop_code():
+            return int(end.code or DONE)
+        said = ""
+    except BaseException as error:  # noqa: BLE001  # one message for whatever it is
+        if not stop_code():
+            return _told(error)
+        said = str(error) if isinstance(error, InterruptedCommandError) else ""
+    say(said or "stopped", stderr=True)
+    return stop_code()
+
+
+def _told(error: BaseException) -> int:
+    """Show what went wrong; the exit code it deserves."""
+    if isinstance(error, OutputError):
+        silence()
+        if error.is_left:
+            return DONE
+    show_problems(_in_words(error))
+    return WRONG_FILES
+
+
+def _in_words(error: BaseException) -> DseError:
+    deleted = _deleted_folder()
+    if deleted:
+        return fail("the current folder was deleted", Location(deleted), "go to a folder that exists")
+    if isinstance(error, DseError):
+        return error
+    if isinstance(error, OutputError):
+        return fail(str(error))
+    if isinstance(error, MemoryError):
+        return fail("there is not enough memory", hint=_HINTS[errno.ENOMEM])
+    if isinstance(error, OSError) and error.errno is not None:
+        where = Location(os.fsdecode(error.filename)) if isinstance(error.filename, str | bytes) else None
+        return fail(error.strerror or str(error), where, _HINTS.get(error.errno, _HINT if where else ""))
+    return _unforeseen(error)
+
+
+def _deleted_folder() -> str:
+    """The path of the working folder, if it is no more."""
+    try:
+        os.getcwd()  # noqa: PTH109  # nothing is made of it
+    except FileNotFoundError:
+        try:
+            return os.readlink("/proc/self/cwd").removesuffix(" (deleted)")  # noqa: PTH115  # it is no path any more
+        except OSError:
+            return os.environ.get("PWD", ".")
+    return ""
+
+
+def _unforeseen(error: BaseException) -> DseError:
+    """An error of ours: its place is told, the way it took is kept in a file for whoever reports it."""
+    import traceback
+
+    from dse.cache import cache_folder, keep_file
+
+    last = traceback.extract_tb(error.__traceback__)[-1:]
+    place = "".join(f" ({Path(frame.filename).name}:{frame.lineno})" for frame in last)
+    what = f"{type(error).__name__}: {error}{place}: this is a mistake in dse"
+    story = f"{sys.argv}\n{sys.version}\n" + "".join(traceback.format_exception(error))
+    try:
+        file = keep_file(cache_folder() / "mistake.txt", story.encode("utf-8", "backslashreplace"))
+    except (DseError, OSError):
+        return fail(what, hint=f"please report it with this:\n{story}")
+    return fail(what, hint=f"please report it with what stands in {file}")
+
+
+def _show_warning(message: Warning | str, category: type[Warning], *place: Any, **more: Any) -> None:
+    """What was wrong with the cache is told as a note."""
+    if issubclass(category, CacheWarning):
+        say(f"note: {message}", stderr=True)
+    else:
+        _python_shows(message, category, *place, **more)

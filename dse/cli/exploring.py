@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING
 
 import typer
 
-from dse.cli.app import DONE, INTERRUPTED, RUNS_FAILED
-from dse.cli.terminal import console, plain, plain_table, print_table, say
+from dse.cli.app import DONE, RUNS_FAILED
+from dse.cli.terminal import console, plain, plain_table, print_table
 
 if TYPE_CHECKING:
     from dse.api import Explored, ExploreOptions, Progress, Results, Summary
@@ -31,8 +31,7 @@ def explore_and_show(study: Study, folder: Path, options: ExploreOptions, *, gat
 
             explored = explore_into(study, folder, options, on_progress=advance, tell=status.update)
     except ExplorationInterruptedError as stop:
-        say(f"{folder}: {stop}", stderr=True)
-        raise typer.Exit(INTERRUPTED) from None
+        raise KeyboardInterrupt(f"{folder}: {stop}") from None
     results = Results(folder, explored)
     summary = results.summary
     _say(results, summary, explored)

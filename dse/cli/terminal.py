@@ -45,11 +45,7 @@ def console(*, stderr: bool = False) -> Console:
     """A rich console that never guesses at highlights or markup in the user's words."""
     from rich.console import Console
 
-    class Screen(Console):
-        def on_broken_pipe(self) -> None:
-            raise BrokenPipeError
-
-    return Screen(stderr=stderr, highlight=False, markup=False, emoji=False)
+    return Console(stderr=stderr, highlight=False, markup=False, emoji=False)
 
 
 def say(text: str, *, style: str | None = None, stderr: bool = False) -> None:

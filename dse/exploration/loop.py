@@ -109,6 +109,7 @@ def explore(
         raise ExplorationInterruptedError(len(folder.finished()), folder.header.runs) from None
     finally:
         folder.commit()
+    folder.end()
     sink.tell()
     return Explored(
         before,

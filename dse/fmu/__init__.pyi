@@ -21,6 +21,6 @@ from .toolchain.compilation import (
     link_library as link_library,
     options as options,
 )
-from .toolchain.compiler import Compiler as Compiler, find_compiler as find_compiler
+from .toolchain.compiler import Compiler as Compiler, with_compiler as with_compiler
 from .toolchain.platforms import this_platform as this_platform
 from .unpack import open_fmu as open_fmu

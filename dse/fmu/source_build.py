@@ -3,17 +3,17 @@
 from __future__ import annotations
 
 import importlib.util
-import tempfile
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 
-from dse.cache import cache_folder, content_key, keep_file
+from dse.cache import cache_folder, content_key, keep_files
 from dse.errors import DseError, Location, Problem
 from dse.fmu.reading.build_description import Recipe, read_recipe
 from dse.fmu.reading.description import Description
 from dse.fmu.toolchain.compilation import CompilationError, compile_foreign, foreign_options
-from dse.fmu.toolchain.compiler import Compiler, find_compiler
+from dse.fmu.toolchain.compiler import Compiler, with_compiler
 from dse.fmu.toolchain.platforms import this_platform
+from dse.scratch import ScratchFolder
 
 _HEADERS = {
     2: ("fmi2Functions.h", "fmi2FunctionTypes.h", "fmi2TypesPlatform.h"),
@@ -30,23 +30,26 @@ def build_from_sources(folder: Path, description: Description, name: str, cache:
     cannot be used, there is no compiler, or what the compiler refuses, located in the sources.
     """
     recipe = read_recipe(folder, description, name)
-    compiler = find_compiler()
     files = _staged(folder / "sources", description.version)
     library = f"{description.identifier}{this_platform().suffix}"
-    target = cache_folder(cache) / "compiled" / _key(files, recipe, compiler) / library
-    if target.is_file():
-        return target
     units = {unit.path: (*unit.options, *_common_options(description.version)) for unit in recipe.units}
-    with tempfile.TemporaryDirectory(prefix="dse-") as scratch:
-        sources = Path(scratch)
-        for path, content in files.items():
-            (sources / path).parent.mkdir(parents=True, exist_ok=True)
-            (sources / path).write_bytes(content)
-        try:
-            binary = compile_foreign(compiler, sources, units, recipe.libraries, library)
-        except CompilationError as error:
-            raise DseError(*_problems(error, name)) from error
-    return keep_file(target, binary)
+
+    def made(compiler: Compiler) -> Path:
+        target = cache_folder(cache) / "compiled" / _key(files, recipe, compiler)
+        return keep_files(target, lambda: {library: compiled(compiler)}) / library
+
+    def compiled(compiler: Compiler) -> bytes:
+        with ScratchFolder() as scratch:
+            sources = Path(scratch)
+            for path, content in files.items():
+                (sources / path).parent.mkdir(parents=True, exist_ok=True)
+                (sources / path).write_bytes(content)
+            return compile_foreign(compiler, sources, units, recipe.libraries, library)
+
+    try:
+        return with_compiler(cache, made)
+    except CompilationError as error:
+        raise DseError(*_problems(error, name)) from error
 
 
 def _common_options(version: int) -> tuple[str, ...]:

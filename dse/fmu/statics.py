@@ -6,7 +6,7 @@ import re
 from collections.abc import Iterator
 from pathlib import Path
 
-from dse.cache import cache_folder, content_key, keep_file
+from dse.cache import cache_folder, content_key, keep_content
 from dse.domain.fmu import FmuModel
 from dse.errors import DseError
 from dse.fmu.fusion.sources import NotOursError, OwnSources, own_sources
@@ -27,10 +27,8 @@ def shares_nothing(model: FmuModel, *, cache: Path | None = None) -> bool:
         return True  # what is made from Modelica has everything in its instance
     kept = cache_folder(cache) / "statics" / content_key(sorted(sources.files.items()))
     try:
-        if not kept.is_file():
-            keep_file(kept, "\n".join(sorted(_statics(sources))).encode())
-        return not kept.read_text(encoding="utf-8")
-    except (DseError, CompilationError, OSError):
+        return not keep_content(kept, lambda: "\n".join(sorted(_statics(sources))).encode())
+    except (DseError, CompilationError):
         return False
 
 

@@ -6,15 +6,13 @@ import errno
 import hashlib
 import io
 import re
-import shutil
 import stat
-import tempfile
 import zipfile
 import zlib
 from collections.abc import Iterator, Mapping
 from pathlib import Path, PurePosixPath
 
-from dse.cache import rename
+from dse.cache import keep_folder
 from dse.errors import DseError, Location, Problem, fail
 
 _MAXIMUM_ENTRIES = 20_000
@@ -88,20 +86,7 @@ def unpacked(archive: Path, into: Path, where: Location, what: str) -> Path:
 
     Several processes may ask at once. Raises DseError as `unpack_zip`, and if *into* cannot be written.
     """
-    target = into / digest_of(archive, where)[:32]
-    if target.is_dir():
-        return target
-    try:
-        into.mkdir(parents=True, exist_ok=True)
-        aside = Path(tempfile.mkdtemp(prefix=".", suffix=".tmp", dir=into))
-        try:
-            unpack_zip(archive, aside, where, what)
-            rename(aside, target)
-        finally:
-            shutil.rmtree(aside, ignore_errors=True)
-    except OSError as error:
-        raise fail(f"the folder {into} cannot be written: {error.strerror or error}") from error
-    return target
+    return keep_folder(into / digest_of(archive, where)[:32], lambda folder: unpack_zip(archive, folder, where, what))
 
 
 def _dangers(entries: list[zipfile.ZipInfo], what: str) -> Iterator[str]:

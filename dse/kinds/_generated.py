@@ -22,16 +22,11 @@ def build_generated(
     There is ``<struct>.h``, which defines the type *struct*, ``<struct>_init`` and ``<struct>_step``; with *step* the
     code is sampled. What is built so can be fused. The files are kept in the folder *cache*. Raises DseError.
     """
-    from dse.cache import cache_folder, content_key, keep_folder
+    from dse.cache import cache_folder, content_key, keep_files
     from dse.fmu import build_c
 
     contents = {name: text.encode() for name, text in sorted(files.items())}
-
-    def fill(folder: Path) -> None:
-        for name, content in contents.items():
-            (folder / name).write_bytes(content)
-
-    folder = keep_folder(cache_folder(cache) / "generated" / content_key(contents.items()), fill)
+    folder = keep_files(cache_folder(cache) / "generated" / content_key(contents.items()), lambda: contents)
     paths = tuple(folder / name for name in contents)
     source = CSource(paths, folder / f"{struct}.h", struct, f"{struct}_init", f"{struct}_step", step)
     return build_c(component, source, version=version, cache=cache)

@@ -7,7 +7,7 @@ from dataclasses import replace
 from functools import lru_cache
 from pathlib import Path
 
-from dse.cache import cache_folder, content_key, keep_file
+from dse.cache import cache_folder, content_key, keep_content, keep_file
 from dse.csolve import headers
 from dse.domain.component import Component, ModelicaCompiler, ModelicaSource
 from dse.errors import DseError, fail
@@ -20,11 +20,11 @@ from dse.fmu import (
     SlotTable,
     compile_object,
     describe_sources,
-    find_compiler,
     link_library,
     model_identifier,
     options,
     this_platform,
+    with_compiler,
 )
 from dse.formats import pack_zip
 from dse.modelica.description import Described, describe_model, documentation
@@ -74,15 +74,17 @@ def check_modelica(component: Component, source: ModelicaSource, cache: Path | N
             raise _without_omc(component)
         return
     note = cache_folder(cache) / "checked" / content_key(_identity(component, source, sources, 0))
-    if note.is_file():
-        return
-    try:
+
+    def checked() -> bytes:
         translate(component, sources, _answers(cache))
+        return b""
+
+    try:
+        keep_content(note, checked)
     except TranslationError as refusal:
         if source.compiler is ModelicaCompiler.AUTO and find_omc() is not None:
             return
         raise _mentioning_omc(refusal, source) from refusal
-    keep_file(note, b"")
 
 
 def _without_omc(component: Component) -> DseError:
@@ -106,31 +108,34 @@ def _by_omc(
         raise fail(what, component.where, "build it for FMI 2")
     keyed = [*_identity(component, source, sources, version), ("omc", omc_version(omc).encode())]
     target = cache_folder(cache) / "built" / f"{model_identifier(component.name)}-{content_key(keyed)}.fmu"
-    return target if target.is_file() else keep_file(target, build_with_omc(component, source, sources, omc))
+    return keep_file(target, lambda: build_with_omc(component, source, sources, omc))
 
 
 def _by_dse(
     component: Component, source: ModelicaSource, sources: ModelSources, version: int, cache: Path | None
 ) -> Path:
-    compiler = find_compiler()
     platform = this_platform()
     identity = _identity(component, source, sources, version)
     token = "{" + content_key(identity) + "}"
-    machine = ("build", repr((compiler.identity, options(compiler), MODEL_OPTIONS, platform.name)).encode())
     named = model_identifier(component.name)
-    target = cache_folder(cache) / "built" / f"{named}-{content_key([*identity, machine])}.fmu"
-    if target.is_file():
-        return target
-    translated = translate(component, sources, _answers(cache))
-    contents = _contents(component, source, translated, named, token, version)
     library = platform.library(version, named)
+
+    def made(compiler: Compiler) -> Path:
+        machine = ("build", repr((compiler.identity, options(compiler), MODEL_OPTIONS, platform.name)).encode())
+        target = cache_folder(cache) / "built" / f"{named}-{content_key([*identity, machine])}.fmu"
+        return keep_file(target, lambda: packed(compiler))
+
+    def packed(compiler: Compiler) -> bytes:
+        translated = translate(component, sources, _answers(cache))
+        contents = _contents(component, source, translated, named, token, version)
+        return pack_zip({**contents, str(library): _compiled(compiler, contents, version, library.name, cache)})
+
     try:
-        binary = _compiled(compiler, contents, version, library.name, cache)
+        return with_compiler(cache, made)
     except CompilationError as error:
         said = "; ".join(f"{d.file}:{d.line}: {d.message}" if d.file else d.message for d in error.diagnostics[:3])
         what = f"component '{component.name}': the C made from {source.model} does not compile: {said}"
         raise fail(what, component.where, "this is a mistake of dse: please report it with the model") from error
-    return keep_file(target, pack_zip({**contents, str(library): binary}))
 
 
 def _answers(cache: Path | None) -> AnswerCache:
@@ -189,11 +194,8 @@ def _compiled(
     start = {"start.c": files.pop("start.c")}
     keyed = [*sorted(files.items()), ("build", repr((compiler.identity, options(compiler), MODEL_OPTIONS)).encode())]
     kept = cache_folder(cache) / "objects" / f"{content_key(keyed)}.o"
-    if not kept.is_file():
-        keep_file(kept, compile_object(compiler, files, f"fmi{version}.c", MODEL_OPTIONS))
-    return link_library(
-        compiler, {"model.o": kept.read_bytes(), "start.o": compile_object(compiler, start, "start.c")}, library
-    )
+    model = keep_content(kept, lambda: compile_object(compiler, files, f"fmi{version}.c", MODEL_OPTIONS))
+    return link_library(compiler, {"model.o": model, "start.o": compile_object(compiler, start, "start.c")}, library)
 
 
 def _identity(

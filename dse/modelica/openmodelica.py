@@ -6,7 +6,6 @@ import os
 import re
 import shutil
 import subprocess
-import tempfile
 import zipfile
 from collections.abc import Collection, Iterator
 from functools import lru_cache
@@ -17,6 +16,7 @@ from dse.errors import DseError, Location, Problem, fail
 from dse.fmu import read_description
 from dse.modelica.frontend.literal import WRAPPER, literal, wrapper
 from dse.modelica.frontend.sources import FILES, ModelSources
+from dse.scratch import ScratchFolder
 
 _SECONDS = 900.0
 _PRODUCT = "dse_product"
@@ -50,7 +50,7 @@ def build_with_omc(component: Component, source: ModelicaSource, sources: ModelS
 
     Raises DseError with what omc says, in the user's files.
     """
-    with tempfile.TemporaryDirectory(prefix="dse-", ignore_cleanup_errors=True) as scratch:
+    with ScratchFolder() as scratch:
         folder = Path(scratch)
         sources.lay_out(folder)
         (folder / "wrapper.mo").write_text(_wrapper(component, source), encoding="utf-8")

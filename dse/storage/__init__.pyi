@@ -6,6 +6,7 @@ from .database.table import RunTable as RunTable
 from .difference import changed_inputs as changed_inputs, changed_results as changed_results
 from .export.tables import EXPORTS as EXPORTS, columns_of as columns_of, to_frame as to_frame
 from .folder import StudyFolder as StudyFolder
+from .lock import Writer as Writer, WriterLock as WriterLock, writer_of as writer_of
 from .rows import Measures as Measures, RowBlock as RowBlock, block_of as block_of
 from .spool import (
     Spooled as Spooled,

@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
+import math
 import shutil
 import sqlite3
 import time
-from collections.abc import Mapping, Sequence
-from contextlib import suppress
+from collections.abc import Mapping, Sequence, Set as AbstractSet
+from contextlib import ExitStack
 from dataclasses import replace
 from itertools import groupby, repeat
 from pathlib import Path
 from types import TracebackType
+
+import numpy as np
 
 from dse.domain.bench import VERDICTS
 from dse.domain.component import Value
@@ -34,15 +37,16 @@ from dse.storage.database.definition import unit_flaws
 from dse.storage.database.header import StudyHeader
 from dse.storage.database.schema import cell_of, columns
 from dse.storage.database.table import RunTable, read_table
+from dse.storage.lock import LOCK, WRITER, WriterLock
 from dse.storage.rows import RowBlock
-from dse.storage.spool import clear_spool
+from dse.storage.spool import SUFFIX as SPOOLED, Spooled, clear_spool, read_spool
 from dse.storage.waveforms import PART, is_file_name, read_waveforms
 
 WAVEFORMS = "waveforms"
 SPOOL = "spool"
 
 _COMMIT_EVERY = 0.25
-_OURS = (WAVEFORMS, SPOOL, f"{NAME}.part", "report.html", "figures")
+_OURS = (WAVEFORMS, SPOOL, LOCK, WRITER, "report.html", "figures")
 """What an earlier study may have left in a folder that is used again."""
 
 
@@ -54,7 +58,9 @@ class StudyFolder:
     quarter of a second and at the end, so a killed process loses no more than that.
     """
 
-    def __init__(self, path: Path, header: StudyHeader, connection: sqlite3.Connection, asks: Asks) -> None:
+    def __init__(
+        self, path: Path, header: StudyHeader, connection: sqlite3.Connection, asks: Asks, lock: WriterLock | None
+    ) -> None:
         self.path = path
         self.header = header
         self.asks = asks
@@ -62,61 +68,54 @@ class StudyFolder:
         self.is_extended = False
         self._begun: float | None = None
         self._released: set[str] = set()
+        self._lock = lock
 
     @classmethod
     def create(cls, path: Path, definition: StudyDefinition) -> StudyFolder:
         """A new folder for the study of *definition*; DseError if *path* is a file or holds something else already."""
-        if path.is_file():
-            raise fail("is a file, not a folder", Location(str(path)), "give another folder with -o")
         if (path / NAME).exists():
             raise fail("holds a study already", Location(str(path)), "give another folder with -o, or say --fresh")
-        if path.is_dir() and any(entry.name not in _OURS for entry in path.iterdir()):
-            raise fail("is not empty and not a study folder", Location(str(path)), "give another folder with -o")
-        try:
-            (path / WAVEFORMS).mkdir(parents=True, exist_ok=True)
-        except OSError as error:
-            raise fail(f"the folder cannot be made: {error.strerror}", Location(str(path))) from error
-        header = StudyHeader(definition)
-        lay_out(path, header)
-        return cls(path, header, connect(path, write=True), Asks())
+        return cls.resume(path, definition)
 
     @classmethod
     def resume(cls, path: Path, definition: StudyDefinition) -> StudyFolder:
         """The folder at *path* to go on with, or a new one; DseError if it holds the results of another study.
 
         If *definition* only asks for other points or more configurations than the stored one, the study is extended:
-        a new era begins. Waveforms whose file is gone count as never kept, so that they are made again.
+        a new era begins. Runs that were spooled and not stored are. Waveforms whose file is gone count as never kept,
+        so that they are made again. DseError if somebody else writes into the folder.
         """
-        if not (path / NAME).exists():
-            return cls.create(path, definition)
-        folder = cls._connected(path, write=True)
-        try:
+        _require_room(path)
+        with ExitStack() as undo:
+            lock = undo.enter_context(WriterLock(path))
+            (path / WAVEFORMS).mkdir(exist_ok=True)
+            if not (path / NAME).exists():
+                lay_out(path, StudyHeader(definition))
+            folder = undo.enter_context(cls._connected(path, lock))
             folder.take_up(definition)
             for torn in (path / WAVEFORMS).glob(f"*{PART}"):
                 torn.unlink(missing_ok=True)
-            (path / WAVEFORMS).mkdir(exist_ok=True)
             folder.forget_lost()
-        except BaseException:
-            folder.close()
-            raise
+            undo.pop_all()
         return folder
 
     @classmethod
     def open(cls, path: Path) -> StudyFolder:
         """The folder at *path* for reading; DseError if it is none, is damaged or was written by a newer dse."""
-        return cls._connected(path, write=False)
+        return cls._connected(path, None)
 
     @staticmethod
     def discard(path: Path) -> None:
         """Remove the study in *path* and nothing else; DseError if there is something there that is no study."""
         if not (path / NAME).exists():
-            if path.exists() and not (path.is_dir() and all(entry.name in _OURS for entry in path.iterdir())):
+            if path.exists() and not (path.is_dir() and all(_is_ours(entry.name) for entry in path.iterdir())):
                 raise fail("is not a study folder", Location(str(path)), "give another folder with -o")
             return
-        for pattern in (f"{NAME}*", f"{WAVEFORMS}/*.parquet", f"{WAVEFORMS}/*{PART}"):
-            for file in path.glob(pattern):
-                file.unlink()
-        shutil.rmtree(path / SPOOL, ignore_errors=True)
+        with WriterLock(path):
+            for pattern in (f"{NAME}*", f"{WAVEFORMS}/*.parquet", f"{WAVEFORMS}/*{PART}"):
+                for file in path.glob(pattern):
+                    file.unlink()
+            shutil.rmtree(path / SPOOL, ignore_errors=True)
 
     @property
     def waveform_folder(self) -> Path:
@@ -285,13 +284,17 @@ class StudyFolder:
             self._released = set()
 
     def close(self) -> None:
-        """Commit and close."""
-        try:
+        """Commit, close, and let others write."""
+        with ExitStack() as last:
+            if self._lock is not None:
+                last.callback(self._lock.release)
+            last.callback(self._connection.close)
             self.commit()
-            with suppress(OSError):  # it holds something that is still needed, or was never there
-                self.spool_folder.rmdir()
-        finally:
-            self._connection.close()
+
+    def end(self) -> None:
+        """Commit; the study is complete, and nothing is needed aside any more."""
+        self.commit()
+        shutil.rmtree(self.spool_folder, ignore_errors=True)
 
     def __enter__(self) -> StudyFolder:
         return self
@@ -302,15 +305,15 @@ class StudyFolder:
         self.close()
 
     @classmethod
-    def _connected(cls, path: Path, *, write: bool) -> StudyFolder:
-        connection = connect(path, write=write)
+    def _connected(cls, path: Path, lock: WriterLock | None) -> StudyFolder:
+        connection = connect(path, write=lock is not None)
         try:
             with located(path):
                 header, asks = read_header(connection, path)
         except BaseException:
             connection.close()
             raise
-        return cls(path, header, connection, asks)
+        return cls(path, header, connection, asks, lock)
 
     def take_up(self, definition: StudyDefinition) -> None:
         """Make *definition* the folder's, in a new era if it asks for other runs; DseError if it is another study's."""
@@ -322,19 +325,76 @@ class StudyFolder:
                 Location(str(self.path)),
                 "give another folder with -o, or say --fresh to throw these results away",
             )
+        with located(self.path):
+            self._begin()
+            migrate(self._connection, self.header, self.asks)
+        self.recover()
         header = replace(self.header, definition=stored.joined(definition))
         if not stored.samples_alike(definition):
             self.is_extended = True
             era = self.header.era + 1
             earlier = len(self.finished())
             header = replace(header, era=era, base=self.asks.numbers, earlier=earlier, runs=earlier, asked=0)
-        with located(self.path):
-            self._begin()
-            migrate(self._connection, header, self.asks)
-            if header != self.header:
+        if header != self.header:
+            with located(self.path):
+                self._begin()
                 write_header(self._connection, header)
         self.commit()
         self.header = header
+
+    def recover(self) -> None:
+        """Store the runs that are in the spool and not here; waveforms stay there until their chunk is complete."""
+        finished, kept = self.finished(), self.kept()
+        spooled = read_spool(self.spool_folder, self.header.measures, self.header.fingerprint)
+        known = {(a.run, a.maker, a.seconds) for a in self.attempts()} if spooled else set()
+        needed: set[Path] = set()
+        for each in spooled:
+            if not self._asked_for(each):
+                continue
+            numbers, block = each.block.numbers.tolist(), each.block
+            fresh = [row for row, number in enumerate(numbers) if number not in finished]
+            self.add(each.configuration, [each.points[row] for row in fresh], block.part(np.array(fresh, np.intp)))
+            again = [row for row, number in enumerate(numbers) if number in finished]
+            tries = [Attempt(numbers[row], block.maker, "", float(block.wall[row])) for row in again]
+            self.add_attempts([a for a in tries if (a.run, a.maker, a.seconds) not in known])
+            stored = self.table(numbers).block
+            order = np.argsort(block.numbers)
+            is_same = not block.part(order).differs_from(stored).any()
+            # Runs that came out differently are made again, and then found not to be reproducible.
+            if is_same and any(not kept.get(number) for number in each.kept):
+                needed.add(each.path)
+            finished.update(numbers)
+        self.commit()
+        for file in self.spool_folder.glob(f"*{SPOOLED}"):
+            if file not in needed:
+                file.unlink(missing_ok=True)
+
+    def forget(self, numbers: AbstractSet[int]) -> None:
+        """Take away the rows of the runs *numbers* and what is known of their waveforms; their attempts stay."""
+        gone = self.finished() & numbers
+        earlier = sum(number < self.header.base for number in gone)
+        header = replace(self.header, earlier=self.header.earlier - earlier, runs=self.header.runs - earlier)
+        for each in read_spool(self.spool_folder, header.measures, header.fingerprint):
+            if gone.intersection(each.block.numbers.tolist()):
+                each.path.unlink(missing_ok=True)
+        with located(self.path):
+            self._begin()
+            for table in ("runs", "kept"):
+                statement = f"DELETE FROM {table} WHERE number = ?"  # noqa: S608  # one of ours
+                self._connection.executemany(statement, [(number,) for number in gone])
+            write_header(self._connection, header)
+        self.commit()
+        self.header = header
+
+    def _asked_for(self, spooled: Spooled) -> bool:
+        """Whether the study asked for runs like these; a file of another one may say it is of this."""
+        if spooled.variables != self.header.variables:
+            return False
+        values = (value for point in spooled.points for value in point)
+        numbers = spooled.block.numbers.tolist()
+        return all(
+            isinstance(value, int | float) and not isinstance(value, bool) and math.isfinite(value) for value in values
+        ) and all(self.asks.configuration(number) == spooled.configuration for number in numbers)
 
     def _checked(self, file: str | None) -> str:
         # The database may come from anywhere: what it names must lie in the folder of waveforms.
@@ -350,3 +410,15 @@ class StudyFolder:
         if self._begun is None:
             self._connection.execute("BEGIN IMMEDIATE")
             self._begun = time.monotonic()
+
+
+def _require_room(path: Path) -> None:
+    """DseError if *path* is neither a study folder nor a place for one."""
+    if path.is_file():
+        raise fail("is a file, not a folder", Location(str(path)), "give another folder with -o")
+    if not (path / NAME).exists() and path.is_dir() and any(not _is_ours(entry.name) for entry in path.iterdir()):
+        raise fail("is not empty and not a study folder", Location(str(path)), "give another folder with -o")
+
+
+def _is_ours(name: str) -> bool:
+    return name in _OURS or name.startswith(f"{NAME}.part")

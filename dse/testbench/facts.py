@@ -9,7 +9,7 @@ from dataclasses import asdict, fields
 from pathlib import Path
 from typing import Any
 
-from dse.cache import cache_folder, keep_file
+from dse.cache import cache_folder, is_damaged, put_file, vouch
 from dse.cosim import PROBE_VERSION
 from dse.domain.component import Component
 from dse.domain.facts import Answer, FmuFacts, Question
@@ -24,16 +24,20 @@ def known_facts(model: FmuModel, *, cache: Path | None = None) -> FmuFacts | Non
     None if it was not probed by this version of the experiments.
     """
     file = _file(model.content_hash, this_platform().name, str(model.interface), cache)
+    if is_damaged(file):
+        return None
     try:
-        return _from_json(json.loads(file.read_text(encoding="utf-8")))
+        facts = _from_json(json.loads(file.read_text(encoding="utf-8")))
     except (OSError, ValueError, TypeError, KeyError):
         return None  # absent or not ours: to be found again
+    vouch(file)
+    return facts
 
 
 def keep_facts(facts: FmuFacts, *, cache: Path | None = None) -> Path:
     """Write *facts* where `known_facts` finds them. Raises DseError if the cache cannot be written."""
     text = json.dumps(facts_as_data(facts), indent=1, sort_keys=True) + "\n"
-    return keep_file(_file(facts.content_hash, facts.platform, facts.interface, cache), text.encode())
+    return put_file(_file(facts.content_hash, facts.platform, facts.interface, cache), text.encode())
 
 
 def facts_of(system: SystemStructure, *, cache: Path | None = None) -> dict[str, FmuFacts]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import errno
 import os
+import shutil
 import stat
 import zipfile
 from dataclasses import dataclass, field
@@ -12,6 +13,7 @@ from pathlib import Path
 import pytest
 from fmu.descriptions import FMI_1
 
+from dse.cache import CacheWarning
 from dse.errors import DseError
 from dse.fmu.building import build
 from dse.fmu.toolchain.platforms import this_platform
@@ -71,12 +73,32 @@ def refused(tmp_path):
 def test_an_archive_is_unpacked_once_and_known_by_its_content(maker, tmp_path):
     archive = maker.make(FMI_2)
     first = open_fmu(archive, cache=tmp_path / "cache")
-    (first.folder / "left by the first").touch()
+    unpacked = (first.folder / "modelDescription.xml").stat()
     moved = archive.rename(tmp_path / "other.fmu")
     second = open_fmu(moved, cache=tmp_path / "cache")
     assert (second.folder, second.content_hash) == (first.folder, first.content_hash)
     assert second.archive == moved
-    assert (second.folder / "left by the first").exists()
+    assert (second.folder / "modelDescription.xml").stat().st_ino == unpacked.st_ino
+
+
+def gone(folder):
+    shutil.rmtree(folder)
+
+
+def cut_short(folder):
+    library = next(folder.rglob(f"*{this_platform().suffix}"))
+    os.truncate(library, library.stat().st_size // 2)
+
+
+@pytest.mark.parametrize("damage", [gone, cut_short])
+def test_an_fmu_that_harmed_its_folder_is_unpacked_again(workshop, tmp_path, damage):
+    archive = build(workshop.counter(), cache=tmp_path)
+    before = open_fmu(archive, cache=tmp_path)
+    library = before.library.read_bytes()
+    damage(before.folder)
+    with pytest.warns(CacheWarning, match="unpacked"):
+        assert open_fmu(archive, cache=tmp_path) == before
+    assert before.library.read_bytes() == library
 
 
 def test_an_fmi_2_fmu_may_name_its_platform_as_fmi_3_does(maker, tmp_path):

@@ -3,12 +3,17 @@
 from __future__ import annotations
 
 import importlib.util
+import os
 import sys
+import zipfile
 
 import pytest
 
+from dse.cache import CacheWarning
+from dse.domain.system import Element, SystemStructure
 from dse.errors import DseError
 from dse.fmu.building import build
+from dse.fmu.fusion.fuse import Wanted, fuse_all
 from dse.fmu.toolchain.compiler import find_compiler
 from dse.fmu.unpack import open_fmu
 
@@ -48,6 +53,66 @@ def test_a_machine_without_any_compiler_is_told_what_to_install(bare):
     bare.setattr(importlib.util, "find_spec", lambda name: None)
     with pytest.raises(DseError, match=r"no C compiler on this machine\n.*pip install 'dse-workbench\[toolchain\]'"):
         find_compiler()
+
+
+@pytest.fixture
+def none(bare):
+    """Takes the compilers away."""
+    bare.undo()
+    find = importlib.util.find_spec
+
+    def take_away():
+        bare.delenv("CC", raising=False)
+        bare.setenv("PATH", "")
+        bare.setattr(importlib.util, "find_spec", lambda name: None if name == "ziglang" else find(name))
+
+    return take_away
+
+
+def test_what_is_in_the_cache_needs_no_compiler(workshop, tmp_path, none, version):
+    component = workshop.counter()
+    archive = build(component, version=version, cache=tmp_path)
+    own = open_fmu(archive, cache=tmp_path)
+    foreign = tmp_path / "foreign.fmu"
+    with zipfile.ZipFile(archive) as whole, zipfile.ZipFile(foreign, "w") as sources:
+        for name in whole.namelist():
+            if not name.startswith("binaries/"):
+                sources.writestr(name, whole.read(name))
+    if version == 3:
+        compiled = open_fmu(foreign, cache=tmp_path)
+    wanted = {
+        "counter": Wanted(
+            SystemStructure("counter", (Element("c", own, (), (own.variables["total"],), {}),), ()), ("c.total",)
+        )
+    }
+    fused = fuse_all(wanted, cache=tmp_path)
+    none()
+    assert build(component, version=version, cache=tmp_path) == archive
+    assert open_fmu(archive, cache=tmp_path) == own
+    if version == 3:
+        assert open_fmu(foreign, cache=tmp_path) == compiled
+    assert fuse_all(wanted, cache=tmp_path) == fused
+    for needed in (lambda: build(workshop.counter(0.5), version=version, cache=tmp_path), find_compiler):
+        with pytest.raises(DseError, match=r"^there is no C compiler on this machine\n.*'dse-workbench\[toolchain\]'"):
+            needed()
+
+
+def test_what_any_compiler_made_is_found_without_one(workshop, tmp_path, none, monkeypatch):
+    plain = find_compiler().command[0]
+    components = {"-DONE": workshop.counter(), "-DOTHER": workshop.integrator()}
+    built = []
+    for option, component in components.items():
+        monkeypatch.setenv("CC", f"{plain} {option}")
+        built.append(build(component, cache=tmp_path))
+    none()
+    assert [build(component, cache=tmp_path) for component in components.values()] == built
+
+
+def test_a_damaged_entry_cannot_be_made_again_without_a_compiler(workshop, tmp_path, none):
+    os.truncate(build(workshop.counter(), cache=tmp_path), 100)
+    none()
+    with pytest.warns(CacheWarning, match="damaged"), pytest.raises(DseError, match="no C compiler on this machine"):
+        build(workshop.counter(), cache=tmp_path)
 
 
 @pytest.mark.thorough

@@ -316,6 +316,7 @@ def test_the_spool_of_a_batch_goes_when_its_rows_are_committed(
         folder.commit()
         assert len([*folder.spool_folder.iterdir()]) == 1
         folder.release("runs-00000003")
+        folder.end()
     assert not (stored / "spool").exists()
 
 

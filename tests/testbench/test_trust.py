@@ -9,6 +9,7 @@ from pathlib import Path
 import pytest
 from hypothesis import given, strategies as st
 
+from dse.cache import CacheWarning
 from dse.domain.component import Component, CSource, Interface
 from dse.domain.facts import Answer, FmuFacts, Question
 from dse.domain.fmu import Capabilities, FmiInterface, FmuModel
@@ -80,13 +81,29 @@ def test_another_fmu_is_not_known(tmp_path: Path):
 def test_a_file_that_is_not_what_it_should_be_counts_as_nothing_known(tmp_path: Path, text: str):
     file = keep_facts(facts(), cache=tmp_path)
     file.write_text(text, encoding="utf-8")
+    with pytest.warns(CacheWarning, match="damaged"):
+        assert known_facts(model(), cache=tmp_path) is None
+    earlier_version(file)
     assert known_facts(model(), cache=tmp_path) is None
+
+
+def earlier_version(file: Path) -> None:
+    """Leave *file* as an earlier version would have kept it."""
+    file.with_name(f"{file.name}.digest").unlink()
+
+
+def test_facts_that_an_earlier_version_kept_are_known(tmp_path: Path):
+    earlier_version(keep_facts(facts(), cache=tmp_path))
+    found = known_facts(model(), cache=tmp_path)
+    assert found is not None
+    assert keep_facts(found, cache=tmp_path / "again").read_bytes() == keep_facts(facts(), cache=tmp_path).read_bytes()
 
 
 def test_a_file_with_a_word_too_many_or_too_few_counts_as_nothing_known(tmp_path: Path):
     file = keep_facts(facts(), cache=tmp_path)
     data = json.loads(file.read_text(encoding="utf-8"))
     del data["step_cost"]
+    earlier_version(file)
     file.write_text(json.dumps(data), encoding="utf-8")
     assert known_facts(model(), cache=tmp_path) is None
 

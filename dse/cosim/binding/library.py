@@ -43,7 +43,8 @@ def load(model: FmuModel) -> ctypes.CDLL:
     FreshProcessNeeded if it would be given a library of another FMU in place of one that lies beside it.
     """
     if not model.library.is_file():
-        raise fail(f"{model.identifier}: the FMU has no library for this platform ({model.library.name})")
+        what = f"{model.identifier}: the FMU's library is gone since the FMU was opened ({model.library})"
+        raise fail(what, hint="run the command again: what is missing in the cache is made again")
     path = str(model.library.resolve())
     _bring(model)
     try:

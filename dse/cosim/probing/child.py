@@ -6,7 +6,6 @@ import contextlib
 import multiprocessing
 import os
 import sys
-import tempfile
 import time
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -20,6 +19,7 @@ from dse.cosim.failing.failure import RunFailed
 from dse.cosim.probing.journal import Journal
 from dse.errors import DseError
 from dse.processes import start_process
+from dse.scratch import ScratchFolder
 
 _LOOK_EVERY = 0.02
 _TO_START = 60.0
@@ -59,7 +59,7 @@ def attempt(experiment: Experiment, *arguments: object, limits: ProbeLimits, ane
     Processes come from one that has done nothing but imports, where the system can do that. One started *anew* has
     another layout of memory besides.
     """
-    with tempfile.TemporaryDirectory(prefix="dse-probe-", ignore_cleanup_errors=True) as folder:
+    with ScratchFolder() as folder:
         file = Path(folder) / "journal"
         Journal.lay_out(file)
         journal = Journal(file)

@@ -6,7 +6,6 @@ Such a process is kept for the next parcel of the same study, and let go when no
 from __future__ import annotations
 
 import sys
-import tempfile
 import threading
 import time
 from collections.abc import Sequence
@@ -19,6 +18,7 @@ from dse.exploration.remote.machine import this_machine
 from dse.exploration.remote.parcels import Answer, Carried, Missing, Parcel, Piece, Trouble, opened
 from dse.exploration.supervision.supervisor import Supervisor
 from dse.exploration.work import Batch, Runnable, Work
+from dse.scratch import ScratchFolder
 from dse.storage import Attempt, RowBlock
 
 IDLE_SECONDS = 60.0
@@ -92,7 +92,7 @@ class _Crew:
     def __init__(self, parcel: Parcel) -> None:
         self.study = parcel.study
         self.idle_since = 0.0
-        self._folder = tempfile.TemporaryDirectory(prefix="dse-", ignore_cleanup_errors=True)
+        self._folder = ScratchFolder()
         self._configurations: dict[str, Runnable] = {}
         self._sink = _Gathered(Path(self._folder.name))
         work = Work(

@@ -7,8 +7,6 @@ nothing that a host made itself is replaced, and no name that came over the netw
 from __future__ import annotations
 
 import re
-import shutil
-import tempfile
 import zlib
 from functools import lru_cache
 from pathlib import Path, PurePosixPath
@@ -16,6 +14,7 @@ from pathlib import Path, PurePosixPath
 from dse.cache import cache_folder, content_key, keep_folder
 from dse.errors import Location, fail
 from dse.formats import pack_zip, unpack_zip
+from dse.scratch import ScratchFolder
 
 _known: dict[str, Path] = {}
 """Where an entry with a digest lies, of those whose contents have been looked at in this process."""
@@ -49,15 +48,13 @@ def receive(digest: str, content: bytes) -> None:
     target = _received(digest)
 
     def fill(aside: Path) -> None:
-        with tempfile.NamedTemporaryFile(prefix="dse-", suffix=".zip") as archive:
-            archive.write(zlib.decompress(content))
-            archive.flush()
-            unpack_zip(Path(archive.name), aside, Location(f"entry {digest}"), "entry")
+        with ScratchFolder() as scratch:
+            archive = Path(scratch) / "entry.zip"
+            archive.write_bytes(zlib.decompress(content))
+            unpack_zip(archive, aside, Location(f"entry {digest}"), "entry")
         if digest_of_entry(aside) != digest:
             raise fail(f"what was received as the cache's entry {digest} is something else")
 
-    if target.is_dir() and digest_of_entry(target) != digest:
-        shutil.rmtree(target)
     keep_folder(target, fill)
 
 

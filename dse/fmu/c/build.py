@@ -16,7 +16,7 @@ from dse.fmu.c.slots import slots
 from dse.fmu.c.staging import LIST_IT, StagedSources, stage
 from dse.fmu.slot_table import SLOT_TABLE, SlotTable
 from dse.fmu.toolchain.compilation import LANGUAGE_OPTIONS, CompilationError, Diagnostic, compile_library, options
-from dse.fmu.toolchain.compiler import Compiler, find_compiler
+from dse.fmu.toolchain.compiler import Compiler, with_compiler
 from dse.fmu.toolchain.platforms import this_platform
 from dse.formats import pack_zip, shown
 
@@ -29,18 +29,22 @@ def build_c(component: Component, source: CSource, *, version: int, cache: Path 
     """
     staged = stage(component.name, source, component.where)
     contents, subject, demands = _contents(component, source, staged, version)
-    compiler = find_compiler()
     platform = this_platform()
-    keyed = [*sorted(contents.items()), ("build", repr((compiler.identity, options(compiler), platform.name)).encode())]
-    target = cache_folder(cache) / "built" / f"{subject.identifier}-{content_key(keyed)}.fmu"
-    if target.is_file():
-        return target
     library = platform.library(version, subject.identifier)
+
+    def made(compiler: Compiler) -> Path:
+        about = repr((compiler.identity, options(compiler), platform.name)).encode()
+        key = content_key([*sorted(contents.items()), ("build", about)])
+        target = cache_folder(cache) / "built" / f"{subject.identifier}-{key}.fmu"
+        return keep_file(target, lambda: packed(compiler))
+
+    def packed(compiler: Compiler) -> bytes:
+        return pack_zip({**contents, str(library): _compile(compiler, contents, subject, library.name)})
+
     try:
-        binary = _compile(compiler, contents, subject, library.name)
+        return with_compiler(cache, made)
     except CompilationError as error:
         raise DseError(*_problems(error, component, staged, demands)) from error
-    return keep_file(target, pack_zip({**contents, str(library): binary}))
 
 
 _RUNTIME = Path(__file__).parents[1] / "runtime"

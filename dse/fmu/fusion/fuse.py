@@ -18,7 +18,7 @@ from dse.fmu.fusion.part import Part, build_part
 from dse.fmu.fusion.sources import NotOursError, OwnSources, own_sources, runtime_file
 from dse.fmu.parallel import Tell, in_parallel
 from dse.fmu.toolchain.compilation import CompilationError, compile_object, link_library, options
-from dse.fmu.toolchain.compiler import Compiler, find_compiler
+from dse.fmu.toolchain.compiler import Compiler, with_compiler
 from dse.fmu.toolchain.platforms import this_platform
 
 
@@ -46,9 +46,12 @@ def fuse_all(
     is a finished FMU or made by OpenModelica, another method than the plain one, arrays, strings, conversions.
     """
     sources = _sources(wanted.values())
-    compiler = find_compiler()
-    parts = in_parallel(sources, lambda library: _part(library, sources[library], compiler, cache))
-    return in_parallel(wanted, lambda key: _library(wanted[key], sources, parts, compiler, cache), tell)
+
+    def made(compiler: Compiler) -> dict[str, FusedLibrary]:
+        parts = in_parallel(sources, lambda library: _part(library, sources[library], compiler, cache))
+        return in_parallel(wanted, lambda key: _library(wanted[key], sources, parts, compiler, cache), tell)
+
+    return with_compiler(cache, made)
 
 
 _REPORT = "this is a mistake of dse: please report it with the components; without --fuse they can be simulated"
@@ -103,14 +106,17 @@ def _library(
     platform = this_platform()
     keyed = [*sorted(files.items()), ("build", repr((compiler.identity, options(compiler), platform.name)).encode())]
     target = cache_folder(cache) / "fused" / f"{_stem(system.name)}-{content_key(keyed)}{platform.suffix}"
-    if not target.is_file():
+
+    def linked() -> bytes:
         used = sorted({path for library in libraries for path in parts[library].objects}, key=lambda path: path.name)
-        try:
-            objects = {path.name: path.read_bytes() for path in used}
-            objects["loop.o"] = compile_object(compiler, files, "loop.c")
-            keep_file(target, link_library(compiler, objects, target.name))
-        except CompilationError as error:
-            raise fail(f"{system.name}: cannot be fused: {_said(error)}", hint=_REPORT) from error
+        objects = {path.name: path.read_bytes() for path in used}
+        objects["loop.o"] = compile_object(compiler, files, "loop.c")
+        return link_library(compiler, objects, target.name)
+
+    try:
+        keep_file(target, linked)
+    except CompilationError as error:
+        raise fail(f"{system.name}: cannot be fused: {_said(error)}", hint=_REPORT) from error
     prefixes = {element.name: parts[element.model.library].prefix for element in system.elements}
     return FusedLibrary(target, system, wanted.record, prefixes)
 

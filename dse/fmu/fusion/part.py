@@ -8,7 +8,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
-from dse.cache import cache_folder, content_key, keep_file, keep_folder
+from dse.cache import cache_folder, content_key, keep_content, keep_files
 from dse.fmu.fusion.layout import InstanceLayout, layout_unit, read_layout
 from dse.fmu.fusion.sources import OwnSources, is_runtime, runtime_file
 from dse.fmu.toolchain.compilation import MODEL_OPTIONS, compile_assembly, compile_object, options
@@ -37,14 +37,17 @@ def build_part(sources: OwnSources, compiler: Compiler, cache: Path | None) -> P
     key = content_key(keyed)
     prefix = f"c{key[:16]}_"
 
-    def fill(folder: Path) -> None:
+    def objects() -> dict[str, bytes]:
         names = _defined_names(sources, compiler, {**staged, **units, _NAMES: b""}, cache)
         files = {**staged, **units, _NAMES: _renaming(names, prefix)}
-        for number, unit in enumerate(units):
-            made = compile_object(compiler, files, unit, _extra(sources, unit))
-            (folder / (_LAYOUT if unit == _LAYOUT_UNIT else f"{prefix}{number}.o")).write_bytes(made)
+        return {
+            _LAYOUT if unit == _LAYOUT_UNIT else f"{prefix}{number}.o": compile_object(
+                compiler, files, unit, _extra(sources, unit)
+            )
+            for number, unit in enumerate(units)
+        }
 
-    folder = keep_folder(cache_folder(cache) / "fused" / "parts" / key, fill)
+    folder = keep_files(cache_folder(cache) / "fused" / "parts" / key, objects)
     layout = read_layout(sources, (folder / _LAYOUT).read_bytes())
     return Part(prefix, tuple(sorted(folder.glob(f"{prefix}*.o"))), layout)
 
@@ -91,10 +94,8 @@ def _defined_names(sources: OwnSources, compiler: Compiler, files: Mapping[str, 
     about = repr((sources.version, sources.is_model, compiler.identity, options(compiler)))
     key = content_key([*runtime, (_MAIN, files["fused/fused_part.h"]), ("build", about.encode())])
     kept = cache_folder(cache) / "fused" / "names" / key
-    if not kept.is_file():
-        keep_file(kept, "\n".join(sorted(defined(_MAIN))).encode())
-    names = set(kept.read_text(encoding="ascii").split())
-    return names.union(*(defined(unit) for unit in _units(sources) if unit not in (_MAIN, _LAYOUT_UNIT)))
+    names = keep_content(kept, lambda: "\n".join(sorted(defined(_MAIN))).encode()).decode().split()
+    return {*names}.union(*(defined(unit) for unit in _units(sources) if unit not in (_MAIN, _LAYOUT_UNIT)))
 
 
 def _renaming(names: Iterable[str], prefix: str) -> bytes:

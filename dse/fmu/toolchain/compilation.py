@@ -7,13 +7,13 @@ import posixpath
 import re
 import subprocess
 import sys
-import tempfile
 from collections.abc import Iterable, Mapping
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from pathlib import Path
 
-from dse.fmu.toolchain.compiler import Compiler, environment
+from dse.fmu.toolchain.compiler import Compiler, environment, no_compiler
+from dse.scratch import ScratchFolder
 
 # No contraction: a*b+c rounds twice everywhere, so results do not depend on the processor's instructions.
 LANGUAGE_OPTIONS = ("-std=c11", "-O2", "-ffp-contract=off")
@@ -111,7 +111,7 @@ def compile_foreign(
     """
     common = (*_FOREIGN_OPTIONS, *(() if sys.platform == "win32" else ("-fPIC",)))
     linked = (*_libraries(), *(f"-l{name}" for name in libraries))
-    with tempfile.TemporaryDirectory(prefix="dse-") as scratch:
+    with ScratchFolder() as scratch:
         objects = {f"{number}.o": unit for number, unit in enumerate(units)}
 
         def compile_unit(item: tuple[str, str]) -> tuple[Diagnostic, ...]:
@@ -155,7 +155,7 @@ def _libraries() -> tuple[str, ...]:
 def _made(
     compiler: Compiler, files: Mapping[str, bytes], arguments: Iterable[str], product: str, libraries: Iterable[str]
 ) -> bytes:
-    with tempfile.TemporaryDirectory(prefix="dse-") as scratch:
+    with ScratchFolder() as scratch:
         folder = Path(scratch) / "sources"
         for name, content in files.items():
             target = folder / name
@@ -169,6 +169,8 @@ def _made(
 
 
 def _run(compiler: Compiler, arguments: Iterable[str], folder: Path) -> subprocess.CompletedProcess[str]:
+    if not compiler.command:
+        raise no_compiler()
     command = [*compiler.command, *arguments]
     try:
         return subprocess.run(

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import importlib.metadata
 import importlib.util
+import json
 import os
 import platform
 import re
@@ -11,11 +12,16 @@ import shlex
 import shutil
 import subprocess
 import sys
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
+from typing import TypeVar
 
-from dse.errors import DseError, fail
+from dse.cache import cache_folder, content_key, keep_content, recent_entries
+from dse.errors import DseError, Problem, fail
+
+T = TypeVar("T")
 
 _NAMES = ("cc", "gcc", "clang")
 _INSTALL = "install a C compiler (gcc or clang), or run: pip install 'dse-workbench[toolchain]'"
@@ -25,8 +31,9 @@ _INSTALL = "install a C compiler (gcc or clang), or run: pip install 'dse-workbe
 class Compiler:
     """A C compiler that takes gcc's options.
 
-    *command* starts it. *identity* says its name, version and target; it holds no path, so that it may stand
-    in a cache key. *link_options* are what its linker needs to write the same bytes twice.
+    *command* starts it; it is empty if the compiler is not here, but made what is in the cache. *identity* says its
+    name, version and target; it holds no path, so that it may stand in a cache key. *link_options* are what its linker
+    needs to write the same bytes twice.
     """
 
     command: tuple[str, ...]
@@ -34,10 +41,19 @@ class Compiler:
     link_options: tuple[str, ...] = ()
 
 
+class NoCompilerError(DseError):
+    """There is no C compiler on this machine."""
+
+
+def no_compiler() -> NoCompilerError:
+    """The error that says how to get one."""
+    return NoCompilerError(Problem("there is no C compiler on this machine", hint=_INSTALL))
+
+
 def find_compiler() -> Compiler:
     """The compiler named by ``$CC``, else cc, gcc or clang, else the one in the ziglang wheel.
 
-    Raises DseError if there is none, or if ``$CC`` names one that cannot be run.
+    Raises NoCompilerError if there is none, DseError if ``$CC`` names one that cannot be run.
     """
     named = os.environ.get("CC", "").strip()
     if named:
@@ -49,7 +65,29 @@ def find_compiler() -> Compiler:
             return Compiler((path,), identity, _without_timestamp(identity))
     if importlib.util.find_spec("ziglang") is not None:
         return _zig()
-    raise fail("there is no C compiler on this machine", hint=_INSTALL)
+    raise no_compiler()
+
+
+def with_compiler(cache: Path | None, work: Callable[[Compiler], T]) -> T:
+    """What *work* gives with the compiler of this machine.
+
+    Where there is none, with one that was used before, if *work* then finds all it needs in the cache. Raises DseError
+    as `find_compiler`, and what *work* raises.
+    """
+    used = cache_folder(cache) / "compilers"
+    try:
+        compiler = find_compiler()
+    except NoCompilerError:
+        for identity, *link_options in map(json.loads, recent_entries(used)):
+            try:
+                return work(Compiler((), identity, tuple(link_options)))
+            except NoCompilerError:
+                continue
+        raise
+    made = work(compiler)
+    about = json.dumps([compiler.identity, *compiler.link_options]).encode()
+    keep_content(used / content_key([("compiler", about)]), lambda: about)
+    return made
 
 
 def environment() -> dict[str, str]:

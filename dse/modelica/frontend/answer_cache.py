@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
-from dse.cache import content_key, keep_file
+from dse.cache import content_key, read_entry, try_to_put
 from dse.modelica.frontend.compile import read_answer
 from dse.modelica.frontend.literal import Value, literal
 from dse.modelica.frontend.process import VERSION
@@ -28,11 +28,11 @@ class AnswerCache:
     def compiled(self, sources: ModelSources, structural: Mapping[str, Value]) -> FrontEndResult:
         """As `compile_probed`. Only what was found right is kept. Raises DseError."""
         kept = self.folder / f"{self._key(sources, structural)}.json"
-        try:
-            return _recalled(sources, kept.read_bytes())
-        except (OSError, ValueError, KeyError, TypeError):  # there is none, or it is damaged
-            result = compile_probed(sources, structural)
-        keep_file(kept, _written(sources, result))
+        content = read_entry(kept)
+        if content is not None:
+            return _recalled(sources, content)
+        result = compile_probed(sources, structural)
+        try_to_put(kept, _written(sources, result))
         return result
 
     def _key(self, sources: ModelSources, structural: Mapping[str, Value]) -> str:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import contextlib
-import tempfile
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -17,6 +16,7 @@ from dse.modelica.frontend.process import FrontEnd, FrontEndDied, FrontEndRefusa
 from dse.modelica.frontend.result import SCHEMA, FrontEndResult
 from dse.modelica.frontend.source_text import declarations
 from dse.modelica.frontend.sources import FILES, ModelSources, SourceText, libraries
+from dse.scratch import ScratchFolder
 
 _BASE, _TRIAL = "base", "trial"
 _WRAPPER_FILE = "dse_wrapper.mo"
@@ -113,7 +113,7 @@ def opened(sources: ModelSources) -> Iterator[Session]:
     if not is_class_name(sources.model):
         what = f"component '{sources.component}': '{sources.model}' is no name of a Modelica class"
         raise fail(what, sources.where, "model: Package.Model")
-    with tempfile.TemporaryDirectory(prefix="dse-", ignore_cleanup_errors=True) as scratch:
+    with ScratchFolder() as scratch:
         folder = Path(scratch).resolve()
         cache = folder / "cache"
         cache.mkdir()

@@ -67,14 +67,23 @@ class Asks:
 
         At most 32 runs, fewer in a small ask, so that many workers have something to do.
         """
-        index = bisect_right(self._firsts, number) - 1
-        block = self.blocks[index] if index >= 0 else None
-        if block is None or number >= block.first + block.count:
+        block = self._block(number)
+        if block is None:
             raise KeyError(number)
         size = max(1, min(LARGEST_CHUNK, self._sizes[block.era, block.ask] // FEWEST_CHUNKS))
         size = size if most is None else min(size, most)
         first = block.first + (number - block.first) // size * size
         return first, min(first + size, block.first + block.count) - 1
+
+    def configuration(self, number: int) -> str | None:
+        """The configuration of run *number*; None if it was not asked for."""
+        block = self._block(number)
+        return block.configuration if block else None
+
+    def _block(self, number: int) -> Block | None:
+        index = bisect_right(self._firsts, number) - 1
+        block = self.blocks[index] if index >= 0 else None
+        return block if block and number < block.first + block.count else None
 
     def _count(self, block: Block) -> None:
         key = (block.era, block.ask)

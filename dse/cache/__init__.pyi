@@ -1,0 +1,15 @@
+from .entries import (
+    CacheWarning as CacheWarning,
+    is_damaged as is_damaged,
+    keep_content as keep_content,
+    keep_file as keep_file,
+    keep_files as keep_files,
+    keep_folder as keep_folder,
+    put_file as put_file,
+    read_entry as read_entry,
+    recent_entries as recent_entries,
+    try_to_put as try_to_put,
+    vouch as vouch,
+)
+from .folder import cache_folder as cache_folder, content_key as content_key
+from .plain import keep as keep, kept as kept

@@ -1,0 +1,110 @@
+"""One writer per study folder: a lock that the system takes back from a dead process, and a note of who holds it."""
+
+from __future__ import annotations
+
+import errno
+import json
+from contextlib import suppress
+from dataclasses import dataclass
+from pathlib import Path
+from types import TracebackType
+
+from dse.errors import DseError, Location, fail
+from dse.storage.attempts import this_process
+
+LOCK = "writer.lock"
+WRITER = "writer.json"
+
+_NO_LOCKS = frozenset({errno.ENOSYS, errno.ENOTSUP, errno.EOPNOTSUPP, errno.ENOLCK})
+"""What a file system without locks says."""
+
+
+@dataclass(frozen=True, slots=True)
+class Writer:
+    """The process that writes into a study folder; *started* is when it did, in seconds since 1970."""
+
+    host: str
+    process: int
+    started: float = 0.0
+
+    def __str__(self) -> str:
+        return f"process {self.process} on {self.host}"
+
+
+class WriterLock:
+    """Held from its making until it is let go, or its process is dead. *path* is a folder, made if it is not there.
+
+    DseError if another process holds it, or the folder cannot be written to.
+    """
+
+    def __init__(self, path: Path) -> None:
+        from filelock import FileLock, Timeout
+
+        self._path = path
+        self._lock = FileLock(path / LOCK, timeout=0, thread_local=False, fallback_to_soft=False)
+        try:
+            path.mkdir(parents=True, exist_ok=True)
+            self._lock.acquire()
+        except Timeout:
+            raise _refused(path, writer_of(path)) from None
+        except OSError as error:
+            if error.errno not in _NO_LOCKS:
+                what = f"the folder cannot be written to: {error.strerror}"
+                raise fail(what, Location(str(path)), "mend that, or give another folder with -o") from error
+            if writer_of(path):
+                raise _refused(path, writer_of(path)) from None
+        self._is_held = True
+        try:
+            _note(path)
+        except OSError as error:
+            self.release()
+            raise fail(f"the folder cannot be written to: {error.strerror}", Location(str(path))) from error
+
+    def release(self) -> None:
+        """Let go, if it is held."""
+        if not self._is_held:
+            return
+        self._is_held = False
+        for name in (WRITER, LOCK):
+            with suppress(OSError):  # Windows keeps a file that is open
+                (self._path / name).unlink()
+        self._lock.release()
+
+    def __enter__(self) -> WriterLock:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self.release()
+
+
+def writer_of(path: Path) -> Writer | None:
+    """Who writes into the study folder *path* now; None if nobody does, or a process of this machine that is dead."""
+    try:
+        note = json.loads((path / WRITER).read_bytes())
+        writer = Writer(str(note["host"]), int(note["process"]), float(note["started"]))
+    except (OSError, ValueError, KeyError, TypeError, RecursionError):
+        return None
+    host, _, _ = this_process().rpartition("/")
+    return writer if writer.host != host or _started(writer.process) == writer.started else None
+
+
+def _note(path: Path) -> None:
+    host, _, process = this_process().rpartition("/")
+    note = {"host": host, "process": int(process), "started": _started(int(process))}
+    (path / WRITER).write_text(json.dumps(note), encoding="utf-8")
+
+
+def _started(process: int) -> float:
+    import psutil
+
+    with suppress(psutil.Error, ValueError, OverflowError):
+        return float(psutil.Process(process).create_time())
+    return -1.0
+
+
+def _refused(path: Path, writer: Writer | None) -> DseError:
+    who = str(writer or "another process")
+    hint = f"wait for it, stop it, or give another folder with -o; if it is gone for good, delete {WRITER}"
+    return fail(f"{who} is at work in it", Location(str(path)), hint)
