@@ -6,13 +6,17 @@ import os
 import sys
 import sysconfig
 import tempfile
+import threading
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
+from multiprocessing import current_process, get_start_method, set_start_method
 from multiprocessing.process import BaseProcess
 from pathlib import Path
 from types import ModuleType
 
 _SAFE, _BY_US = "PYTHONSAFEPATH", "while dse starts"
+
+_one_at_a_time = threading.Lock()
 
 
 def start_process(process: BaseProcess) -> None:
@@ -30,14 +34,32 @@ def unburdened() -> Iterator[None]:
     standard library's, and run. What is started calls `forget_start`.
     """
     main, path, safe = sys.modules["__main__"], sys.path, os.environ.get(_SAFE)
-    sys.path = path_without_here()
-    sys.modules["__main__"] = ModuleType("__main__")
-    os.environ[_SAFE] = safe or _BY_US
+    with _one_at_a_time, _as_parent():
+        sys.path = path_without_here()
+        sys.modules["__main__"] = ModuleType("__main__")
+        os.environ[_SAFE] = safe or _BY_US
+        try:
+            yield
+        finally:
+            sys.modules["__main__"], sys.path = main, path
+            os.environ.pop(_SAFE) if safe is None else os.environ.update({_SAFE: safe})
+
+
+@contextmanager
+def _as_parent() -> Iterator[None]:
+    """Be a process that may have children, also as the worker of another package."""
+    # Dask's are daemons, to which multiprocessing forbids it: they would leave theirs behind. Ours leave by themselves.
+    settings = getattr(current_process(), "_config", {})
+    daemon = settings.pop("daemon", None)
+    # A child of loky's would be told to start others in loky's way, of which it knows nothing.
+    method = get_start_method(allow_none=True)
+    set_start_method("spawn", force=True)
     try:
         yield
     finally:
-        sys.modules["__main__"], sys.path = main, path
-        os.environ.pop(_SAFE) if safe is None else os.environ.update({_SAFE: safe})
+        set_start_method(method, force=True)
+        if daemon is not None:
+            settings["daemon"] = daemon
 
 
 def forget_start() -> None:

@@ -108,11 +108,7 @@ def _unforeseen(error: BaseException) -> DseError:
     """An error of ours: its place is told, the way it took is kept in a file for whoever reports it."""
     import traceback
 
-<<<<<<< HEAD
-    from dse.cache import cache_folder, replace_file
-=======
     from dse.cache import cache_folder
->>>>>>> front
 
     last = traceback.extract_tb(error.__traceback__)[-1:]
     place = "".join(f" ({Path(frame.filename).name}:{frame.lineno})" for frame in last)
@@ -120,14 +116,9 @@ def _unforeseen(error: BaseException) -> DseError:
     story = f"{sys.argv}\n{sys.version}\n" + "".join(traceback.format_exception(error))
     file = cache_folder() / "mistake.txt"
     try:
-<<<<<<< HEAD
-        file = replace_file(cache_folder() / "mistake.txt", story.encode("utf-8", "backslashreplace"))
-    except (DseError, OSError):
-=======
         file.parent.mkdir(parents=True, exist_ok=True)
         file.write_text(story, encoding="utf-8", errors="backslashreplace")
     except OSError:
->>>>>>> front
         return fail(what, hint=f"please report it with this:\n{story}")
     return fail(what, hint=f"please report it with what stands in {file}")
 

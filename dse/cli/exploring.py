@@ -105,6 +105,8 @@ def _say(results: Results, summary: Summary, explored: Explored) -> None:
     if explored.extended:
         what += f"; the study was extended, its {explored.before} runs are kept"
     screen.print(f"{folder}: {what}", soft_wrap=True)
+    for remark in explored.remarks:
+        screen.print(f"  {plain(remark)}", soft_wrap=True)
     if summary.verdicts:
         named = requirement_labels(results.definition)
         verdicts = tuple(next(iter(summary.verdicts.values())))

@@ -31,7 +31,7 @@ class Explored:
     asks for other runs than before. *simulated* were made by this call, for the first time or again for their
     waveforms, *taken* were known. *kept* have waveforms. *retried* were tried twice, as the first time need not have
     been their fault; *irreproducible* gave another result the second time. The waveforms of *damaged* were gone, cut or
-    changed.
+    changed. *remarks* are on who made them.
     """
 
     before: int
@@ -44,6 +44,7 @@ class Explored:
     extended: bool
     damaged: int = 0
     taken: int = 0
+    remarks: tuple[str, ...] = ()
 
     @property
     def new(self) -> int:
@@ -110,6 +111,7 @@ def explore(
                 near = _near(study, folder, prepared)
                 sink.begin(Stage.WAVEFORMS, near, near & sink.kept.keys())
                 pool.work_off(sink.unknown(chunks.waveforms(near - sink.kept.keys(), sink.kept)))
+            remarks = pool.remarks
     except KeyboardInterrupt:
         raise ExplorationInterruptedError(len(folder.finished()), folder.header.runs) from None
     finally:
@@ -128,6 +130,7 @@ def explore(
         folder.is_extended,
         len(folder.damaged),
         sink.taken,
+        remarks,
     )
 
 

@@ -65,9 +65,5 @@ class Report:
     fault: Fault | None = None
 
 
-<<<<<<< HEAD
 FROM_WORKERS = (Report, RowBlock, Fault)
-=======
-FROM_WORKERS = (Report, Fault, RowBlock)
->>>>>>> workers
 """What a worker's messages are made of."""

@@ -26,7 +26,7 @@ import numpy as np
 
 from dse.errors import DseError, fail
 from dse.exploration.failures import failed_run
-from dse.exploration.remote import packed
+from dse.exploration.packing import packed
 from dse.exploration.supervision.channel import GarbledError
 from dse.exploration.supervision.heartbeat import Phase, states_in
 from dse.exploration.supervision.messages import Report, Setup, in_sandbox
@@ -34,9 +34,6 @@ from dse.exploration.supervision.post_mortem import Traces, cause_of, outside_of
 from dse.exploration.supervision.worker import CHANNEL_CLOSED
 from dse.exploration.supervision.worker_process import Assignment, WorkerProcess
 from dse.exploration.work import Batch, Sink, Work
-from dse.scratch import ScratchFolder
-from dse.scratch import ScratchFolder
-from dse.scratch import ScratchFolder
 from dse.scratch import ScratchFolder
 from dse.storage import Attempt, RowBlock, block_of, made_by, read_spool, spooled_names
 
@@ -75,6 +72,8 @@ class Supervisor:
     With several *threads* in a worker, configurations that do not bear them have as many more workers instead.
     *retried* is how many runs were tried twice, as the first time need not have been their fault.
     """
+
+    remarks: tuple[str, ...] = ()
 
     def __init__(self, work: Work, sink: Sink, workers: int, threads: int = 1, *, sandboxed: bool = False) -> None:
         self._configurations = work.configurations
@@ -189,7 +188,7 @@ class Supervisor:
     def _store(self, configuration: str) -> None:
         file = self._setup.file(configuration)
         if not file.exists():
-            file.write_bytes(packed(self._configurations[configuration])[0])
+            file.write_bytes(packed(self._configurations[configuration]).content)
 
     def _listen(self) -> None:
         channels = [worker.channel for worker in self._workers]
