@@ -155,3 +155,24 @@ def test_a_leak_with_waveforms_makes_no_run_a_culprit(tmp_path: Path) -> None:
     _, failures, kept = explored(tmp_path, study_of(levels=4, keep=Keep.ALL), bench, runs=16)
     assert failures == {}
     assert all(kept[number] for number in range(16))
+
+
+@pytest.mark.parametrize("keep", [Keep.NONE, Keep.ALL])
+def test_a_killed_worker_costs_the_run_at_hand_and_no_other(tmp_path: Path, keep: Keep) -> None:
+    # Chunks have several runs, of which some were made when the worker is killed.
+    bench = FakeBench("a", "is killed", (11,), file=tmp_path / "happened")
+    study, runs = study_of(levels=16, keep=keep), 256
+    summary, failures, kept = explored(tmp_path / "study", study, bench, runs=runs)
+    assert failures == {}
+    assert summary.simulated == runs
+    with StudyFolder.open(tmp_path / "study") as folder:
+        tries = folder.attempts()
+        files = sorted({*kept.values()})
+    assert sorted(each.run for each in tries if not each.cause) == list(range(runs))
+    assert [(each.run, each.cause) for each in tries if each.cause] == [
+        (11, "killed from outside (signal 9) in fake: fmi2DoStep of run 11")
+    ]
+    explored(tmp_path / "whole", study, FakeBench("a"), runs=runs)
+    for file in files:
+        assert (tmp_path / "study/waveforms" / file).read_bytes() == (tmp_path / "whole/waveforms" / file).read_bytes()
+    assert not (tmp_path / "study" / "spool").exists()

@@ -32,10 +32,9 @@ class Setup:
 
 
 def in_sandbox(setup: Setup) -> Setup:
-    """*setup* for workers in a sandbox, who are in a folder of their own: no place in it is relative any more."""
-    home, waveforms, spool = setup.configurations / "scratch", setup.waveforms.absolute(), setup.spool.absolute()
-    sandbox = Sandbox((home, waveforms, spool), (setup.configurations,))
-    return replace(setup, waveforms=waveforms, spool=spool, sandbox=sandbox)
+    """*setup* for workers in a sandbox, who are in a folder of their own."""
+    home = setup.configurations / "scratch"
+    return replace(setup, sandbox=Sandbox((home, setup.waveforms, setup.spool), (setup.configurations,)))
 
 
 @dataclass(frozen=True, slots=True)

@@ -5,7 +5,6 @@ of may be the fault of the run at hand, of one before, or of nobody here: the ru
 process, and what comes of that is its result; so it does not depend on how runs fell to workers. The rest of its batch
 goes to another worker. The same holds for a configuration that was being loaded. A death outside of any run is counted:
 with a few in a row that no run came back before, the exploration is given up. Nothing is tried without end.
-Where something was done to the worker that showed only later, all runs of the batch are made one by one.
 """
 
 from __future__ import annotations
@@ -80,11 +79,12 @@ class Supervisor:
         self._sink = sink
         self.retried = 0
         self._workers_wanted = self._most = workers
-        work.spool.mkdir(parents=True, exist_ok=True)
+        spool, waveforms = work.spool.absolute(), work.waveforms.absolute()
+        spool.mkdir(parents=True, exist_ok=True)
         # In a sandbox the spool can be written, and what this process reads again must not be.
-        self._folder = ScratchFolder() if sandboxed else _beside(work.spool)
+        self._folder = ScratchFolder() if sandboxed else _beside(spool)
         place = Path(self._folder.name)
-        self._setup = Setup(work.make_runner, place, work.waveforms, work.spool, work.measures, work.study, threads)
+        self._setup = Setup(work.make_runner, place, waveforms, spool, work.measures, work.study, threads)
         if sandboxed:
             self._setup = in_sandbox(self._setup)
         self._workers: list[WorkerProcess] = []
@@ -178,7 +178,7 @@ class Supervisor:
         depth = 2 if len(self._pending) > len(self._workers) else 1
         for turn in range(depth):
             for worker in list(self._workers):
-                if len(worker.assignments) == turn:
+                if len(worker.assignments) == turn and not worker.offence:
                     queue = self._again if self._again and not worker.used else self._pending
                     if queue:
                         batch = queue.popleft()
@@ -191,34 +191,36 @@ class Supervisor:
             file.write_bytes(packed(self._configurations[configuration]).content)
 
     def _listen(self) -> None:
-        channels = [worker.channel for worker in self._workers]
-        ready = wait([*channels, *(worker.sentinel for worker in self._workers)], _LOOK_EVERY)
-        for worker in list(self._workers):
+        heard = [worker for worker in self._workers if not worker.offence]
+        ready = wait([end for worker in heard for end in (worker.channel, worker.sentinel)], _LOOK_EVERY)
+        for worker in heard:
             # Dead is dead, even if something the worker started still holds the far end of its pipe.
             if not self._receive(worker):
                 self._part_with(worker)
-            elif worker.sentinel in ready:
-                if not worker.ends_within(_UNTIL_GONE):
-                    worker.offence = _SCRIBBLED
+            elif worker.sentinel in ready and not worker.offence:
+                is_gone = worker.ends_within(_UNTIL_GONE)
                 self._receive(worker)
-                self._part_with(worker)
+                if is_gone:
+                    self._part_with(worker)
+                else:
+                    worker.cut_off(_SCRIBBLED)
 
     def _receive(self, worker: WorkerProcess) -> bool:
-        """Take all that *worker* has sent; False if it is dead, or has to die for its offence."""
-        if worker.offence:
-            return False
+        """Take all that *worker* has sent; False if it is dead.
+
+        One that sends anything else is not listened to any more: what it makes is in the spool.
+        """
         try:
             for report in worker.reports():
                 if not _is_expected(worker, report):
                     raise GarbledError
                 self._take(worker, report)
-                if worker.offence:
-                    return False
         except GarbledError:
-            worker.offence = _SCRIBBLED
-            return False
+            worker.cut_off(_SCRIBBLED)
         except (EOFError, OSError):
-            return False
+            if worker.ends_within(_UNTIL_GONE):
+                return False
+            worker.cut_off(_CLOSED)
         return True
 
     def _take(self, worker: WorkerProcess, report: Report) -> None:
@@ -256,7 +258,7 @@ class Supervisor:
             return
         # Where it was longer, this process was stopped or had no processor, and so may the workers.
         passed, self._looked = min(now - self._looked, _LONGEST_LOOK), now
-        for worker in [worker for worker in self._workers if worker.assignments]:
+        for worker in [worker for worker in self._workers if worker.assignments or worker.offence]:
             worker.shorten_log()
             worker.pass_time(passed)
             if worker.has_ended:
@@ -269,7 +271,7 @@ class Supervisor:
     def _offence_of(self, worker: WorkerProcess) -> str:
         """Why *worker* has to be ended, "" if it has not."""
         if not worker.assignments:
-            return ""
+            return worker.offence
         configuration = self._configurations[worker.assignments[0].batch.configuration]
         if worker.resident() > configuration.memory:
             return f"grew beyond {configuration.memory / 1e9:.3g} GB of memory"
@@ -287,7 +289,7 @@ class Supervisor:
         What was not at hand goes back to the front of the queue.
         """
         self._workers.remove(worker)
-        if offence or worker.offence:
+        if offence:
             worker.kill()
         code = worker.end()
         self._recover(worker)
@@ -295,7 +297,7 @@ class Supervisor:
         worker.free()
         if code == CHANNEL_CLOSED:
             worker.offence = worker.offence or _CLOSED
-        cause = worker.offence or offence or cause_of(code)
+        cause = offence or (worker.offence if code in (0, CHANNEL_CLOSED) else "") or cause_of(code)
         at_hand = self._charge(worker, traces, cause)
         for assignment in reversed(worker.assignments):
             if assignment is not at_hand:
@@ -305,15 +307,13 @@ class Supervisor:
         """Have somebody answer for the end of *worker*; the assignment that is taken care of with that."""
         at_hand = worker.assignments[0] if worker.assignments else None
         fault = worker.fault
-        if at_hand and worker.offence:
-            self._examine(at_hand, worker, traces, cause)
-        elif at_hand and fault and fault.number is not None:
+        if at_hand and fault and fault.number is not None:
             self._try_again(at_hand, {fault.number: fault.cause}, worker, fault.seconds)
         elif at_hand and fault:
             self._load_again(at_hand, worker, fault.cause, fault.seconds)
         elif traces.at_hand and traces.unfinished and not worker.retired:
             first, *others = traces.unfinished
-            place = self._place(traces.at_hand, traces)
+            place = "" if cause == worker.offence else self._place(traces.at_hand, traces)
             causes = {first: told(cause, place, traces.words), **dict.fromkeys(others, cause)}
             self._try_again(traces.at_hand, causes, worker, traces.seconds)
             return traces.at_hand
@@ -343,7 +343,7 @@ class Supervisor:
         self._tell(worker, {number: causes[number] for number in doubtful}, seconds)
         self._tried.update(doubtful)
         self.retried += len(doubtful)
-        self._split(rest.after(given_up), doubtful, self._again)
+        self._split(rest.after(given_up), doubtful)
 
     def _load_again(self, at_hand: Assignment, worker: WorkerProcess, cause: str, seconds: float) -> None:
         """Have the configuration loaded once more by a fresh process; the second time its runs are failures."""
@@ -367,26 +367,17 @@ class Supervisor:
             queue.extend(others)
         return found
 
-    def _examine(self, suspect: Assignment, worker: WorkerProcess, traces: Traces, offence: str) -> None:
-        """Have the runs of *suspect* made in batches of their own; a single one has to answer for the *offence*."""
-        rest, missing = suspect.rest(), sorted(suspect.missing)
-        if len(missing) == 1:
-            self._try_again(suspect, {missing[0]: offence}, worker, traces.seconds)
-        else:
-            self._split(rest, missing, self._pending)
-
-    def _split(self, batch: Batch, singles: Sequence[int], queue: deque[Batch]) -> None:
-        """Have *singles* of *batch* made each on its own, next in *queue*, and pass on the rest."""
+    def _split(self, batch: Batch, singles: Sequence[int]) -> None:
+        """Have *singles* of *batch* made each on its own, by fresh processes, and pass on the rest."""
         if not singles:
             self._pass_on(batch)
             return
-        fresh = queue is self._again
-        parts = [replace(batch.only(number), alone=True, fresh=fresh) for number in singles]
+        parts = [replace(batch.only(number), alone=True, fresh=True) for number in singles]
         rest = replace(batch.after({*singles}), part=True, fresh=False)
         if not batch.part:
             self._wholes[batch.identity] = _Whole(batch, 1)
         self._wholes[batch.identity].parts += len(parts) - (not rest.todo)
-        queue.extendleft(reversed(parts))
+        self._again.extend(parts)
         if rest.todo:
             self._pass_on(rest)
 
@@ -418,7 +409,7 @@ class Supervisor:
 
 
 def _beside(spool: Path) -> tempfile.TemporaryDirectory[str]:
-    return tempfile.TemporaryDirectory(prefix=_FOLDER, dir=spool.absolute(), ignore_cleanup_errors=True)
+    return tempfile.TemporaryDirectory(prefix=_FOLDER, dir=spool, ignore_cleanup_errors=True)
 
 
 def _beside(spool: Path) -> tempfile.TemporaryDirectory[str]:

@@ -48,8 +48,8 @@ class WorkerProcess:
     """One worker: its process, its channel, its heartbeats, and the batches it has, the one at hand first.
 
     *used* tells that it has been given work, *useful* that it has finished a run, *retired* that it has taken its
-    leave, after a *fault* if there was one. *offence* says why it has to die for what one of its runs did, nobody knows
-    which. *stopped* is how many seconds it has been stopped by now.
+    leave, after a *fault* if there was one. *offence* says why it was cut off. *stopped* is how many seconds it is
+    stopped by now.
 
     Its time is the one it had: as long as it, or the supervisor with it, is stopped, it stands still.
     """
@@ -113,8 +113,15 @@ class WorkerProcess:
 
         Raises EOFError or OSError if the worker is dead, GarbledError where something else was sent.
         """
+        if self.offence:
+            return iter(())
         self._channel.flush()
         return self._channel.arrived()
+
+    def cut_off(self, offence: str) -> None:
+        """Listen no more: it ends by itself when it has something to say, and what it has made is in the spool."""
+        self.offence = offence
+        self._channel.close()
 
     def states(self) -> list[State]:
         """What each thread of the worker does now, or did when it died."""
