@@ -24,7 +24,9 @@ class Other:
     value: int
 
 
-PARTS = st.none() | st.booleans() | st.integers() | st.floats(allow_nan=False) | st.text(max_size=8) | st.binary(max_size=8)
+PARTS = (
+    st.none() | st.booleans() | st.integers() | st.floats(allow_nan=False) | st.text(max_size=8) | st.binary(max_size=8)
+)
 MESSAGES = st.recursive(
     PARTS,
     lambda each: (
