@@ -33,8 +33,8 @@ def unburdened() -> Iterator[None]:
     what it did to start it. Nor do they find modules in the current folder: whatever lies there would be taken for the
     standard library's, and run. What is started calls `forget_start`.
     """
-    main, path, safe = sys.modules["__main__"], sys.path, os.environ.get(_SAFE)
     with _one_at_a_time, _as_parent():
+        main, path, safe = sys.modules["__main__"], sys.path, os.environ.get(_SAFE)
         sys.path = path_without_here()
         sys.modules["__main__"] = ModuleType("__main__")
         os.environ[_SAFE] = safe or _BY_US

@@ -27,8 +27,6 @@ class Other:
 PARTS = (
     st.none() | st.booleans() | st.integers() | st.floats(allow_nan=False) | st.text(max_size=8) | st.binary(max_size=8)
 )
-    st.none() | st.booleans() | st.integers() | st.floats(allow_nan=False) | st.text(max_size=8) | st.binary(max_size=8)
-)
 MESSAGES = st.recursive(
     PARTS,
     lambda each: (

@@ -412,18 +412,6 @@ def _beside(spool: Path) -> tempfile.TemporaryDirectory[str]:
     return tempfile.TemporaryDirectory(prefix=_FOLDER, dir=spool, ignore_cleanup_errors=True)
 
 
-def _beside(spool: Path) -> tempfile.TemporaryDirectory[str]:
-    return tempfile.TemporaryDirectory(prefix=_FOLDER, dir=spool.absolute(), ignore_cleanup_errors=True)
-
-
-def _beside(spool: Path) -> tempfile.TemporaryDirectory[str]:
-    return tempfile.TemporaryDirectory(prefix=_FOLDER, dir=spool.absolute(), ignore_cleanup_errors=True)
-
-
-def _beside(spool: Path) -> tempfile.TemporaryDirectory[str]:
-    return tempfile.TemporaryDirectory(prefix=_FOLDER, dir=spool.absolute(), ignore_cleanup_errors=True)
-
-
 def _given_up(cause: str, traces: Traces) -> DseError:
     where = outside_of_runs(traces)
     return fail(
