@@ -114,7 +114,7 @@ def _say(results: Results, summary: Summary, explored: Explored) -> None:
         for name, count in summary.verdicts.items():
             shown.add_row(named[name], *(str(number) for number in count.values()))
         print_table(shown)
-    said = _told(summary)
+    said = said_of(summary)
     for line in said[:_MOST_PROBLEMS]:
         screen.print(f"  {plain(line)}", soft_wrap=True)
     if len(said) > _MOST_PROBLEMS:
@@ -124,8 +124,10 @@ def _say(results: Results, summary: Summary, explored: Explored) -> None:
     screen.print(f"next: dse report {folder}", soft_wrap=True)
 
 
-def _told(summary: Summary) -> list[str]:
+def said_of(summary: Summary) -> list[str]:
     """What runs have to say, those with the same words but for numbers together; and what was tried twice."""
+    from dse.storage import STOPPED
+
     groups: dict[tuple[str, str], list[int]] = {}
     for number, problem in summary.problems.items():
         kind = "failed: " if number in summary.failures else ""
@@ -133,6 +135,8 @@ def _told(summary: Summary) -> list[str]:
     said = [f"{_runs(numbers)} {kind}{summary.problems[numbers[0]]}" for (kind, _), numbers in groups.items()]
     others: dict[tuple[str, str], list[int]] = {}
     for number, cause in summary.causes.items():
+        if cause == STOPPED:
+            continue
         words = _NUMBER.sub("", cause)
         if number not in summary.failures:
             others.setdefault(("came right the second time; the first", words), []).append(number)
