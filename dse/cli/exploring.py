@@ -126,8 +126,6 @@ def _say(results: Results, summary: Summary, explored: Explored) -> None:
 
 def said_of(summary: Summary) -> list[str]:
     """What runs have to say, those with the same words but for numbers together; and what was tried twice."""
-    from dse.storage import STOPPED
-
     groups: dict[tuple[str, str], list[int]] = {}
     for number, problem in summary.problems.items():
         kind = "failed: " if number in summary.failures else ""
@@ -135,8 +133,6 @@ def said_of(summary: Summary) -> list[str]:
     said = [f"{_runs(numbers)} {kind}{summary.problems[numbers[0]]}" for (kind, _), numbers in groups.items()]
     others: dict[tuple[str, str], list[int]] = {}
     for number, cause in summary.causes.items():
-        if cause == STOPPED:
-            continue
         words = _NUMBER.sub("", cause)
         if number not in summary.failures:
             others.setdefault(("came right the second time; the first", words), []).append(number)

@@ -28,7 +28,3 @@ def test_what_came_right_or_failed_otherwise_the_second_time_is_said() -> None:
         "2 runs (1, 2) came right the second time; the first: crashed (signal 11)",
         "run 3 failed otherwise the first time: no answer for 2 s",
     ]
-
-
-def test_what_was_stopped_with_the_program_is_nobodys_failure() -> None:
-    assert said_of(summary({}, set(), {1: "stopped with the program"})) == []
