@@ -124,7 +124,7 @@ class StudyReader:
             return read_attempts(self._connection)
 
     def causes(self) -> dict[int, str]:
-        """What the last try came to that gave no row, by run."""
+        """What the last try came to that gave no row, by run; not that it was stopped with its program."""
         with located(self.path):
             return read_causes(self._connection)
 
