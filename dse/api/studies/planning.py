@@ -141,6 +141,7 @@ class _Counter:
     def __init__(self, study: Study) -> None:
         self.requests: dict[int, str] = {}
         self.retried = 0
+        self.remarks: tuple[str, ...] = ()
         self._once = study.sampler.once
 
     @contextmanager
