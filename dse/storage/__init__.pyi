@@ -11,6 +11,7 @@ from .difference import (
 from .export.tables import EXPORTS as EXPORTS, columns_of as columns_of, to_frame as to_frame
 from .folder import StudyFolder as StudyFolder
 from .lock import Writer as Writer, WriterLock as WriterLock, writer_of as writer_of
+from .merging import Merged as Merged, merge_studies as merge_studies, shards_in as shards_in
 from .rehearsal import Rehearsal as Rehearsal
 from .rows import Measures as Measures, RowBlock as RowBlock, block_of as block_of
 from .run_store import RunStore as RunStore
