@@ -16,8 +16,10 @@ from .studies.exploring import (
     ExplorationInterruptedError as ExplorationInterruptedError,
     Explored as Explored,
     ExploreOptions as ExploreOptions,
+    Plan as Plan,
     Progress as Progress,
     explore_into as explore_into,
+    plan_into as plan_into,
 )
 from .studies.replaying import replay as replay
 from .studies.results import Results as Results, Summary as Summary, results as results

@@ -54,6 +54,7 @@ SHELVES = (
     Shelf("statics", "C components searched for static variables"),
     Shelf("facts", "what was found out about FMUs by dse probe"),
     Shelf("ssp", "SSP packages, unpacked"),
+    Shelf("runs", "runs that were simulated", Path.is_dir),  # what is damaged in it is found when it is read
     Shelf("compilers", "compilers that made what is here", stay=True),
     Shelf("documents", "YAML files of workspaces, read", _matches_head),
     Shelf("units", "units, looked up", _matches_head),

@@ -28,7 +28,13 @@ Threads = Annotated[
 NewFolder = Annotated[
     Path, typer.Option("--output", "-o", metavar="DIR", help="The study folder to make or to go on with.")
 ]
-Fresh = Annotated[bool, typer.Option("--fresh", help="Throw away what the folder holds and start again.")]
+Fresh = Annotated[
+    bool, typer.Option("--fresh", help="Throw away what the folder holds and simulate every run, made before or not.")
+]
+RetryFailed = Annotated[bool, typer.Option("--retry-failed", help="Make runs again that failed before.")]
+DryRun = Annotated[
+    bool, typer.Option("--dry-run", help="Only tell which runs would be simulated, why, and how long that takes.")
+]
 Settings = Annotated[
     list[str],
     typer.Option("--set", metavar="NAME=VALUE", help="Another parameter value, as 'controller.kp_speed=1.2'."),

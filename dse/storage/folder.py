@@ -6,7 +6,7 @@ import math
 import shutil
 import sqlite3
 import time
-from collections.abc import Iterator, Sequence, Set as AbstractSet
+from collections.abc import Iterator, Mapping, Sequence, Set as AbstractSet
 from contextlib import ExitStack, contextmanager, suppress
 from dataclasses import replace
 from itertools import groupby, repeat
@@ -14,12 +14,14 @@ from pathlib import Path
 
 import numpy as np
 
+from dse.domain.address import Address
 from dse.domain.bench import VERDICTS
 from dse.domain.component import Value
 from dse.domain.definition import StudyDefinition
 from dse.domain.run import Outcome, RunRequest
 from dse.errors import Location, fail
 from dse.storage.attempts import Attempt
+from dse.storage.database.addresses import write_addresses
 from dse.storage.database.asks import Asks, blocks_of, write_asks
 from dse.storage.database.attempts import write_attempts
 from dse.storage.database.connection import (
@@ -94,6 +96,11 @@ class StudyFolder(StudyReader):
         return folder
 
     @staticmethod
+    def is_at(path: Path) -> bool:
+        """Whether there is a study in *path*, of whatever kind."""
+        return (path / NAME).exists()
+
+    @staticmethod
     def discard(path: Path) -> None:
         """Remove the study in *path* and nothing else; DseError if there is something there that is no study."""
         if not (path / NAME).exists():
@@ -137,6 +144,15 @@ class StudyFolder(StudyReader):
             with self._writing() as connection:
                 write_asks(connection, () if stored else blocks)
                 write_header(connection, header)
+            self.commit()
+
+    def note_addresses(self, addresses: Mapping[str, Address]) -> None:
+        """Note *addresses* of configurations of which none is known yet."""
+        there = self.addresses()
+        fresh = {name: address for name, address in addresses.items() if name not in there}
+        if fresh:
+            with self._writing() as connection:
+                write_addresses(connection, fresh)
             self.commit()
 
     def add(self, configuration: str, points: Sequence[Sequence[Value]], block: RowBlock) -> None:

@@ -9,12 +9,14 @@ from pathlib import Path
 from types import TracebackType
 from typing import Self
 
+from dse.domain.address import Address
 from dse.domain.definition import StudyDefinition
 from dse.domain.run import Run, Waveforms
 from dse.errors import Location, fail
 from dse.storage.attempts import Attempt
+from dse.storage.database.addresses import read_addresses
 from dse.storage.database.asks import Asks
-from dse.storage.database.attempts import read_attempts
+from dse.storage.database.attempts import read_attempts, read_causes
 from dse.storage.database.connection import connect, damaged_study, located, read_header
 from dse.storage.database.definition import unit_flaws
 from dse.storage.database.files import read_files
@@ -101,10 +103,20 @@ class StudyReader:
             row = self._connection.execute("SELECT file FROM kept WHERE number = ?", (number,)).fetchone()
         return read_waveforms(self.waveform_folder / self._checked(row[0]), number) if row and row[0] else None
 
+    def addresses(self) -> dict[str, Address]:
+        """What names the runs of each configuration, as far as it is known."""
+        with located(self.path):
+            return read_addresses(self._connection)
+
     def attempts(self) -> list[Attempt]:
         """Every try at a run, in the order they were made."""
         with located(self.path):
             return read_attempts(self._connection)
+
+    def causes(self) -> dict[int, str]:
+        """What the last try came to that gave no row, by run."""
+        with located(self.path):
+            return read_causes(self._connection)
 
     def close(self) -> None:
         """Close it."""

@@ -77,13 +77,18 @@ def lay_out(path: Path, header: StudyHeader) -> None:
     with located(path), closing(sqlite3.connect(aside, isolation_level=None)) as connection:
         # A journal beside it, left by a killed process, would be no part of the next one's.
         connection.execute("PRAGMA journal_mode = MEMORY")
-        connection.execute("BEGIN")
-        for statement in statements(header):
-            connection.execute(statement)
-        write_header(connection, header)
-        connection.execute("COMMIT")
+        fill(connection, header)
     with located(path):
         aside.replace(path / NAME)
+
+
+def fill(connection: sqlite3.Connection, header: StudyHeader) -> None:
+    """Make the tables of an empty study in an empty database."""
+    connection.execute("BEGIN")
+    for statement in statements(header):
+        connection.execute(statement)
+    write_header(connection, header)
+    connection.execute("COMMIT")
 
 
 def connect(path: Path, *, write: bool) -> sqlite3.Connection:
