@@ -1,4 +1,7 @@
-"""Temporary folders: each goes with its context, and what dead processes left behind goes when the next one is made."""
+"""What is there for a while: folders that go with their context, files until they become what the user wants.
+
+What dead processes left behind of such folders goes when the next one is made.
+"""
 
 from __future__ import annotations
 
@@ -8,13 +11,14 @@ import shutil
 import sys
 import tempfile
 import zlib
-from contextlib import suppress
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
 from functools import cache
 from pathlib import Path
 
 from dse.errors import fail
 
-_NAME = re.compile(r"dse-(?P<place>[0-9a-f]{8})-(?P<process>\d+)-(?P<start>\d+)-")
+_NAME = re.compile(r"\.?dse-(?P<place>[0-9a-f]{8})-(?P<process>\d+)-(?P<start>\d+)-")
 
 
 class ScratchFolder(tempfile.TemporaryDirectory[str]):
@@ -23,23 +27,36 @@ class ScratchFolder(tempfile.TemporaryDirectory[str]):
     def __init__(self) -> None:
         try:
             _sweep(tempfile.gettempdir())
-            process = os.getpid()
-            prefix = f"dse-{_place()}-{process}-{_start_of(process)}-"
-            super().__init__(prefix=prefix, ignore_cleanup_errors=True)
+            super().__init__(prefix=name_of_mine(), ignore_cleanup_errors=True)
         except OSError as error:
             what = f"no temporary folder can be made: {error.strerror or error}"
             raise fail(what, hint="set TMPDIR to a folder that exists, has space and may be written") from error
+
+
+def name_of_mine() -> str:
+    """How the name of a temporary folder of this process begins."""
+    process = os.getpid()
+    return f"dse-{_place()}-{process}-{_start_of(process)}-"
+
+
+def is_left_over(name: str) -> bool | None:
+    """Whether the process has ended whose temporary folder is called *name*; None if nobody here can say."""
+    found = _NAME.match(name)
+    if found is None or found["place"] != _place():
+        return None
+    try:
+        return int(found["start"]) != _start_of(int(found["process"]))
+    except OSError:
+        return None
 
 
 @cache  # once is enough
 def _sweep(folder: str) -> None:
     """Remove what dead processes of this user left in *folder*."""
     for entry in os.scandir(folder):
-        name = _NAME.match(entry.name)
-        if name and name["place"] == _place():
-            with suppress(OSError):  # it stays if nobody can say whose it is
-                if _is_ours(entry) and int(name["start"]) != _start_of(int(name["process"])):
-                    shutil.rmtree(entry.path, ignore_errors=True)
+        with suppress(OSError):
+            if is_left_over(entry.name) and _is_ours(entry):
+                shutil.rmtree(entry.path, ignore_errors=True)
 
 
 def _is_ours(entry: os.DirEntry[str]) -> bool:
@@ -75,3 +92,30 @@ def _start_of(process: int) -> int:
         return 0
     except psutil.Error as error:
         raise OSError(str(error)) from error
+
+
+@contextmanager
+def written_whole(target: Path) -> Iterator[Path]:
+    """Gives the path to write what the user wants to have in *target*, which then is there whole or as it was before.
+
+    A pipe or device is written itself, a link stays one. OSError inside becomes a DseError.
+    """
+    real = Path(os.path.realpath(target))
+    is_special = real.exists() and not real.is_file()
+    aside = real if is_special else real.with_name(f".{real.stem[:99]}.{os.getpid()}.part{real.suffix}")
+    try:
+        yield aside
+        if not is_special:
+            aside.replace(real)
+    except OSError as error:
+        raise fail(f"cannot write {target}: {error.strerror or error}", hint="choose another place with -o") from error
+    finally:
+        if not is_special:
+            with suppress(OSError):
+                aside.unlink(missing_ok=True)
+
+
+def write_whole(target: Path, content: str | bytes) -> None:
+    """Write *content*, text as UTF-8, to *target*, which the user named: whole or not at all. Raises DseError."""
+    with written_whole(target) as path:
+        path.write_bytes(content.encode() if isinstance(content, str) else content)

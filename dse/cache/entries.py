@@ -155,12 +155,13 @@ def tell_damage(target: Path) -> None:
     warnings.warn(f"the cache entry {target} is {state} and has to be made again", CacheWarning, stacklevel=2)
 
 
-def replace_file(target: Path, content: bytes) -> None:
+def replace_file(target: Path, content: bytes) -> Path:
     """Write *content* to *target* at once, without a digest. Raises DseError if the folder cannot be written."""
     with aside(target.parent) as made:
         write_file(made / "entry", content)
         _move(made / "entry", target)
         sync(target.parent)
+    return target
 
 
 def _is_whole(target: Path) -> bool:

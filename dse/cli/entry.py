@@ -108,15 +108,17 @@ def _unforeseen(error: BaseException) -> DseError:
     """An error of ours: its place is told, the way it took is kept in a file for whoever reports it."""
     import traceback
 
-    from dse.cache import cache_folder, keep_file
+    from dse.cache import cache_folder
 
     last = traceback.extract_tb(error.__traceback__)[-1:]
     place = "".join(f" ({Path(frame.filename).name}:{frame.lineno})" for frame in last)
     what = f"{type(error).__name__}: {error}{place}: this is a mistake in dse"
     story = f"{sys.argv}\n{sys.version}\n" + "".join(traceback.format_exception(error))
+    file = cache_folder() / "mistake.txt"
     try:
-        file = keep_file(cache_folder() / "mistake.txt", story.encode("utf-8", "backslashreplace"))
-    except (DseError, OSError):
+        file.parent.mkdir(parents=True, exist_ok=True)
+        file.write_text(story, encoding="utf-8", errors="backslashreplace")
+    except OSError:
         return fail(what, hint=f"please report it with this:\n{story}")
     return fail(what, hint=f"please report it with what stands in {file}")
 

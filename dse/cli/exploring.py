@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -17,7 +18,8 @@ if TYPE_CHECKING:
     from dse.api import Explored, ExploreOptions, Plan, Progress, Results, Summary
     from dse.domain.study import Study
 
-_MOST_PROBLEMS = 5
+_MOST_PROBLEMS, _MOST_NUMBERS = 5, 4
+_NUMBER = re.compile(r"[-+]?\d+(\.\d+)?(e[-+]?\d+)?")
 
 
 def explore_and_show(study: Study, folder: Path, options: ExploreOptions, *, gate: bool) -> None:
@@ -103,6 +105,8 @@ def _say(results: Results, summary: Summary, explored: Explored) -> None:
     if explored.extended:
         what += f"; the study was extended, its {explored.before} runs are kept"
     screen.print(f"{folder}: {what}", soft_wrap=True)
+    for remark in explored.remarks:
+        screen.print(f"  {plain(remark)}", soft_wrap=True)
     if summary.verdicts:
         named = requirement_labels(results.definition)
         verdicts = tuple(next(iter(summary.verdicts.values())))
@@ -110,12 +114,36 @@ def _say(results: Results, summary: Summary, explored: Explored) -> None:
         for name, count in summary.verdicts.items():
             shown.add_row(named[name], *(str(number) for number in count.values()))
         print_table(shown)
-    said: dict[str, str] = {}
-    for number, problem in summary.problems.items():
-        failed = "failed: " if number in summary.failures else ""
-        said.setdefault(problem, f"  run {number} {failed}{plain(problem)}")
-    for line in list(said.values())[:_MOST_PROBLEMS]:
-        screen.print(line, soft_wrap=True)
+    said = _told(summary)
+    for line in said[:_MOST_PROBLEMS]:
+        screen.print(f"  {plain(line)}", soft_wrap=True)
     if len(said) > _MOST_PROBLEMS:
         screen.print(f"  and {len(said) - _MOST_PROBLEMS} other problems: dse results {folder}", soft_wrap=True)
+    if summary.failures:
+        screen.print("to try failed runs again: the same command with --retry-failed", soft_wrap=True)
     screen.print(f"next: dse report {folder}", soft_wrap=True)
+
+
+def _told(summary: Summary) -> list[str]:
+    """What runs have to say, those with the same words but for numbers together; and what was tried twice."""
+    groups: dict[tuple[str, str], list[int]] = {}
+    for number, problem in summary.problems.items():
+        kind = "failed: " if number in summary.failures else ""
+        groups.setdefault((kind, _NUMBER.sub("", problem)), []).append(number)
+    said = [f"{_runs(numbers)} {kind}{summary.problems[numbers[0]]}" for (kind, _), numbers in groups.items()]
+    others: dict[tuple[str, str], list[int]] = {}
+    for number, cause in summary.causes.items():
+        words = _NUMBER.sub("", cause)
+        if number not in summary.failures:
+            others.setdefault(("came right the second time; the first", words), []).append(number)
+        elif words != _NUMBER.sub("", summary.problems.get(number, "")):
+            others.setdefault(("failed otherwise the first time", words), []).append(number)
+    return said + [f"{_runs(numbers)} {kind}: {summary.causes[numbers[0]]}" for (kind, _), numbers in others.items()]
+
+
+def _runs(numbers: list[int]) -> str:
+    if len(numbers) == 1:
+        return f"run {numbers[0]}"
+    shown = ", ".join(str(number) for number in numbers[:_MOST_NUMBERS])
+    more = ", …" if len(numbers) > _MOST_NUMBERS else ""
+    return f"{len(numbers)} runs ({shown}{more})"

@@ -144,19 +144,16 @@ def _write(target: Path, time: NDArray[np.float64], columns: Columns, prepared: 
     import csv
     import json
 
-    from dse.errors import fail
+    from dse.scratch import written_whole
 
-    try:
-        with target.open("w", encoding="utf-8", newline="") as file:
-            if target.suffix.lower() == ".json":
-                json.dump(_data(time, columns, prepared, whole=True), file, ensure_ascii=False, indent=1)
-                file.write("\n")
-            else:
-                writer = csv.writer(file, lineterminator="\n")
-                writer.writerow(["time", *columns])
-                writer.writerows(zip(*(map(repr, c.tolist()) for c in (time, *columns.values())), strict=True))
-    except OSError as error:
-        raise fail(f"cannot write '{target}': {error.strerror or error}") from error
+    with written_whole(target) as aside, aside.open("w", encoding="utf-8", newline="") as file:
+        if target.suffix.lower() == ".json":
+            json.dump(_data(time, columns, prepared, whole=True), file, ensure_ascii=False, indent=1)
+            file.write("\n")
+        else:
+            writer = csv.writer(file, lineterminator="\n")
+            writer.writerow(["time", *columns])
+            writer.writerows(zip(*(map(repr, c.tolist()) for c in (time, *columns.values())), strict=True))
 
 
 def _data(time: NDArray[np.float64], columns: Columns, prepared: PreparedPackage, *, whole: bool) -> dict[str, object]:

@@ -6,13 +6,14 @@ is raised, once. Further signals change nothing for some time: what was finished
 
 from __future__ import annotations
 
+import atexit
 import os
 import signal
 import sys
 import time
 from types import FrameType
 
-_SIGNALS = [getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGHUP") if hasattr(signal, name)]
+SIGNALS = [getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGHUP") if hasattr(signal, name)]
 
 _PATIENCE = 10.0
 """Seconds to tidy up in; whoever stops the command after that has waited for too long."""
@@ -25,7 +26,8 @@ _deadline = 0.0
 
 def end_at_once() -> None:
     """From here on a signal ends the process."""
-    for number in _SIGNALS:
+    atexit.register(_ignore)  # the first to be registered is the last to be called
+    for number in SIGNALS:
         if signal.getsignal(number) is not signal.SIG_IGN:  # as nohup and the shell's background leave it
             signal.signal(number, _end)
 
@@ -33,7 +35,7 @@ def end_at_once() -> None:
 def interrupt() -> None:
     """From here on the first signal raises a KeyboardInterrupt in the main thread."""
     sys.unraisablehook = _raise_again
-    for number in _SIGNALS:
+    for number in SIGNALS:
         if signal.getsignal(number) is _end:
             signal.signal(number, _interrupt)
 
@@ -47,6 +49,12 @@ def tidy_up() -> None:
 def stop_code() -> int:
     """The exit code for the signal that came, as shells have it; 0 if none did."""
     return 128 + _asked[0] if _asked else 0
+
+
+def _ignore() -> None:
+    """Python gives up its handlers before the process has ended; the exit code stays what it is."""
+    for number in SIGNALS:
+        signal.signal(number, signal.SIG_IGN)
 
 
 def _end(number: int, _frame: FrameType | None) -> None:
@@ -72,4 +80,4 @@ def _raise_again(lost: sys.UnraisableHookArgs) -> None:
 
     global _deadline  # noqa: PLW0603
     _deadline = 0.0
-    Timer(_AGAIN, signal.raise_signal, [_asked.pop() if _asked else signal.SIGINT]).start()
+    Timer(_AGAIN, os.kill, [os.getpid(), _asked.pop() if _asked else signal.SIGINT]).start()

@@ -29,9 +29,9 @@ class Explored:
 
     *before* is how many runs the folder had, *runs* how many it has now, of which *failed*; with *extended* the study
     asks for other runs than before. *simulated* were made by this call, for the first time or again for their
-    waveforms, *taken* were known. *kept* have waveforms. *retried* were tried twice because their worker was killed
-    from outside or grew too large over several runs, *irreproducible* gave another result the second time. The
-    waveforms of *damaged* were gone, cut or changed.
+    waveforms, *taken* were known. *kept* have waveforms. *retried* were tried twice, as the first time need not have
+    been their fault; *irreproducible* gave another result the second time. The waveforms of *damaged* were gone, cut or
+    changed. *remarks* are on who made them.
     """
 
     before: int
@@ -44,6 +44,7 @@ class Explored:
     extended: bool
     damaged: int = 0
     taken: int = 0
+    remarks: tuple[str, ...] = ()
 
     @property
     def new(self) -> int:
@@ -110,6 +111,7 @@ def explore(
                 near = _near(study, folder, prepared)
                 sink.begin(Stage.WAVEFORMS, near, near & sink.kept.keys())
                 pool.work_off(sink.unknown(chunks.waveforms(near - sink.kept.keys(), sink.kept)))
+            remarks = pool.remarks
     except KeyboardInterrupt:
         raise ExplorationInterruptedError(len(folder.finished()), folder.header.runs) from None
     finally:
@@ -128,6 +130,7 @@ def explore(
         folder.is_extended,
         len(folder.damaged),
         sink.taken,
+        remarks,
     )
 
 
@@ -197,6 +200,7 @@ class _Sink:
         """Note which waveforms are there, and of which runs none ever will be."""
         if batch.keep:
             self._keep(kept, batch.file)
+            self._there.update(self._wanted.intersection(kept))
             self._known.add_file(batch, kept, self._folder.waveform_folder / batch.file)
             self._keep([n for n in batch.numbers if n not in kept and n not in self.failed], "")
         self._folder.release(batch.name)

@@ -100,7 +100,7 @@ def _dangers(entries: list[zipfile.ZipInfo], what: str) -> Iterator[str]:
     folders: set[str] = set()
     for entry in entries:
         name = entry.orig_filename
-        path = PurePosixPath(name)
+        path, is_folder = PurePosixPath(name), name.endswith("/")  # not `is_dir`, which fails where there is no name
         key, parents = str(path).casefold(), {str(parent).casefold() for parent in path.parents} - {"."}
         if "\\" in name or "\0" in name:
             yield f"the path {name!r} holds a character that is not portable"
@@ -116,7 +116,7 @@ def _dangers(entries: list[zipfile.ZipInfo], what: str) -> Iterator[str]:
             yield f"the path '{name[:40]}…' is longer than {_LONGEST_PATH} characters"
         elif any(_RESERVED.fullmatch(part) for part in path.parts):
             yield f"the path '{name}' holds a name that is reserved on Windows"
-        elif key in files or parents & files or (key in folders and not entry.is_dir()):
+        elif key in files or parents & files or (key in folders and not is_folder):
             yield f"the path '{name}' is there twice"
         if stat.S_ISLNK(entry.external_attr >> 16):
             yield f"'{name}' is a link"
@@ -124,7 +124,7 @@ def _dangers(entries: list[zipfile.ZipInfo], what: str) -> Iterator[str]:
             yield f"'{name}' is encrypted"
         if entry.file_size > max(_SMALL_ENTRY, _MAXIMUM_RATIO * entry.compress_size):
             yield f"'{name}' unpacks to more than {_MAXIMUM_RATIO} times its size"
-        (folders if entry.is_dir() else files).add(key)
+        (folders if is_folder else files).add(key)
         folders |= parents
 
 

@@ -1,4 +1,4 @@
-from .attempts import Attempt as Attempt, this_process as this_process
+from .attempts import Attempt as Attempt, made_by as made_by, this_process as this_process
 from .database.asks import Asks as Asks
 from .database.connection import damaged_study as damaged_study
 from .database.header import StudyHeader as StudyHeader
@@ -20,6 +20,7 @@ from .spool import (
     assemble as assemble,
     clear_spool as clear_spool,
     read_spool as read_spool,
+    spooled_names as spooled_names,
 )
 from .waveforms import (
     gather_waveforms as gather_waveforms,

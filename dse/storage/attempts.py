@@ -23,7 +23,12 @@ class Attempt:
 
 def this_process() -> str:
     """This process as a maker."""
-    return f"{_host()}/{os.getpid()}"
+    return made_by(os.getpid())
+
+
+def made_by(process: int) -> str:
+    """Another process of this machine as a maker."""
+    return f"{_host()}/{process}"
 
 
 @cache

@@ -16,7 +16,7 @@ from dse.errors import Location, fail
 from dse.storage.attempts import Attempt
 from dse.storage.database.addresses import read_addresses
 from dse.storage.database.asks import Asks
-from dse.storage.database.attempts import read_attempts
+from dse.storage.database.attempts import read_attempts, read_causes
 from dse.storage.database.connection import connect, damaged_study, located, read_header
 from dse.storage.database.definition import unit_flaws
 from dse.storage.database.files import read_files
@@ -112,6 +112,11 @@ class StudyReader:
         """Every try at a run, in the order they were made."""
         with located(self.path):
             return read_attempts(self._connection)
+
+    def causes(self) -> dict[int, str]:
+        """What the last try came to that gave no row, by run."""
+        with located(self.path):
+            return read_causes(self._connection)
 
     def close(self) -> None:
         """Close it."""

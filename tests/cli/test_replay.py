@@ -99,7 +99,7 @@ def test_lost_waveforms_are_left_out_of_the_report_and_made_again(dse, folder, e
     shutil.rmtree(folder / "waveforms")
     facts = dict(read_content(folder).facts)
     assert facts["waveforms"] == (
-        "kept of 0 runs; files of 20 runs are gone: the same explore command makes them again"
+        "kept of 0 runs; files of 20 runs are gone or damaged: the same explore command makes them again"
     )
     assert dse("report", str(folder), "-o", str(tmp_path / "page.html")).returncode == 0
     assert dse("figure", str(folder), "-o", str(tmp_path / "figures")).returncode == 0

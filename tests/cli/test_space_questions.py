@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from dse.cli import main
+from dse.cli import entry
 
 DESIGN = """\
 design: pump
@@ -65,7 +65,7 @@ def ask(tmp_path, monkeypatch, capsys):
         monkeypatch.setattr("sys.argv", ["dse", *arguments])
         capsys.readouterr()
         try:
-            main()
+            entry.run()
             code = 0
         except SystemExit as end:
             code = end.code or 0

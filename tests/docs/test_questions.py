@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 from command_line import run_dse
 
-from dse.cli import main
+from dse.cli import entry
 
 TEXT = (Path(__file__).parents[2] / "docs" / "questions.md").read_text(encoding="utf-8")
 BLOCK = re.compile(r"^```(\w+)\n(.*?)^```$", re.DOTALL | re.MULTILINE)
@@ -31,7 +31,7 @@ def test_every_command_prints_what_is_shown(workspace, monkeypatch, capsys):
     for command, _, output in shown:
         monkeypatch.setattr("sys.argv", shlex.split(command.removeprefix("$ ")))
         with pytest.raises(SystemExit) as end:
-            main()
+            entry.run()
         assert not end.value.code, command
         printed = [line.rstrip() for line in capsys.readouterr().out.replace("\\", "/").splitlines()]
         assert printed == output.splitlines(), command

@@ -191,6 +191,14 @@ def test_a_path_that_a_file_system_takes_for_another_is_refused(maker, refused, 
     assert refused(archive) == [f"refused as unsafe: the path '{name}' is there twice"]
 
 
+@pytest.mark.parametrize("name", ["", ".", "./"])
+def test_an_entry_without_a_name_is_refused(maker, refused, name):
+    archive = maker.make(FMI_2)
+    with zipfile.ZipFile(archive, "a") as opened:
+        opened.writestr(zipfile.ZipInfo(name), "content" if name != "./" else "")
+    assert refused(archive) == ["refused as unsafe: a file has no name"]
+
+
 def test_folders_may_have_entries_of_their_own(maker, tmp_path):
     maker.extra |= {"resources/": b"", "resources/a/": b"", "resources/a/b.txt": b"b", "./resources/c.txt": b"c"}
     folder = open_fmu(maker.make(FMI_2), cache=tmp_path / "cache").folder

@@ -211,7 +211,7 @@ def test_a_waveform_that_was_not_kept_names_the_command(sliced: ReportContent, o
     page.eval_on_selector(".table .view", f"view => view.scrollTop = {run} * 28")
     settle(page)
     page.click(f".table tbody tr:has(td:first-child:text-is('{run}'))")
-    page.wait_for_selector(f"code:text-is('dse replay out/acc_gains {run}')")
+    page.wait_for_selector(f"code:text-is('dse replay DIR {run}')")
 
 
 @pytest.mark.thorough
@@ -284,7 +284,7 @@ def test_configurations_without_variables_are_a_table(bench_only: ReportContent,
     assert selected(page) == 1
     page.wait_for_selector(".figures[data-run='1'] .u-wrap")
     page.click("#configurations tbody tr:nth-child(5)")
-    page.wait_for_selector("code:text-is('dse replay out/acc_gains 4')")
+    page.wait_for_selector("code:text-is('dse replay DIR 4')")
 
 
 @pytest.mark.thorough

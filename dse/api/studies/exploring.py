@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from concurrent.futures import Executor as FuturesPool
 from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
@@ -15,6 +16,7 @@ from dse.exploration import (
     Executor,
     ExplorationInterruptedError,
     Explored,
+    FuturesExecutor,
     Progress,
     explore,
     give,
@@ -51,7 +53,9 @@ class ExploreOptions:
     The local executor has so many *workers* (0: what the study says, or one for each processor), each with *threads*
     runs at once. *fuse* links each configuration into one library first, *fresh* throws away what the folder holds
     and simulates every run, made before or not. *fmi* is the version of the FMUs that are built. In a *sandbox*, FMUs
-    have no network and write in their scratch folder only.
+    have no network and write in their scratch folder only. With *retry_failed*, runs that failed before are made again.
+    *executor* makes the runs instead of what the study names: an executor of ``concurrent.futures`` with so many
+    *workers* (0: as it says itself), or a function that makes one.
     """
 
     workers: int = 0
@@ -60,6 +64,8 @@ class ExploreOptions:
     fresh: bool = False
     fmi: int = 2
     sandbox: bool = False
+    retry_failed: bool = False
+    executor: FuturesPool | Callable[[], FuturesPool] | None = None
 
 
 def ready(study: Study, fmi: int = 2, *, fuse: bool = False, tell: Tell | None = None) -> PreparedStudy:
@@ -90,7 +96,7 @@ def explore_into(
     """
     executor = executor_of(study, options)
     planned = ready(study, options.fmi, fuse=options.fuse, tell=tell)
-    known = known_runs(planned, reads=not options.fresh)
+    known = known_runs(planned, reads=not (options.fresh or options.retry_failed))
     if options.fresh:
         StudyFolder.discard(folder)
     elif changes_since(folder, planned, known.addresses):
@@ -98,6 +104,8 @@ def explore_into(
             on_changes(plan(planned, folder, workers=options.workers))
         start_over(folder)
     with StudyFolder.resume(folder, planned.definition) as store:
+        if options.retry_failed:
+            store.forget(store.failed())
         store.note_addresses(known.addresses)
         explored = explore(study, planned.benches, store, executor=executor, on_progress=on_progress, known=known)
         if explored.before and explored.simulated:
@@ -118,6 +126,8 @@ def plan_into(study: Study, folder: Path, options: ExploreOptions, *, tell: Tell
 
 def executor_of(study: Study, options: ExploreOptions) -> Executor:
     """What makes the runs of *study*; DseError for options that another executor than the local one does not have."""
+    if options.executor is not None:
+        return FuturesExecutor(options.executor, options.workers)
     given = {"workers": options.workers} if options.workers else {}
     given |= {"threads": options.threads} if options.threads > 1 else {}
     given |= {"sandbox": True} if options.sandbox else {}

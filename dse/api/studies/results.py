@@ -43,6 +43,8 @@ class Summary:
     problems: Mapping[int, str]
     failures: frozenset[int]
     """Numbers of the runs that failed to run."""
+    causes: Mapping[int, str]
+    """What runs came to that were made once more, by number: they may have come right."""
 
     @property
     def is_passed(self) -> bool:
@@ -61,7 +63,7 @@ class Results:
     @property
     def summary(self) -> Summary:
         """How many runs there are, and what came of them."""
-        return self._read(lambda store: _summary(store.table()))
+        return self._read(lambda store: _summary(store.table(), store.causes()))
 
     def run(self, number: int) -> Run:
         """The run with this number, with its waveforms if they were kept."""
@@ -100,14 +102,14 @@ class Results:
     ) -> Path:
         """Write the HTML report to *target* (``report.html`` in the folder) and return its path.
 
-        It holds the waveforms of at most so many runs. Nothing is simulated. *on_problems* is told of figures that
-        could not be drawn; by default they are warnings.
+        It holds the waveforms of at most so many runs. Nothing is simulated. *on_problems* is told of waveforms that
+        are gone or damaged and of figures that could not be drawn; by default these are warnings.
         """
         from dse.report import read_content, write_report
 
         page = Path(target) if target is not None else self.folder / "report.html"
         content = read_content(self.folder, waveforms)
-        if problems := write_report(content, page):
+        if problems := (*content.missing, *write_report(content, page)):
             (on_problems or _warn)(problems)
         return page
 
@@ -139,7 +141,7 @@ class Results:
             return question(store)
 
 
-def _summary(runs: RunTable) -> Summary:
+def _summary(runs: RunTable, causes: Mapping[int, str]) -> Summary:
     from dse.domain.bench import VERDICTS
 
     verdicts = {
@@ -148,7 +150,7 @@ def _summary(runs: RunTable) -> Summary:
     }
     problems = {n: problem for n, problem in zip(runs.numbers.tolist(), runs.problems, strict=True) if problem}
     failures = frozenset(runs.numbers[~runs.done].tolist())
-    return Summary(runs.header.runs, len(runs), len(failures), verdicts, problems, failures)
+    return Summary(runs.header.runs, len(runs), len(failures), verdicts, problems, failures, causes)
 
 
 def _warn(problems: Sequence[Problem]) -> None:

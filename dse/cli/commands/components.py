@@ -10,6 +10,7 @@ import typer
 from dse.cli.app import app
 from dse.cli.arguments import Format, Output
 from dse.cli.terminal import plain_table, print_json, print_table, say
+from dse.scratch import write_whole
 
 if TYPE_CHECKING:
     from dse.domain.component import Component
@@ -52,7 +53,7 @@ def _draw(components: list[Component], folder: Path) -> None:
     folder.mkdir(parents=True, exist_ok=True)
     for component in components:
         target = folder / f"{component.name}.svg"
-        target.write_text(draw_component(component, pictured(component)), encoding="utf-8", newline="\n")
+        write_whole(target, draw_component(component, pictured(component)))
         say(f"{target}: {component.title or component.name}")
 
 

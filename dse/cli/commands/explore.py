@@ -13,6 +13,7 @@ from dse.cli.arguments import (
     Gate,
     NewFolder,
     Output,
+    RetryFailed,
     Sandbox,
     StudyName,
     Threads,
@@ -29,6 +30,7 @@ def explore(
     version: FmiVersion = 2,
     fuse: Fuse = False,
     fresh: Fresh = False,
+    retry_failed: RetryFailed = False,
     gate: Gate = False,
     sandbox: Sandbox = False,
     dry_run: DryRun = False,
@@ -42,7 +44,7 @@ def explore(
     from dse.api import ExploreOptions
     from dse.cli.exploring import explore_and_show, show_plan
 
-    options = ExploreOptions(workers, threads, fuse, fresh, version, sandbox)
+    options = ExploreOptions(workers, threads, fuse, fresh, version, sandbox, retry_failed)
     if dry_run:
         show_plan(workspace_of(study).study(study), folder, options, form)
         return

@@ -27,15 +27,12 @@ def export_uvl(design: Design, target: Target, on: On = [], off: Off = []) -> No
 
     With the constraints that are on; one that UVL cannot say is refused by name.
     """
-    from dse.errors import fail
     from dse.loading import to_uvl
+    from dse.scratch import write_whole
 
     space = space_of(design, on, off)
     text = to_uvl(space)
-    try:
-        target.write_text(text, encoding="utf-8", newline="\n")
-    except OSError as error:
-        raise fail(f"cannot write '{target}': {error.strerror}") from error
+    write_whole(target, text)
     say(f"{target}: {space.name}")
 
 

@@ -10,7 +10,7 @@ import typer
 
 from dse.cli.app import app
 from dse.cli.arguments import Configuration, Folder
-from dse.cli.terminal import say
+from dse.cli.terminal import say, show_problems
 from dse.errors import DseError, Location, Problem, fail, raise_if_any
 
 if TYPE_CHECKING:
@@ -51,6 +51,8 @@ def figure(
     view = View(x, y, _configuration(content, configuration), number)
     place = target or folder / "figures"
     place.mkdir(parents=True, exist_ok=True)
+    if content.missing:
+        show_problems(DseError(*content.missing))
     problems: list[Problem] = []
     for name in dict.fromkeys(only or FIGURES.names()):
         written = []

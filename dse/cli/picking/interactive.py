@@ -10,6 +10,7 @@ import typer
 
 from dse.cli.terminal import say
 from dse.errors import fail
+from dse.scratch import write_whole
 
 if TYPE_CHECKING:
     from dse.domain.design import DesignSpace
@@ -37,7 +38,7 @@ def choose(part: OpenedSpace, target: Path | None) -> None:
         return
     say(outcome(chosen))
     if target is not None:
-        target.write_text(choices_yaml(space, chosen), encoding="utf-8", newline="\n")
+        write_whole(target, choices_yaml(space, chosen))
         say(f"choices: {target}")
 
 

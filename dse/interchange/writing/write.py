@@ -16,6 +16,7 @@ from dse.interchange.structure import ExperimentSettings
 from dse.interchange.writing.connections import add_connection
 from dse.interchange.writing.type_definitions import Definitions, add_connector, needs_version_2
 from dse.interchange.writing.values import add_values
+from dse.scratch import write_whole
 
 _OWN = "urn:dse:simulation"
 
@@ -37,10 +38,7 @@ def write_ssp(target: Path, name: str, system: SystemStructure, experiment: Expe
         except OSError as error:
             raise fail(f"the FMU {element.model.archive} cannot be read: {error.strerror or error}") from error
     contents["SystemStructure.ssd"] = _described(name, system, experiment, archives)
-    try:
-        target.write_bytes(pack_zip(contents))
-    except OSError as error:
-        raise fail(f"cannot write '{target}': {error.strerror or error}") from error
+    write_whole(target, pack_zip(contents))
 
 
 def _archives(system: SystemStructure) -> dict[str, str]:

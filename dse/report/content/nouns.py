@@ -10,6 +10,8 @@ from typing import Any, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
+from dse.errors import Problem
+
 Floats = NDArray[np.float64]
 Flags = NDArray[np.bool_]
 
@@ -108,8 +110,9 @@ class ReportContent:
     """Everything the page and the figures are made from.
 
     *slices* are names of variables that were varied together, for a sliced study. *study_folder* is what the
-    reader types in ``dse replay``. *facts* are shown as they stand, in order. Raises ValueError for what no study has.
-    From here on the arrays cannot be written to, as many figures read them.
+    reader types in ``dse replay``; the page, which may be anywhere, leaves it out. *facts* are shown as they stand, in
+    order. *missing* is what of the study could not be read. Raises ValueError for what no study has. From here on the
+    arrays cannot be written to, as many figures read them.
     """
 
     title: str
@@ -123,6 +126,7 @@ class ReportContent:
     figures: tuple[FigureSpec, ...] = ()
     slices: tuple[tuple[str, ...], ...] = ()
     facts: tuple[tuple[str, str], ...] = ()
+    missing: tuple[Problem, ...] = ()
 
     def __post_init__(self) -> None:
         if flaws := [*_flaws(self)]:

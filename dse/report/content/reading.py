@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from contextlib import suppress
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -20,6 +21,7 @@ from dse.domain.definition import (
 )
 from dse.domain.run import Outcome, Run, Waveforms
 from dse.domain.sampler import Grid
+from dse.errors import DseError, Location, Problem
 from dse.report.content.nouns import (
     ConfigurationEntry,
     FigureSpec,
@@ -41,8 +43,8 @@ MAX_WAVEFORMS = 4000
 def read_content(path: Path, most: int = MAX_WAVEFORMS) -> ReportContent:
     """Everything the page needs, from the study folder *path* alone.
 
-    With more than *most* kept waveforms an evenly spread choice is taken; waveforms whose file is gone are left
-    out. The facts say so. DseError if the folder is damaged.
+    With more than *most* kept waveforms an evenly spread choice is taken; waveforms whose file is gone or damaged are
+    left out. The facts say so. DseError if the folder is damaged otherwise.
     """
     with StudyFolder.open(path) as folder:
         return _read(folder, most)
@@ -74,19 +76,22 @@ def _read(folder: StudyFolder, most: int) -> ReportContent:
     strangers = set(kept) - set(table.numbers.tolist())
     if strangers:
         raise damaged_study(folder.path, f"waveforms were kept of run {min(strangers)}, which is not there")
+    waveforms = _waveforms(folder, chosen) if folder.header.definition.figures else None
+    missing = len(lost) + (len(chosen) - len(waveforms) if waveforms is not None else 0)
+    told = _waveform_facts(len(kept), len(chosen), missing)
     try:
-        return _content(folder, table, chosen, _waveform_facts(len(kept), len(chosen), len(lost)))
+        return replace(_content(folder, table, waveforms or {}, told), missing=_missing(folder.path, missing))
     except ValueError as error:
         raise damaged_study(folder.path, str(error)) from error
 
 
-def _content(folder: StudyFolder, table: RunTable, chosen: list[int], waveforms: str) -> ReportContent:
+def _content(folder: StudyFolder, table: RunTable, waveforms: Mapping[int, Waveforms], told: str) -> ReportContent:
     """ValueError if the parts of the study do not fit each other."""
     definition = folder.header.definition
     units = {metric.name: parse_unit(metric.unit) for metric in definition.metrics}
     constants = {entry.id: entry.constants for entry in definition.configurations}
     rows = _Rows(table.numbers, table.configurations, table.points, constants)
-    figures = _figures(definition, rows, _waveforms(folder, chosen) if definition.figures else {})
+    figures = _figures(definition, rows, waveforms)
     return ReportContent(
         definition.title,
         _layout(folder.header.slices),
@@ -98,7 +103,7 @@ def _content(folder: StudyFolder, table: RunTable, chosen: list[int], waveforms:
         tuple(_requirement(entry, table, units[entry.metric]) for entry in definition.requirements),
         figures,
         folder.header.slices or (),
-        _facts(folder, table, waveforms),
+        _facts(folder, table, told),
     )
 
 
@@ -201,15 +206,26 @@ def _target(
 
 
 def _waveforms(folder: StudyFolder, chosen: list[int]) -> dict[int, Waveforms]:
+    """The waveforms of the runs *chosen* that can be read."""
     wanted, kept = set(chosen), folder.kept()
-    files = sorted({kept[number] for number in chosen})
-    read = (entry for file in files for entry in read_all_waveforms(folder.waveform_folder / file))
-    return dict(sorted((number, waveforms) for number, waveforms in read if number in wanted))
+    found: dict[int, Waveforms] = {}
+    for file in sorted({kept[number] for number in chosen}):
+        with suppress(DseError):  # the others can be shown all the same
+            found.update(entry for entry in read_all_waveforms(folder.waveform_folder / file) if entry[0] in wanted)
+    return dict(sorted(found.items()))
 
 
-def _waveform_facts(kept: int, chosen: int, lost: int) -> str:
+_AGAIN = "the same explore command makes them again"
+
+
+def _missing(study: Path, runs: int) -> tuple[Problem, ...]:
+    what = f"waveforms of {runs} run{'s' * (runs > 1)} are gone or damaged, and left out"
+    return (Problem(what, Location(str(study)), _AGAIN),) if runs else ()
+
+
+def _waveform_facts(kept: int, chosen: int, missing: int) -> str:
     text = f"kept of {kept} runs" + (f", {chosen} of them here" if chosen < kept else "")
-    return text + (f"; files of {lost} runs are gone: the same explore command makes them again" if lost else "")
+    return text + (f"; files of {missing} runs are gone or damaged: {_AGAIN}" if missing else "")
 
 
 def _facts(folder: StudyFolder, table: RunTable, waveforms: str) -> tuple[tuple[str, str], ...]:

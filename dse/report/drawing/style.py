@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 from dse.errors import fail
 from dse.report.verdicts import Mark
+from dse.scratch import written_whole
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -52,11 +53,5 @@ def save_drawing(figure: Figure, path: Path) -> None:
     kind = path.suffix.lower()
     if kind not in _METADATA:
         raise fail(f"cannot write a figure as '{path.name}'", hint="end the name in .png, .svg or .pdf")
-    scratch = path.with_name(f".{path.stem}.part{kind}")
-    try:
-        with mpl.rc_context(STYLE):
-            figure.savefig(scratch, format=kind[1:], dpi=200, metadata=_METADATA[kind])
-        scratch.replace(path)
-    except OSError as error:
-        scratch.unlink(missing_ok=True)
-        raise fail(f"cannot write {path}: {error.strerror}") from error
+    with written_whole(path) as aside, mpl.rc_context(STYLE):
+        figure.savefig(aside, format=kind[1:], dpi=200, metadata=_METADATA[kind])

@@ -13,6 +13,7 @@ from dse.errors import Problem, fail
 from dse.report.content.nouns import ReportContent
 from dse.report.figure import ShownFigure, shown_figures
 from dse.report.page.payload import payload_of
+from dse.scratch import write_whole
 
 _PAGE = """<!doctype html>
 <html lang="en">
@@ -48,13 +49,7 @@ def write_report(content: ReportContent, target: Path) -> tuple[Problem, ...]:
     """
     shown = shown_figures(content)
     text = page_of(content, shown)
-    scratch = target.with_name(f".{target.name}.part")
-    try:
-        scratch.write_bytes(text.encode("utf-8"))
-        scratch.replace(target)
-    except OSError as error:
-        scratch.unlink(missing_ok=True)
-        raise fail(f"cannot write {target}: {error.strerror}", hint="choose another place with -o FILE") from error
+    write_whole(target, text)
     return tuple(figure.problem for figure in shown if figure.problem)
 
 

@@ -49,7 +49,6 @@ def _document(content: ReportContent) -> Json:
     return {
         "title": content.title,
         "sampler": str(content.sampler),
-        "folder": content.study_folder,
         "runs": len(content.runs),
         "mostCentres": MOST_CENTRES,
         "variables": [

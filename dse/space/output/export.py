@@ -15,6 +15,7 @@ from typing import Any, BinaryIO
 import numpy as np
 
 from dse.errors import fail
+from dse.scratch import written_whole
 from dse.space.configurations.lookup import Lookup
 from dse.space.configurations.resolve import Entry, part_columns
 from dse.space.decisions import sites
@@ -109,16 +110,8 @@ def save(sheet: Sheet, blocks: Iterable[Rows], target: Path) -> int:
     Raises DseError if the suffix is not known or the file cannot be written.
     """
     write = writer_of(target)
-    aside = target.with_name(f".{target.name}.part")
-    try:
-        with aside.open("wb") as stream:
-            written = write(sheet, blocks, stream)
-        aside.replace(target)
-    except OSError as error:
-        raise fail(f"cannot write '{target}': {error.strerror}") from error
-    finally:
-        aside.unlink(missing_ok=True)
-    return written
+    with written_whole(target) as aside, aside.open("wb") as stream:
+        return write(sheet, blocks, stream)
 
 
 def _write_objects(sheet: Sheet, blocks: Iterable[Rows], stream: BinaryIO, first: str, between: str) -> int:

@@ -11,6 +11,7 @@ from dse.api import opened
 from dse.cli.arguments import Choose, Configuration, Design, Off, On
 from dse.cli.commands.space import space_app
 from dse.cli.terminal import say
+from dse.scratch import write_whole
 
 if TYPE_CHECKING:
     from dse.domain import design as nouns
@@ -43,7 +44,7 @@ def graph_(
     """
     whole = opened(design, on=on, off=off)
     chosen = _chosen(whole, configuration, choose)
-    target.write_text(whole.picture(chosen, _note(whole, chosen), below), encoding="utf-8", newline="\n")
+    write_whole(target, whole.picture(chosen, _note(whole, chosen), below))
     say(f"{target}: {whole.space.name}")
 
 

@@ -13,6 +13,7 @@ from dse.cli.arguments import Choose, Design
 from dse.cli.commands.space import space_app
 from dse.cli.spaces import number_text
 from dse.cli.terminal import say
+from dse.scratch import write_whole
 
 Keep = Annotated[
     list[str], typer.Option("--keep", metavar="PLACE=A,B", help="Keep only these alternatives; 'absent' is left out.")
@@ -50,7 +51,7 @@ def space_refine(
         typer.echo(text, nl=False)
         return
     target.parent.mkdir(parents=True, exist_ok=True)
-    target.write_text(text, encoding="utf-8", newline="\n")
+    write_whole(target, text)
     left = number_text(combinations(refined))
     say(f"{target}: {left} of {number_text(whole.total)} combinations are left")
 

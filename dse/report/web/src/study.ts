@@ -65,7 +65,6 @@ export type Sampler = "full_factorial" | "sliced" | "scattered";
 export interface Study {
   title: string;
   sampler: Sampler;
-  folder: string;
   size: number;
   mostCentres: number;
   number: Int32Array;
@@ -86,7 +85,6 @@ export interface Study {
 interface Document {
   title: string;
   sampler: Sampler;
-  folder: string;
   runs: number;
   mostCentres: number;
   variables: { name: string; title: string; unit: string; low: number; high: number; nominal: number }[];
@@ -119,7 +117,6 @@ export async function readStudy(): Promise<Study> {
   return {
     title: source.title,
     sampler: source.sampler,
-    folder: source.folder,
     size: source.runs,
     mostCentres: source.mostCentres,
     number: integers("number"),

@@ -64,10 +64,10 @@ function missing(store: Store, run: number, title: string): HTMLElement {
       run < 0
         ? "Select a run to see its waveform."
         : failed
-          ? `Run ${run} failed and left no waveform. To see it fail again:`
-          : `${title ? "The waveform" : "The waveforms"} of run ${run} ${title ? "was" : "were"} not kept. To simulate the run again, bit for bit:`,
+          ? `Run ${run} failed and left no waveform. To see it fail again, with DIR the study's folder:`
+          : `${title ? "The waveform" : "The waveforms"} of run ${run} ${title ? "was" : "were"} not kept. To simulate the run again, bit for bit, with DIR the study's folder:`,
     ),
-    run >= 0 && el("code", {}, `dse replay ${store.study.folder} ${run}`),
+    run >= 0 && el("code", {}, `dse replay DIR ${run}`),
   );
 }
 
