@@ -1,9 +1,10 @@
 """What a study costs beside its simulations, in one sitting: the paper's study against its kernel alone, and bare rows.
 
 First the paper's study on two workers, from planned benches to a finished folder with metrics stored and waveforms
-near the boundary kept, also for later studies, start-up of the workers included; and the same again, when all is known. Against it the kernel alone: the same runs in two processes
-that only simulate, start-up not counted. They take turns, so that a machine that slows down slows both; medians are
-shown. Then runs that take no time at all, to see what workers, pipes and the folder can carry.
+near the boundary kept, also for later studies, start-up of the workers included; and the same again, when all is known.
+Against it the kernel alone: the same runs in two processes that only simulate, start-up not counted. They take turns,
+so that a machine that slows down slows both; medians are shown. Then runs that take no time at all, to see what
+workers, pipes and the folder can carry.
 """
 
 from __future__ import annotations
