@@ -11,6 +11,7 @@ from contextlib import ExitStack, contextmanager, suppress
 from dataclasses import replace
 from itertools import groupby, repeat
 from pathlib import Path
+from typing import Self
 
 import numpy as np
 
@@ -19,6 +20,7 @@ from dse.domain.bench import VERDICTS
 from dse.domain.component import Value
 from dse.domain.definition import StudyDefinition
 from dse.domain.run import Outcome, RunRequest
+from dse.domain.study import SHARD_FOLDER
 from dse.errors import Location, fail
 from dse.storage.attempts import Attempt
 from dse.storage.database.addresses import write_addresses
@@ -65,14 +67,14 @@ class StudyFolder(StudyReader):
         self.lock: WriterLock | None = None
 
     @classmethod
-    def create(cls, path: Path, definition: StudyDefinition) -> StudyFolder:
+    def create(cls, path: Path, definition: StudyDefinition) -> Self:
         """A new folder for the study of *definition*; DseError if *path* is a file or holds something else already."""
         if (path / NAME).exists():
             raise fail("holds a study already", Location(str(path)), "give another folder with -o, or say --fresh")
         return cls.resume(path, definition)
 
     @classmethod
-    def resume(cls, path: Path, definition: StudyDefinition) -> StudyFolder:
+    def resume(cls, path: Path, definition: StudyDefinition) -> Self:
         """The folder at *path* to go on with, or a new one; DseError if it holds the results of another study.
 
         If *definition* only asks for other points or more configurations than the stored one, the study is extended:
@@ -86,7 +88,8 @@ class StudyFolder(StudyReader):
                 (path / WAVEFORMS).mkdir(exist_ok=True)
             if not (path / NAME).exists():
                 lay_out(path, StudyHeader(definition))
-            folder = undo.enter_context(cls._connected(path, write=True))
+            folder = cls._connected(path, write=True)
+            undo.callback(folder.close)
             folder.lock = lock
             with located(path):
                 folder.require_structure()
@@ -117,7 +120,7 @@ class StudyFolder(StudyReader):
 
     def forget_damaged(self) -> None:
         """Take waveforms whose file is gone, cut or changed as never kept."""
-        known, kept = self._files(), self.kept()
+        known, kept = self.files(), self.kept()
         now = {file: checked(self.waveform_folder / file, known.get(file)) for file in {*kept.values()} - {""}}
         self.damaged = frozenset(number for number, file in kept.items() if file and not now[file])
         news = {file: facts for file, facts in now.items() if facts and facts != known.get(file)}
@@ -352,4 +355,4 @@ def _require_room(path: Path) -> None:
 
 
 def _is_ours(name: str) -> bool:
-    return name in _OURS or name.startswith(f"{NAME}.part")
+    return name in _OURS or name.startswith(f"{NAME}.part") or SHARD_FOLDER.fullmatch(name) is not None

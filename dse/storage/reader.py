@@ -71,7 +71,7 @@ class StudyReader:
 
     def lost(self) -> set[int]:
         """Numbers of the runs whose waveforms were kept in a file that is gone or has another size."""
-        kept, known = self.kept(), self._files()
+        kept, known = self.kept(), self.files()
         sizes = {file: size_of(self.waveform_folder / file) for file in {*kept.values()} - {""}}
         gone = {file for file, size in sizes.items() if size != (known[file].size if file in known else size or 0)}
         return {number for number, file in kept.items() if file in gone}
@@ -124,7 +124,7 @@ class StudyReader:
             return read_attempts(self._connection)
 
     def causes(self) -> dict[int, str]:
-        """What the last try came to that gave no row, by run."""
+        """What the last try came to that gave no row, by run; not that it was stopped with its program."""
         with located(self.path):
             return read_causes(self._connection)
 
@@ -151,7 +151,8 @@ class StudyReader:
             raise
         return cls(path, header, connection, asks)
 
-    def _files(self) -> dict[str, FileFacts]:
+    def files(self) -> dict[str, FileFacts]:
+        """What is known of the files of waveforms, by name."""
         with located(self.path):
             return read_files(self._connection)
 

@@ -67,6 +67,11 @@ def damaged_study(path: Path, why: str) -> DseError:
     return fail(f"{NAME} is damaged: {why}", Location(str(path)), "explore again into another folder, or with --fresh")
 
 
+def attachable(path: Path) -> str:
+    """What ``ATTACH`` is to be given for the study in *path*."""
+    return _address(path / NAME).replace("mode=rw", "mode=ro")
+
+
 def lay_out(path: Path, header: StudyHeader) -> None:
     """Write an empty `study.sqlite` into *path*, all of it or nothing. DseError if *header* cannot be stored."""
     try:
