@@ -41,7 +41,8 @@ def main() -> None:
     sys.setswitchinterval(1e-4)  # as a worker with threads does
     with tempfile.TemporaryDirectory(prefix="dse-bench-") as scratch:
         folder = Path(scratch)
-        setup = Setup(make_runner, folder, folder, Measures(tuple(m.name for m in study.bench.metrics)), 2)
+        measures = Measures(tuple(metric.name for metric in study.bench.metrics))
+        setup = Setup(make_runner, folder, folder, folder, measures, threads=2)
         setup.file(batch.configuration).write_bytes(pickle.dumps(prepared))
         Heartbeat.lay_out(folder / "beat", 2)
         runners = [GuardedRunner(setup, Heartbeat(folder / "beat", thread)) for thread in range(2)]

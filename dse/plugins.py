@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from dse.domain.component import Component, CSource, Source
     from dse.domain.sampler import Brief, Candidate, DesignVariable, Outcomes
     from dse.errors import DseError, Location, Problem, fail
-    from dse.exploration import Batch, Carried, OnceSampler, Sink, Work, carry_out, hand_over, parcel, scaled
+    from dse.exploration import Batch, FuturesExecutor, OnceSampler, Pool, Sink, Work, scaled
     from dse.kinds import build_generated
     from dse.loading import ComponentKind, ExecutorSection, SamplerSection, SourcePlace, SourceSection, Surroundings
     from dse.metrics import Argument, Wants, metric_function, same
@@ -23,17 +23,7 @@ _PLACES = {
     "dse.domain.component": ("CSource", "Component", "Source"),
     "dse.domain.sampler": ("Brief", "Candidate", "DesignVariable", "Outcomes"),
     "dse.errors": ("DseError", "Location", "Problem", "fail"),
-    "dse.exploration": (
-        "Batch",
-        "Carried",
-        "OnceSampler",
-        "Sink",
-        "Work",
-        "carry_out",
-        "hand_over",
-        "parcel",
-        "scaled",
-    ),
+    "dse.exploration": ("Batch", "FuturesExecutor", "OnceSampler", "Pool", "Sink", "Work", "scaled"),
     "dse.kinds": ("build_generated",),
     "dse.loading": (
         "ComponentKind",
@@ -57,18 +47,19 @@ __all__ = [  # as above: type checkers read a list of words only
     "Brief",
     "CSource",
     "Candidate",
-    "Carried",
     "Chart",
     "Component",
     "ComponentKind",
     "DesignVariable",
     "DseError",
     "ExecutorSection",
+    "FuturesExecutor",
     "Line",
     "Location",
     "OnceSampler",
     "Outcomes",
     "Points",
+    "Pool",
     "Problem",
     "ReportContent",
     "Rule",
@@ -82,11 +73,8 @@ __all__ = [  # as above: type checkers read a list of words only
     "Wants",
     "Work",
     "build_generated",
-    "carry_out",
     "fail",
-    "hand_over",
     "metric_function",
-    "parcel",
     "same",
     "scaled",
 ]

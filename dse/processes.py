@@ -2,20 +2,110 @@
 
 from __future__ import annotations
 
+import os
 import sys
+import sysconfig
+import tempfile
+import threading
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
+from multiprocessing import current_process, get_start_method, set_start_method
 from multiprocessing.process import BaseProcess
+from pathlib import Path
 from types import ModuleType
+
+_SAFE, _BY_US = "PYTHONSAFEPATH", "while dse starts"
+
+_one_at_a_time = threading.Lock()
 
 
 def start_process(process: BaseProcess) -> None:
-    """Start *process* without the parent's main module, which spawn would otherwise import again in the child.
+    """Start *process*, as `unburdened`."""
+    with unburdened(), _somewhere():
+        process.start()
+
+
+@contextmanager
+def unburdened() -> Iterator[None]:
+    """Processes are started without this one's main module, which spawn would otherwise import again in the child.
 
     A console script would cost each child the whole command line, and a script without a main guard would do again
-    what it did to start it.
+    what it did to start it. Nor do they find modules in the current folder: whatever lies there would be taken for the
+    standard library's, and run. What is started calls `forget_start`.
     """
-    main = sys.modules["__main__"]
-    sys.modules["__main__"] = ModuleType("__main__")
+    with _one_at_a_time, _as_parent():
+        main, path, safe = sys.modules["__main__"], sys.path, os.environ.get(_SAFE)
+        sys.path = path_without_here()
+        sys.modules["__main__"] = ModuleType("__main__")
+        os.environ[_SAFE] = safe or _BY_US
+        try:
+            yield
+        finally:
+            sys.modules["__main__"], sys.path = main, path
+            os.environ.pop(_SAFE) if safe is None else os.environ.update({_SAFE: safe})
+
+
+@contextmanager
+def _as_parent() -> Iterator[None]:
+    """Be a process that may have children, also as the worker of another package."""
+    # Dask's are daemons, to which multiprocessing forbids it: they would leave theirs behind. Ours leave by themselves.
+    settings = getattr(current_process(), "_config", {})
+    daemon = settings.pop("daemon", None)
+    # A child of loky's would be told to start others in loky's way, of which it knows nothing.
+    method = get_start_method(allow_none=True)
+    set_start_method("spawn", force=True)
     try:
-        process.start()
+        yield
     finally:
-        sys.modules["__main__"] = main
+        set_start_method(method, force=True)
+        if daemon is not None:
+            settings["daemon"] = daemon
+
+
+def forget_start() -> None:
+    """What was changed for the start of this process is no business of the programs that an FMU may start."""
+    if os.environ.get(_SAFE) == _BY_US:
+        del os.environ[_SAFE]
+
+
+def path_without_here() -> list[str]:
+    """``sys.path`` without the current folder, unless PYTHONPATH names it or it was installed.
+
+    What the user's script has beside it and dse itself are found last of all.
+    """
+    here = _here()
+    standard = sysconfig.get_path("stdlib")
+    before = sys.path.index(standard) if standard in sys.path else len(sys.path)
+    named = {os.path.realpath(entry) for entry in os.environ.get("PYTHONPATH", "").split(os.pathsep) if entry}
+    kept = [
+        entry
+        for place, entry in enumerate(sys.path)
+        if entry and not (place < before and os.path.realpath(entry) == here and here not in named)
+    ]
+    main = sys.modules["__main__"]
+    script = getattr(main, "__file__", None) if main.__spec__ is None else None
+    last = [str(Path(__file__).parents[1]), *([str(Path(script).resolve().parent)] if script else [])]
+    return kept + [entry for entry in last if entry not in kept]
+
+
+def _here() -> str:
+    try:
+        return os.path.realpath(Path.cwd())
+    except OSError:
+        return ""
+
+
+@contextmanager
+def _somewhere() -> Iterator[None]:
+    """Be in a folder that exists: the current one may have been deleted, which a start would not survive."""
+    if _here():
+        yield
+        return
+    nowhere = os.open(".", os.O_RDONLY)
+    try:
+        os.chdir(tempfile.gettempdir())
+        yield
+    finally:
+        with suppress(OSError):
+            os.fchdir(nowhere)
+        os.close(nowhere)

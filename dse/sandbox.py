@@ -22,7 +22,7 @@ from pathlib import Path
 
 from dse.cache import cache_folder
 from dse.errors import DseError, Location, fail
-from dse.processes import start_process
+from dse.processes import start_process, unburdened
 
 _SYSTEM = ("/bin", "/sbin", "/lib", "/lib32", "/lib64", "/usr", "/opt", "/etc", "/nix/store", "/gnu/store", "/proc", "/sys/devices/system")  # fmt: skip  # noqa: E501
 _DEVICES = ("/dev/null", "/dev/zero", "/dev/full", "/dev/random", "/dev/urandom")
@@ -91,7 +91,8 @@ class Sandbox:
         abi()
         for folder in self.folders:
             folder.mkdir(parents=True, exist_ok=True)
-        resource_tracker.ensure_running()  # it serves other processes, too
+        with unburdened():
+            resource_tracker.ensure_running()  # it serves other processes, too
         # Both restrict the thread that asks for it, and what it starts: so the process has no thread that is free.
         with ThreadPoolExecutor(1) as thread:
             thread.submit(self._start, process, files).result()

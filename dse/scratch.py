@@ -18,7 +18,7 @@ from pathlib import Path
 
 from dse.errors import fail
 
-_NAME = re.compile(r"dse-(?P<place>[0-9a-f]{8})-(?P<process>\d+)-(?P<start>\d+)-")
+_NAME = re.compile(r"\.?dse-(?P<place>[0-9a-f]{8})-(?P<process>\d+)-(?P<start>\d+)-")
 
 
 class ScratchFolder(tempfile.TemporaryDirectory[str]):
@@ -27,23 +27,36 @@ class ScratchFolder(tempfile.TemporaryDirectory[str]):
     def __init__(self) -> None:
         try:
             _sweep(tempfile.gettempdir())
-            process = os.getpid()
-            prefix = f"dse-{_place()}-{process}-{_start_of(process)}-"
-            super().__init__(prefix=prefix, ignore_cleanup_errors=True)
+            super().__init__(prefix=name_of_mine(), ignore_cleanup_errors=True)
         except OSError as error:
             what = f"no temporary folder can be made: {error.strerror or error}"
             raise fail(what, hint="set TMPDIR to a folder that exists, has space and may be written") from error
+
+
+def name_of_mine() -> str:
+    """How the name of a temporary folder of this process begins."""
+    process = os.getpid()
+    return f"dse-{_place()}-{process}-{_start_of(process)}-"
+
+
+def is_left_over(name: str) -> bool | None:
+    """Whether the process has ended whose temporary folder is called *name*; None if nobody here can say."""
+    found = _NAME.match(name)
+    if found is None or found["place"] != _place():
+        return None
+    try:
+        return int(found["start"]) != _start_of(int(found["process"]))
+    except OSError:
+        return None
 
 
 @cache  # once is enough
 def _sweep(folder: str) -> None:
     """Remove what dead processes of this user left in *folder*."""
     for entry in os.scandir(folder):
-        name = _NAME.match(entry.name)
-        if name and name["place"] == _place():
-            with suppress(OSError):  # it stays if nobody can say whose it is
-                if _is_ours(entry) and int(name["start"]) != _start_of(int(name["process"])):
-                    shutil.rmtree(entry.path, ignore_errors=True)
+        with suppress(OSError):
+            if is_left_over(entry.name) and _is_ours(entry):
+                shutil.rmtree(entry.path, ignore_errors=True)
 
 
 def _is_ours(entry: os.DirEntry[str]) -> bool:

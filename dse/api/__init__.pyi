@@ -16,9 +16,12 @@ from .studies.exploring import (
     ExplorationInterruptedError as ExplorationInterruptedError,
     Explored as Explored,
     ExploreOptions as ExploreOptions,
+    Plan as Plan,
     Progress as Progress,
     explore_into as explore_into,
+    plan_into as plan_into,
 )
+from .studies.merging import Merged as Merged, merge_into as merge_into
 from .studies.replaying import replay as replay
 from .studies.results import Results as Results, Summary as Summary, results as results
 from .studies.run import Run as Run, Waveforms as Waveforms

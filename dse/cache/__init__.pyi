@@ -8,6 +8,7 @@ from .entries import (
     put_file as put_file,
     read_entry as read_entry,
     recent_entries as recent_entries,
+    replace_file as replace_file,
     try_to_put as try_to_put,
     vouch as vouch,
 )

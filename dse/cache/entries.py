@@ -14,7 +14,7 @@ from collections.abc import Callable, Iterator, Mapping
 from enum import Enum
 from pathlib import Path
 
-from dse.cache.digests import FOLDER, Stamp, contents, digest_of, stamp
+from dse.cache.digests import FOLDER, Stamp, contents, digest_of, raise_shortage, stamp
 from dse.cache.folder import aside, sync, write_file
 from dse.errors import DseError
 
@@ -112,7 +112,10 @@ def state_of(target: Path) -> State:
     """Whether what is at *target* is what was kept there."""
     try:
         digest = digest_file(target).read_text(encoding="ascii").strip()
-    except (OSError, ValueError):
+    except ValueError:
+        return State.ABSENT
+    except OSError as error:
+        raise_shortage(error)
         return State.ABSENT
     if len(digest) != _DIGITS:  # it was being written when the power went
         return State.ABSENT
@@ -155,12 +158,13 @@ def tell_damage(target: Path) -> None:
     warnings.warn(f"the cache entry {target} is {state} and has to be made again", CacheWarning, stacklevel=2)
 
 
-def replace_file(target: Path, content: bytes) -> None:
+def replace_file(target: Path, content: bytes) -> Path:
     """Write *content* to *target* at once, without a digest. Raises DseError if the folder cannot be written."""
     with aside(target.parent) as made:
         write_file(made / "entry", content)
         _move(made / "entry", target)
         sync(target.parent)
+    return target
 
 
 def _is_whole(target: Path) -> bool:

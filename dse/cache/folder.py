@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import errno
 import os
-import platform
-import re
 import shutil
 import tempfile
 from collections.abc import Iterable, Iterator
@@ -13,6 +11,7 @@ from contextlib import contextmanager
 from pathlib import Path
 
 from dse.errors import DseError, fail
+from dse.scratch import name_of_mine
 
 
 def cache_folder(cache: Path | None = None) -> Path:
@@ -45,7 +44,7 @@ def aside(folder: Path) -> Iterator[Path]:
     made = None
     try:
         folder.mkdir(parents=True, exist_ok=True)
-        made = Path(tempfile.mkdtemp(prefix=f".{os.getpid()}@{_host()}-", suffix=_ASIDE, dir=folder))
+        made = Path(tempfile.mkdtemp(prefix=f".{name_of_mine()}", suffix=_ASIDE, dir=folder))
         yield made
     except OSError as error:
         raise unwritable(folder, error) from error
@@ -58,26 +57,9 @@ _ASIDE = ".tmp"
 _ROOM = {errno.ENOSPC, errno.EDQUOT}
 
 
-def left_behind(path: Path) -> bool | None:
-    """Whether what `aside` made at *path* belongs to a process of this machine that has ended.
-
-    None if it belongs to none of this machine, or *path* is nothing of that kind.
-    """
-    found = re.fullmatch(rf"\.(\d+)@(.*)-[^-]*{re.escape(_ASIDE)}", path.name)
-    if found is None or found[2] != _host():
-        return None
-    import psutil
-
-    return not psutil.pid_exists(int(found[1]))
-
-
 def is_aside(path: Path) -> bool:
     """Whether *path* is what `aside` made, or an earlier version."""
     return path.name.startswith(".") and path.suffix == _ASIDE
-
-
-def _host() -> str:
-    return re.sub(r"[^\w.]", "-", platform.node(), flags=re.ASCII)
 
 
 def write_file(target: Path, content: bytes) -> None:

@@ -9,8 +9,9 @@ from collections.abc import Callable, Iterable
 from pathlib import Path
 
 from dse.cache.entries import digest_file, remove
-from dse.cache.folder import is_aside, left_behind, unwritable
+from dse.cache.folder import is_aside, unwritable
 from dse.cache.shelves import SHELVES, Entry, Shelf, entries_of, names
+from dse.scratch import is_left_over
 
 
 def survey(root: Path) -> dict[Shelf, list[Entry]]:
@@ -45,7 +46,7 @@ def left_overs(root: Path) -> list[Path]:
     found = []
     for shelf in SHELVES:
         for path in (root / shelf.name / name for name in names(root / shelf.name)):
-            has_ended = left_behind(path)
+            has_ended = is_left_over(path.name)
             if is_aside(path) and (has_ended or (has_ended is None and path.lstat().st_mtime < time.time() - 86400)):
                 found.append(path)
     return found

@@ -2,19 +2,24 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import typer
 
 from dse.cli.app import DONE, RUNS_FAILED
-from dse.cli.terminal import console, plain, plain_table, print_table
+from dse.cli.arguments import Output
+from dse.cli.terminal import console, plain, plain_table, print_json, print_table, say
 
 if TYPE_CHECKING:
-    from dse.api import Explored, ExploreOptions, Progress, Results, Summary
+    from collections.abc import Iterator
+
+    from dse.api import Explored, ExploreOptions, Plan, Progress, Results, Summary
     from dse.domain.study import Study
 
-_MOST_PROBLEMS = 5
+_MOST_PROBLEMS, _MOST_NUMBERS = 5, 4
+_NUMBER = re.compile(r"[-+]?\d+(\.\d+)?(e[-+]?\d+)?")
 
 
 def explore_and_show(study: Study, folder: Path, options: ExploreOptions, *, gate: bool) -> None:
@@ -22,6 +27,11 @@ def explore_and_show(study: Study, folder: Path, options: ExploreOptions, *, gat
     from dse.api import ExplorationInterruptedError, Results, explore_into, progress_bar
 
     screen = console(stderr=True)
+
+    def tell_changes(plan: Plan) -> None:
+        for line in _plan_lines(plan):
+            say(line, stderr=True)
+
     try:
         with screen.status("") as status, progress_bar(screen) as show:
 
@@ -29,22 +39,63 @@ def explore_and_show(study: Study, folder: Path, options: ExploreOptions, *, gat
                 status.stop()
                 show(progress)
 
-            explored = explore_into(study, folder, options, on_progress=advance, tell=status.update)
+            explored = explore_into(
+                study, folder, options, on_progress=advance, tell=status.update, on_changes=tell_changes
+            )
     except ExplorationInterruptedError as stop:
         raise KeyboardInterrupt(f"{folder}: {stop}") from None
-    results = Results(folder, explored)
+    results = Results(options.folder(folder), explored)
     summary = results.summary
-    _say(results, summary, explored)
+    _say(results, summary, explored, f"dse merge {folder}" if options.shard else f"dse report {folder}")
     failed = summary.failed or (gate and not summary.is_passed)
     raise typer.Exit(RUNS_FAILED if failed else DONE)
 
 
-def _say(results: Results, summary: Summary, explored: Explored) -> None:
+def show_plan(study: Study, folder: Path, options: ExploreOptions, form: Output) -> None:
+    """Print what exploring *study* into *folder* would do."""
+    from dataclasses import asdict
+
+    from dse.api import plan_into
+
+    with console(stderr=True).status("") as status:
+        plan = plan_into(study, folder, options, tell=status.update)
+    if form is Output.JSON:
+        print_json(asdict(plan))
+        return
+    say(f"{folder}: {plan.runs} runs, configurations: {plan.configurations}")
+    for line in _plan_lines(plan):
+        say(line)
+
+
+def _plan_lines(plan: Plan) -> Iterator[str]:
+    simulated = f"{plan.missing}, configurations: {plan.simulated}" if plan.missing else "0"
+    if plan.open_ended:
+        simulated += "; then the sampler may ask for more"
+    told = {
+        "changed": ", ".join(plan.changes),
+        "stay in the folder": str(plan.there),
+        "made before, in the cache": str(plan.known),
+        "to be simulated": simulated,
+        "again for their waveforms": str(plan.again or ""),
+        "that takes": "" if plan.seconds == 0 else "nobody knows" if plan.seconds is None else _duration(plan.seconds),
+    }
+    yield from (f"  {what:<27}{how}" for what, how in told.items() if how)
+
+
+def _duration(seconds: float) -> str:
+    from datetime import timedelta
+
+    return "less than a second" if seconds < 1 else f"about {timedelta(seconds=round(seconds))}"
+
+
+def _say(results: Results, summary: Summary, explored: Explored, following: str) -> None:
 
     from dse.api import requirement_labels
 
     screen, folder = console(), results.folder
     what = f"{summary.finished} runs, {explored.new} of them new"
+    if explored.taken:
+        what += f", {explored.taken} made before and taken from the cache"
     if not explored.new:
         what = f"all {summary.finished} runs were there"
     if explored.again:
@@ -54,6 +105,8 @@ def _say(results: Results, summary: Summary, explored: Explored) -> None:
     if explored.extended:
         what += f"; the study was extended, its {explored.before} runs are kept"
     screen.print(f"{folder}: {what}", soft_wrap=True)
+    for remark in explored.remarks:
+        screen.print(f"  {plain(remark)}", soft_wrap=True)
     if summary.verdicts:
         named = requirement_labels(results.definition)
         verdicts = tuple(next(iter(summary.verdicts.values())))
@@ -61,12 +114,36 @@ def _say(results: Results, summary: Summary, explored: Explored) -> None:
         for name, count in summary.verdicts.items():
             shown.add_row(named[name], *(str(number) for number in count.values()))
         print_table(shown)
-    said: dict[str, str] = {}
-    for number, problem in summary.problems.items():
-        failed = "failed: " if number in summary.failures else ""
-        said.setdefault(problem, f"  run {number} {failed}{plain(problem)}")
-    for line in list(said.values())[:_MOST_PROBLEMS]:
-        screen.print(line, soft_wrap=True)
+    said = said_of(summary)
+    for line in said[:_MOST_PROBLEMS]:
+        screen.print(f"  {plain(line)}", soft_wrap=True)
     if len(said) > _MOST_PROBLEMS:
         screen.print(f"  and {len(said) - _MOST_PROBLEMS} other problems: dse results {folder}", soft_wrap=True)
-    screen.print(f"next: dse report {folder}", soft_wrap=True)
+    if summary.failures:
+        screen.print("to try failed runs again: the same command with --retry-failed", soft_wrap=True)
+    screen.print(f"next: {following}", soft_wrap=True)
+
+
+def said_of(summary: Summary) -> list[str]:
+    """What runs have to say, those with the same words but for numbers together; and what was tried twice."""
+    groups: dict[tuple[str, str], list[int]] = {}
+    for number, problem in summary.problems.items():
+        kind = "failed: " if number in summary.failures else ""
+        groups.setdefault((kind, _NUMBER.sub("", problem)), []).append(number)
+    said = [f"{_runs(numbers)} {kind}{summary.problems[numbers[0]]}" for (kind, _), numbers in groups.items()]
+    others: dict[tuple[str, str], list[int]] = {}
+    for number, cause in summary.causes.items():
+        words = _NUMBER.sub("", cause)
+        if number not in summary.failures:
+            others.setdefault(("came right the second time; the first", words), []).append(number)
+        elif words != _NUMBER.sub("", summary.problems.get(number, "")):
+            others.setdefault(("failed otherwise the first time", words), []).append(number)
+    return said + [f"{_runs(numbers)} {kind}: {summary.causes[numbers[0]]}" for (kind, _), numbers in others.items()]
+
+
+def _runs(numbers: list[int]) -> str:
+    if len(numbers) == 1:
+        return f"run {numbers[0]}"
+    shown = ", ".join(str(number) for number in numbers[:_MOST_NUMBERS])
+    more = ", …" if len(numbers) > _MOST_NUMBERS else ""
+    return f"{len(numbers)} runs ({shown}{more})"

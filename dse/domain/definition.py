@@ -174,6 +174,11 @@ class StudyDefinition:
             found.add("fmus")
         return tuple(sorted(found))
 
+    def is_same_study(self, other: StudyDefinition) -> bool:
+        """Whether both are of one study, whatever its files say, and made by one version of dse."""
+        mine, theirs = _deciding(self), _deciding(other)
+        return all(mine[key] == theirs[key] for key in ("study", "bench", "design", "dse"))
+
     def joined(self, later: StudyDefinition) -> StudyDefinition:
         """*later* with the configurations and FMUs that only this one has: those of runs that are there."""
         there = {configuration.id for configuration in later.configurations}

@@ -18,6 +18,10 @@ class Pool(Protocol):
     def retried(self) -> int:
         """Runs that were made twice because the first time said nothing about them."""
 
+    @property
+    def remarks(self) -> tuple[str, ...]:
+        """What the user should know of who made the runs; asked when all are made."""
+
     def work_off(self, batches: Iterable[Batch]) -> None:
         """Carry out *batches*; returns when each of their runs has been given to the sink.
 

@@ -3,16 +3,18 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Mapping, Sequence, Set as AbstractSet
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence, Set as AbstractSet
 from dataclasses import dataclass
 
 import numpy as np
 
-from dse.domain.study import Keep, Study
+from dse.domain.run import RunRequest
+from dse.domain.study import Keep, Shard, Study
 from dse.exploration.asking import Asking
 from dse.exploration.batches import Chunks
 from dse.exploration.boundary import near_boundary
 from dse.exploration.executor import Executor
+from dse.exploration.known_runs import NOT_REPRODUCIBLE, NOTHING_KNOWN, KnownRuns
 from dse.exploration.progress import Meter, Progress, Stage
 from dse.exploration.work import Batch, MakeRunner, Runnable, Work
 from dse.storage import Attempt, RowBlock, StudyFolder
@@ -27,9 +29,9 @@ class Explored:
 
     *before* is how many runs the folder had, *runs* how many it has now, of which *failed*; with *extended* the study
     asks for other runs than before. *simulated* were made by this call, for the first time or again for their
-    waveforms. *kept* have waveforms. *retried* were tried twice because their worker was killed from outside or grew
-    too large over several runs, *irreproducible* gave another result the second time. The waveforms of *damaged* were
-    gone, cut or changed.
+    waveforms, *taken* were known. *kept* have waveforms. *retried* were tried twice, as the first time need not have
+    been their fault; *irreproducible* gave another result the second time. The waveforms of *damaged* were gone, cut or
+    changed. *remarks* are on who made them.
     """
 
     before: int
@@ -41,6 +43,8 @@ class Explored:
     irreproducible: int
     extended: bool
     damaged: int = 0
+    taken: int = 0
+    remarks: tuple[str, ...] = ()
 
     @property
     def new(self) -> int:
@@ -50,7 +54,7 @@ class Explored:
     @property
     def again(self) -> int:
         """How many were simulated again for their waveforms."""
-        return max(0, self.simulated - self.new)
+        return max(0, self.simulated - (self.new - self.taken))
 
 
 class ExplorationInterruptedError(KeyboardInterrupt):
@@ -72,19 +76,22 @@ def explore(
     executor: Executor,
     on_progress: Callable[[Progress], None] | None = None,
     make_runner: MakeRunner = make_runner,
+    known: KnownRuns = NOTHING_KNOWN,
+    shard: Shard | None = None,
 ) -> Explored:
     """Have *executor* simulate what is missing in *folder*; *prepared* are the configurations by id.
 
     The study's sampler is asked, and asked again when the runs it wanted are there, until it wants no more. Waveforms
     are kept with the runs (`Keep.ALL`) or, for the runs near a boundary, by simulating these again, which must give the
-    same bits. A finished folder is left as it is and no worker is started. The results are the same with any executor,
-    bit for bit.
+    same bits. What is *known* is not simulated. A finished folder is left as it is and no worker is started. The
+    results are the same with any executor, bit for bit. Of a *shard* only its runs are made, and none again for its
+    waveforms: what is near a boundary is known when all shards are merged.
 
     Raises DseError if workers cannot work at all, ExplorationInterruptedError on Ctrl-C.
     """
     header = folder.header
     work = Work(prepared, make_runner, folder.waveform_folder, header.measures, folder.spool_folder, header.fingerprint)
-    sink = _Sink(folder, on_progress)
+    sink = _Sink(folder, on_progress, known)
     before = len(sink.finished)
     try:
         asking = Asking(study, folder)
@@ -92,22 +99,25 @@ def explore(
         chunks = Chunks(asking.requests, folder.asks, limits)
         with executor.open(work, sink) as pool:
             while asking.ask():
-                asked = set(asking.asked)
+                asked = chunks.part(asking.asked, shard) if shard else set(asking.asked)
+                sink.take(asking.requests[number] for number in asked - sink.finished)
                 if study.keep is Keep.ALL:
                     there = asked & sink.finished & (sink.failed | sink.kept.keys())
                     sink.begin(Stage.RUNS, asked, there)
-                    pool.work_off(chunks.waveforms(asked - there, sink.kept))
+                    pool.work_off(sink.unknown(chunks.waveforms(asked - there, sink.kept)))
                 else:
                     sink.begin(Stage.RUNS, asked, asked & sink.finished)
                     pool.work_off(chunks.runs(asked - sink.finished))
                 asking.tell()
-            if study.keep is Keep.NEAR_BOUNDARY:
+            if study.keep is Keep.NEAR_BOUNDARY and not shard:
                 near = _near(study, folder, prepared)
                 sink.begin(Stage.WAVEFORMS, near, near & sink.kept.keys())
-                pool.work_off(chunks.waveforms(near - sink.kept.keys(), sink.kept))
+                pool.work_off(sink.unknown(chunks.waveforms(near - sink.kept.keys(), sink.kept)))
+            remarks = pool.remarks
     except KeyboardInterrupt:
         raise ExplorationInterruptedError(len(folder.finished()), folder.header.runs) from None
     finally:
+        known.put()
         folder.commit()
     folder.end()
     sink.tell()
@@ -121,6 +131,8 @@ def explore(
         len(sink.irreproducible),
         folder.is_extended,
         len(folder.damaged),
+        sink.taken,
+        remarks,
     )
 
 
@@ -134,13 +146,15 @@ def _near(study: Study, folder: StudyFolder, prepared: Mapping[str, Runnable]) -
 class _Sink:
     """Stores results, compares those that were there before, and counts."""
 
-    def __init__(self, folder: StudyFolder, on_progress: Callable[[Progress], None] | None) -> None:
+    def __init__(self, folder: StudyFolder, on_progress: Callable[[Progress], None] | None, known: KnownRuns) -> None:
         self.finished = folder.finished()
         self.failed = folder.failed()
         self.kept = dict(folder.kept())
         self.simulated = 0
+        self.taken = 0
         self.irreproducible: set[int] = set()
         self._folder = folder
+        self._known = known
         self._on_progress = on_progress
         self._stage: Stage | None = None
 
@@ -153,15 +167,30 @@ class _Sink:
         self._wanted |= wanted
         self._there |= there
 
+    def take(self, requests: Iterable[RunRequest]) -> None:
+        """Store those of *requests* that are known."""
+        for there, block in self._known.rows(requests):
+            self._store(there[0].configuration, there, block)
+            self.taken += len(block)
+
+    def unknown(self, batches: Iterable[Batch]) -> Iterator[Batch]:
+        """Those of *batches* whose waveforms are not known; of the others the files are made."""
+        for batch in batches:
+            if self._known.make_file(batch, self._folder.waveform_folder / batch.file):
+                self._keep(batch.numbers, batch.file)
+                self._there.update(batch.numbers)
+            else:
+                yield batch
+
     def rows(self, batch: Batch, block: RowBlock) -> None:
         """Store the runs of *block* that are new, compare the others with what is stored."""
         numbers = block.numbers.tolist()
         fresh = np.array([number not in self.finished for number in numbers], dtype=np.bool_)
-        if fresh.all():
-            self._store(batch, block)
-        else:
-            self._store(batch, block.part(np.flatnonzero(fresh)))
-            self._compare(block.part(np.flatnonzero(~fresh)))
+        new = block if fresh.all() else block.part(np.flatnonzero(fresh))
+        self._store(batch.configuration, batch.requests, new)
+        self._known.add(batch, new)
+        if new is not block:
+            self._compare(batch, block.part(np.flatnonzero(~fresh)))
         self.simulated += len(block)
         self._there.update(self._wanted.intersection(numbers))
 
@@ -173,6 +202,8 @@ class _Sink:
         """Note which waveforms are there, and of which runs none ever will be."""
         if batch.keep:
             self._keep(kept, batch.file)
+            self._there.update(self._wanted.intersection(kept))
+            self._known.add_file(batch, kept, self._folder.waveform_folder / batch.file)
             self._keep([n for n in batch.numbers if n not in kept and n not in self.failed], "")
         self._folder.release(batch.name)
 
@@ -191,18 +222,19 @@ class _Sink:
         self._on_progress(Progress(self._stage, done, len(self._wanted), len(self.failed), rate))
 
     def _keep(self, numbers: Sequence[int], file: str) -> None:
-        self._folder.add_kept(numbers, file)
-        self.kept |= dict.fromkeys(numbers, file)
+        if numbers:  # of a chunk whose runs all failed there is no file
+            self._folder.add_kept(numbers, file)
+            self.kept |= dict.fromkeys(numbers, file)
 
-    def _store(self, batch: Batch, block: RowBlock) -> None:
+    def _store(self, configuration: str, requests: Sequence[RunRequest], block: RowBlock) -> None:
         numbers = block.numbers.tolist()
-        points = {request.number: request.point for request in batch.requests}
+        points = {request.number: request.point for request in requests}
         names = self._folder.header.variables
-        self._folder.add(batch.configuration, [[points[n][name] for name in names] for n in numbers], block)
+        self._folder.add(configuration, [[points[n][name] for name in names] for n in numbers], block)
         self.finished.update(numbers)
         self.failed.update(block.numbers[~block.done].tolist())
 
-    def _compare(self, again: RowBlock) -> None:
+    def _compare(self, batch: Batch, again: RowBlock) -> None:
         numbers = again.numbers.tolist()
         self._folder.add_attempts(
             [Attempt(number, again.maker, "", wall) for number, wall in zip(numbers, again.wall.tolist(), strict=True)]
@@ -211,7 +243,8 @@ class _Sink:
         for row in np.flatnonzero(again.differs_from(stored)).tolist():
             number = numbers[row]
             why = again.problems.get(number, "") if not again.done[row] else "another result"
-            self._folder.set_problem(number, f"not reproducible: simulated again it gave {why}")
+            self._folder.set_problem(number, f"{NOT_REPRODUCIBLE}simulated again it gave {why}")
             self.irreproducible.add(number)
+            self._known.withdraw(batch, number)
             if not again.done[row]:
                 self._keep((number,), "")

@@ -59,7 +59,9 @@ MakeRunner = Callable[[Any, memoryview], Runner]
 class Batch:
     """Runs of one configuration that go to one worker together, sorted by number.
 
-    If *file* is not "", waveforms are kept in the file of that name. *alone* has its runs made one at a time.
+    If *file* is not "", waveforms are kept in the file of that name. Runs in *made* are in the spool already: with it,
+    they come into the file. *alone* has the others made one at a time, *fresh* by a process that has made none before.
+    A *part* is not all that its file is made of.
     """
 
     identity: int
@@ -67,11 +69,19 @@ class Batch:
     requests: tuple[RunRequest, ...]
     file: str = ""
     alone: bool = False
+    made: frozenset[int] = frozenset()
+    fresh: bool = False
+    part: bool = False
 
     @property
     def numbers(self) -> tuple[int, ...]:
         """The numbers of its runs."""
         return tuple(request.number for request in self.requests)
+
+    @property
+    def todo(self) -> tuple[RunRequest, ...]:
+        """The runs that are to be made."""
+        return tuple(request for request in self.requests if request.number not in self.made)
 
     @property
     def name(self) -> str:
@@ -83,9 +93,14 @@ class Batch:
         """Whether waveforms are kept."""
         return bool(self.file)
 
-    def without(self, numbers: AbstractSet[int]) -> Batch:
-        """The same batch less *numbers*."""
-        return replace(self, requests=tuple(request for request in self.requests if request.number not in numbers))
+    def after(self, made: AbstractSet[int]) -> Batch:
+        """The same batch when the runs *made* are, too."""
+        return replace(self, made=self.made | made)
+
+    def only(self, number: int) -> Batch:
+        """The part of it that is one run."""
+        requests = tuple(request for request in self.requests if request.number == number)
+        return replace(self, requests=requests, made=frozenset(), part=True)
 
 
 class Sink(Protocol):

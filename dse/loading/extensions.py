@@ -38,9 +38,11 @@ class Extension(Section):
     """A section that is found by its *name*.
 
     *examples* are options that it can do with, the simplest first; *example_files* are what these name, as texts.
+    *short* is the option that is meant where a text stands instead of options.
     """
 
     name: ClassVar[str]
+    short: ClassVar[str] = ""
     examples: ClassVar[tuple[Mapping[str, Any], ...]] = ({},)
     example_files: ClassVar[Mapping[str, str]] = {}
 
@@ -92,6 +94,8 @@ def read_extension(entry: Entry, written: str | Mapping[str, Any], registry: Reg
         raise fail(f"give exactly one {registry.word}", entry.where, closest("", registry.names()))
     ((name, options),) = written.items()
     shape = registry.get(name, entry[name].key)
+    if shape.short and isinstance(options, str):
+        return Found(shape.model_validate({shape.short: options}), entry[name])
     if not isinstance(options, Mapping):
         what = f"'{entry.name}.{name}': expected its options"
         raise fail(what, entry[name].where, f"{entry.name}: {_shown(shape)}")

@@ -1,21 +1,30 @@
-from .attempts import Attempt as Attempt, this_process as this_process
+from .attempts import STOPPED as STOPPED, Attempt as Attempt, made_by as made_by, this_process as this_process
 from .database.asks import Asks as Asks
 from .database.connection import damaged_study as damaged_study
 from .database.header import StudyHeader as StudyHeader
 from .database.table import RunTable as RunTable
-from .difference import changed_inputs as changed_inputs, changed_results as changed_results
+from .difference import (
+    changed_inputs as changed_inputs,
+    changed_results as changed_results,
+    changed_study as changed_study,
+)
 from .export.tables import EXPORTS as EXPORTS, columns_of as columns_of, to_frame as to_frame
 from .folder import StudyFolder as StudyFolder
 from .lock import Writer as Writer, WriterLock as WriterLock, writer_of as writer_of
+from .merging import Merged as Merged, merge_studies as merge_studies, shards_in as shards_in
+from .rehearsal import Rehearsal as Rehearsal
 from .rows import Measures as Measures, RowBlock as RowBlock, block_of as block_of
+from .run_store import RunStore as RunStore
 from .spool import (
     Spooled as Spooled,
     SpoolWriter as SpoolWriter,
     assemble as assemble,
     clear_spool as clear_spool,
     read_spool as read_spool,
+    spooled_names as spooled_names,
 )
 from .waveforms import (
+    gather_waveforms as gather_waveforms,
     read_all_waveforms as read_all_waveforms,
     read_waveforms as read_waveforms,
     waveform_file as waveform_file,

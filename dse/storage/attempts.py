@@ -7,6 +7,9 @@ import socket
 from dataclasses import dataclass
 from functools import cache
 
+STOPPED = "stopped with the program"
+"""What a try came to that was under way when its program was stopped or killed."""
+
 
 @dataclass(frozen=True, slots=True)
 class Attempt:
@@ -23,7 +26,12 @@ class Attempt:
 
 def this_process() -> str:
     """This process as a maker."""
-    return f"{_host()}/{os.getpid()}"
+    return made_by(os.getpid())
+
+
+def made_by(process: int) -> str:
+    """Another process of this machine as a maker."""
+    return f"{_host()}/{process}"
 
 
 @cache

@@ -15,6 +15,17 @@ _SECTIONS = {
 }
 """What decides results in the entries of a definition; the rest is titles and units of display."""
 
+_SHOWN = {
+    "figures": ("figure", ("current", "target")),
+    "variables": ("design variable", ("low", "high", "levels", "nominal")),
+}
+_OF_CONFIGURATIONS = {
+    "components": "components",
+    "wires": "connections",
+    "inside": "texts and conversions",
+    "columns": "what is recorded",
+}
+
 
 def changed_results(stored: Run, again: Run) -> list[str]:
     """In which results *again* is not *stored*; [] if they are the same bit for bit.
@@ -51,6 +62,31 @@ def changed_inputs(stored: StudyDefinition, again: StudyDefinition, run: Run) ->
     ]
     free = [name for name in _names(was.constants, now.constants) if name not in run.request.point]
     return found + [name for name in free if not _same_at(name, was.constants, now.constants)]
+
+
+def changed_study(stored: StudyDefinition, again: StudyDefinition) -> list[str]:
+    """What is not the same in two definitions of one study, in words; configurations only one has are counted."""
+    found = [f"FMU {name}" for name, digest in again.fmus.items() if stored.fmus.get(name, digest) != digest]
+    before, after = ({each.id: each for each in definition.configurations} for definition in (stored, again))
+    both = [(before[name], after[name]) for name in _names(before, after) if name in before and name in after]
+    varied = {variable.name for variable in again.variables}
+    parameters: dict[str, None] = {}
+    for was, now in both:
+        shared = [n for n in _names(was.constants, now.constants) if n in was.constants and n in now.constants]
+        parameters |= dict.fromkeys(
+            n for n in shared if n not in varied and not _same_at(n, was.constants, now.constants)
+        )
+    found += [f"parameter {name}" for name in parameters]
+    for key, what in _OF_CONFIGURATIONS.items():
+        found += [what] if any(getattr(was, key) != getattr(now, key) for was, now in both) else []
+    for section, (what, keys) in (_SECTIONS | _SHOWN).items():
+        ours, theirs = (_deciding(getattr(definition, section), keys) for definition in (stored, again))
+        found += [f"{what} {name}" for name in _names(ours, theirs) if ours.get(name) != theirs.get(name)]
+    keys = ("stop", "step", "record_every", "method")
+    found += [f"simulation {key}" for key in keys if getattr(stored.simulation, key) != getattr(again.simulation, key)]
+    found += [key for key in ("sampler", "seed") if getattr(stored, key) != getattr(again, key)]
+    counts = len(set(after) - set(before)), len(set(before) - set(after))
+    return found + [f"{n} configurations {word}" for n, word in zip(counts, ("more", "less"), strict=True) if n]
 
 
 def _judgement_differences(stored: Run, again: Run) -> Iterator[str]:

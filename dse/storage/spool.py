@@ -16,6 +16,7 @@ import zlib
 from collections.abc import Container, Iterable, Iterator, Mapping, Sequence, Set as AbstractSet
 from contextlib import suppress
 from dataclasses import dataclass
+from glob import escape
 from io import FileIO
 from itertools import count
 from pathlib import Path
@@ -159,8 +160,14 @@ def read_spool(folder: Path, measures: Measures, study: str = "", name: str | No
 
     Files of another study, and records that are torn or damaged, are passed over.
     """
-    found = (_spooled(file, measures, study) for file in sorted(folder.glob(f"*{SUFFIX}")))
-    return [spooled for spooled in found if spooled and name in (None, spooled.name)]
+    pattern = f"*{SUFFIX}" if name is None else f"{escape(name)}.*{SUFFIX}"
+    found = (_spooled(file, measures, study) for file in sorted(folder.glob(pattern)))
+    return [spooled for spooled in found if spooled]
+
+
+def spooled_names(folder: Path) -> set[str]:
+    """The batches that the spool in *folder* holds something of."""
+    return {file.name.rsplit(".", 2)[0] for file in folder.glob(f"*{SUFFIX}")}
 
 
 def clear_spool(folder: Path, names: Container[str]) -> None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import re
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from itertools import chain
 from pathlib import Path
 from typing import Any
@@ -55,6 +55,47 @@ def write_waveforms(file: Path, runs: Iterable[tuple[int, Waveforms]]) -> None:
             arrays = [_arrow(column, field.type) for column, field in zip(columns, schema, strict=True)]
             writer.write_table(pa.Table.from_arrays(arrays, schema=schema), row_group_size=max(len(run), 1))
     aside.replace(file)
+
+
+def gather_waveforms(
+    file: Path, numbers: Sequence[int], places: Sequence[tuple[Path, int]], columns: Sequence[str]
+) -> None:
+    """Write *file* as `write_waveforms` does with *columns*, from runs that were kept already; same bytes.
+
+    The waveforms of each of *numbers* are at its place: a file, and the number they have there. A file that is all
+    that is wanted gets a second name, where the file system has such. DseError if one is missing or damaged.
+    """
+    (first, _), *_ = places
+    same = [(first, number) for number in numbers]
+    if list(places) == same and _is_just(first, numbers, columns):
+        aside = file.with_name(f"{file.name}.{os.getpid()}{PART}")
+        aside.unlink(missing_ok=True)
+        try:
+            aside.hardlink_to(first)
+            aside.replace(file)
+            # Where the two are one file already, renaming leaves both names.
+            aside.unlink(missing_ok=True)
+        except OSError:
+            pass  # it is written
+        else:
+            return
+    read = ((number, read_waveforms(*place)) for number, place in zip(numbers, places, strict=True))
+    write_waveforms(file, [(n, Waveforms(w.time, {name: w.values[name] for name in columns})) for n, w in read])
+
+
+def _is_just(file: Path, numbers: Sequence[int], columns: Sequence[str]) -> bool:
+    """Whether *file* holds *numbers* and nothing else, as it would be written now."""
+    import pyarrow as pa
+    import pyarrow.parquet as pq
+
+    try:
+        with pq.ParquetFile(file) as parquet:
+            told = parquet.metadata
+            is_ours = told.created_by == f"parquet-cpp-arrow version {pa.__version__}"
+            names = parquet.schema_arrow.names
+            return bool(is_ours and told.num_row_groups == len(numbers) and names == ["run", "time", *columns])
+    except (OSError, pa.ArrowException):
+        return False
 
 
 def read_waveforms(file: Path, number: int) -> Waveforms:

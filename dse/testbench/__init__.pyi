@@ -1,3 +1,4 @@
+from .address import address_of as address_of
 from .check import check_workspace as check_workspace
 from .facts import (
     consequences as consequences,

@@ -19,10 +19,10 @@ import pytest
 
 from dse.domain.bench import Judgement, Verdict
 from dse.domain.run import Outcome, Run, RunRequest, Waveforms
-from dse.errors import fail
-from dse.exploration import Batch, Executor, Work, carry_out, hand_over, parcel
+from dse.errors import DseError, fail
+from dse.exploration import Batch, Executor, Work, in_words
 from dse.loading import EXECUTORS, ExecutorSection
-from dse.storage import Attempt, Measures, RowBlock
+from dse.storage import Attempt, Measures, RowBlock, block_of, write_waveforms
 
 _RUNS, _SIZE = 60, 7
 
@@ -87,6 +87,7 @@ class Gathered:
         self.blocks: list[RowBlock] = []
         self.kept: dict[str, tuple[int, ...]] = {}
         self.ends: list[int] = []
+        self.attempts: list[Attempt] = []
         self._stops_after = stops_after
 
     def rows(self, batch: Batch, block: RowBlock) -> None:
@@ -95,6 +96,7 @@ class Gathered:
 
     def tried(self, attempts: Sequence[Attempt]) -> None:
         assert all(attempt.cause for attempt in attempts)
+        self.attempts += attempts
 
     def ended(self, batch: Batch, kept: tuple[int, ...]) -> None:
         self.ends.append(batch.identity)
@@ -144,7 +146,7 @@ class ExecutorSuite:
         expected, found = Gathered(), Gathered()
         reference, work = work_in(tmp_path / "expected"), work_in(tmp_path / "found")
         for batch in batches(keep=keep):
-            hand_over(carry_out(parcel(reference, batch)), batch, reference, expected)
+            make_here(batch, reference, expected)
         with made.open(work, found) as pool:
             half = batches(keep=keep)[:4]
             pool.work_off(half)
@@ -181,6 +183,28 @@ def work_in(folder: Path) -> Work:
         "missing": SmallBench("missing", loads=False),
     }
     return Work(benches, make_small, folder, Measures(("m",), ("R",)), folder.with_name(f"{folder.name}.spool"))
+
+
+def make_here(batch: Batch, work: Work, sink: Gathered) -> None:
+    """The runs of *batch* in this process, for comparison: nothing but the runner, and what a failure is called."""
+    try:
+        runner = make_small(cast(SmallBench, work.configurations[batch.configuration]), memoryview(bytearray(64)))
+    except DseError as error:
+        runs = [Run(request, Outcome.FAILED, problem=str(error)) for request in batch.requests]
+    else:
+        runs = [_made(runner, request, batch) for request in batch.requests]
+    kept = [(run.request.number, run.waveforms) for run in runs if run.waveforms is not None]
+    if kept:
+        write_waveforms(work.waveforms / batch.file, kept)
+    sink.rows(batch, block_of(runs, work.measures))
+    sink.ended(batch, tuple(number for number, _ in kept))
+
+
+def _made(runner: SmallRunner, request: RunRequest, batch: Batch) -> Run:
+    try:
+        return runner.run(request, keep=batch.keep)
+    except ZeroDivisionError as error:
+        return Run(request, Outcome.FAILED, problem=in_words(error))
 
 
 def batches(*, keep: bool, first: int = 0) -> list[Batch]:

@@ -117,7 +117,7 @@ def test_a_second_explore_does_nothing(dse, explored):
 @pytest.mark.thorough
 def test_one_worker_and_two_give_the_same_bytes(dse, explored, tmp_path):
     alone = tmp_path / "small"
-    assert dse("explore", "small", "-o", str(alone), "--workers", "1").returncode == 0
+    assert dse("explore", "small", "-o", str(alone), "--workers", "1", "--fresh").returncode == 0
     for kind in ("csv", "json", "junit"):
         assert (
             dse("results", str(alone), "--format", kind).stdout

@@ -16,7 +16,7 @@ def test_a_fused_configuration_gives_the_same_metrics(dse):
 
 @pytest.mark.thorough
 def test_a_fused_study_fills_the_same_table(dse, explored, tmp_path):
-    done = dse("explore", "small", "--fuse", "-o", str(tmp_path / "fused"))
+    done = dse("explore", "small", "--fuse", "--fresh", "-o", str(tmp_path / "fused"))
     assert done.returncode == 0, done.stderr
     tables = [dse("results", str(folder), "--format", "json").stdout for folder in (explored, tmp_path / "fused")]
     assert json.loads(tables[0]) == json.loads(tables[1])

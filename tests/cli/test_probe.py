@@ -106,7 +106,7 @@ def test_a_component_of_the_workspace_is_built_and_probed(tmp_path: Path):
 
 @pytest.mark.thorough
 def test_threads_give_the_same_study_as_processes(dse, explored: Path, tmp_path: Path):
-    done = dse("explore", "small", "-o", str(tmp_path / "threads"), "--workers", "1", "--threads", "2")
+    done = dse("explore", "small", "-o", str(tmp_path / "threads"), "--workers", "1", "--threads", "2", "--fresh")
     assert done.returncode == 0, done.stderr
     tables = [dse("results", str(folder)).stdout for folder in (explored, tmp_path / "threads")]
     assert tables[0] == tables[1]

@@ -28,7 +28,7 @@ def watch(frame, event, argument):
         if step and step not in seen:
             seen.append(step)
 
-sys.argv = ["dse", "explore", "small", "-o", sys.argv[2]]
+sys.argv = ["dse", "explore", "small", "--fresh", "-o", sys.argv[2]]
 sys.setprofile(watch)
 threading.setprofile(watch)
 try:

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import math
+import mmap
 import os
 import signal
 import stat
 import struct
 import sys
+import tempfile
 import threading
 import time
 from collections.abc import Callable, Mapping
@@ -17,6 +19,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+import psutil
 from definitions import at_most_one, metrics, stored_definition
 
 from dse.domain.bench import Judgement, Simulation, TestBench, Verdict
@@ -68,6 +71,9 @@ class FakeRunner:
             sys.stderr.write("cannot open libfake.so\n")
             sys.stderr.flush()
             os._exit(7)
+        if bench.mischief == "cannot be loaded once" and bench.file is not None and not bench.file.exists():
+            bench.file.touch()
+            raise OSError("libfake.so: file too short")
         self.left = bench.most_runs
 
     @property
@@ -90,6 +96,10 @@ class FakeRunner:
             with (bench.file or Path()).open("a", encoding="utf-8") as file:
                 file.write(f"{os.getpid()} {threading.get_ident()}\n")
         first = bench.file is None or bench.mischief == "tells its process" or not bench.file.exists()
+        if bench.mischief == "lowers a limit for good" and request.number not in bench.when:
+            mmap.mmap(-1, 1 << 30).close()
+        if bench.mischief == "catches signals" and signal.getsignal(signal.SIGUSR1) != signal.SIG_DFL:
+            return Run(request, Outcome.FAILED, problem="world: somebody has taken a signal")
         if bench.mischief == "fails after a greedy one":
             try:
                 os.close(os.dup(0))
@@ -153,6 +163,25 @@ class FakeRunner:
             case "grows":
                 hoard.append(bytearray(os.urandom(1)) * 2**30)
                 time.sleep(3600)
+            case "lowers a limit" | "lowers a limit for good":
+                import resource
+
+                _, hard = resource.getrlimit(resource.RLIMIT_AS)
+                low = psutil.Process().memory_info().vms
+                resource.setrlimit(resource.RLIMIT_AS, (low, low if self.bench.mischief.endswith("good") else hard))
+            case "catches signals":
+                signal.signal(signal.SIGUSR1, lambda *_: None)
+            case "aborts later":
+                threading.Timer(0.3, os.abort).start()
+            case "loses its folder":
+                folder = tempfile.mkdtemp()
+                os.chdir(folder)
+                Path(folder).rmdir()
+            case "is stopped":
+                os.kill(os.getpid(), signal.SIGSTOP)
+            case "terminates":
+                for asked in (signal.SIGTERM, signal.SIGHUP, signal.SIGINT):
+                    os.kill(os.getpid(), asked)
             case "eats memory":
                 import resource
 

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import pickle
 import socket
+import zlib
 from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import suppress
@@ -10,7 +12,7 @@ from contextlib import suppress
 import pytest
 from hypothesis import given, strategies as st
 
-from dse.exploration.supervision.channel import Channel, GarbledError, receive, send
+from dse.exploration.supervision.channel import _HEAD, _MARK, Channel, GarbledError, receive, send
 
 MESSAGES = st.lists(st.binary(max_size=300) | st.none() | st.integers(), max_size=6)
 
@@ -72,6 +74,24 @@ def test_what_is_no_message_is_told_at_once(content: bytes) -> None:
         far.sendall(content)
         with pytest.raises(GarbledError):
             taken(Channel(near))
+
+
+class Told:
+    """Tells that it was made."""
+
+    made = False
+
+    def __reduce__(self) -> tuple[object, ...]:
+        return setattr, (Told, "made", True)
+
+
+def test_what_a_worker_sends_calls_nothing(ends: tuple[Channel, socket.socket]) -> None:
+    channel, far = ends
+    body = pickle.dumps(Told())
+    far.sendall(_HEAD.pack(_MARK, len(body), zlib.crc32(body)) + body)
+    with pytest.raises(GarbledError):
+        taken(channel)
+    assert not Told.made
 
 
 def test_what_was_sent_before_garbage_is_taken_first(ends: tuple[Channel, socket.socket]) -> None:

@@ -3,20 +3,23 @@
 from __future__ import annotations
 
 import pickle
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 
 import pytest
 
 from dse.cache import cache_folder
 from dse.domain.fmu import FmuModel
-from dse.errors import DseError
-from dse.exploration.remote import packed, parcel
+from dse.exploration.packing import packed, unpacked
 from dse.loading.extensions import EXECUTORS
-from dse.testing.executors import ExecutorSuite, SmallBench, batches, work_in
+from dse.testing.executors import ExecutorSuite, SmallBench
+
+_SLOW = {"dask"}
 
 for _name in EXECUTORS.names():
-    globals()[f"Test_{_name}"] = type(f"Test_{_name}", (ExecutorSuite,), {"executor": EXECUTORS.get(_name)})
+    _marks = [pytest.mark.thorough] if _name in _SLOW else []
+    _members = {"executor": EXECUTORS.get(_name), "pytestmark": _marks}
+    globals()[f"Test_{_name}"] = type(f"Test_{_name}", (ExecutorSuite,), _members)
 
 
 @dataclass(frozen=True)
@@ -33,8 +36,10 @@ def test_a_bench_finds_its_fmus_in_the_cache_of_the_machine_it_is_on(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setenv("DSE_CACHE", str(tmp_path / "here"))
-    content, elsewhere = packed(Filed("plain", model=model(cache_folder() / "unpacked" / "0123")))
-    assert elsewhere == ()
+    sent = packed(Filed("plain", model=model(cache_folder() / "unpacked" / "0123")))
+    content = sent.content
+    assert sent.elsewhere == ()
+    assert sent.entries == ("unpacked/0123",)
     assert str(tmp_path).encode() not in content
     assert b"/home/me" not in content
     monkeypatch.setenv("DSE_CACHE", str(tmp_path / "there"))
@@ -50,8 +55,13 @@ def test_a_bench_finds_its_fmus_in_the_cache_of_the_machine_it_is_on(
     )
 
 
-def test_a_file_that_only_this_machine_has_is_named_before_it_is_missed(tmp_path: Path) -> None:
-    work = work_in(tmp_path)
-    lonely = Filed("plain", file=tmp_path / "lead.csv")
-    with pytest.raises(DseError, match=r"plain needs .*lead\.csv, which only this machine has"):
-        parcel(replace(work, configurations={"plain": lonely}), batches(keep=False)[0])
+def test_elsewhere_its_fmus_are_where_they_were_received(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("DSE_CACHE", str(tmp_path / "here"))
+    sent = packed(Filed("plain", model=model(cache_folder() / "unpacked" / "0123")))
+    found = unpacked(sent.content, {"unpacked/0123": tmp_path / "received"})
+    assert found.model.library == tmp_path / "received" / "radar.so"
+    assert found.model.folder == tmp_path / "received"
+
+
+def test_a_file_that_only_this_machine_has_is_noticed_before_it_is_missed(tmp_path: Path) -> None:
+    assert packed(Filed("plain", file=tmp_path / "lead.csv")).elsewhere == (tmp_path / "lead.csv",)

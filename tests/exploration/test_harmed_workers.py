@@ -38,20 +38,20 @@ def test_a_process_that_makes_a_copy_of_itself_stays_one_worker(tmp_path: Path, 
 @pytest.mark.sampled(4)
 @BOTH
 @pytest.mark.parametrize("levels", [5, 50])
-def test_a_run_that_writes_where_it_must_not_is_told_and_no_other_is(tmp_path: Path, keep: Keep, levels: int) -> None:
+def test_what_a_run_writes_where_it_must_not_harms_none(tmp_path: Path, keep: Keep, levels: int) -> None:
     # 2,500 runs make chunks of 32, in which it shows only later that something was written.
     bench = FakeBench("a", "scribbles", (7, 20), timeout=5)
     summary, failures, kept = explored(tmp_path, study_of(levels=levels, keep=keep), bench, runs=levels**2)
-    assert failures == dict.fromkeys((7, 20), "wrote into a file that is not its own: the line to the study")
-    assert summary.irreproducible == 0
+    assert failures == {}
+    assert (summary.irreproducible, summary.simulated, summary.retried) == (0, levels**2, 0)
     if keep is Keep.ALL:
-        assert {number for number, name in kept.items() if name} == set(range(levels**2)) - {7, 20}
+        assert all(kept[number] for number in range(levels**2))
 
 
 def test_nobody_waits_for_the_rest_of_a_message(tmp_path: Path) -> None:
     bench = FakeBench("a", "stops in a message", (7,), timeout=2)
     _, failures, _ = explored(tmp_path, study_of(), bench)
-    assert failures == {7: "no answer for 2 s in fake: fmi2DoStep of run 7"}
+    assert failures == {7: "stopped by a signal for 2 s in fake: fmi2DoStep of run 7"}
 
 
 @pytest.fixture
@@ -84,14 +84,13 @@ def test_runs_that_leave_files_open_have_their_worker_renewed_and_none_is_blamed
 
 @pytest.mark.sampled(2)
 @pytest.mark.parametrize("levels", [5, 50])
-def test_a_run_after_which_no_waveforms_can_be_written_is_told_and_no_other_is(tmp_path: Path, levels: int) -> None:
+def test_a_run_that_lowers_the_limit_for_files_harms_none_and_itself_neither(tmp_path: Path, levels: int) -> None:
     bench = FakeBench("a", "leaves few files to write", (7,))
     study = study_of(levels=levels, keep=Keep.ALL)
     summary, failures, kept = explored(tmp_path, study, bench, runs=levels**2)
-    assert set(failures) == {7}
-    assert failures[7].startswith("waveforms cannot be written: ")
+    assert failures == {}
     assert summary.irreproducible == 0
-    assert {number for number, name in kept.items() if name} == set(range(levels**2)) - {7}
+    assert all(kept[number] for number in range(levels**2))
 
 
 @pytest.mark.sampled(2)
@@ -130,5 +129,5 @@ def test_what_a_run_changes_for_new_files_is_put_back() -> None:
 def test_an_alarm_does_not_outlast_the_run_that_set_it(timer: int) -> None:
     surroundings = ProcessState()
     signal.setitimer(timer, 100.0, 100.0)
-    surroundings.restore()
+    assert surroundings.harm(now=True) == ""
     assert signal.getitimer(timer) == (0.0, 0.0)

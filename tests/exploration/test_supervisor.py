@@ -115,7 +115,7 @@ def test_workers_that_die_before_any_run_end_the_exploration(tmp_path: Path) -> 
     study = study_of()
     with (
         StudyFolder.create(tmp_path, definition_of(study)) as folder,
-        pytest.raises(DseError, match=r"3 workers in a row ended outside of any run, the last while starting.*code 7"),
+        pytest.raises(DseError, match=r"5 workers in a row ended outside of any run, the last while starting.*code 7"),
     ):
         explore(study, benches("a"), folder, executor=Local(workers=2), make_runner=deadly_when_imported.make)
     with StudyFolder.open(tmp_path) as folder:

@@ -50,7 +50,7 @@ def test_runs_that_leak_a_little_have_their_worker_renewed_and_none_is_blamed(tm
     bench = FakeBench("a", "leaks", memory=BASELINE + 400e6, seconds=0.1)
     summary, failures, _ = explored(tmp_path, study_of(), bench)
     assert failures == {}
-    assert summary.retried >= 1
+    assert summary.retried == 0  # each left before it was too large
 
 
 def pids(file: Path) -> list[str]:

@@ -2,12 +2,26 @@
 
 from __future__ import annotations
 
+import math
 import threading
 
 import pytest
 
 from dse.errors import DseError, fail
+from dse.fmu import parallel
 from dse.fmu.parallel import in_parallel
+
+
+@pytest.fixture(params=[True, False], ids=["looked up", "made"], autouse=True)
+def is_looked_up(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> bool:
+    """Whether each thing is there so soon that threads are not worth it."""
+    monkeypatch.setattr(parallel, "_LONG", math.inf if request.param else 0.0)
+    return bool(request.param)
+
+
+def test_what_is_looked_up_needs_no_threads(is_looked_up: bool) -> None:
+    made = in_parallel(range(9), lambda _: threading.current_thread() is threading.main_thread())
+    assert {*made.values()} == {is_looked_up}
 
 
 def test_everything_is_made_and_counted() -> None:

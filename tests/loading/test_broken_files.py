@@ -111,6 +111,7 @@ CASES = [
     ("unknown sampler with options", "testbenches/gains.pet.yaml", "sampler: full_factorial", "sampler: {latin_cube: {samples: 3}}", "testbenches/gains.pet.yaml:5:11", "unknown sampler 'latin_cube'", "latin_hypercube"),
     ("sampler without its options", "testbenches/gains.pet.yaml", "sampler: full_factorial", "sampler: {sobol: 3}", "testbenches/gains.pet.yaml:5:18", "'sampler.sobol': expected its options", "{sobol: {samples: 16}}"),
     ("points that are not in the workspace", "testbenches/gains.pet.yaml", "sampler: full_factorial", "sampler: {csv: {file: points.csv}}", "testbenches/gains.pet.yaml:5:23", "points.csv cannot be read: No such file or directory", "check its name"),
+    ("executor of a wrong shape", "testbenches/gains.pet.yaml", "sampler:", "executor: {dask: [8786]}\nsampler:", "testbenches/gains.pet.yaml:5:18", "'executor.dask': expected its options", "executor: {dask: {workers: 2}}"),
     ("executor nobody has", "testbenches/gains.pet.yaml", "sampler:", "executor: lokal\nsampler:", "testbenches/gains.pet.yaml:5:11", "unknown executor 'lokal'", "did you mean 'local'"),
     # names
     ("part called and", "designs/car.yaml", "    controller: pd\n", "    controller: pd\n    and: {optional: pd}\n", "designs/car.yaml:6:5", "'and' is a word of the expression language", "another name"),

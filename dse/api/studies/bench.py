@@ -11,9 +11,11 @@ from dse.domain import study as nouns
 from dse.domain.bench import TestBench
 
 if TYPE_CHECKING:
+    from concurrent.futures import Executor as FuturesPool
     from typing import Unpack
 
     from dse.api.spaces.design import Design
+    from dse.api.studies.planning import Plan
     from dse.api.studies.results import Results
     from dse.api.studies.run import Run
     from dse.domain.design import Configuration
@@ -30,6 +32,7 @@ class Exploring(TypedDict, total=False):
     fresh: bool
     fmi: int
     sandbox: bool
+    executor: FuturesPool | Callable[[], FuturesPool] | None
     progress: Callable[[Progress], None] | bool | None
 
 
@@ -124,14 +127,19 @@ class Study(_Named[nouns.Study]):
         fresh: bool = False,
         fmi: int = 2,
         sandbox: bool = False,
+        retry_failed: bool = False,
+        executor: FuturesPool | Callable[[], FuturesPool] | None = None,
         progress: Callable[[Progress], None] | bool | None = None,
     ) -> Results:
         """Make the runs that *folder* does not have yet, and return what is in it.
 
         *workers* processes (0: one for each processor) make *threads* runs at once each. *fuse* links each
-        configuration into one library first, *fresh* throws away what the folder holds. *progress* is called with how
-        far it has come; True shows a bar on standard error. In a *sandbox* FMUs have no network and write in their
-        scratch folder only (Linux). Results do not depend on any of that.
+        configuration into one library first, *fresh* throws away what the folder holds; with *retry_failed* runs that
+        failed before are made again. *progress* is called with how far it has come; True shows a bar on standard
+        error. In a *sandbox* FMUs have no network and write in their scratch folder only (Linux). *executor* makes the
+        runs instead of what the study names: one of ``concurrent.futures`` with so many *workers* (0: as it says
+        itself), or a function that makes one. Results do not depend on any of that. Runs that were made before, for
+        this study or another, are not simulated again, unless *fresh*; `plan` tells.
 
         Raises DseError with everything that is wrong, and ExplorationInterruptedError, a KeyboardInterrupt, on Ctrl-C:
         what was finished is stored, and the same call goes on from there.
@@ -140,10 +148,21 @@ class Study(_Named[nouns.Study]):
         from dse.api.studies.exploring import ExploreOptions, explore_into
         from dse.api.studies.results import Results
 
-        options = ExploreOptions(workers, threads, fuse, fresh, fmi, sandbox)
+        options = ExploreOptions(workers, threads, fuse, fresh, fmi, sandbox, retry_failed, executor)
         with telling(progress) as tell:
             explored = explore_into(self.noun, Path(folder), options, on_progress=tell)
         return Results(Path(folder), explored)
+
+    def plan(
+        self, folder: str | Path, *, workers: int = 0, fuse: bool = False, fresh: bool = False, fmi: int = 2
+    ) -> Plan:
+        """What `explore` would do with these arguments: how many runs it would simulate, why, and for how long.
+
+        FMUs are built, nothing is simulated, and *folder* is left as it is. Raises DseError as `explore` would.
+        """
+        from dse.api.studies.exploring import ExploreOptions, plan_into
+
+        return plan_into(self.noun, Path(folder), ExploreOptions(workers, 1, fuse, fresh, fmi))
 
     def __repr__(self) -> str:
         names = ", ".join(variable.name for variable in self.noun.variables)

@@ -3,18 +3,23 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from concurrent.futures import Executor as FuturesPool
+from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from dse.domain.study import ExecutorChoice
-from dse.errors import fail
+from dse.api.studies.planning import Plan, changes_since, known_runs, plan, start_over
+from dse.domain.study import ExecutorChoice, Shard
+from dse.errors import DseError, fail
 from dse.exploration import (
     Executor,
     ExplorationInterruptedError,
     Explored,
+    FuturesExecutor,
     Progress,
     explore,
+    give,
     load_executor,
     simulate_alone,
 )
@@ -25,7 +30,17 @@ if TYPE_CHECKING:
     from dse.domain.run import Run
     from dse.domain.study import Study
 
-__all__ = ["ExplorationInterruptedError", "ExploreOptions", "Explored", "Progress", "alone", "explore_into", "ready"]
+__all__ = [
+    "ExplorationInterruptedError",
+    "ExploreOptions",
+    "Explored",
+    "Plan",
+    "Progress",
+    "alone",
+    "explore_into",
+    "plan_into",
+    "ready",
+]
 
 Tell = Callable[[str], None]
 """Is told what is going on while things are built."""
@@ -36,9 +51,11 @@ class ExploreOptions:
     """How a study is explored; its results do not depend on it.
 
     The local executor has so many *workers* (0: what the study says, or one for each processor), each with *threads*
-    runs at once. *fuse* links each configuration into one library first, *fresh* throws away what the folder holds.
-    *fmi* is the version of the FMUs that are built. In a *sandbox*, FMUs have no network and write in their scratch
-    folder only.
+    runs at once. *fuse* links each configuration into one library first, *fresh* throws away what the folder holds
+    and simulates every run, made before or not. *fmi* is the version of the FMUs that are built. In a *sandbox*, FMUs
+    have no network and write in their scratch folder only. With *retry_failed*, runs that failed before are made again.
+    *executor* makes the runs instead of what the study names: an executor of ``concurrent.futures`` with so many
+    *workers* (0: as it says itself), or a function that makes one. Of a *shard* only its runs are made.
     """
 
     workers: int = 0
@@ -47,6 +64,13 @@ class ExploreOptions:
     fresh: bool = False
     fmi: int = 2
     sandbox: bool = False
+    retry_failed: bool = False
+    executor: FuturesPool | Callable[[], FuturesPool] | None = None
+    shard: Shard | None = None
+
+    def folder(self, folder: Path) -> Path:
+        """The study folder: *folder*, or that of the shard in it."""
+        return folder / self.shard.folder if self.shard else folder
 
 
 def ready(study: Study, fmi: int = 2, *, fuse: bool = False, tell: Tell | None = None) -> PreparedStudy:
@@ -67,21 +91,60 @@ def explore_into(
     *,
     on_progress: Callable[[Progress], None] | None = None,
     tell: Tell | None = None,
+    on_changes: Callable[[Plan], None] | None = None,
 ) -> Explored:
-    """Have the study's executor make the runs that *folder* does not have yet.
+    """Have the study's executor make the runs that *folder* does not have yet, and that were not made elsewhere.
 
+    If the study's files have changed since *folder* was made, the folder becomes what a new one would be: *on_changes*
+    is told what will be done before it is. Earlier results stay in the cache.
     Raises DseError, and ExplorationInterruptedError on Ctrl-C; what was finished is stored then.
     """
+    if options.shard and not study.sampler.once:
+        what = f"the sampler '{study.sampler.name}' looks at results before it asks for more runs: it has no shards"
+        raise fail(what, study.where, "leave out --shard; 'executor: dask' has other machines make its runs")
     executor = executor_of(study, options)
+    folder = options.folder(folder)
     planned = ready(study, options.fmi, fuse=options.fuse, tell=tell)
+    known = known_runs(planned, reads=not (options.fresh or options.retry_failed))
     if options.fresh:
         StudyFolder.discard(folder)
+    elif changes_since(folder, planned, known.addresses):
+        if on_changes:
+            on_changes(plan(planned, folder, workers=options.workers))
+        start_over(folder)
     with StudyFolder.resume(folder, planned.definition) as store:
-        return explore(study, planned.benches, store, executor=executor, on_progress=on_progress)
+        if options.retry_failed:
+            store.forget(store.failed())
+        store.note_addresses(known.addresses)
+        explored = explore(
+            study,
+            planned.benches,
+            store,
+            executor=executor,
+            on_progress=on_progress,
+            known=known,
+            shard=options.shard,
+        )
+        if explored.before and explored.simulated:
+            with suppress(DseError):  # what was finished when it was stopped may not have come to the cache
+                give(store, known.store)
+        return explored
+
+
+def plan_into(study: Study, folder: Path, options: ExploreOptions, *, tell: Tell | None = None) -> Plan:
+    """What `explore_into` would do. FMUs are built, nothing is simulated, and *folder* is left as it is.
+
+    Raises DseError as exploring would.
+    """
+    planned = ready(study, options.fmi, fuse=options.fuse, tell=tell)
+    executor_of(study, options)
+    return plan(planned, folder, workers=options.workers, fresh=options.fresh)
 
 
 def executor_of(study: Study, options: ExploreOptions) -> Executor:
     """What makes the runs of *study*; DseError for options that another executor than the local one does not have."""
+    if options.executor is not None:
+        return FuturesExecutor(options.executor, options.workers)
     given = {"workers": options.workers} if options.workers else {}
     given |= {"threads": options.threads} if options.threads > 1 else {}
     given |= {"sandbox": True} if options.sandbox else {}

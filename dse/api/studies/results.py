@@ -43,6 +43,8 @@ class Summary:
     problems: Mapping[int, str]
     failures: frozenset[int]
     """Numbers of the runs that failed to run."""
+    causes: Mapping[int, str]
+    """What runs came to that were made once more, by number: they may have come right."""
 
     @property
     def is_passed(self) -> bool:
@@ -61,7 +63,7 @@ class Results:
     @property
     def summary(self) -> Summary:
         """How many runs there are, and what came of them."""
-        return self._read(lambda store: _summary(store.table()))
+        return self._read(lambda store: _summary(store.table(), store.causes()))
 
     def run(self, number: int) -> Run:
         """The run with this number, with its waveforms if they were kept."""
@@ -139,7 +141,7 @@ class Results:
             return question(store)
 
 
-def _summary(runs: RunTable) -> Summary:
+def _summary(runs: RunTable, causes: Mapping[int, str]) -> Summary:
     from dse.domain.bench import VERDICTS
 
     verdicts = {
@@ -148,7 +150,7 @@ def _summary(runs: RunTable) -> Summary:
     }
     problems = {n: problem for n, problem in zip(runs.numbers.tolist(), runs.problems, strict=True) if problem}
     failures = frozenset(runs.numbers[~runs.done].tolist())
-    return Summary(runs.header.runs, len(runs), len(failures), verdicts, problems, failures)
+    return Summary(runs.header.runs, len(runs), len(failures), verdicts, problems, failures, causes)
 
 
 def _warn(problems: Sequence[Problem]) -> None:

@@ -4,7 +4,22 @@ from __future__ import annotations
 
 from dse.api import workspace_of
 from dse.cli.app import app
-from dse.cli.arguments import FmiVersion, Fresh, Fuse, Gate, NewFolder, Sandbox, StudyName, Threads, Workers
+from dse.cli.arguments import (
+    DryRun,
+    FmiVersion,
+    Format,
+    Fresh,
+    Fuse,
+    Gate,
+    NewFolder,
+    Output,
+    RetryFailed,
+    Sandbox,
+    ShardOf,
+    StudyName,
+    Threads,
+    Workers,
+)
 
 
 @app.command()
@@ -16,15 +31,25 @@ def explore(
     version: FmiVersion = 2,
     fuse: Fuse = False,
     fresh: Fresh = False,
+    retry_failed: RetryFailed = False,
     gate: Gate = False,
     sandbox: Sandbox = False,
+    shard: ShardOf = None,
+    dry_run: DryRun = False,
+    form: Format = Output.TABLE,
 ) -> None:
     """Explore a study's design variables (PET).
 
-    Interrupted and started again it runs only what is missing; on a finished folder it does nothing.
+    Interrupted and started again it runs only what is missing; on a finished folder it does nothing. After a change of
+    the study's files it runs what that changed, and says so first. Runs that were made before are not made again.
     """
     from dse.api import ExploreOptions
-    from dse.cli.exploring import explore_and_show
+    from dse.cli.exploring import explore_and_show, show_plan
+    from dse.domain.study import Shard
 
-    options = ExploreOptions(workers, threads, fuse, fresh, version, sandbox)
+    part = Shard(*map(int, shard.split("/"))) if shard else None
+    options = ExploreOptions(workers, threads, fuse, fresh, version, sandbox, retry_failed, shard=part)
+    if dry_run:
+        show_plan(workspace_of(study).study(study), folder, options, form)
+        return
     explore_and_show(workspace_of(study).study(study), folder, options, gate=gate)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dse.api import workspace_of
 from dse.cli.app import app
-from dse.cli.arguments import Bench, FmiVersion, Fresh, Fuse, Gate, NewFolder, Sandbox, Threads, Workers
+from dse.cli.arguments import Bench, FmiVersion, Fresh, Fuse, Gate, NewFolder, RetryFailed, Sandbox, Threads, Workers
 
 
 @app.command()
@@ -16,6 +16,7 @@ def run(
     version: FmiVersion = 2,
     fuse: Fuse = False,
     fresh: Fresh = False,
+    retry_failed: RetryFailed = False,
     gate: Gate = False,
     sandbox: Sandbox = False,
 ) -> None:
@@ -26,5 +27,5 @@ def run(
     from dse.api import ExploreOptions, study_of_bench
     from dse.cli.exploring import explore_and_show
 
-    options = ExploreOptions(workers, threads, fuse, fresh, version, sandbox)
+    options = ExploreOptions(workers, threads, fuse, fresh, version, sandbox, retry_failed)
     explore_and_show(study_of_bench(workspace_of(bench).bench(bench)), folder, options, gate=gate)

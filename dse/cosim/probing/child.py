@@ -19,7 +19,7 @@ from dse.cosim.failing.failure import RunFailed
 from dse.cosim.probing.journal import Journal
 from dse.errors import DseError
 from dse.plain import packed, unpacked
-from dse.processes import start_process
+from dse.processes import forget_start, start_process
 from dse.sandbox import Sandbox
 from dse.scratch import ScratchFolder
 
@@ -132,6 +132,7 @@ def _watch(
 def _carry_out(
     connection: Connection, experiment: Experiment, file: Path, sandbox: Sandbox | None, arguments: tuple[object, ...]
 ) -> None:
+    forget_start()
     if sandbox is not None:
         sandbox.move_in()
     # What an FMU prints must not garble what the probe prints.

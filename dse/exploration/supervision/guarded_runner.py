@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import os
 import pickle
+import time
 import traceback
 
 from dse.domain.run import Outcome, Run, RunRequest
-from dse.errors import FreshProcessNeeded
+from dse.errors import DseError, FreshProcessNeeded
 from dse.exploration.failures import checked_run, failed_run, in_words
 from dse.exploration.supervision.heartbeat import Heartbeat, Phase
-from dse.exploration.supervision.messages import Setup
+from dse.exploration.supervision.messages import Fault, Setup
 from dse.exploration.supervision.open_files import are_many_open
 from dse.exploration.supervision.process_state import ProcessState
 from dse.exploration.work import Batch, Runner
@@ -19,13 +20,12 @@ from dse.exploration.work import Batch, Runner
 class GuardedRunner:
     """Simulates one configuration after the other; the one before is closed.
 
-    *hurt* says why a run failed that may be good in another process: what was done here before may be to blame.
+    *fault* is what failed here and may be good in another process: what was done here before may be to blame.
     """
 
     def __init__(self, setup: Setup, heart: Heartbeat) -> None:
         self.runs = 0
-        self.hurt = ""
-        self.has_many_open = False
+        self.fault: Fault | None = None
         self._setup = setup
         self._heart = heart
         self._progress = heart.block
@@ -47,22 +47,33 @@ class GuardedRunner:
         """Have the runner of the configuration of *batch* ready."""
         if self._configuration == batch.configuration:
             return
+        if self.runs and self._state.is_marked:
+            self._spent = True
+            return
         self._heart.beat(Phase.LEAVING, batch.identity)
         self.clear()
         self._progress[:] = bytes(len(self._progress))
         self._heart.beat(Phase.LOADING, batch.identity)
+        start = time.perf_counter()
         try:
             prepared = pickle.loads(self._setup.file(batch.configuration).read_bytes())  # noqa: S301  # our supervisor's
+            self._state.begin(prepared.memory)
             self._runner = self._setup.make_runner(prepared, self._progress)
-        except Exception as error:  # noqa: BLE001  # each of its runs fails, other configurations go on
+        except DseError as error:
+            # A fresh process would say the same: each of its runs fails, other configurations go on.
             self._spent |= self.runs > 0 and (isinstance(error, FreshProcessNeeded) or are_many_open())
             self._problem = in_words(error)
+        except Exception as error:  # noqa: BLE001  # that may be the process, or the moment
+            self._spent = True
+            self.fault = Fault(None, in_words(error), time.perf_counter() - start)
         self._leave_if_copied()
         self._state.restore()
         self._configuration = batch.configuration
 
     def run(self, batch: Batch, request: RunRequest) -> Run | None:
-        """Simulate *request*; whatever is raised becomes a failed run. None if it is to be left to a fresh process."""
+        """Simulate *request*; what the simulation says that it failed of is a failed run. None if it is to be left to
+        a fresh process.
+        """
         self.load(batch)
         if self._spent:
             return None
@@ -71,21 +82,32 @@ class GuardedRunner:
             return failed_run(request, self._problem)
         self._progress[:] = bytes(len(self._progress))
         self._heart.beat(Phase.RUNNING, batch.identity, request.number)
+        start = time.perf_counter()
+        doubt = False
         try:
             run = checked_run(self._runner.run(request, keep=batch.keep), self._setup.measures)
         except Exception as error:  # noqa: BLE001  # a failed run is a row, not the end of the study
+            run, doubt = failed_run(request, in_words(error)), not isinstance(error, DseError)
             # What state the simulation is in now is anyone's guess: the next run starts with a new one.
             self._leave_if_copied()
             self.clear()
-            run = failed_run(request, in_words(error))
         self._leave_if_copied()
         self._state.restore()
+        failed = run.outcome is Outcome.FAILED
+        harm = self._state.harm(now=failed)
         if are_many_open():
-            self._spent = self.has_many_open = True
-            if run.outcome is Outcome.FAILED:
-                self.hurt = f"{run.problem}; there were too many open files"
-                return None
+            harm = "there were too many open files"
+        if failed and (doubt or harm):
+            self._spent = True
+            words = f"{run.problem}; {harm}" if harm else run.problem
+            self.fault = Fault(request.number, words, time.perf_counter() - start)
+            return None
+        self._spent |= bool(harm)
         return run
+
+    def put_back(self) -> None:
+        """Undo what runs have done to the limits of the process, as far as that is allowed."""
+        self._spent |= bool(self._state.harm(now=True))
 
     def rest(self) -> None:
         """Tell that nothing is simulated here for now."""

@@ -11,7 +11,7 @@ from pathlib import Path
 
 from dse.exploration.work import PROGRESS_BYTES
 
-_STATE = struct.Struct("=5q")
+_STATE = struct.Struct("=6q")
 _SIZE = PROGRESS_BYTES + _STATE.size
 
 
@@ -34,7 +34,7 @@ _PHASES = frozenset(Phase)
 class State:
     """*beats* counts the changes of state; *batch* and *number* name the run at hand, if there is one.
 
-    *printed* is how many bytes of output there were before.
+    *printed* is how many bytes of output there were before, *process* whose state it is.
     """
 
     beats: int
@@ -42,6 +42,7 @@ class State:
     batch: int
     number: int
     printed: int
+    process: int
 
 
 class Heartbeat:
@@ -52,6 +53,7 @@ class Heartbeat:
             self._map = mmap.mmap(stream.fileno(), 0)
         self._begin = thread * _SIZE
         self._beats = 0
+        self._process = os.getpid()
 
     @staticmethod
     def lay_out(file: Path, threads: int = 1) -> None:
@@ -66,14 +68,16 @@ class Heartbeat:
     def beat(self, phase: Phase, batch: int = -1, number: int = -1) -> None:
         """Tell that the thread is in *phase* now."""
         self._beats += 1
-        printed = os.fstat(2).st_size
-        _STATE.pack_into(self._map, self._begin + PROGRESS_BYTES, self._beats, phase, batch, number, printed)
+        try:
+            printed = os.lseek(2, 0, os.SEEK_CUR)
+        except OSError:  # a run has closed it
+            printed = 0
+        place = self._begin + PROGRESS_BYTES
+        _STATE.pack_into(self._map, place, self._beats, phase, batch, number, printed, self._process)
 
     def state(self) -> State:
         """What was told last."""
-        beats, phase, *rest = _STATE.unpack_from(self._map, self._begin + PROGRESS_BYTES)
-        # The file is open in the worker: an FMU may have written into it.
-        return State(beats, Phase(phase) if phase in _PHASES else Phase.STARTING, *rest)
+        return _state(self._map, self._begin)
 
     def progress(self) -> bytes:
         """A copy of the progress block."""
@@ -82,3 +86,15 @@ class Heartbeat:
     def close(self) -> None:
         """Unmap the file; BufferError while a view of the block is alive."""
         self._map.close()
+
+
+def states_in(file: Path) -> list[State]:
+    """The last states of a worker whose supervisor is gone, too."""
+    content = file.read_bytes() if file.is_file() else b""
+    return [_state(content, begin) for begin in range(0, len(content) - _SIZE + 1, _SIZE)]
+
+
+def _state(content: mmap.mmap | bytes, begin: int) -> State:
+    beats, phase, *rest = _STATE.unpack_from(content, begin + PROGRESS_BYTES)
+    # The file is open in the worker: an FMU may have written into it.
+    return State(beats, Phase(phase) if phase in _PHASES else Phase.STARTING, *rest)

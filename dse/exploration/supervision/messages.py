@@ -20,7 +20,9 @@ class Setup:
     make_runner: MakeRunner
     configurations: Path
     waveforms: Path
+    spool: Path
     measures: Measures
+    study: str = ""
     threads: int = 1
     sandbox: Sandbox | None = None
 
@@ -29,12 +31,19 @@ class Setup:
         return self.configurations / f"{configuration.encode().hex()[:200]}.pickle"
 
 
-def in_sandbox(setup: Setup, spool: Path) -> Setup:
-    """*setup* for workers in a sandbox, who are in a folder of their own: no place in it is relative any more."""
-    home, waveforms = setup.configurations / "scratch", setup.waveforms.absolute()
-    return replace(
-        setup, waveforms=waveforms, sandbox=Sandbox((home, waveforms, spool.absolute()), (setup.configurations,))
-    )
+def in_sandbox(setup: Setup) -> Setup:
+    """*setup* for workers in a sandbox, who are in a folder of their own."""
+    home = setup.configurations / "scratch"
+    return replace(setup, sandbox=Sandbox((home, setup.waveforms, setup.spool), (setup.configurations,)))
+
+
+@dataclass(frozen=True, slots=True)
+class Fault:
+    """What came to nothing after *seconds*: the run *number*, or loading its configuration if that is None."""
+
+    number: int | None
+    cause: str
+    seconds: float
 
 
 @dataclass(frozen=True, slots=True)
@@ -42,8 +51,8 @@ class Report:
     """From a worker: runs of the batch *identity* that are finished.
 
     *ended* with the last of them; then *kept* are the numbers whose waveforms are in the batch's file. *retired*
-    comes last: the process is worn out and leaves, runs that are still to be made go to another. *broken* says why the
-    worker cannot go on at all, as when the disk is full; *hurt* why this process cannot, which a run has harmed.
+    comes last: the process is worn out and leaves, runs that are still to be made go to another; *fault* is what came
+    to nothing here and may be good there. *broken* says why no worker can go on, as when the disk is full.
     """
 
     identity: int
@@ -52,8 +61,8 @@ class Report:
     kept: tuple[int, ...] = ()
     retired: bool = False
     broken: str = ""
-    hurt: str = ""
+    fault: Fault | None = None
 
 
-FROM_WORKERS = (Report, RowBlock)
+FROM_WORKERS = (Report, RowBlock, Fault)
 """What a worker's messages are made of."""

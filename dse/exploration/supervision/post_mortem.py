@@ -14,16 +14,17 @@ _LONGEST_LINE = 200
 class Traces:
     """*unfinished* are runs of *at_hand* that were begun and had not come back; several in a worker with threads.
 
-    If there are none, *loading* is the configuration that was being loaded, "" if none was. *progress* and *words* are
-    the progress block and the last words of the first thread concerned.
+    If there are none, *loading* is what was being loaded for, None if nothing was. *progress* and *words* are the
+    progress block and the last words of the first thread concerned, *seconds* how long it had been at it.
     """
 
     states: tuple[State, ...]
     at_hand: Assignment | None
     unfinished: tuple[int, ...]
-    loading: str
+    loading: Assignment | None
     progress: bytes
     words: str
+    seconds: float
 
 
 def traces_of(worker: WorkerProcess) -> Traces:
@@ -34,22 +35,23 @@ def traces_of(worker: WorkerProcess) -> Traces:
     unfinished = {
         thread: s.number
         for thread, s in running.items()
-        if at_hand and s.batch == at_hand.batch.identity and s.number not in at_hand.received
+        if at_hand and s.batch == at_hand.batch.identity and s.number in at_hand.missing
     }
-    batches = {a.batch.identity: a.batch.configuration for a in worker.assignments}
+    given = {a.batch.identity: a for a in worker.assignments}
     loading = {
-        thread: batches[s.batch]
+        thread: given[s.batch]
         for thread, s in enumerate(states)
-        if not unfinished and s.phase is Phase.LOADING and s.batch in batches
+        if not unfinished and s.phase is Phase.LOADING and s.batch in given
     }
     thread = next(iter([*unfinished, *loading]), None)
     return Traces(
         states,
         at_hand,
         tuple(unfinished.values()),
-        next(iter(loading.values()), ""),
+        next(iter(loading.values()), None),
         b"" if thread is None else worker.progress(thread),
         worker.last_words(0 if thread is None else states[thread].printed),
+        max(worker.silence().values()),
     )
 
 

@@ -1,50 +1,52 @@
 """Worker processes and the one that watches them: no finished run is lost, no dead or hanging worker holds up a study.
 
-Each worker has a channel of its own, so a worker that dies can only take with it what it had not sent yet. What killed
-it is recorded as the result of the run at hand, the rest of its batch goes to a fresh worker. Exceptions: a worker that
-was killed from outside (SIGKILL, as the kernel does when memory runs out), or that grew too large over several runs,
-says nothing about the run at hand, which is tried once more; the second time it is recorded. And where several runs
-were at hand, in threads, nobody knows which of them it was: they are made again, one at a time. So are all runs of a
-batch in which something was done to the worker that showed only later.
+Each worker has a channel of its own, so a worker that dies can only take with it what it had not sent yet. What it died
+of may be the fault of the run at hand, of one before, or of nobody here: the run is tried once more, alone in a fresh
+process, and what comes of that is its result; so it does not depend on how runs fell to workers. The rest of its batch
+goes to another worker. The same holds for a configuration that was being loaded. A death outside of any run is counted:
+with a few in a row that no run came back before, the exploration is given up. Nothing is tried without end.
 """
 
 from __future__ import annotations
 
-import signal
-import sys
+import math
+import shutil
 import tempfile
 import time
-from collections import deque
 from collections.abc import Iterable
 from contextlib import ExitStack, suppress
 from dataclasses import replace
-from itertools import count
 from multiprocessing.connection import wait
 from pathlib import Path
 from types import TracebackType
 
+import numpy as np
+
 from dse.errors import DseError, fail
-from dse.exploration.failures import failed_run
-from dse.exploration.remote import packed
+from dse.exploration.packing import packed
 from dse.exploration.supervision.channel import GarbledError
-from dse.exploration.supervision.heartbeat import Phase
+from dse.exploration.supervision.heartbeat import Phase, states_in
 from dse.exploration.supervision.messages import Report, Setup, in_sandbox
 from dse.exploration.supervision.post_mortem import Traces, cause_of, outside_of_runs, told, traces_of
+from dse.exploration.supervision.work_queue import WorkQueue
 from dse.exploration.supervision.worker import CHANNEL_CLOSED
 from dse.exploration.supervision.worker_process import Assignment, WorkerProcess
 from dse.exploration.work import Batch, Sink, Work
-from dse.storage import block_of, waveform_file
+from dse.scratch import ScratchFolder
+from dse.storage import STOPPED, Attempt, RowBlock, made_by, read_spool, spooled_names
 
 START_TIMEOUT = 60.0
 """Seconds a worker may take to start, to load a configuration or to write a file."""
 
-MOST_DEATHS_LOADING = 2
-"""Workers that may die of loading one configuration before its runs are given up; the first may have been unlucky."""
+MOST_FRUITLESS_DEATHS = 5
+"""Workers that may die in a row outside of any run, none of which had made one, before the exploration is given up."""
 
-MOST_FRUITLESS_DEATHS = 3
-"""Workers that may die in a row outside of any run before the exploration is given up."""
+_FOLDER = "workers-"
 
 _LOOK_EVERY = 0.05
+
+_LONGEST_LOOK = 0.1
+"""Seconds that count at most between two looks at the workers."""
 
 _CLOSED = "closed files that are not its own: the line to the study"
 
@@ -60,27 +62,30 @@ class Supervisor:
     With several *threads* in a worker, configurations that do not bear them have as many more workers instead.
     """
 
+    remarks: tuple[str, ...] = ()
+
     def __init__(self, work: Work, sink: Sink, workers: int, threads: int = 1, *, sandboxed: bool = False) -> None:
         self._configurations = work.configurations
         self._sink = sink
         self._workers_wanted = self._most = workers
-        self._folder = tempfile.TemporaryDirectory(prefix="dse-", ignore_cleanup_errors=True)
-        self._setup = Setup(work.make_runner, Path(self._folder.name), work.waveforms, work.measures, threads)
+        spool, waveforms = work.spool.absolute(), work.waveforms.absolute()
+        spool.mkdir(parents=True, exist_ok=True)
+        # In a sandbox the spool can be written, and what this process reads again must not be.
+        self._folder = ScratchFolder() if sandboxed else _beside(spool)
+        place = Path(self._folder.name)
+        self._setup = Setup(work.make_runner, place, waveforms, spool, work.measures, work.study, threads)
         if sandboxed:
-            self._setup = in_sandbox(self._setup, work.spool)
+            self._setup = in_sandbox(self._setup)
         self._workers: list[WorkerProcess] = []
-        self._pending: deque[Batch] = deque()
+        self._queue = WorkQueue(sink, work.measures)
         self._started = 0
         self._fruitless = 0
-        self._retried: set[int] = set()
-        self._deaths_loading: dict[str, list[str]] = {}
-        self._looked = 0.0
-        self._spare = count(1 << 40)
+        self._looked = time.monotonic()
 
     @property
     def retried(self) -> int:
-        """Runs that were tried again because their worker was killed from outside or had grown too large before."""
-        return len(self._retried)
+        """How many runs were tried twice, as the first time need not have been their fault."""
+        return self._queue.retried
 
     def work_off(self, batches: Iterable[Batch]) -> None:
         """Carry out *batches*; returns when each of their runs has been given to the sink.
@@ -98,14 +103,32 @@ class Supervisor:
 
     def _work_off(self, batches: Iterable[Batch], workers: int) -> None:
         self._most = workers
-        self._pending.extend(batches)
-        while self._pending or any(worker.assignments for worker in self._workers):
+        spooled = spooled_names(self._setup.spool)
+        self._queue.fill(self._less_spooled(batch) if batch.name in spooled else batch for batch in batches)
+        self._tell_of_interrupted()
+        while len(self._queue) or any(worker.assignments for worker in self._workers):
             self._start_workers()
             self._assign()
             self._listen()
-            self._look_for_hanging()
-            self._look_for_growth()
+            self._look_after_workers()
             self._sink.tick()
+
+    def _less_spooled(self, batch: Batch) -> Batch:
+        """*batch* without the runs whose waveforms are in the spool, as their rows are in the folder, from before."""
+        setup = self._setup
+        spooled = read_spool(setup.spool, setup.measures, setup.study, batch.name) if batch.keep else []
+        return batch.after({number for each in spooled for number in each.kept}.intersection(batch.numbers))
+
+    def _tell_of_interrupted(self) -> None:
+        """Tell of runs that were begun when a supervisor before this one was killed with its workers."""
+        asked = self._queue.numbers()
+        for folder in self._setup.spool.glob(f"{_FOLDER}*"):
+            if folder != self._setup.configurations:
+                for state in (state for file in folder.glob("*.beat") for state in states_in(file)):
+                    if state.phase is Phase.RUNNING and state.number in asked:
+                        attempt = Attempt(state.number, made_by(state.process), STOPPED, math.nan)
+                        self._sink.tried([attempt])
+                shutil.rmtree(folder, ignore_errors=True)
 
     def __enter__(self) -> Supervisor:
         return self
@@ -120,194 +143,195 @@ class Supervisor:
                 if error is None:
                     worker.dismiss()
                 else:
-                    last.callback(worker.kill)
+                    worker.kill()
             if error is not None:
                 for worker in self._workers:
                     with suppress(DseError):  # one reason to stop is told already
-                        self._receive(worker)
+                        self._take_last(worker)
+
+    def _take_last(self, worker: WorkerProcess) -> None:
+        """Take what there is of a *worker* that was killed, and tell of the runs it was in."""
+        worker.end()
+        self._receive(worker)
+        self._recover(worker)
+        traces = traces_of(worker)
+        tries = [Attempt(number, worker.maker, STOPPED, traces.seconds) for number in traces.unfinished]
+        self._sink.tried(tries)
 
     def _start_workers(self) -> None:
         busy = sum(bool(worker.assignments) for worker in self._workers)
-        while len(self._workers) < min(self._most, busy + len(self._pending)):
+        wanted = min(self._most, busy + len(self._queue))
+        if self._queue.wants_fresh and len(self._workers) >= wanted and all(worker.used for worker in self._workers):
+            idle = next((worker for worker in self._workers if not worker.assignments), None)
+            if idle is not None:
+                self._workers.remove(idle)
+                idle.kill()
+                idle.reap()
+        while len(self._workers) < wanted:
             self._workers.append(WorkerProcess(self._setup, Path(self._folder.name), self._started))
             self._started += 1
 
     def _assign(self) -> None:
         # A second batch on the line spares a worker the wait for the next one; at the end it would leave others idle.
-        depth = 2 if len(self._pending) > len(self._workers) else 1
+        depth = 2 if len(self._queue) > len(self._workers) else 1
         for turn in range(depth):
             for worker in list(self._workers):
-                if self._pending and len(worker.assignments) == turn:
-                    batch = self._pending.popleft()
-                    if self._cannot_be_loaded(batch):
-                        continue
-                    self._store(batch.configuration)
-                    worker.give(batch)
-
-    def _cannot_be_loaded(self, batch: Batch) -> bool:
-        """Whether workers died of the configuration before they got to a run of it; then its runs are failures."""
-        causes = self._deaths_loading.get(batch.configuration, [])
-        if len(causes) < MOST_DEATHS_LOADING:
-            return False
-        self._fail(batch, causes[-1])
-        self._sink.ended(batch, ())
-        return True
+                if len(worker.assignments) == turn and not worker.offence:
+                    batch = self._queue.take(fresh=not worker.used)
+                    if batch is not None:
+                        self._store(batch.configuration)
+                        worker.give(batch)
 
     def _store(self, configuration: str) -> None:
         file = self._setup.file(configuration)
         if not file.exists():
-            file.write_bytes(packed(self._configurations[configuration])[0])
+            file.write_bytes(packed(self._configurations[configuration]).content)
 
     def _listen(self) -> None:
-        channels = [worker.channel for worker in self._workers]
-        ready = wait([*channels, *(worker.sentinel for worker in self._workers)], _LOOK_EVERY)
-        for worker in list(self._workers):
+        heard = [worker for worker in self._workers if not worker.offence]
+        ready = wait([end for worker in heard for end in (worker.channel, worker.sentinel)], _LOOK_EVERY)
+        for worker in heard:
             # Dead is dead, even if something the worker started still holds the far end of its pipe.
             if not self._receive(worker):
                 self._part_with(worker)
-            elif worker.sentinel in ready:
-                if not worker.ends_within(_UNTIL_GONE):
-                    worker.offence = _SCRIBBLED
+            elif worker.sentinel in ready and not worker.offence:
+                is_gone = worker.ends_within(_UNTIL_GONE)
                 self._receive(worker)
-                self._part_with(worker)
+                if is_gone:
+                    self._part_with(worker)
+                else:
+                    worker.cut_off(_SCRIBBLED)
 
     def _receive(self, worker: WorkerProcess) -> bool:
-        """Take all that *worker* has sent; False if it is dead, or has to die for its offence."""
-        if worker.offence:
-            return False
+        """Take all that *worker* has sent; False if it is dead.
+
+        One that sends anything else is not listened to any more: what it makes is in the spool.
+        """
         try:
             for report in worker.reports():
                 if not _is_expected(worker, report):
                     raise GarbledError
                 self._take(worker, report)
-                if worker.offence:
-                    return False
         except GarbledError:
-            worker.offence = _SCRIBBLED
-            return False
+            worker.cut_off(_SCRIBBLED)
         except (EOFError, OSError):
-            return False
+            if worker.ends_within(_UNTIL_GONE):
+                return False
+            worker.cut_off(_CLOSED)
         return True
 
     def _take(self, worker: WorkerProcess, report: Report) -> None:
+        assignment = worker.assignments[0]
+        if report.block is not None:
+            self._take_rows(worker, assignment, report.block)
         if report.broken:
             worker.assignments.popleft()  # what it sends next is of the batch after
             raise fail(report.broken, hint="finished runs are stored: the same command goes on when there is room")
-        assignment = worker.assignments[0]
-        if report.block is not None:
-            worker.useful = True
-            assignment.received.update(report.block.numbers.tolist())
-            assignment.failed.update(report.block.numbers[~report.block.done].tolist())
-            self._sink.rows(assignment.batch, report.block)
         if report.ended:
             worker.assignments.popleft()
-            self._fruitless = 0
-            self._sink.ended(assignment.batch, report.kept)
-        worker.retired = report.retired
-        if report.hurt:
-            worker.offence, worker.worn = report.hurt, worker.useful
+            worker.useful, self._fruitless = True, 0
+            self._queue.end(assignment.batch, report.kept)
+        worker.retired, worker.fault = report.retired, report.fault
 
-    def _look_for_hanging(self) -> None:
-        for worker in [worker for worker in self._workers if worker.assignments]:
-            timeout = self._configurations[worker.assignments[0].batch.configuration].timeout
-            for phase, silence in worker.silence().items():
-                limit = timeout if phase is Phase.RUNNING else START_TIMEOUT
-                if silence > limit and self._receive(worker) and worker.silence().get(phase, 0.0) > limit:
-                    self._part_with(worker, f"no answer for {limit:g} s")
-                    break
+    def _take_rows(self, worker: WorkerProcess, assignment: Assignment, block: RowBlock) -> None:
+        worker.useful, self._fruitless = True, 0
+        assignment.received.update(block.numbers.tolist())
+        self._queue.is_loaded(assignment.batch.configuration)
+        self._sink.rows(assignment.batch, block)
 
-    def _look_for_growth(self) -> None:
+    def _recover(self, worker: WorkerProcess) -> None:
+        """Take what a dead *worker* had spooled and not sent."""
+        setup = self._setup
+        for assignment in worker.assignments:
+            for spooled in read_spool(setup.spool, setup.measures, setup.study, assignment.batch.name):
+                missing = assignment.missing
+                rows = [row for row, number in enumerate(spooled.block.numbers.tolist()) if number in missing]
+                if rows:
+                    self._take_rows(worker, assignment, spooled.block.part(np.array(rows, np.intp)))
+
+    def _look_after_workers(self) -> None:
         now = time.monotonic()
         if now - self._looked < _LOOK_EVERY:
             return
-        self._looked = now
-        for worker in [worker for worker in self._workers if worker.assignments]:
+        # Where it was longer, this process was stopped or had no processor, and so may the workers.
+        passed, self._looked = min(now - self._looked, _LONGEST_LOOK), now
+        for worker in [worker for worker in self._workers if worker.assignments or worker.offence]:
             worker.shorten_log()
-            limit = self._configurations[worker.assignments[0].batch.configuration].memory
-            if worker.resident() > limit:
-                self._receive(worker)
-                self._part_with(worker, f"grew beyond {limit / 1e9:.3g} GB of memory", again=worker.useful)
-            elif worker.has_ended:
+            worker.pass_time(passed)
+            if worker.has_ended:
                 # What it has started may hold on to what tells of its end.
                 self._receive(worker)
                 self._part_with(worker)
+            elif self._offence_of(worker) and self._receive(worker) and (offence := self._offence_of(worker)):
+                self._part_with(worker, offence)
 
-    def _part_with(self, worker: WorkerProcess, offence: str = "", *, again: bool = False) -> None:
-        """Part with a worker that is dead or, for an *offence*, is to die: record what is its run's fault.
+    def _offence_of(self, worker: WorkerProcess) -> str:
+        """Why *worker* has to be ended, "" if it has not."""
+        if not worker.assignments:
+            return worker.offence
+        configuration = self._configurations[worker.assignments[0].batch.configuration]
+        if worker.resident() > configuration.memory:
+            return f"grew beyond {configuration.memory / 1e9:.3g} GB of memory"
+        for phase, silence in worker.silence().items():
+            limit = configuration.timeout if phase is Phase.RUNNING else START_TIMEOUT
+            if silence > limit:
+                return f"no answer for {limit:g} s"
+            if worker.stopped > limit:
+                return f"stopped by a signal for {limit:g} s"
+        return ""
 
-        The rest goes back to the front of the queue; with *again* also the run at hand if it was tried only once.
+    def _part_with(self, worker: WorkerProcess, offence: str = "") -> None:
+        """Part with a worker that is dead, has left or, for an *offence*, is to die: charge it to who may be at fault.
+
+        What was not at hand goes back to the front of the queue.
         """
         self._workers.remove(worker)
-        traces = traces_of(worker)
-        if offence or worker.offence:
+        if offence:
             worker.kill()
-        code = worker.reap()
+        code = worker.end()
+        self._recover(worker)
+        traces = traces_of(worker)
+        worker.free()
         if code == CHANNEL_CLOSED:
             worker.offence = worker.offence or _CLOSED
-        suspect = worker.assignments[0] if worker.offence and worker.assignments else None
-        offence = worker.offence or offence
-        cause = offence or cause_of(code)
-        if traces.loading and not suspect:
-            place = self._configurations[traces.loading].describe_progress(traces.progress)
-            deaths = self._deaths_loading.setdefault(traces.loading, [])
-            deaths.append(told(cause, place or "while its FMUs were loaded", traces.words))
-        fruitful = suspect or traces.unfinished or traces.loading or (worker.useful and (worker.retired or again))
-        self._fruitless = 0 if fruitful else self._fruitless + 1
-        if self._fruitless >= MOST_FRUITLESS_DEATHS:
-            raise _given_up(cause, traces)
-        again = again or (not offence and sys.platform != "win32" and code == -signal.SIGKILL)
+        cause = offence or (worker.offence if code in (0, CHANNEL_CLOSED) else "") or cause_of(code)
+        at_hand = self._charge(worker, traces, cause)
         for assignment in reversed(worker.assignments):
-            rest = assignment.rest()
-            if assignment is suspect:
-                self._examine(assignment, offence, again=worker.worn)
-                continue
-            if not suspect and traces.unfinished and assignment is traces.at_hand and not worker.retired:
-                rest = self._judge(rest, traces, cause, again=again)
-            if rest.numbers:
-                self._pending.appendleft(rest)
-            else:
-                self._sink.ended(assignment.batch, ())
+            if assignment is not at_hand:
+                self._queue.pass_on(assignment.rest())
 
-    def _judge(self, rest: Batch, traces: Traces, cause: str, *, again: bool) -> Batch:
-        """Record the run at hand if it is at fault; what of *rest* is to be made."""
-        number = traces.unfinished[0]
-        if self._in_threads(rest):
-            return replace(rest, alone=True)
-        if again and number not in self._retried:
-            self._retried.add(number)
-            return rest
-        place = self._configurations[rest.configuration].describe_progress(traces.progress)
-        # The same words whether it was tried again: that depends on how runs fall to workers, results must not.
-        self._fail(rest, told(cause, place, traces.words), number)
-        return rest.without({number})
+    def _charge(self, worker: WorkerProcess, traces: Traces, cause: str) -> Assignment | None:
+        """Have somebody answer for the end of *worker*; the assignment that is taken care of with that."""
+        at_hand = worker.assignments[0] if worker.assignments else None
+        fault = worker.fault
+        if at_hand and fault and fault.number is not None:
+            self._queue.try_again(at_hand.rest(), {fault.number: fault.cause}, worker.maker, fault.seconds)
+        elif at_hand and fault:
+            self._queue.load_again(at_hand.rest(), fault.cause, worker.maker, fault.seconds)
+        elif traces.at_hand and traces.unfinished and not worker.retired:
+            first, *others = traces.unfinished
+            place = "" if cause == worker.offence else self._place(traces.at_hand, traces)
+            causes = {first: told(cause, place, traces.words), **dict.fromkeys(others, cause)}
+            self._queue.try_again(traces.at_hand.rest(), causes, worker.maker, traces.seconds)
+            return traces.at_hand
+        elif traces.loading and not worker.retired:
+            place = self._place(traces.loading, traces) or "while its FMUs were loaded"
+            words = told(cause, place, traces.words)
+            self._queue.load_again(traces.loading.rest(), words, worker.maker, traces.seconds)
+            return traces.loading
+        else:
+            self._fruitless = 0 if worker.useful else self._fruitless + 1
+            if self._fruitless >= MOST_FRUITLESS_DEATHS:
+                raise _given_up(cause, traces)
+            return None
+        return at_hand
 
-    def _examine(self, suspect: Assignment, offence: str, *, again: bool) -> None:
-        """Have the runs of *suspect* made in batches of their own; a single one is at fault."""
-        rest = suspect.rest()
-        if len(rest.numbers) > 1:
-            self._pending.extendleft(self._single(rest, number) for number in reversed(rest.numbers))
-            return
-        number = next(iter(rest.numbers), None)
-        if number is not None and again and number not in self._retried:
-            self._retried.add(number)
-            self._pending.appendleft(rest)
-            return
-        if number is not None and number not in suspect.received:
-            self._fail(rest, offence)
-        self._sink.ended(suspect.batch, ())
+    def _place(self, assignment: Assignment, traces: Traces) -> str:
+        return self._configurations[assignment.batch.configuration].describe_progress(traces.progress)
 
-    def _single(self, batch: Batch, number: int) -> Batch:
-        file = waveform_file(number, number) if batch.keep else ""
-        single = batch.without({*batch.numbers} - {number})
-        return replace(single, identity=next(self._spare), file=file)
 
-    def _in_threads(self, batch: Batch) -> bool:
-        return self._setup.threads > 1 and not batch.alone and len(batch.requests) > 1
-
-    def _fail(self, batch: Batch, problem: str, number: int | None = None) -> None:
-        """Tell the sink that the runs of *batch*, or the one with *number*, came to nothing."""
-        runs = [failed_run(request, problem) for request in batch.requests if number in (None, request.number)]
-        self._sink.rows(batch, block_of(runs, self._setup.measures))
+def _beside(spool: Path) -> tempfile.TemporaryDirectory[str]:
+    return tempfile.TemporaryDirectory(prefix=_FOLDER, dir=spool, ignore_cleanup_errors=True)
 
 
 def _given_up(cause: str, traces: Traces) -> DseError:
@@ -325,5 +349,5 @@ def _is_expected(worker: WorkerProcess, report: object) -> bool:
         return False
     at_hand = worker.assignments[0]
     numbers = [] if report.block is None else report.block.numbers.tolist()
-    fresh = {*at_hand.batch.numbers} - at_hand.received
-    return report.identity == at_hand.batch.identity and len(numbers) == len({*numbers}) and fresh.issuperset(numbers)
+    is_new = len(numbers) == len({*numbers}) and at_hand.missing.issuperset(numbers)
+    return report.identity == at_hand.batch.identity and is_new

@@ -13,19 +13,21 @@ import sys
 import threading
 import time
 from collections.abc import Sequence
+from contextlib import suppress
 from multiprocessing import parent_process, resource_tracker
 from pathlib import Path
 from typing import NoReturn
 
-from dse.domain.run import Run, Waveforms
+from dse.domain.run import Run
 from dse.exploration.supervision.channel import receive, send
 from dse.exploration.supervision.guarded_runner import GuardedRunner
 from dse.exploration.supervision.heartbeat import Heartbeat, Phase
-from dse.exploration.supervision.messages import Report, Setup
+from dse.exploration.supervision.messages import Fault, Report, Setup
 from dse.exploration.supervision.open_files import OUT_OF_FILES, SpareFiles
 from dse.exploration.supervision.worker_threads import are_spent, simulate
 from dse.exploration.work import Batch
-from dse.storage import RowBlock, block_of, write_waveforms
+from dse.processes import forget_start
+from dse.storage import RowBlock, SpoolWriter, assemble, block_of, read_spool, this_process
 
 _SEND_EVERY = 0.1
 _TURN = 1e-4
@@ -33,19 +35,19 @@ _TURN = 1e-4
 CHANNEL_CLOSED = 117
 """Exit code of a worker whose channel was closed behind its back."""
 
-_HARMED = OUT_OF_FILES | {errno.EFBIG}
+_HARMED = OUT_OF_FILES | {errno.EFBIG, errno.EBADF}
 """What another process would not be told when it writes a file: a run has used up or changed the limits of this one."""
 
 
 def serve(channel: socket.socket, setup: Setup, heartbeat: Path, log: Path) -> None:
     """Serve batches until None comes or the supervisor is gone. What simulations print goes to *log*."""
-    # Ctrl-C reaches the whole terminal group; it is the supervisor that decides what to do about it.
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    _leave_signals_to_the_supervisor()
     threading.Thread(target=_leave_with_parent, daemon=True).start()
     _print_to(log)
     if setup.sandbox is not None:
         setup.sandbox.move_in()
     _let_go_of_the_tracker()
+    forget_start()
     spare = SpareFiles()
     hearts = [Heartbeat(heartbeat, thread) for thread in range(setup.threads)]
     runners = [GuardedRunner(setup, heart) for heart in hearts]
@@ -57,7 +59,7 @@ def serve(channel: socket.socket, setup: Setup, heartbeat: Path, log: Path) -> N
     try:
         while (batch := receive(channel)) is not None:
             if _is_too_much(batch, runners):
-                _retire(channel, Report(batch.identity, retired=True))
+                _retire(channel, Report(batch.identity, retired=True, fault=runners[0].fault))
             _carry_out(batch, runners, channel, setup, hearts[0], spare)
             hearts[0].beat(Phase.WAITING)
         for runner in runners:
@@ -74,9 +76,11 @@ def _is_too_much(batch: Batch, runners: Sequence[GuardedRunner]) -> bool:
     """Whether a fresh process is to be left the batch, as this one cannot make all of its runs any more."""
     if not any(runner.runs for runner in runners):
         return False
+    if not batch.todo:
+        return False
     runners[0].load(batch)
     left = runners[0].runs_left
-    return left is not None and left < len(batch.requests)
+    return left is not None and left < len(batch.todo)
 
 
 def _carry_out(
@@ -87,45 +91,93 @@ def _carry_out(
     heart: Heartbeat,
     spare: SpareFiles,
 ) -> None:
-    is_fresh = not any(runner.runs for runner in runners)
     finished: list[tuple[Run, float]] = []
-    kept: list[tuple[int, Waveforms]] = []
     done = 0
     sent = time.perf_counter()
+    spool, fault = _Spool(batch, setup, runners, spare), None
     for run, seconds in simulate(batch, runners):
+        fault = spool.add(run, seconds)
+        if fault:
+            break
         finished.append((run, seconds))
         done += 1
-        if batch.keep and run.waveforms is not None:
-            kept.append((run.request.number, run.waveforms))
         if time.perf_counter() - sent > _SEND_EVERY:
             send(channel, Report(batch.identity, _block(finished, setup)))
             finished, sent = [], time.perf_counter()
-    hurt = next((runner.hurt for runner in runners if runner.hurt), "")
-    if done < len(batch.requests) and batch.keep and is_fresh and any(runner.has_many_open for runner in runners):
-        # No other process would come to the end of it either.
-        hurt = hurt or "too many open files"
+    spool.close()
     block = _block(finished, setup) if finished else None
-    if done < len(batch.requests) or hurt:
-        _retire(channel, Report(batch.identity, block, retired=not hurt, hurt=hurt))
-    # Threads finish in any order.
-    kept.sort(key=lambda entry: entry[0])
-    if kept:
+    if done < len(batch.todo):
+        broken = fault.cause if fault and not spool.is_harmed else ""
+        fault = fault or next((runner.fault for runner in runners if runner.fault), None)
+        _retire(channel, Report(batch.identity, block, retired=True, broken=broken, fault=fault))
+    kept: tuple[int, ...] = ()
+    if batch.keep and not batch.part:
         heart.beat(Phase.WRITING, batch.identity)
+        for runner in runners:
+            runner.put_back()
         spare.give()
         try:
-            write_waveforms(setup.waveforms / batch.file, kept)
+            spooled = read_spool(setup.spool, setup.measures, setup.study, batch.name)
+            kept = assemble(setup.waveforms / batch.file, spooled, batch.numbers)
         except OSError as error:
-            problem = f"waveforms cannot be written: {error.strerror or error}"
-            if error.errno in _HARMED:
-                _retire(channel, Report(batch.identity, hurt=problem))
-            send(channel, Report(batch.identity, broken=problem))
-            return
+            is_harmed = error.errno in _HARMED and any(runner.runs for runner in runners)
+            broken = "" if is_harmed else _unwritten("waveforms", error)
+            _retire(channel, Report(batch.identity, block, retired=True, broken=broken))
         spare.take()
     retired = are_spent(runners)
-    report = Report(batch.identity, block, ended=True, kept=tuple(number for number, _ in kept), retired=retired)
+    report = Report(batch.identity, block, ended=True, kept=kept, retired=retired)
     if retired:
         _retire(channel, report)
     send(channel, report)
+
+
+class _Spool:
+    """Appends the runs of *batch* to the spool, for which a run may have left neither room nor files.
+
+    *is_harmed* tells that what cannot be written here could be by another process.
+    """
+
+    def __init__(self, batch: Batch, setup: Setup, runners: Sequence[GuardedRunner], spare: SpareFiles) -> None:
+        self.is_harmed = False
+        self._batch, self._setup, self._runners, self._spare = batch, setup, runners, spare
+        self._writer = self._new()
+
+    def add(self, run: Run, seconds: float) -> Fault | None:
+        """Append *run*; why it has to be made again if that cannot be done."""
+        try:
+            self._writer.add(run, seconds)
+        except OSError:
+            return self._add_again(run, seconds)
+        return None
+
+    def close(self) -> None:
+        """No more runs come."""
+        with suppress(OSError):
+            self._writer.close()
+
+    def _add_again(self, run: Run, seconds: float) -> Fault | None:
+        for runner in self._runners:
+            runner.put_back()
+        self._spare.give()
+        self.close()
+        self._writer = self._new()
+        try:
+            self._writer.add(run, seconds)
+        except OSError as error:
+            self.is_harmed = error.errno in _HARMED
+            # Without waveforms, the row is all there is to the run.
+            is_lost = self._batch.keep or not self.is_harmed
+            return Fault(run.request.number, _unwritten("results", error), seconds) if is_lost else None
+        self._spare.take()
+        return None
+
+    def _new(self) -> SpoolWriter:
+        setup = self._setup
+        return SpoolWriter(setup.spool, self._batch.name, this_process(), setup.measures, setup.study)
+
+
+def _unwritten(what: str, error: OSError) -> str:
+    return f"{what} cannot be written: {error.strerror or error}"
 
 
 def _block(finished: Sequence[tuple[Run, float]], setup: Setup) -> RowBlock:
@@ -136,6 +188,16 @@ def _retire(channel: socket.socket, report: Report) -> NoReturn:
     send(channel, report)
     # At once: an FMU that must not be called any more could be, by what its library does at the end of a process.
     os._exit(0)
+
+
+def _leave_signals_to_the_supervisor() -> None:
+    # Ctrl-C reaches the whole terminal group, and so may the others; it is the supervisor that decides what to do.
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    if sys.platform != "win32":
+        for number in (signal.SIGTERM, signal.SIGHUP):
+            # Unlike one that is ignored, such a signal still ends a program that an FMU starts.
+            signal.signal(number, lambda *_: None)
+            signal.siginterrupt(number, False)
 
 
 def _let_go_of_the_tracker() -> None:

@@ -15,10 +15,11 @@ import psutil
 
 from dse.exploration.supervision.channel import Channel
 from dse.exploration.supervision.heartbeat import Heartbeat, Phase, State
-from dse.exploration.supervision.messages import FROM_WORKERS, Report, Setup
+from dse.exploration.supervision.messages import FROM_WORKERS, Fault, Report, Setup
 from dse.exploration.supervision.worker import serve
 from dse.exploration.work import Batch
 from dse.processes import start_process
+from dse.storage import made_by
 
 _TAIL = 2000
 _LARGEST_LOG = 4_000_000
@@ -28,22 +29,29 @@ _TURN = 1e-3
 
 @dataclass(slots=True)
 class Assignment:
-    """A batch a worker has been given, and the runs of it that have come back, of which some *failed*."""
+    """A batch a worker has been given, and the runs of it that have come back."""
 
     batch: Batch
     received: set[int] = field(default_factory=set)
-    failed: set[int] = field(default_factory=set)
+
+    @property
+    def missing(self) -> set[int]:
+        """The runs that are to come back."""
+        return {request.number for request in self.batch.todo} - self.received
 
     def rest(self) -> Batch:
-        """What is to be done again if the worker dies: with waveforms all of it, as they were still in the worker."""
-        return self.batch.without(self.failed if self.batch.keep else self.received)
+        """What is to be done yet if the worker dies."""
+        return self.batch.after(self.received)
 
 
 class WorkerProcess:
     """One worker: its process, its channel, its heartbeats, and the batches it has, the one at hand first.
 
-    *useful* tells that it has finished a run, *retired* that it has taken its leave. *offence* says why it has to
-    die for what one of its runs did, nobody knows which; *worn* that it may be what several did together.
+    *used* tells that it has been given work, *useful* that it has finished a run, *retired* that it has taken its
+    leave, after a *fault* if there was one. *offence* says why it was cut off. *stopped* is how many seconds it is
+    stopped by now.
+
+    Its time is the one it had: as long as it, or the supervisor with it, is stopped, it stands still.
     """
 
     def __init__(self, setup: Setup, folder: Path, index: int) -> None:
@@ -51,7 +59,8 @@ class WorkerProcess:
         Heartbeat.lay_out(heartbeat, setup.threads)
         self._log.touch()
         self._hearts = [Heartbeat(heartbeat, thread) for thread in range(setup.threads)]
-        self._beats, self._since = [0] * setup.threads, [time.monotonic()] * setup.threads
+        self._ran = self.stopped = 0.0
+        self._beats, self._since = [0] * setup.threads, [0.0] * setup.threads
         context = multiprocessing.get_context("spawn")
         near, far = socket.socketpair()
         self._channel = Channel(near, *FROM_WORKERS)
@@ -61,9 +70,11 @@ class WorkerProcess:
         else:
             setup.sandbox.start(self._process, heartbeat, self._log)
         far.close()
-        self._memory = psutil.Process(self._process.pid)
+        self._seen = psutil.Process(self._process.pid)
+        self.maker = made_by(self._process.pid or 0)
         self.assignments: deque[Assignment] = deque()
-        self.useful = self.retired = self.worn = False
+        self.used = self.useful = self.retired = False
+        self.fault: Fault | None = None
         self.offence = ""
 
     @property
@@ -92,7 +103,8 @@ class WorkerProcess:
     def give(self, batch: Batch) -> None:
         """Hand over *batch*. If the worker is no longer there to take it, `reports` tells."""
         if not self.assignments:
-            self._since = [time.monotonic()] * len(self._hearts)
+            self._since = [self._ran] * len(self._hearts)
+        self.used = True
         self.assignments.append(Assignment(batch))
         self._channel.send(batch)
 
@@ -101,8 +113,15 @@ class WorkerProcess:
 
         Raises EOFError or OSError if the worker is dead, GarbledError where something else was sent.
         """
+        if self.offence:
+            return iter(())
         self._channel.flush()
         return self._channel.arrived()
+
+    def cut_off(self, offence: str) -> None:
+        """Listen no more: it ends by itself when it has something to say, and what it has made is in the spool."""
+        self.offence = offence
+        self._channel.close()
 
     def states(self) -> list[State]:
         """What each thread of the worker does now, or did when it died."""
@@ -112,12 +131,21 @@ class WorkerProcess:
         """The progress block of the simulation in a thread."""
         return self._hearts[thread].progress()
 
+    def pass_time(self, seconds: float) -> None:
+        """So many have passed since this was called last."""
+        try:
+            stands = self._seen.status() in (psutil.STATUS_STOPPED, psutil.STATUS_TRACING_STOP)
+        except psutil.Error:
+            stands = False
+        self.stopped = self.stopped + seconds if stands else 0.0
+        self._ran += 0.0 if stands else seconds
+
     def silence(self) -> dict[Phase, float]:
         """Longest time in seconds that a thread has been in a phase without telling of anything new.
 
         Waiting counts only if all do, from when the last began to or the worker was given something to do.
         """
-        now = time.monotonic()
+        now = self._ran
         longest: dict[Phase, float] = {}
         states = self.states()
         for thread, state in enumerate(states):
@@ -130,7 +158,7 @@ class WorkerProcess:
     def resident(self) -> int:
         """Bytes of memory the process holds; 0 if it is no more."""
         try:
-            return self._memory.memory_info().rss
+            return self._seen.memory_info().rss
         except psutil.Error:
             return 0
 
@@ -155,14 +183,21 @@ class WorkerProcess:
         """End the process whatever it does."""
         self._process.kill()
 
-    def reap(self) -> int:
-        """Wait for the process to end, not for long, and free what belongs to it; its exit code, < 0 for a signal."""
+    def end(self) -> int:
+        """Wait for the process to end, not for long; its exit code, < 0 for a signal."""
         if not self.ends_within(_PATIENCE):
             self.kill()
             self._process.join()
-        code = self._process.exitcode or 0
+        return self._process.exitcode or 0
+
+    def free(self) -> None:
+        """Free what belongs to the process, which has ended."""
         self._process.close()
         self._channel.close()
         for heart in self._hearts:
             heart.close()
-        return code
+
+    def reap(self) -> None:
+        """Both."""
+        self.end()
+        self.free()

@@ -21,7 +21,7 @@ def simulate(batch: Batch, runners: Sequence[GuardedRunner]) -> Iterator[tuple[R
 
     Ends early if the process must not make another run.
     """
-    if len(runners) == 1 or batch.alone or len(batch.requests) == 1:
+    if len(runners) == 1 or batch.alone or len(batch.todo) == 1:
         return _in_turn(batch, runners[0])
     return _side_by_side(batch, runners)
 
@@ -33,7 +33,7 @@ def are_spent(runners: Sequence[GuardedRunner]) -> bool:
 
 def _in_turn(batch: Batch, runner: GuardedRunner) -> Iterator[tuple[Run, float]]:
     end = time.perf_counter()
-    for request in batch.requests:
+    for request in batch.todo:
         if are_spent((runner,)):
             return
         start = end
@@ -45,7 +45,7 @@ def _in_turn(batch: Batch, runner: GuardedRunner) -> Iterator[tuple[Run, float]]
 
 
 def _side_by_side(batch: Batch, runners: Sequence[GuardedRunner]) -> Iterator[tuple[Run, float]]:
-    todo = deque(batch.requests)
+    todo = deque(batch.todo)
     finished: SimpleQueue[tuple[Run, float] | None] = SimpleQueue()
 
     def serve(runner: GuardedRunner) -> None:

@@ -6,7 +6,7 @@ import math
 import sqlite3
 from collections.abc import Iterable
 
-from dse.storage.attempts import Attempt
+from dse.storage.attempts import STOPPED, Attempt
 
 ATTEMPTS = (
     """CREATE TABLE makers (
@@ -35,15 +35,26 @@ def write_attempts(connection: sqlite3.Connection, maker: str, tries: Iterable[t
     )
 
 
+def read_causes(connection: sqlite3.Connection) -> dict[int, str]:
+    """What the last try came to that gave no row, by run; not that it was stopped with its program."""
+    if _are_early(connection):
+        return {}
+    query = "SELECT run, cause FROM attempts WHERE cause NOT IN ('', ?) ORDER BY id"
+    return dict(connection.execute(query, (STOPPED,)).fetchall())
+
+
 def read_attempts(connection: sqlite3.Connection) -> list[Attempt]:
     """Every try, in the order they were stored; those of a study of an earlier version have no maker."""
-    (is_early,) = connection.execute("SELECT count(*) FROM sqlite_schema WHERE name = 'timing'").fetchone()
     query = (
         "SELECT number, '', 0, '', wall FROM timing ORDER BY number"
-        if is_early
+        if _are_early(connection)
         else "SELECT run, host, process, cause, seconds FROM attempts a JOIN makers m ON m.id = a.maker ORDER BY a.id"
     )
     return [
         Attempt(run, f"{host}/{process}" if process else host, cause, math.nan if seconds is None else seconds)
         for run, host, process, cause, seconds in connection.execute(query)
     ]
+
+
+def _are_early(connection: sqlite3.Connection) -> bool:
+    return bool(connection.execute("SELECT count(*) FROM sqlite_schema WHERE name = 'timing'").fetchone()[0])

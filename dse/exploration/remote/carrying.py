@@ -1,0 +1,209 @@
+"""Carries out parcels where they arrive: each in a supervised process, so that no FMU takes the worker with it.
+
+Such a process is kept for the next parcel of the same study, and let go when none has come for a while.
+"""
+
+from __future__ import annotations
+
+import sys
+import threading
+import time
+from collections.abc import Sequence
+from pathlib import Path
+
+from dse.errors import DseError
+from dse.exploration.packing import unpacked
+from dse.exploration.remote.entries import found, receive
+from dse.exploration.remote.machine import this_machine
+from dse.exploration.remote.parcels import Answer, Carried, Missing, Parcel, Piece, Trouble, opened
+from dse.exploration.supervision.supervisor import Supervisor
+from dse.exploration.work import Batch, Runnable, Work
+from dse.scratch import ScratchFolder
+from dse.storage import Attempt, RowBlock
+
+IDLE_SECONDS = 60.0
+"""How long a process waits for another parcel."""
+
+_MOST_CONFIGURATIONS = 64
+
+_lock = threading.Lock()
+_idle: list[_Crew] = []
+
+
+def carry_out(content: bytes) -> Answer:
+    """Make the runs of the parcel in *content*. A run that fails is a row, also if its FMU crashes or hangs.
+
+    Raises DseError if the parcel was made by another version of dse or for another platform.
+    """
+    machine = this_machine()
+    parcel = opened(content, machine.host)
+    crew = _taken(parcel)
+    try:
+        answer = crew.carry(parcel)
+    except DseError as error:
+        crew.close(error)
+        return Trouble(machine.host, str(error))
+    except BaseException as error:
+        crew.close(error)
+        raise
+    _let_go_later(crew)
+    return answer
+
+
+def dismiss(study: str) -> None:
+    """Let the processes go that wait here for parcels of *study*."""
+    with _lock:
+        leaving = [crew for crew in _idle if crew.study == study]
+        _idle[:] = [crew for crew in _idle if crew.study != study]
+    for crew in leaving:
+        crew.close()
+
+
+def _taken(parcel: Parcel) -> _Crew:
+    with _lock:
+        for crew in _idle:
+            if crew.study == parcel.study:
+                _idle.remove(crew)
+                return crew
+    return _Crew(parcel)
+
+
+def _let_go_later(crew: _Crew) -> None:
+    with _lock:
+        crew.idle_since = time.monotonic()
+        _idle.append(crew)
+    timer = threading.Timer(IDLE_SECONDS, _let_go)
+    timer.daemon = True
+    timer.start()
+
+
+def _let_go() -> None:
+    limit = time.monotonic() - IDLE_SECONDS
+    with _lock:
+        leaving = [crew for crew in _idle if crew.idle_since <= limit]
+        _idle[:] = [crew for crew in _idle if crew.idle_since > limit]
+    for crew in leaving:
+        crew.close()
+
+
+class _Crew:
+    """A process with its supervisor, for the parcels of one study, one at a time."""
+
+    def __init__(self, parcel: Parcel) -> None:
+        self.study = parcel.study
+        self.idle_since = 0.0
+        self._folder = ScratchFolder()
+        self._configurations: dict[str, Runnable] = {}
+        self._sink = _Gathered(Path(self._folder.name))
+        work = Work(
+            self._configurations, parcel.make_runner, self._sink.folder, parcel.measures, self._sink.folder / "spool"
+        )
+        self._supervisor = Supervisor(work, self._sink, workers=1)
+        self._is_compared = False
+
+    def carry(self, parcel: Parcel) -> Answer:
+        """What comes of *parcel*. DseError if the process cannot work at all."""
+        batches = parcel.batches if self._is_compared else (parcel.canary, *parcel.batches)
+        missing = self._prepare({batch.configuration for batch in batches}, parcel)
+        if missing is not None:
+            return missing
+        retried, canary = self._supervisor.retried, None
+        if not self._is_compared:
+            (block,) = self._pieces((parcel.canary,))[0].blocks
+            self._is_compared, canary = True, block
+        begun = time.perf_counter()
+        pieces = self._pieces(parcel.batches)
+        seconds = time.perf_counter() - begun
+        retried = self._supervisor.retried - retried
+        return Carried(pieces, this_machine(), seconds, retried, tuple(self._sink.attempts), canary)
+
+    def close(self, error: BaseException | None = None) -> None:
+        """End the process."""
+        try:
+            self._supervisor.__exit__(type(error) if error else None, error, None)
+        finally:
+            self._folder.cleanup()
+
+    def _pieces(self, batches: tuple[Batch, ...]) -> tuple[Piece, ...]:
+        self._sink.begin(batches)
+        self._supervisor.work_off(batches)
+        return self._sink.pieces()
+
+    def _prepare(self, names: set[str], parcel: Parcel) -> Missing | None:
+        """Have the configurations of *names* at hand; what is missing for that."""
+        lacking, places, absent = [], {}, []
+        for digest, content in parcel.entries.items():
+            receive(digest, content)
+        for name in sorted(names - self._configurations.keys()):
+            if name not in parcel.configurations:
+                lacking.append(name)
+            for place, digest in parcel.needs[name].items():
+                path = found(place, digest)
+                if path is None:
+                    absent.append(place)
+                else:
+                    places[place] = path
+        if lacking or absent:
+            return Missing(tuple(lacking), tuple(sorted(set(absent))), _address())
+        for name in sorted(names - self._configurations.keys()):
+            self._configurations[name] = unpacked(parcel.configurations[name], places)
+        for name in list(self._configurations)[: max(0, len(self._configurations) - _MOST_CONFIGURATIONS)]:
+            if name not in names:
+                del self._configurations[name]
+        return None
+
+
+class _Gathered:
+    """A sink that gathers what comes of batches; files of waveforms are read from *folder*, and not left there."""
+
+    def __init__(self, folder: Path) -> None:
+        self.folder = folder
+        self._owner: dict[int, int] = {}
+        self._blocks: list[list[RowBlock]] = []
+        self._kept: list[list[int]] = []
+        self._files: list[list[bytes]] = []
+        self.attempts: list[Attempt] = []
+
+    def begin(self, batches: tuple[Batch, ...]) -> None:
+        """From now on it is results of *batches* that come."""
+        # By number: a supervisor may take a batch apart.
+        self._owner = {number: i for i, batch in enumerate(batches) for number in batch.numbers}
+        self._blocks = [[] for _ in batches]
+        self._kept = [[] for _ in batches]
+        self._files = [[] for _ in batches]
+        self.attempts = []
+
+    def pieces(self) -> tuple[Piece, ...]:
+        """What came."""
+        parts = zip(self._blocks, self._kept, self._files, strict=True)
+        return tuple(Piece(tuple(blocks), tuple(sorted(kept)), tuple(files)) for blocks, kept, files in parts)
+
+    def rows(self, batch: Batch, block: RowBlock) -> None:
+        if len(block):
+            self._blocks[self._owner[batch.numbers[0]]].append(block)
+
+    def tried(self, attempts: Sequence[Attempt]) -> None:
+        self.attempts += attempts
+
+    def ended(self, batch: Batch, kept: tuple[int, ...]) -> None:
+        if kept:
+            file = self.folder / batch.file
+            owner = self._owner[kept[0]]
+            self._kept[owner] += kept
+            self._files[owner].append(file.read_bytes())
+            file.unlink()
+
+    def tick(self) -> None:
+        pass
+
+
+def _address() -> str:
+    """By what a scheduler could send something to this very worker; "" if it cannot."""
+    if "distributed" in sys.modules:
+        from distributed import get_worker
+
+        try:
+            return str(get_worker().address)
+        except ValueError:
+            return ""
+    return ""
