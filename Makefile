@@ -1,5 +1,5 @@
 # Everything starts from here: `make demo`, `make test`, `make check`, `make nightly`, `make bench`. Needs Python 3.11+;
-# with uv on PATH, set-up is quicker.
+# with uv on PATH, set-up is quicker. LOCKED=1 sets up the versions of requirements.lock, and nothing with another hash.
 
 PYTHON ?= python3
 VENV ?= .venv
@@ -15,7 +15,7 @@ PIP := $(if $(UV),$(UV) pip install --quiet --python $(VENV),$(BIN)/python -m pi
 # A machine without a C compiler gets one as a wheel.
 EXTRA := $(shell command -v $${CC:-cc} >/dev/null 2>&1 || command -v gcc >/dev/null 2>&1 || command -v clang >/dev/null 2>&1 || echo "[toolchain]")
 
-.PHONY: demo test thorough rest check nightly bench faults setup clean lint types layers web plugin
+.PHONY: demo test thorough rest check nightly bench faults setup clean lint types layers web plugin lock sbom audit
 
 setup: $(VENV)/.ready
 
@@ -25,10 +25,12 @@ $(VENV)/.ready: pyproject.toml hatch_build.py dse/report/web/package-lock.json $
 	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11))' || { echo "dse needs Python 3.11 or newer; set PYTHON=python3.11"; exit 1; }
 ifneq ($(UV),)
 	$(UV) venv --quiet --seed --allow-existing --python "$(PYTHON)" $(VENV)
+	$(if $(LOCKED),$(PIP) --compile-bytecode --require-hashes --requirement requirements.lock)
 	$(PIP) --compile-bytecode --editable ".$(EXTRA)" --group dev
 else
 	$(PYTHON) -m venv $(VENV)
 	$(PIP) --upgrade "pip>=25.1"
+	$(if $(LOCKED),$(PIP) --require-hashes --requirement requirements.lock)
 	$(PIP) --editable ".$(EXTRA)" --group dev
 endif
 	@touch $@
@@ -92,6 +94,34 @@ bench: setup
 faults: setup
 	PYTHONPATH=tests $(BIN)/python -m faults.everything --write
 	PYTHONPATH=tests $(BIN)/python -m faults.storm --write
+
+# What dse is made of. The tools for that have an environment of their own, so that they are in no list.
+SUPPLY := $(VENV)/supply/$(notdir $(BIN))
+
+$(VENV)/supply/.ready: pyproject.toml
+	$(PYTHON) -m venv $(VENV)/supply
+	$(SUPPLY)/python -m pip install --quiet --upgrade "pip>=25.1"
+	$(SUPPLY)/python -m pip install --quiet --group supply
+	@touch $@
+
+COMPILE = $(SUPPLY)/uv pip compile --quiet --no-header --no-annotate --no-emit-index-url pyproject.toml
+
+# Keeps the versions that are locked already; `make lock NEWEST=1` takes the newest.
+lock: $(VENV)/supply/.ready
+	$(COMPILE) --group dev --universal --generate-hashes $(if $(NEWEST),--upgrade) --output-file requirements.lock
+
+# dist/sbom.json (CycloneDX) has what an installation holds, docs/licences.md under which licences.
+sbom: setup $(VENV)/supply/.ready
+	mkdir -p dist
+	$(COMPILE) --generate-hashes --constraint requirements.lock --output-file dist/requirements.txt
+	$(SUPPLY)/cyclonedx-py requirements --pyproject pyproject.toml --output-reproducible --output-file dist/sbom.json dist/requirements.txt
+	@sed '/^|/,$$d' docs/licences.md >dist/licences.md
+	$(SUPPLY)/pip-licenses --python $(BIN)/python --format markdown --no-version --with-urls --from mixed \
+	  --packages $$(sed -n 's/==.*//p' dist/requirements.txt) >>dist/licences.md
+	mv dist/licences.md docs/licences.md
+
+audit: $(VENV)/supply/.ready
+	$(SUPPLY)/python .ci/audit.py
 
 clean:
 	rm -rf out dist build dse/report/web/dist dse/report/web/node_modules dse/cosim/_kernel.* $(VENV)

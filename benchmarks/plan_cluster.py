@@ -21,7 +21,7 @@ LOAD_SECONDS, LOADS_PER_SECOND, LARGEST_LOAD, DEPTH = 1.0, 50, 1000, 2
 
 @dataclass(frozen=True)
 class Costs:
-    """Measured (docs/decisions/0017-other-machines.md); seconds of one core, and bytes."""
+    """Measured (docs/decisions/0019-other-machines.md); seconds of one core, and bytes."""
 
     send: float = 5.5e-3
     """Of the coordinator, to pack a load, send it and take its answer: 0.5 ms of dse, the rest of Dask's client."""

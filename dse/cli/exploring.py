@@ -114,7 +114,7 @@ def _say(results: Results, summary: Summary, explored: Explored, following: str)
         for name, count in summary.verdicts.items():
             shown.add_row(named[name], *(str(number) for number in count.values()))
         print_table(shown)
-    said = _told(summary)
+    said = said_of(summary)
     for line in said[:_MOST_PROBLEMS]:
         screen.print(f"  {plain(line)}", soft_wrap=True)
     if len(said) > _MOST_PROBLEMS:
@@ -124,7 +124,7 @@ def _say(results: Results, summary: Summary, explored: Explored, following: str)
     screen.print(f"next: {following}", soft_wrap=True)
 
 
-def _told(summary: Summary) -> list[str]:
+def said_of(summary: Summary) -> list[str]:
     """What runs have to say, those with the same words but for numbers together; and what was tried twice."""
     groups: dict[tuple[str, str], list[int]] = {}
     for number, problem in summary.problems.items():

@@ -222,8 +222,9 @@ class _Sink:
         self._on_progress(Progress(self._stage, done, len(self._wanted), len(self.failed), rate))
 
     def _keep(self, numbers: Sequence[int], file: str) -> None:
-        self._folder.add_kept(numbers, file)
-        self.kept |= dict.fromkeys(numbers, file)
+        if numbers:  # of a chunk whose runs all failed there is no file
+            self._folder.add_kept(numbers, file)
+            self.kept |= dict.fromkeys(numbers, file)
 
     def _store(self, configuration: str, requests: Sequence[RunRequest], block: RowBlock) -> None:
         numbers = block.numbers.tolist()

@@ -1,4 +1,4 @@
-from .attempts import Attempt as Attempt, made_by as made_by, this_process as this_process
+from .attempts import STOPPED as STOPPED, Attempt as Attempt, made_by as made_by, this_process as this_process
 from .database.asks import Asks as Asks
 from .database.connection import damaged_study as damaged_study
 from .database.header import StudyHeader as StudyHeader

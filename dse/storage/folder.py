@@ -35,7 +35,8 @@ from dse.storage.database.connection import (
 )
 from dse.storage.database.files import write_files
 from dse.storage.database.header import StudyHeader
-from dse.storage.database.schema import cell_of, columns
+from dse.storage.database.schema import cell_of, columns, quoted
+from dse.storage.database.seal import kept_seal, seals
 from dse.storage.lock import LOCK, WRITER, WriterLock
 from dse.storage.reader import SPOOL, WAVEFORMS, StudyReader
 from dse.storage.rows import RowBlock
@@ -91,6 +92,7 @@ class StudyFolder(StudyReader):
             undo.callback(folder.close)
             folder.lock = lock
             with located(path):
+                folder.require_structure()
                 folder.take_up(definition)
                 for torn in (path / WAVEFORMS).glob(f"*{PART}"):
                     torn.unlink(missing_ok=True)
@@ -146,7 +148,7 @@ class StudyFolder(StudyReader):
             self.header = header
             with self._writing() as connection:
                 write_asks(connection, () if stored else blocks)
-                write_header(connection, header)
+                write_header(connection, header, self.asks)
             self.commit()
 
     def note_addresses(self, addresses: Mapping[str, Address]) -> None:
@@ -178,9 +180,12 @@ class StudyFolder(StudyReader):
             )
             for number, point, done, metrics, verdicts, margins in zip(numbers, points, *cells, strict=True)
         ]
-        places = ", ".join("?" * len(columns(self.header)))
+        if not rows:
+            return
+        sealed = [(*row, seal) for row, seal in zip(rows, seals([*zip(*rows, strict=True)]).tolist(), strict=True)]
+        places = ", ".join("?" * len(sealed[0]))
         with self._writing() as connection:
-            connection.executemany(f"INSERT OR IGNORE INTO runs VALUES ({places})", rows)  # noqa: S608  # marks only
+            connection.executemany(f"INSERT OR IGNORE INTO runs VALUES ({places})", sealed)  # noqa: S608  # marks only
             tries = zip(numbers, repeat(""), block.wall.tolist(), strict=False)
             write_attempts(connection, block.maker, tries)
         self.commit_if_due()
@@ -195,9 +200,8 @@ class StudyFolder(StudyReader):
     def add_kept(self, numbers: Sequence[int], file: str) -> None:
         """Note that the waveforms of *numbers* are in *file*, which is there already; "" if there are none to store."""
         with self._writing() as connection:
-            connection.executemany(
-                "INSERT OR REPLACE INTO kept VALUES (?, ?)", [(number, file or None) for number in numbers]
-            )
+            rows = [(number, file or None, kept_seal(number, file)) for number in numbers]
+            connection.executemany("INSERT OR REPLACE INTO kept VALUES (?, ?, ?)", rows)
             if file:
                 write_files(connection, {file: facts_of(self.waveform_folder / file)})
         self.commit_if_due()
@@ -210,6 +214,11 @@ class StudyFolder(StudyReader):
         """Replace what run *number* has to say of itself."""
         with self._writing() as connection:
             connection.execute("UPDATE runs SET problem = ? WHERE number = ?", (problem, number))
+            choice = ", ".join(map(quoted, columns(self.header)))
+            query = f"SELECT {choice} FROM runs WHERE number = ?"  # noqa: S608  # quoted
+            for row in connection.execute(query, (number,)).fetchall():
+                seal = int(seals([(cell,) for cell in row])[0])
+                connection.execute("UPDATE runs SET seal = ? WHERE number = ?", (seal, number))
         self.commit_if_due()
 
     def commit_if_due(self) -> None:
@@ -261,7 +270,7 @@ class StudyFolder(StudyReader):
             header = replace(header, era=era, base=self.asks.numbers, earlier=earlier, runs=earlier, asked=0)
         if header != self.header:
             with self._writing() as connection:
-                write_header(connection, header)
+                write_header(connection, header, self.asks)
         self.commit()
         self.header = header
 
@@ -304,7 +313,7 @@ class StudyFolder(StudyReader):
             for table in ("runs", "kept"):
                 statement = f"DELETE FROM {table} WHERE number = ?"  # noqa: S608  # one of ours
                 connection.executemany(statement, [(number,) for number in gone])
-            write_header(connection, header)
+            write_header(connection, header, self.asks)
         self.commit()
         self.header = header
 

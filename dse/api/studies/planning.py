@@ -137,11 +137,11 @@ class _Counter:
     """An executor that makes no run, and notes those it was to make: their configurations by number."""
 
     name: ClassVar[str] = "counter"
+    remarks: tuple[str, ...] = ()
 
     def __init__(self, study: Study) -> None:
         self.requests: dict[int, str] = {}
         self.retried = 0
-        self.remarks: tuple[str, ...] = ()
         self._once = study.sampler.once
 
     @contextmanager
