@@ -25,7 +25,7 @@ from pathlib import Path
 
 ROOT = Path(__file__).parents[1]
 STUDY = """\
-study: gains
+study: %s
 testbench: acc_fine
 configurations:
   where: >-
@@ -84,7 +84,7 @@ def shards(root: Path, runs: int) -> None:
         }
         for number, process in started.items():
             if number in kill:
-                wait_for_rows(out / f"shard-{number}-of-{SHARDS}", runs // SHARDS // 3)
+                wait_for_rows(out / f"shard-{number}-of-{SHARDS}", runs // SHARDS // 3, process)
                 os.killpg(process.pid, signal.SIGKILL)
                 kill.discard(number)
                 todo.append(number)
@@ -99,7 +99,7 @@ def dask(root: Path, runs: int) -> None:
     command = (sys.executable, "-m", "distributed.cli.dask_worker", "tcp://127.0.0.1:18786", "--no-dashboard")
     workers = [spawn(root, "dask", *command, "--nthreads", "1") for _ in range(4)]
     coordinator = start(root, "dask", "explore", "gains_by_dask", "-o", str(root / "dask.out"))
-    wait_for_rows(root / "dask.out", runs // 3)
+    wait_for_rows(root / "dask.out", runs // 3, coordinator)
     for worker in workers[:2]:
         os.killpg(worker.pid, signal.SIGKILL)
     coordinator.wait()
@@ -127,13 +127,13 @@ def workspace(root: Path, runs: int, step: str) -> None:
     bench = (root / "testbenches" / "acc_following.yaml").read_text(encoding="utf-8")
     fine = bench.replace("acc_following", "acc_fine").replace("step: 10 ms", f"step: {step}")
     (root / "testbenches" / "acc_fine.yaml").write_text(fine, encoding="utf-8")
-    (root / "testbenches" / "gains.pet.yaml").write_text(STUDY % (runs, "local"), encoding="utf-8")
-    by_dask = STUDY % (runs, "{dask: 'tcp://127.0.0.1:18786'}")
+    (root / "testbenches" / "gains.pet.yaml").write_text(STUDY % ("gains", runs, "local"), encoding="utf-8")
+    by_dask = STUDY % ("gains_by_dask", runs, "{dask: 'tcp://127.0.0.1:18786'}")
     (root / "testbenches" / "gains_by_dask.pet.yaml").write_text(by_dask, encoding="utf-8")
 
 
-def wait_for_rows(folder: Path, rows: int) -> None:
-    while True:
+def wait_for_rows(folder: Path, rows: int, process: subprocess.Popen[bytes]) -> None:
+    while process.poll() is None:
         time.sleep(0.05)
         try:
             with closing(sqlite3.connect(f"file:{folder / 'study.sqlite'}?mode=ro", uri=True)) as connection:

@@ -151,7 +151,7 @@ def row(case: Case, costs: Costs) -> str:
         f"{case.runs:,}",
         f"{case.seconds:g} s",
         f"{case.workers:,}",
-        f"{outcome.hours:.2g} h",
+        f"{outcome.hours:.3g} h",
         f"{outcome.busy:.0%}",
         f"{outcome.coordinator:.1%}",
         f"{outcome.loads / (outcome.hours * HOUR):.1f}/s",
