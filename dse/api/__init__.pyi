@@ -30,4 +30,5 @@ from .studies.single import (
     study_of_bench as study_of_bench,
     write_package as write_package,
 )
+from .studies.watching import Status as Status, status as status, status_as_data as status_as_data
 from .workspace import Workspace as Workspace, open as open

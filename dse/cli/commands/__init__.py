@@ -26,6 +26,7 @@ COMMANDS = (
     "simulate",
     "run",
     "explore",
+    "status",
     "results",
     "report",
     "figure",

@@ -38,14 +38,14 @@ def write_attempts(connection: sqlite3.Connection, maker: str, tries: Iterable[t
 def read_causes(connection: sqlite3.Connection) -> dict[int, str]:
     """What the last try came to that gave no row, by run."""
     query = "SELECT run, cause FROM attempts WHERE cause <> '' ORDER BY id"
-    return {} if _are_early(connection) else dict(connection.execute(query).fetchall())
+    return {} if are_early(connection) else dict(connection.execute(query).fetchall())
 
 
 def read_attempts(connection: sqlite3.Connection) -> list[Attempt]:
     """Every try, in the order they were stored; those of a study of an earlier version have no maker."""
     query = (
         "SELECT number, '', 0, '', wall FROM timing ORDER BY number"
-        if _are_early(connection)
+        if are_early(connection)
         else "SELECT run, host, process, cause, seconds FROM attempts a JOIN makers m ON m.id = a.maker ORDER BY a.id"
     )
     return [
@@ -54,5 +54,6 @@ def read_attempts(connection: sqlite3.Connection) -> list[Attempt]:
     ]
 
 
-def _are_early(connection: sqlite3.Connection) -> bool:
+def are_early(connection: sqlite3.Connection) -> bool:
+    """Whether the database was written by a version that kept no attempts."""
     return bool(connection.execute("SELECT count(*) FROM sqlite_schema WHERE name = 'timing'").fetchone()[0])
