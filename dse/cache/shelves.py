@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import time
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
@@ -55,6 +54,7 @@ SHELVES = (
     Shelf("facts", "what was found out about FMUs by dse probe"),
     Shelf("ssp", "SSP packages, unpacked"),
     Shelf("runs", "runs that were simulated", Path.is_dir),  # what is damaged in it is found when it is read
+    Shelf("received", "FMUs that other machines sent"),
     Shelf("compilers", "compilers that made what is here", stay=True),
     Shelf("documents", "YAML files of workspaces, read", _matches_head),
     Shelf("units", "units, looked up", _matches_head),
@@ -79,10 +79,10 @@ def entries_of(shelf: Shelf, root: Path) -> Iterator[Entry]:
         path = folder / name
         if is_aside(path) or f"{shelf.name}/{name}" in others:
             continue
-        sizes = [size for _, _, size, *_ in stamp(path)]
-        marks = [mark for mark in (digest_file(path), path) if os.path.lexists(mark)]
-        if marks:
-            yield Entry(shelf, path, sum(sizes), os.lstat(marks[0]).st_mtime)
+        files = stamp(path)
+        used = [when for _, _, _, when, *_ in stamp(digest_file(path)) or files]
+        if used:
+            yield Entry(shelf, path, sum(size for _, _, size, *_ in files), max(used) / 1e9)
 
 
 def names(folder: Path) -> list[str]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import sqlite3
+from collections.abc import Sequence
 from contextlib import ExitStack, closing
 from pathlib import Path
 
@@ -22,6 +23,10 @@ class Rehearsal(StudyFolder):
     def spool_folder(self) -> Path:
         """Nothing is spooled here."""
         return self.path / "nothing"
+
+    def add_kept(self, numbers: Sequence[int], file: str) -> None:
+        """Note that the waveforms of *numbers* would be in *file*."""
+        super().add_kept(numbers, file if (self.waveform_folder / file).is_file() else "")
 
     @classmethod
     def of(cls, path: Path, definition: StudyDefinition) -> Rehearsal:

@@ -4,23 +4,30 @@ from __future__ import annotations
 
 import json
 import os
+import shutil
 import time
 
 import pytest
 from command_line import run_dse
 
 
+@pytest.fixture(scope="module")
+def two_fmus(example, tmp_path_factory):
+    folder = tmp_path_factory.mktemp("two") / "kept"
+    done = run_dse(example, "build", "pd_acc", "lidar_905nm", cache=folder)
+    assert done.returncode == 0, done.stderr
+    return folder
+
+
 @pytest.fixture
-def kept(tmp_path, example):
+def kept(tmp_path, example, two_fmus):
     """A cache with two FMUs in it, and a way to run ``dse`` with it."""
-    folder = tmp_path / "kept"
+    folder = shutil.copytree(two_fmus, tmp_path / "kept")
 
     def run(*arguments):
         return run_dse(example, *arguments, cache=folder)
 
     run.folder = folder
-    done = run("build", "pd_acc", "lidar_905nm")
-    assert done.returncode == 0, done.stderr
     return run
 
 

@@ -19,7 +19,7 @@ from dse.api import Results
 from dse.errors import DseError
 
 WORKSPACE = Path(__file__).with_name("workspace")
-PATIENCE = 60
+PATIENCE = 200
 """Seconds after which a command hangs."""
 
 _FORMATS = ("csv", "json", "parquet", "junit")

@@ -27,6 +27,7 @@ COMMANDS = (
     "run",
     "explore",
     "status",
+    "merge",
     "results",
     "report",
     "figure",

@@ -13,10 +13,9 @@ import math
 import shutil
 import tempfile
 import time
-from collections import deque
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable
 from contextlib import ExitStack, suppress
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from multiprocessing.connection import wait
 from pathlib import Path
 from types import TracebackType
@@ -24,17 +23,17 @@ from types import TracebackType
 import numpy as np
 
 from dse.errors import DseError, fail
-from dse.exploration.failures import failed_run
 from dse.exploration.packing import packed
 from dse.exploration.supervision.channel import GarbledError
 from dse.exploration.supervision.heartbeat import Phase, states_in
 from dse.exploration.supervision.messages import Report, Setup, in_sandbox
 from dse.exploration.supervision.post_mortem import Traces, cause_of, outside_of_runs, told, traces_of
+from dse.exploration.supervision.work_queue import WorkQueue
 from dse.exploration.supervision.worker import CHANNEL_CLOSED
 from dse.exploration.supervision.worker_process import Assignment, WorkerProcess
 from dse.exploration.work import Batch, Sink, Work
 from dse.scratch import ScratchFolder
-from dse.storage import Attempt, RowBlock, block_of, made_by, read_spool, spooled_names
+from dse.storage import STOPPED, Attempt, RowBlock, made_by, read_spool, spooled_names
 
 START_TIMEOUT = 60.0
 """Seconds a worker may take to start, to load a configuration or to write a file."""
@@ -57,19 +56,10 @@ _UNTIL_GONE = 2.0
 _SCRIBBLED = "wrote into a file that is not its own: the line to the study"
 
 
-@dataclass(slots=True)
-class _Whole:
-    """A *batch* that was split, of which so many *parts* are still to come."""
-
-    batch: Batch
-    parts: int
-
-
 class Supervisor:
     """Works off batches with up to *workers* processes. Leaving its with block ends them, on an exception at once.
 
     With several *threads* in a worker, configurations that do not bear them have as many more workers instead.
-    *retried* is how many runs were tried twice, as the first time need not have been their fault.
     """
 
     remarks: tuple[str, ...] = ()
@@ -77,7 +67,6 @@ class Supervisor:
     def __init__(self, work: Work, sink: Sink, workers: int, threads: int = 1, *, sandboxed: bool = False) -> None:
         self._configurations = work.configurations
         self._sink = sink
-        self.retried = 0
         self._workers_wanted = self._most = workers
         spool, waveforms = work.spool.absolute(), work.waveforms.absolute()
         spool.mkdir(parents=True, exist_ok=True)
@@ -88,14 +77,15 @@ class Supervisor:
         if sandboxed:
             self._setup = in_sandbox(self._setup)
         self._workers: list[WorkerProcess] = []
-        self._pending: deque[Batch] = deque()
+        self._queue = WorkQueue(sink, work.measures)
         self._started = 0
         self._fruitless = 0
-        self._again: deque[Batch] = deque()
-        self._tried: set[int] = set()
-        self._unloadable: set[str] = set()
-        self._wholes: dict[int, _Whole] = {}
         self._looked = time.monotonic()
+
+    @property
+    def retried(self) -> int:
+        """How many runs were tried twice, as the first time need not have been their fault."""
+        return self._queue.retried
 
     def work_off(self, batches: Iterable[Batch]) -> None:
         """Carry out *batches*; returns when each of their runs has been given to the sink.
@@ -113,11 +103,10 @@ class Supervisor:
 
     def _work_off(self, batches: Iterable[Batch], workers: int) -> None:
         self._most = workers
-        self._tried.clear()
         spooled = spooled_names(self._setup.spool)
-        self._pending.extend(self._less_spooled(batch) if batch.name in spooled else batch for batch in batches)
+        self._queue.fill(self._less_spooled(batch) if batch.name in spooled else batch for batch in batches)
         self._tell_of_interrupted()
-        while self._pending or self._again or any(worker.assignments for worker in self._workers):
+        while len(self._queue) or any(worker.assignments for worker in self._workers):
             self._start_workers()
             self._assign()
             self._listen()
@@ -132,12 +121,12 @@ class Supervisor:
 
     def _tell_of_interrupted(self) -> None:
         """Tell of runs that were begun when a supervisor before this one was killed with its workers."""
-        asked = {request.number for batch in self._pending for request in batch.todo}
+        asked = self._queue.numbers()
         for folder in self._setup.spool.glob(f"{_FOLDER}*"):
             if folder != self._setup.configurations:
                 for state in (state for file in folder.glob("*.beat") for state in states_in(file)):
                     if state.phase is Phase.RUNNING and state.number in asked:
-                        attempt = Attempt(state.number, made_by(state.process), "stopped with the program", math.nan)
+                        attempt = Attempt(state.number, made_by(state.process), STOPPED, math.nan)
                         self._sink.tried([attempt])
                 shutil.rmtree(folder, ignore_errors=True)
 
@@ -154,16 +143,25 @@ class Supervisor:
                 if error is None:
                     worker.dismiss()
                 else:
-                    last.callback(worker.kill)
+                    worker.kill()
             if error is not None:
                 for worker in self._workers:
                     with suppress(DseError):  # one reason to stop is told already
-                        self._receive(worker)
+                        self._take_last(worker)
+
+    def _take_last(self, worker: WorkerProcess) -> None:
+        """Take what there is of a *worker* that was killed, and tell of the runs it was in."""
+        worker.end()
+        self._receive(worker)
+        self._recover(worker)
+        traces = traces_of(worker)
+        tries = [Attempt(number, worker.maker, STOPPED, traces.seconds) for number in traces.unfinished]
+        self._sink.tried(tries)
 
     def _start_workers(self) -> None:
         busy = sum(bool(worker.assignments) for worker in self._workers)
-        wanted = min(self._most, busy + len(self._pending) + len(self._again))
-        if self._again and len(self._workers) >= wanted and all(worker.used for worker in self._workers):
+        wanted = min(self._most, busy + len(self._queue))
+        if self._queue.wants_fresh and len(self._workers) >= wanted and all(worker.used for worker in self._workers):
             idle = next((worker for worker in self._workers if not worker.assignments), None)
             if idle is not None:
                 self._workers.remove(idle)
@@ -175,13 +173,12 @@ class Supervisor:
 
     def _assign(self) -> None:
         # A second batch on the line spares a worker the wait for the next one; at the end it would leave others idle.
-        depth = 2 if len(self._pending) > len(self._workers) else 1
+        depth = 2 if len(self._queue) > len(self._workers) else 1
         for turn in range(depth):
             for worker in list(self._workers):
                 if len(worker.assignments) == turn and not worker.offence:
-                    queue = self._again if self._again and not worker.used else self._pending
-                    if queue:
-                        batch = queue.popleft()
+                    batch = self._queue.take(fresh=not worker.used)
+                    if batch is not None:
                         self._store(batch.configuration)
                         worker.give(batch)
 
@@ -233,13 +230,13 @@ class Supervisor:
         if report.ended:
             worker.assignments.popleft()
             worker.useful, self._fruitless = True, 0
-            self._end(assignment.batch, report.kept)
+            self._queue.end(assignment.batch, report.kept)
         worker.retired, worker.fault = report.retired, report.fault
 
     def _take_rows(self, worker: WorkerProcess, assignment: Assignment, block: RowBlock) -> None:
         worker.useful, self._fruitless = True, 0
         assignment.received.update(block.numbers.tolist())
-        self._unloadable.discard(assignment.batch.configuration)
+        self._queue.is_loaded(assignment.batch.configuration)
         self._sink.rows(assignment.batch, block)
 
     def _recover(self, worker: WorkerProcess) -> None:
@@ -301,25 +298,26 @@ class Supervisor:
         at_hand = self._charge(worker, traces, cause)
         for assignment in reversed(worker.assignments):
             if assignment is not at_hand:
-                self._pass_on(assignment.rest())
+                self._queue.pass_on(assignment.rest())
 
     def _charge(self, worker: WorkerProcess, traces: Traces, cause: str) -> Assignment | None:
         """Have somebody answer for the end of *worker*; the assignment that is taken care of with that."""
         at_hand = worker.assignments[0] if worker.assignments else None
         fault = worker.fault
         if at_hand and fault and fault.number is not None:
-            self._try_again(at_hand, {fault.number: fault.cause}, worker, fault.seconds)
+            self._queue.try_again(at_hand.rest(), {fault.number: fault.cause}, worker.maker, fault.seconds)
         elif at_hand and fault:
-            self._load_again(at_hand, worker, fault.cause, fault.seconds)
+            self._queue.load_again(at_hand.rest(), fault.cause, worker.maker, fault.seconds)
         elif traces.at_hand and traces.unfinished and not worker.retired:
             first, *others = traces.unfinished
             place = "" if cause == worker.offence else self._place(traces.at_hand, traces)
             causes = {first: told(cause, place, traces.words), **dict.fromkeys(others, cause)}
-            self._try_again(traces.at_hand, causes, worker, traces.seconds)
+            self._queue.try_again(traces.at_hand.rest(), causes, worker.maker, traces.seconds)
             return traces.at_hand
         elif traces.loading and not worker.retired:
             place = self._place(traces.loading, traces) or "while its FMUs were loaded"
-            self._load_again(traces.loading, worker, told(cause, place, traces.words), traces.seconds)
+            words = told(cause, place, traces.words)
+            self._queue.load_again(traces.loading.rest(), words, worker.maker, traces.seconds)
             return traces.loading
         else:
             self._fruitless = 0 if worker.useful else self._fruitless + 1
@@ -330,82 +328,6 @@ class Supervisor:
 
     def _place(self, assignment: Assignment, traces: Traces) -> str:
         return self._configurations[assignment.batch.configuration].describe_progress(traces.progress)
-
-    def _try_again(self, at_hand: Assignment, causes: Mapping[int, str], worker: WorkerProcess, seconds: float) -> None:
-        """Have the runs that *causes* names tried once more, each alone in a fresh process; then they have failed.
-
-        The rest of the batch is passed on.
-        """
-        rest, given_up = at_hand.rest(), causes.keys() & self._tried
-        for number in given_up:
-            self._fail(rest, causes[number], number, seconds)
-        doubtful = [number for number in causes if number not in given_up]
-        self._tell(worker, {number: causes[number] for number in doubtful}, seconds)
-        self._tried.update(doubtful)
-        self.retried += len(doubtful)
-        self._split(rest.after(given_up), doubtful)
-
-    def _load_again(self, at_hand: Assignment, worker: WorkerProcess, cause: str, seconds: float) -> None:
-        """Have the configuration loaded once more by a fresh process; the second time its runs are failures."""
-        rest, configuration = at_hand.rest(), at_hand.batch.configuration
-        if configuration in self._unloadable and rest.fresh:
-            for batch in [rest, *self._withdrawn(configuration)]:
-                self._fail(batch, cause)
-                self._pass_on(batch.after({*batch.numbers}))
-            return
-        self._tell(worker, {rest.todo[0].number: cause}, seconds)
-        self._unloadable.add(configuration)
-        self._again.append(replace(rest, fresh=True))
-
-    def _withdrawn(self, configuration: str) -> list[Batch]:
-        """What is still to be made of *configuration*, taken from the queues."""
-        found = []
-        for queue in (self._again, self._pending):
-            found += [batch for batch in queue if batch.configuration == configuration]
-            others = [batch for batch in queue if batch.configuration != configuration]
-            queue.clear()
-            queue.extend(others)
-        return found
-
-    def _split(self, batch: Batch, singles: Sequence[int]) -> None:
-        """Have *singles* of *batch* made each on its own, by fresh processes, and pass on the rest."""
-        if not singles:
-            self._pass_on(batch)
-            return
-        parts = [replace(batch.only(number), alone=True, fresh=True) for number in singles]
-        rest = replace(batch.after({*singles}), part=True, fresh=False)
-        if not batch.part:
-            self._wholes[batch.identity] = _Whole(batch, 1)
-        self._wholes[batch.identity].parts += len(parts) - (not rest.todo)
-        self._again.extend(parts)
-        if rest.todo:
-            self._pass_on(rest)
-
-    def _pass_on(self, batch: Batch) -> None:
-        if batch.todo or (batch.keep and not batch.part):
-            self._pending.appendleft(batch)
-        else:
-            self._end(batch, ())
-
-    def _end(self, batch: Batch, kept: tuple[int, ...]) -> None:
-        """Tell the sink that all of *batch* has come, or of what it was the last part of."""
-        if not batch.part:
-            self._sink.ended(batch, kept)
-            return
-        whole = self._wholes[batch.identity]
-        whole.parts -= 1
-        if not whole.parts:
-            del self._wholes[batch.identity]
-            self._pass_on(whole.batch.after({*whole.batch.numbers}))
-
-    def _tell(self, worker: WorkerProcess, causes: Mapping[int, str], seconds: float) -> None:
-        self._sink.tried([Attempt(number, worker.maker, cause, seconds) for number, cause in causes.items()])
-
-    def _fail(self, batch: Batch, problem: str, number: int | None = None, seconds: float = math.nan) -> None:
-        """Tell the sink that the runs of *batch*, or the one with *number*, came to nothing."""
-        runs = [failed_run(request, problem) for request in batch.todo if number in (None, request.number)]
-        if runs:
-            self._sink.rows(batch, block_of(runs, self._setup.measures, [seconds] * len(runs)))
 
 
 def _beside(spool: Path) -> tempfile.TemporaryDirectory[str]:
