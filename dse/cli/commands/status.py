@@ -5,7 +5,8 @@ from __future__ import annotations
 import math
 import re
 from collections import Counter
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
+from datetime import timedelta
 from typing import TYPE_CHECKING, Annotated
 
 import typer
@@ -49,7 +50,7 @@ def _show(status: Status) -> None:
     table.add_row("runs", f"{tally.finished:,} of {status.runs:,}{share}{failed}{kept}")
     if status.writer:
         table.add_row("writer", plain(str(status.writer)))
-        left = f", {_duration(status.left)} left" if todo and status.rate else ""
+        left = f", about {timedelta(seconds=math.ceil(status.left))} left" if todo and status.rate else ""
         table.add_row("rate", f"{status.rate:.3g} runs/s{left}" if status.rate else "no run has ended yet")
     elif todo:
         spooled = f"; {status.spooled:,} more are made and will be stored then" if status.spooled else ""
@@ -92,26 +93,13 @@ def _show_causes(title: str, causes: Mapping[str, int]) -> None:
     counts: Counter[str] = Counter()
     for cause, count in causes.items():
         counts[_TIME.sub("", cause).partition("\n")[0]] += count
-    if not counts:
-        return
-    say(title)
-    _print_causes(counts.most_common(_MOST_CAUSES))
+    if counts:
+        say(title)
+    for cause, count in counts.most_common(_MOST_CAUSES):
+        say(f"  {count:,} × {cause}")
     if len(counts) > _MOST_CAUSES:
         say(f"  and {len(counts) - _MOST_CAUSES} other causes")
 
 
-def _print_causes(causes: Iterable[tuple[str, int]]) -> None:
-    for cause, count in causes:
-        say(f"  {count:,} × {cause}")
-
-
 def _counted(number: int, what: str) -> str:
     return f"{number:,} {what}{'' if number == 1 else 's'}"
-
-
-def _duration(seconds: float) -> str:
-    minutes, rest = divmod(math.ceil(seconds), 60)
-    hours, minutes = divmod(minutes, 60)
-    days, hours = divmod(hours, 24)
-    clock = f"{hours}:{minutes:02}:{rest:02}"
-    return f"{_counted(days, 'day')} {clock}" if days else clock
