@@ -222,7 +222,7 @@ class _Sink:
         self._on_progress(Progress(self._stage, done, len(self._wanted), len(self.failed), rate))
 
     def _keep(self, numbers: Sequence[int], file: str) -> None:
-        if numbers:
+        if numbers:  # of a chunk whose runs all failed there is no file
             self._folder.add_kept(numbers, file)
             self.kept |= dict.fromkeys(numbers, file)
 

@@ -104,7 +104,7 @@ class _Merging(StudyFolder):
                 write_asks(connection, other.asks.blocks)
                 counts = {name: getattr(other.header, name) for name in ("runs", "asked", "numbers")}
                 self.header = replace(self.header, **counts)
-                write_header(connection, self.header)
+                write_header(connection, self.header, self.asks)
             names = ", ".join(quoted(name) for name in columns(self.header))
             copy = f"INSERT OR IGNORE INTO runs ({names}) SELECT {names} FROM other.runs"  # noqa: S608  # quoted
             for statement in (copy, *_COPY_ATTEMPTS):
