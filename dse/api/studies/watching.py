@@ -5,13 +5,15 @@ from __future__ import annotations
 import os
 import shutil
 import time
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
+from concurrent.futures import ThreadPoolExecutor
 from contextlib import suppress
 from dataclasses import dataclass
 from math import inf, isfinite
 from pathlib import Path
 
-from dse.storage import Maker, StudyFolder, Tally, Writer, this_process, writer_of
+from dse.domain.study import SHARD_FOLDER
+from dse.storage import Maker, StudyFolder, Tally, Writer, shards_in, this_process, writer_of
 
 _PATIENCE = 1.0
 """Seconds that the rate of a running study is measured over."""
@@ -41,17 +43,35 @@ class Status:
     free: int
 
     @property
+    def is_shard(self) -> bool:
+        """Whether only a part of the runs is to be made in this folder."""
+        return bool(SHARD_FOLDER.fullmatch(self.folder.name))
+
+    @property
     def state(self) -> str:
-        """``running``, ``finished`` or ``interrupted``."""
+        """``running``, ``finished`` or ``interrupted``; ``at rest`` for a shard, of which that cannot be told."""
         if self.writer:
             return "running"
-        return "finished" if self.tally.finished >= self.runs else "interrupted"
+        done = self.tally.finished >= self.runs
+        return "finished" if done else "at rest" if self.is_shard else "interrupted"
 
     @property
     def left(self) -> float:
         """Seconds to the last run that was asked for, infinite if nobody is at work."""
-        todo = self.runs - self.tally.finished
-        return todo / self.rate if self.rate else inf if todo else 0.0
+        return seconds_left((self,))
+
+
+def seconds_left(parts: Sequence[Status]) -> float:
+    """Seconds until all runs of a study are there of which *parts* are the shards, or that is the only part."""
+    todo, rate = parts[0].runs - sum(part.tally.finished for part in parts), sum(part.rate for part in parts)
+    return 0.0 if todo <= 0 else todo / rate if rate else inf
+
+
+def statuses(folder: str | Path) -> list[Status]:
+    """The `status` of the study in *folder*, or of each shard in it."""
+    shards = [] if StudyFolder.is_at(Path(folder)) else shards_in(Path(folder))
+    with ThreadPoolExecutor() as pool:
+        return list(pool.map(status, shards or [folder]))
 
 
 def status(folder: str | Path) -> Status:

@@ -5,8 +5,9 @@ from __future__ import annotations
 import math
 import re
 from collections import Counter
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from datetime import timedelta
+from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
@@ -31,13 +32,16 @@ def status(
 
     Also while another process explores it: runs, rate, time left, who is at work, what failed and why, the disk.
     """
-    from dse.api import status as asked, status_as_data
+    from dse.api import status_as_data, statuses
 
-    found = asked(folder)
+    found = statuses(folder)
     if as_json:
-        print_json(status_as_data(found))
+        data = [status_as_data(each) for each in found]
+        print_json(data[0] if len(data) == 1 else {"shards": data})
+    elif len(found) == 1:
+        _show(found[0])
     else:
-        _show(found)
+        _show_shards(folder, found)
 
 
 def _show(status: Status) -> None:
@@ -50,9 +54,9 @@ def _show(status: Status) -> None:
     table.add_row("runs", f"{tally.finished:,} of {status.runs:,}{share}{failed}{kept}")
     if status.writer:
         table.add_row("writer", plain(str(status.writer)))
-        left = f", about {timedelta(seconds=math.ceil(status.left))} left" if todo and status.rate else ""
+        left = "" if status.is_shard else _left(status.left)
         table.add_row("rate", f"{status.rate:.3g} runs/s{left}" if status.rate else "no run has ended yet")
-    elif todo:
+    elif status.state == "interrupted":
         spooled = f"; {status.spooled:,} more are made and will be stored then" if status.spooled else ""
         table.add_row("goes on", f"with the command that began it{spooled}")
     if tally.repeated:
@@ -64,6 +68,31 @@ def _show(status: Status) -> None:
     _show_hosts(status)
     _show_causes("failed:", tally.failures)
     _show_causes("tries without a result:", tally.tries)
+
+
+def _show_shards(folder: Path, shards: Sequence[Status]) -> None:
+    from dse.api import seconds_left
+
+    finished, runs = sum(each.tally.finished for each in shards), shards[0].runs
+    say(f"{folder}: {shards[0].name}, {finished:,} of {runs:,} runs in {len(shards)} shards", style="bold")
+    table = plain_table("shard", "is", "runs", "failed", "without result", "runs/s", right=_NUMBERS)
+    for each in shards:
+        counts = (each.tally.finished, each.tally.failed, sum(each.tally.tries.values()))
+        speed = f"{each.rate:.3g}" if each.rate else ""
+        table.add_row(each.folder.name, each.state, *(f"{count:,}" for count in counts), speed)
+    print_table(table)
+    rate = sum(each.rate for each in shards)
+    if rate:
+        say(f"{rate:.3g} runs/s{_left(seconds_left(shards))}")
+    for title, causes in ("failed:", "failures"), ("tries without a result:", "tries"):
+        together: Counter[str] = Counter()
+        for each in shards:
+            together.update(getattr(each.tally, causes))
+        _show_causes(title, together)
+
+
+def _left(seconds: float) -> str:
+    return f", about {timedelta(seconds=math.ceil(seconds))} left" if 0 < seconds < math.inf else ""
 
 
 def _show_hosts(status: Status) -> None:
@@ -85,7 +114,7 @@ def _show_hosts(status: Status) -> None:
     print_table(table)
 
 
-_NUMBERS = ("at work", "processes", "runs", "without result", "s per run")
+_NUMBERS = ("at work", "processes", "runs", "failed", "without result", "s per run", "runs/s")
 
 
 def _show_causes(title: str, causes: Mapping[str, int]) -> None:
