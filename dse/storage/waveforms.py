@@ -73,6 +73,8 @@ def gather_waveforms(
         try:
             aside.hardlink_to(first)
             aside.replace(file)
+            # Where the two are one file already, renaming leaves both names.
+            aside.unlink(missing_ok=True)
         except OSError:
             pass  # it is written
         else:

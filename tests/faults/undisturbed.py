@@ -24,7 +24,7 @@ PATIENCE = 200
 
 _FORMATS = ("csv", "json", "parquet", "junit")
 _EXPECTED = {"study.sqlite", "waveforms", "report.html"}
-_LIES = ("damaged", "--fresh")
+_LIES = ("damaged", "--fresh", "mistake in dse")
 
 
 @dataclass(frozen=True, slots=True)
@@ -79,7 +79,8 @@ class Studies:
             assert done.returncode == 0, done.stdout + done.stderr
             self._undisturbed[study] = _results(place)
             shutil.rmtree(self._cache, ignore_errors=True)
-            shutil.copytree(place / "cache", self._cache)
+            # The runs are to be made, not taken from this study.
+            shutil.copytree(place / "cache", self._cache, ignore=lambda *_: ["runs"])
         return self._undisturbed[study]
 
     def counts(self, scenario: Scenario) -> dict[tuple[str, str], int]:
@@ -187,7 +188,7 @@ def _results(place: Path) -> dict[str, bytes]:
 
 def _is_early(said: str) -> bool:
     """Whether *said* is of Python itself: it was not told to run the command yet."""
-    return not re.search(r'entry\.py", line \d+, in main', said)
+    return "Traceback" in said and not re.search(r'entry\.py", line \d+, in _carry_out', said)
 
 
 def _last(done: CompletedProcess[str]) -> str:

@@ -9,7 +9,7 @@ import pytest
 
 from dse.domain.run import Waveforms
 from dse.errors import DseError
-from dse.storage.waveforms import read_waveforms, waveform_file, write_waveforms
+from dse.storage.waveforms import gather_waveforms, read_waveforms, waveform_file, write_waveforms
 
 
 def waves(seed: int, rows: int = 50) -> Waveforms:
@@ -39,6 +39,14 @@ def test_the_same_runs_give_the_same_bytes(tmp_path: Path) -> None:
 def test_nothing_is_left_beside_the_file(tmp_path: Path) -> None:
     write_waveforms(tmp_path / "runs.parquet", [(0, waves(0))])
     assert [entry.name for entry in tmp_path.iterdir()] == ["runs.parquet"]
+
+
+def test_nothing_is_left_beside_a_file_that_gets_its_second_name_again(tmp_path: Path) -> None:
+    kept, file = tmp_path / "kept.parquet", tmp_path / "runs.parquet"
+    write_waveforms(kept, [(0, waves(0))])
+    for _ in range(2):
+        gather_waveforms(file, [0], [(kept, 0)], ["a.x", "b.y"])
+    assert sorted(entry.name for entry in tmp_path.iterdir()) == ["kept.parquet", "runs.parquet"]
 
 
 def test_other_programs_read_the_file_as_one_table(tmp_path: Path) -> None:
