@@ -93,10 +93,13 @@ class RunStore:
 
     def seconds(self, key: str) -> tuple[float, int]:
         """How many seconds runs of *key* took in all, and how many they were."""
-        took = [_columns(record).wall for record in self._records(key) if record.kind == _ROWS]
-        known = np.concatenate(took) if took else np.zeros(0)
-        known = known[np.isfinite(known)]
-        return float(known.sum()), len(known)
+        seconds, runs = 0.0, 0
+        for record in self._records(key):
+            if record.kind == _ROWS:
+                wall = _columns(record).wall
+                known = wall[np.isfinite(wall)]
+                seconds, runs = seconds + float(known.sum()), runs + len(known)
+        return seconds, runs
 
     def add_waveforms(self, key: str, names: Names, numbers: Sequence[int], file: Path) -> None:
         """Note that the waveforms of the runs of *names* are in *file*, there under *numbers*."""
