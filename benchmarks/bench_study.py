@@ -1,9 +1,10 @@
 """What a study costs beside its simulations, in one sitting: the paper's study against its kernel alone, and bare rows.
 
 First the paper's study on two workers, from planned benches to a finished folder with metrics stored and waveforms
-near the boundary kept, start-up of the workers included. Against it the kernel alone: the same runs in two processes
-that only simulate, start-up not counted. They take turns, so that a machine that slows down slows both; medians are
-shown. Then runs that take no time at all, to see what workers, pipes and the folder can carry.
+near the boundary kept, also for later studies, start-up of the workers included; and the same again, when all is known.
+Against it the kernel alone: the same runs in two processes that only simulate, start-up not counted. They take turns,
+so that a machine that slows down slows both; medians are shown. Then runs that take no time at all, to see what
+workers, pipes and the folder can carry.
 """
 
 from __future__ import annotations
@@ -24,11 +25,15 @@ from dse.domain.run import Outcome, Run, RunRequest
 from dse.domain.study import DesignVariable, Keep, Study
 from dse.exploration.asking import Asking
 from dse.exploration.executors.local import Local
+from dse.exploration.known_runs import NOTHING_KNOWN, KnownRuns
 from dse.exploration.loop import explore
 from dse.exploration.samplers.full_factorial import FullFactorial
 from dse.exploration.work import MakeRunner, Runnable
 from dse.loading.workspace import Workspace
+from dse.storage.database.header import StudyHeader
 from dse.storage.folder import StudyFolder
+from dse.storage.run_store import RunStore
+from dse.testbench.address import address_of
 from dse.testbench.prepared import PreparedBench
 from dse.testbench.runner import Runner, make_runner
 from dse.testbench.study import PreparedStudy, prepare_study
@@ -42,13 +47,17 @@ def main() -> None:
     study = replace(Workspace.around(Path(__file__).parent).study("acc_gains"), keep=Keep.NEAR_BOUNDARY)
     planned = prepare_study(study)
     asked = first_ask(study, planned.definition)
-    whole, kernel = [], []
+    whole, kernel, known = [], [], []
     for _ in range(TURNS):
         kernel.append(kernel_alone(planned, asked))
-        whole.append(whole_study(study, planned.benches, planned.definition, make_runner))
+        with tempfile.TemporaryDirectory(prefix="dse-bench-") as cache:
+            for seconds in (whole, known):
+                runs = known_runs(planned, Path(cache))
+                seconds.append(whole_study(study, planned.benches, planned.definition, make_runner, runs))
     print(f"{study.name}: {len(asked)} runs on {WORKERS} workers, median of {TURNS}")
     print(f"  kernel alone {len(asked) / median(kernel):8.0f} runs/s")
     print(f"  whole study  {len(asked) / median(whole):8.0f} runs/s")
+    print(f"  all known    {len(asked) / median(known):8.0f} runs/s")
     print(f"  ratio        {median(kernel) / median(whole):8.2f}   (wanted: at least 0.5)")
     bare = replace(study, sampler=FullFactorial(), variables=tuple(levelled(study)), keep=Keep.NONE)
     definition = replace(
@@ -70,14 +79,27 @@ def first_ask(study: Study, definition: StudyDefinition) -> list[RunRequest]:
         return list(asking.requests.values())
 
 
-def whole_study(study: Study, prepared: Mapping[str, Runnable], definition: StudyDefinition, make: MakeRunner) -> float:
+def known_runs(planned: PreparedStudy, cache: Path) -> KnownRuns:
+    """What *cache* has of the runs of *planned*, as `explore_into` has it."""
+    addresses = {name: address for name, bench in planned.benches.items() if (address := address_of(bench))}
+    kept = {name: bench.recording.kept for name, bench in planned.benches.items()}
+    return KnownRuns(RunStore(cache), addresses, StudyHeader(planned.definition).measures, kept)
+
+
+def whole_study(
+    study: Study,
+    prepared: Mapping[str, Runnable],
+    definition: StudyDefinition,
+    make: MakeRunner,
+    known: KnownRuns = NOTHING_KNOWN,
+) -> float:
     """Seconds from the start of the workers to the last committed row."""
     with (
         tempfile.TemporaryDirectory(prefix="dse-bench-") as scratch,
         StudyFolder.create(Path(scratch) / "study", definition) as folder,
     ):
         start = time.perf_counter()
-        summary = explore(study, prepared, folder, executor=Local(workers=WORKERS), make_runner=make)
+        summary = explore(study, prepared, folder, executor=Local(workers=WORKERS), make_runner=make, known=known)
         seconds = time.perf_counter() - start
     assert summary.failed == 0
     assert summary.irreproducible == 0

@@ -8,7 +8,8 @@ from pathlib import Path
 ROOT = Path(__file__).parents[1]
 
 UNPICKLING = {
-    "dse/exploration/remote.py": "what our coordinator has sent to another machine",
+    "dse/exploration/packing.py": "a configuration of our coordinator, on another machine or for its comparison",
+    "dse/exploration/remote/parcels.py": "what our coordinator has sent to another machine",
     "dse/exploration/supervision/channel.py": "what a supervisor has sent to its worker",
     "dse/exploration/supervision/guarded_runner.py": "a configuration that a supervisor has written for its worker",
     "dse/testing/metrics.py": "what the test itself has pickled",

@@ -21,6 +21,7 @@ from .studies.exploring import (
     explore_into as explore_into,
     plan_into as plan_into,
 )
+from .studies.merging import Merged as Merged, merge_into as merge_into
 from .studies.replaying import replay as replay
 from .studies.results import Results as Results, Summary as Summary, results as results
 from .studies.run import Run as Run, Waveforms as Waveforms

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import os
 import stat
 from collections.abc import Iterator, Mapping
@@ -49,8 +50,8 @@ def _walk(path: Path) -> Iterator[tuple[str, os.stat_result]]:
             found[name] = os.lstat(path / name)
             if stat.S_ISDIR(found[name].st_mode):
                 pending += [f"{name}/{below}" if name else below for below in _names(path / name)]
-        except OSError:  # gone meanwhile, or closed to us
-            continue
+        except OSError as error:  # gone meanwhile, or closed to us
+            raise_shortage(error)
     yield from sorted(found.items())
 
 
@@ -71,5 +72,12 @@ def _content(path: Path, found: os.stat_result) -> str:
             return sha256(path.read_bytes()).hexdigest()
         with path.open("rb") as file:
             return file_digest(file, "sha256").hexdigest()
-    except OSError:
+    except OSError as error:
+        raise_shortage(error)
         return _UNREADABLE
+
+
+def raise_shortage(error: OSError) -> None:
+    """Raise *error* if it says what this process lacks, and nothing of a file."""
+    if error.errno in (errno.EMFILE, errno.ENFILE, errno.ENOMEM):
+        raise error

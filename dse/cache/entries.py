@@ -14,7 +14,7 @@ from collections.abc import Callable, Iterator, Mapping
 from enum import Enum
 from pathlib import Path
 
-from dse.cache.digests import FOLDER, Stamp, contents, digest_of, stamp
+from dse.cache.digests import FOLDER, Stamp, contents, digest_of, raise_shortage, stamp
 from dse.cache.folder import aside, sync, write_file
 from dse.errors import DseError
 
@@ -112,7 +112,10 @@ def state_of(target: Path) -> State:
     """Whether what is at *target* is what was kept there."""
     try:
         digest = digest_file(target).read_text(encoding="ascii").strip()
-    except (OSError, ValueError):
+    except ValueError:
+        return State.ABSENT
+    except OSError as error:
+        raise_shortage(error)
         return State.ABSENT
     if len(digest) != _DIGITS:  # it was being written when the power went
         return State.ABSENT

@@ -55,7 +55,6 @@ SHELVES = (
     Shelf("ssp", "SSP packages, unpacked"),
     Shelf("runs", "runs that were simulated", Path.is_dir),  # what is damaged in it is found when it is read
     Shelf("received", "FMUs that other machines sent"),
-    Shelf("runs", "runs, simulated", lambda _: True),  # what is damaged there counts as absent, record by record
     Shelf("compilers", "compilers that made what is here", stay=True),
     Shelf("documents", "YAML files of workspaces, read", _matches_head),
     Shelf("units", "units, looked up", _matches_head),

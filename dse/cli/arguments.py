@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from enum import StrEnum
 from pathlib import Path
 from typing import Annotated
@@ -65,6 +66,25 @@ Fuse = Annotated[
     bool, typer.Option("--fuse", help="Compile each configuration into one library first: same results, faster runs.")
 ]
 Gate = Annotated[bool, typer.Option("--gate", help="Exit with 3 also if a requirement failed, not only a run.")]
+
+
+def _shard(text: str | None) -> str | None:
+    """Refuse what is not I/N."""
+    found = re.fullmatch(r"([1-9][0-9]{0,5})/([1-9][0-9]{0,5})", text or "1/1")
+    if found is None or int(found[1]) > int(found[2]):
+        raise typer.BadParameter(f"'{text}' is no I/N with 1 <= I <= N, as '3/8'", param_hint="--shard")
+    return text
+
+
+ShardOf = Annotated[
+    str | None,
+    typer.Option(
+        "--shard",
+        metavar="I/N",
+        callback=_shard,
+        help="Only part I of N, into DIR/shard-I-of-N; 'dse merge DIR' makes one study of all.",
+    ),
+]
 
 On = Annotated[list[str], typer.Option("--on", metavar="SET", help="Switch a constraint set on.")]
 Off = Annotated[list[str], typer.Option("--off", metavar="SET", help="Switch a constraint set off.")]

@@ -44,9 +44,9 @@ def explore_and_show(study: Study, folder: Path, options: ExploreOptions, *, gat
             )
     except ExplorationInterruptedError as stop:
         raise KeyboardInterrupt(f"{folder}: {stop}") from None
-    results = Results(folder, explored)
+    results = Results(options.folder(folder), explored)
     summary = results.summary
-    _say(results, summary, explored)
+    _say(results, summary, explored, f"dse merge {folder}" if options.shard else f"dse report {folder}")
     failed = summary.failed or (gate and not summary.is_passed)
     raise typer.Exit(RUNS_FAILED if failed else DONE)
 
@@ -88,7 +88,7 @@ def _duration(seconds: float) -> str:
     return "less than a second" if seconds < 1 else f"about {timedelta(seconds=round(seconds))}"
 
 
-def _say(results: Results, summary: Summary, explored: Explored) -> None:
+def _say(results: Results, summary: Summary, explored: Explored, following: str) -> None:
 
     from dse.api import requirement_labels
 
@@ -114,17 +114,17 @@ def _say(results: Results, summary: Summary, explored: Explored) -> None:
         for name, count in summary.verdicts.items():
             shown.add_row(named[name], *(str(number) for number in count.values()))
         print_table(shown)
-    said = _told(summary)
+    said = said_of(summary)
     for line in said[:_MOST_PROBLEMS]:
         screen.print(f"  {plain(line)}", soft_wrap=True)
     if len(said) > _MOST_PROBLEMS:
         screen.print(f"  and {len(said) - _MOST_PROBLEMS} other problems: dse results {folder}", soft_wrap=True)
     if summary.failures:
         screen.print("to try failed runs again: the same command with --retry-failed", soft_wrap=True)
-    screen.print(f"next: dse report {folder}", soft_wrap=True)
+    screen.print(f"next: {following}", soft_wrap=True)
 
 
-def _told(summary: Summary) -> list[str]:
+def said_of(summary: Summary) -> list[str]:
     """What runs have to say, those with the same words but for numbers together; and what was tried twice."""
     groups: dict[tuple[str, str], list[int]] = {}
     for number, problem in summary.problems.items():

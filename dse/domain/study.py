@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from enum import StrEnum
@@ -35,6 +36,23 @@ class ExecutorChoice:
 
     name: str = "local"
     options: Mapping[str, Any] = field(default_factory=dict)
+
+
+@dataclass(frozen=True, slots=True)
+class Shard:
+    """Part *number* (from 1) *of* so many parts of a study, each of which is explored by itself."""
+
+    number: int
+    of: int
+
+    @property
+    def folder(self) -> str:
+        """The name of its study folder."""
+        return f"shard-{self.number}-of-{self.of}"
+
+
+SHARD_FOLDER = re.compile(r"shard-([1-9][0-9]*)-of-([1-9][0-9]*)")
+"""What the names of shards' folders look like."""
 
 
 @dataclass(frozen=True, slots=True)

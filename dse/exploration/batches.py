@@ -11,6 +11,7 @@ from dataclasses import dataclass
 from itertools import groupby
 
 from dse.domain.run import RunRequest
+from dse.domain.study import Shard
 from dse.exploration.work import Batch
 from dse.storage import Asks, waveform_file
 
@@ -41,6 +42,11 @@ class Chunks:
             wanted = set(numbers)
             todo = (n for n in range(first, last + 1) if n in self.requests and (n in wanted or kept.get(n)))
             yield self._batch(first, todo, waveform_file(first, last))
+
+    def part(self, asked: Iterable[int], shard: Shard) -> set[int]:
+        """Those of the *asked* runs that *shard* makes: every so many-th chunk as a whole."""
+        cut = enumerate(self._cut(asked))
+        return {n for index, (_, numbers) in cut if index % shard.of == shard.number - 1 for n in numbers}
 
     def _cut(self, missing: Iterable[int]) -> Iterator[tuple[tuple[int, int], Iterator[int]]]:
         def chunk(number: int) -> tuple[int, int]:

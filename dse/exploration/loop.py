@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from dse.domain.run import RunRequest
-from dse.domain.study import Keep, Study
+from dse.domain.study import Keep, Shard, Study
 from dse.exploration.asking import Asking
 from dse.exploration.batches import Chunks
 from dse.exploration.boundary import near_boundary
@@ -77,13 +77,15 @@ def explore(
     on_progress: Callable[[Progress], None] | None = None,
     make_runner: MakeRunner = make_runner,
     known: KnownRuns = NOTHING_KNOWN,
+    shard: Shard | None = None,
 ) -> Explored:
     """Have *executor* simulate what is missing in *folder*; *prepared* are the configurations by id.
 
     The study's sampler is asked, and asked again when the runs it wanted are there, until it wants no more. Waveforms
     are kept with the runs (`Keep.ALL`) or, for the runs near a boundary, by simulating these again, which must give the
     same bits. What is *known* is not simulated. A finished folder is left as it is and no worker is started. The
-    results are the same with any executor, bit for bit.
+    results are the same with any executor, bit for bit. Of a *shard* only its runs are made, and none again for its
+    waveforms: what is near a boundary is known when all shards are merged.
 
     Raises DseError if workers cannot work at all, ExplorationInterruptedError on Ctrl-C.
     """
@@ -97,7 +99,7 @@ def explore(
         chunks = Chunks(asking.requests, folder.asks, limits)
         with executor.open(work, sink) as pool:
             while asking.ask():
-                asked = set(asking.asked)
+                asked = chunks.part(asking.asked, shard) if shard else set(asking.asked)
                 sink.take(asking.requests[number] for number in asked - sink.finished)
                 if study.keep is Keep.ALL:
                     there = asked & sink.finished & (sink.failed | sink.kept.keys())
@@ -107,7 +109,7 @@ def explore(
                     sink.begin(Stage.RUNS, asked, asked & sink.finished)
                     pool.work_off(chunks.runs(asked - sink.finished))
                 asking.tell()
-            if study.keep is Keep.NEAR_BOUNDARY:
+            if study.keep is Keep.NEAR_BOUNDARY and not shard:
                 near = _near(study, folder, prepared)
                 sink.begin(Stage.WAVEFORMS, near, near & sink.kept.keys())
                 pool.work_off(sink.unknown(chunks.waveforms(near - sink.kept.keys(), sink.kept)))
@@ -220,8 +222,9 @@ class _Sink:
         self._on_progress(Progress(self._stage, done, len(self._wanted), len(self.failed), rate))
 
     def _keep(self, numbers: Sequence[int], file: str) -> None:
-        self._folder.add_kept(numbers, file)
-        self.kept |= dict.fromkeys(numbers, file)
+        if numbers:  # of a chunk whose runs all failed there is no file
+            self._folder.add_kept(numbers, file)
+            self.kept |= dict.fromkeys(numbers, file)
 
     def _store(self, configuration: str, requests: Sequence[RunRequest], block: RowBlock) -> None:
         numbers = block.numbers.tolist()

@@ -1,4 +1,4 @@
-from .attempts import Attempt as Attempt, made_by as made_by, this_process as this_process
+from .attempts import STOPPED as STOPPED, Attempt as Attempt, made_by as made_by, this_process as this_process
 from .database.asks import Asks as Asks
 from .database.connection import damaged_study as damaged_study
 from .database.header import StudyHeader as StudyHeader
@@ -11,6 +11,7 @@ from .difference import (
 from .export.tables import EXPORTS as EXPORTS, columns_of as columns_of, to_frame as to_frame
 from .folder import StudyFolder as StudyFolder
 from .lock import Writer as Writer, WriterLock as WriterLock, writer_of as writer_of
+from .merging import Merged as Merged, merge_studies as merge_studies, shards_in as shards_in
 from .rehearsal import Rehearsal as Rehearsal
 from .rows import Measures as Measures, RowBlock as RowBlock, block_of as block_of
 from .run_store import RunStore as RunStore

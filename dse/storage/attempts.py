@@ -7,6 +7,9 @@ import socket
 from dataclasses import dataclass
 from functools import cache
 
+STOPPED = "stopped with the program"
+"""What a try came to that was under way when its program was stopped or killed."""
+
 
 @dataclass(frozen=True, slots=True)
 class Attempt:

@@ -11,6 +11,7 @@ from contextlib import ExitStack, contextmanager, suppress
 from dataclasses import replace
 from itertools import groupby, repeat
 from pathlib import Path
+from typing import Self
 
 import numpy as np
 
@@ -19,6 +20,7 @@ from dse.domain.bench import VERDICTS
 from dse.domain.component import Value
 from dse.domain.definition import StudyDefinition
 from dse.domain.run import Outcome, RunRequest
+from dse.domain.study import SHARD_FOLDER
 from dse.errors import Location, fail
 from dse.storage.attempts import Attempt
 from dse.storage.database.addresses import write_addresses
@@ -33,7 +35,8 @@ from dse.storage.database.connection import (
 )
 from dse.storage.database.files import write_files
 from dse.storage.database.header import StudyHeader
-from dse.storage.database.schema import cell_of, columns
+from dse.storage.database.schema import cell_of, columns, quoted
+from dse.storage.database.seal import kept_seal, seals
 from dse.storage.lock import LOCK, WRITER, WriterLock
 from dse.storage.reader import SPOOL, WAVEFORMS, StudyReader
 from dse.storage.rows import RowBlock
@@ -64,14 +67,14 @@ class StudyFolder(StudyReader):
         self.lock: WriterLock | None = None
 
     @classmethod
-    def create(cls, path: Path, definition: StudyDefinition) -> StudyFolder:
+    def create(cls, path: Path, definition: StudyDefinition) -> Self:
         """A new folder for the study of *definition*; DseError if *path* is a file or holds something else already."""
         if (path / NAME).exists():
             raise fail("holds a study already", Location(str(path)), "give another folder with -o, or say --fresh")
         return cls.resume(path, definition)
 
     @classmethod
-    def resume(cls, path: Path, definition: StudyDefinition) -> StudyFolder:
+    def resume(cls, path: Path, definition: StudyDefinition) -> Self:
         """The folder at *path* to go on with, or a new one; DseError if it holds the results of another study.
 
         If *definition* only asks for other points or more configurations than the stored one, the study is extended:
@@ -85,9 +88,11 @@ class StudyFolder(StudyReader):
                 (path / WAVEFORMS).mkdir(exist_ok=True)
             if not (path / NAME).exists():
                 lay_out(path, StudyHeader(definition))
-            folder = undo.enter_context(cls._connected(path, write=True))
+            folder = cls._connected(path, write=True)
+            undo.callback(folder.close)
             folder.lock = lock
             with located(path):
+                folder.require_structure()
                 folder.take_up(definition)
                 for torn in (path / WAVEFORMS).glob(f"*{PART}"):
                     torn.unlink(missing_ok=True)
@@ -115,7 +120,7 @@ class StudyFolder(StudyReader):
 
     def forget_damaged(self) -> None:
         """Take waveforms whose file is gone, cut or changed as never kept."""
-        known, kept = self._files(), self.kept()
+        known, kept = self.files(), self.kept()
         now = {file: checked(self.waveform_folder / file, known.get(file)) for file in {*kept.values()} - {""}}
         self.damaged = frozenset(number for number, file in kept.items() if file and not now[file])
         news = {file: facts for file, facts in now.items() if facts and facts != known.get(file)}
@@ -143,7 +148,7 @@ class StudyFolder(StudyReader):
             self.header = header
             with self._writing() as connection:
                 write_asks(connection, () if stored else blocks)
-                write_header(connection, header)
+                write_header(connection, header, self.asks)
             self.commit()
 
     def note_addresses(self, addresses: Mapping[str, Address]) -> None:
@@ -175,9 +180,12 @@ class StudyFolder(StudyReader):
             )
             for number, point, done, metrics, verdicts, margins in zip(numbers, points, *cells, strict=True)
         ]
-        places = ", ".join("?" * len(columns(self.header)))
+        if not rows:
+            return
+        sealed = [(*row, seal) for row, seal in zip(rows, seals([*zip(*rows, strict=True)]).tolist(), strict=True)]
+        places = ", ".join("?" * len(sealed[0]))
         with self._writing() as connection:
-            connection.executemany(f"INSERT OR IGNORE INTO runs VALUES ({places})", rows)  # noqa: S608  # marks only
+            connection.executemany(f"INSERT OR IGNORE INTO runs VALUES ({places})", sealed)  # noqa: S608  # marks only
             tries = zip(numbers, repeat(""), block.wall.tolist(), strict=False)
             write_attempts(connection, block.maker, tries)
         self.commit_if_due()
@@ -192,9 +200,8 @@ class StudyFolder(StudyReader):
     def add_kept(self, numbers: Sequence[int], file: str) -> None:
         """Note that the waveforms of *numbers* are in *file*, which is there already; "" if there are none to store."""
         with self._writing() as connection:
-            connection.executemany(
-                "INSERT OR REPLACE INTO kept VALUES (?, ?)", [(number, file or None) for number in numbers]
-            )
+            rows = [(number, file or None, kept_seal(number, file)) for number in numbers]
+            connection.executemany("INSERT OR REPLACE INTO kept VALUES (?, ?, ?)", rows)
             if file:
                 write_files(connection, {file: facts_of(self.waveform_folder / file)})
         self.commit_if_due()
@@ -207,6 +214,11 @@ class StudyFolder(StudyReader):
         """Replace what run *number* has to say of itself."""
         with self._writing() as connection:
             connection.execute("UPDATE runs SET problem = ? WHERE number = ?", (problem, number))
+            choice = ", ".join(map(quoted, columns(self.header)))
+            query = f"SELECT {choice} FROM runs WHERE number = ?"  # noqa: S608  # quoted
+            for row in connection.execute(query, (number,)).fetchall():
+                seal = int(seals([(cell,) for cell in row])[0])
+                connection.execute("UPDATE runs SET seal = ? WHERE number = ?", (seal, number))
         self.commit_if_due()
 
     def commit_if_due(self) -> None:
@@ -258,7 +270,7 @@ class StudyFolder(StudyReader):
             header = replace(header, era=era, base=self.asks.numbers, earlier=earlier, runs=earlier, asked=0)
         if header != self.header:
             with self._writing() as connection:
-                write_header(connection, header)
+                write_header(connection, header, self.asks)
         self.commit()
         self.header = header
 
@@ -301,7 +313,7 @@ class StudyFolder(StudyReader):
             for table in ("runs", "kept"):
                 statement = f"DELETE FROM {table} WHERE number = ?"  # noqa: S608  # one of ours
                 connection.executemany(statement, [(number,) for number in gone])
-            write_header(connection, header)
+            write_header(connection, header, self.asks)
         self.commit()
         self.header = header
 
@@ -343,4 +355,4 @@ def _require_room(path: Path) -> None:
 
 
 def _is_ours(name: str) -> bool:
-    return name in _OURS or name.startswith(f"{NAME}.part")
+    return name in _OURS or name.startswith(f"{NAME}.part") or SHARD_FOLDER.fullmatch(name) is not None

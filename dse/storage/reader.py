@@ -17,10 +17,11 @@ from dse.storage.attempts import Attempt
 from dse.storage.database.addresses import read_addresses
 from dse.storage.database.asks import Asks
 from dse.storage.database.attempts import read_attempts, read_causes
-from dse.storage.database.connection import connect, damaged_study, located, read_header
+from dse.storage.database.connection import connect, damaged_study, located, read_header, require_structure
 from dse.storage.database.definition import unit_flaws
 from dse.storage.database.files import read_files
 from dse.storage.database.header import StudyHeader
+from dse.storage.database.seal import kept_seal
 from dse.storage.database.table import RunTable, read_table
 from dse.storage.waveform_check import FileFacts, size_of
 from dse.storage.waveforms import is_file_name, read_waveforms
@@ -37,6 +38,7 @@ class StudyReader:
         self.header = header
         self.asks = asks
         self._connection = connection
+        self._is_sound = False
 
     @classmethod
     def open(cls, path: Path) -> Self:
@@ -64,12 +66,12 @@ class StudyReader:
     def kept(self) -> Mapping[int, str]:
         """Waveform file by number for the runs whose waveforms were asked for; "" where there are none to store."""
         with located(self.path):
-            rows = self._connection.execute("SELECT number, file FROM kept ORDER BY number").fetchall()
-        return {number: self._checked(file) for number, file in rows}
+            rows = self._connection.execute("SELECT * FROM kept ORDER BY number").fetchall()
+        return {row[0]: self._checked(*row) for row in rows}
 
     def lost(self) -> set[int]:
         """Numbers of the runs whose waveforms were kept in a file that is gone or has another size."""
-        kept, known = self.kept(), self._files()
+        kept, known = self.kept(), self.files()
         sizes = {file: size_of(self.waveform_folder / file) for file in {*kept.values()} - {""}}
         gone = {file for file, size in sizes.items() if size != (known[file].size if file in known else size or 0)}
         return {number for number, file in kept.items() if file in gone}
@@ -83,11 +85,19 @@ class StudyReader:
 
     def table(self, numbers: Sequence[int] = ()) -> RunTable:
         """The runs of *numbers* that are stored, or all that are, as columns; DseError if the database is damaged."""
+        if not numbers:
+            self.require_structure()
         try:
             with located(self.path):
                 return read_table(self._connection, self.header, numbers)
         except (KeyError, ValueError, TypeError) as error:
             raise damaged_study(self.path, str(error)) from error
+
+    def require_structure(self) -> None:
+        """DseError if a page of the database is damaged; looked at once."""
+        if not self._is_sound:
+            require_structure(self._connection, self.path)
+            self._is_sound = True
 
     def run(self, number: int) -> Run:
         """Run *number* with its waveforms if they were kept; DseError if it has not been made."""
@@ -100,8 +110,8 @@ class StudyReader:
     def waveforms(self, number: int) -> Waveforms | None:
         """The waveforms of run *number*, None if they were not kept; DseError if their file is gone or damaged."""
         with located(self.path):
-            row = self._connection.execute("SELECT file FROM kept WHERE number = ?", (number,)).fetchone()
-        return read_waveforms(self.waveform_folder / self._checked(row[0]), number) if row and row[0] else None
+            row = self._connection.execute("SELECT * FROM kept WHERE number = ?", (number,)).fetchone()
+        return read_waveforms(self.waveform_folder / self._checked(*row), number) if row and row[1] else None
 
     def addresses(self) -> dict[str, Address]:
         """What names the runs of each configuration, as far as it is known."""
@@ -114,7 +124,7 @@ class StudyReader:
             return read_attempts(self._connection)
 
     def causes(self) -> dict[int, str]:
-        """What the last try came to that gave no row, by run."""
+        """What the last try came to that gave no row, by run; not that it was stopped with its program."""
         with located(self.path):
             return read_causes(self._connection)
 
@@ -141,14 +151,17 @@ class StudyReader:
             raise
         return cls(path, header, connection, asks)
 
-    def _files(self) -> dict[str, FileFacts]:
+    def files(self) -> dict[str, FileFacts]:
+        """What is known of the files of waveforms, by name."""
         with located(self.path):
             return read_files(self._connection)
 
-    def _checked(self, file: str | None) -> str:
+    def _checked(self, number: int, file: str | None, seal: int | None = None) -> str:
         # The database may come from anywhere: what it names must lie in the folder of waveforms.
-        if file and not is_file_name(file):
+        if file and not (isinstance(file, str) and is_file_name(file)):
             raise damaged_study(self.path, f"'{file}' is no file of waveforms")
+        if seal not in (None, kept_seal(number, file)):
+            raise damaged_study(self.path, f"where the waveforms of run {number} are is not what was written")
         return file or ""
 
     def _numbers(self, query: str) -> set[int]:

@@ -74,6 +74,7 @@ def bytes_of(folder: Path) -> dict[str, bytes]:
     return shown | waveforms | {"report": page_of(replace(read_content(folder), study_folder="pair")).encode()}
 
 
+@pytest.mark.thorough
 def test_a_change_of_one_component_simulates_its_configurations_only(study, edit, tmp_path):
     first = study().explore(tmp_path / "out", workers=1)
     assert (first.explored.simulated, first.explored.taken) == (12, 0)
@@ -110,6 +111,7 @@ def test_the_same_study_in_another_folder_simulates_nothing(study, tmp_path):
     assert study().explore(tmp_path / "two", workers=1, fresh=True).explored.simulated == 12
 
 
+@pytest.mark.thorough
 def test_another_study_takes_the_runs_that_are_the_same(study, edit, place, tmp_path):
     study().explore(tmp_path / "one", workers=1)
     (place / "testbenches" / "other.pet.yaml").write_text(
@@ -120,6 +122,7 @@ def test_another_study_takes_the_runs_that_are_the_same(study, edit, place, tmp_
     assert (other.runs, other.taken, other.simulated) == (20, 12, 8)
 
 
+@pytest.mark.thorough
 def test_waveforms_near_the_boundary_are_taken_too(study, edit, tmp_path):
     edit("testbenches/pair.pet.yaml", "keep_waveforms: all", "keep_waveforms: near_boundary")
     first = study().explore(tmp_path / "one", workers=1).explored
@@ -129,6 +132,7 @@ def test_waveforms_near_the_boundary_are_taken_too(study, edit, tmp_path):
     assert bytes_of(tmp_path / "one") == bytes_of(tmp_path / "two")
 
 
+@pytest.mark.thorough
 def test_what_is_in_the_folder_stays_though_the_cache_was_emptied(study, edit, tmp_path):
     study().explore(tmp_path / "out", workers=1)
     before = bytes_of(tmp_path / "out")

@@ -208,6 +208,18 @@ def test_a_warm_cache_may_be_read_only(tmp_path, fresh, monkeypatch):
         keep_file(tmp_path / "y", lambda: CONTENT)
 
 
+@pytest.mark.parametrize("place", [(os, "lstat"), (os, "scandir"), (Path, "read_bytes"), (Path, "read_text")])
+@pytest.mark.parametrize("number", [errno.EMFILE, errno.ENOMEM])
+def test_what_this_process_lacks_is_no_damage(tmp_path, fresh, monkeypatch, place, number):
+    target = keep_folder(tmp_path / "x", fill)
+    fresh()
+    with monkeypatch.context() as short:
+        short.setattr(*place, fails(number))
+        with pytest.raises(OSError, match=os.strerror(number)):
+            keep_folder(target, never)
+    assert keep_folder(target, never) == target
+
+
 @pytest.mark.parametrize("place", ["write_file", "sync"])
 def test_a_full_disk_is_named_and_leaves_no_half_entry(tmp_path, monkeypatch, place):
     target = keep_file(tmp_path / "x", lambda: CONTENT)

@@ -338,6 +338,8 @@ def make_first_version(path: Path) -> None:
         connection.execute("INSERT INTO timing SELECT run, seconds FROM attempts")
         for table in ("asks", "attempts", "makers", "files"):
             connection.execute(f"DROP TABLE {table}")
+        for table in ("runs", "kept"):
+            connection.execute(f"ALTER TABLE {table} DROP COLUMN seal")
         connection.execute("PRAGMA user_version = 1")
         connection.commit()
 

@@ -58,6 +58,7 @@ def content(path: Path) -> tuple[bytes, dict[str, bytes]]:
         return to_csv(folder), files
 
 
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize("keep", list(Keep))
 def test_a_study_that_was_made_before_is_taken_whole(tmp_path: Path, keep: Keep, monkeypatch: Any) -> None:
     study = study_of(levels=6, keep=keep)
@@ -73,6 +74,7 @@ def test_a_study_that_was_made_before_is_taken_whole(tmp_path: Path, keep: Keep,
     assert content(tmp_path / "one") == content(tmp_path / "two")
 
 
+@pytest.mark.thorough
 def test_a_sampler_that_looks_at_results_is_told_what_was_known(tmp_path: Path) -> None:
     study = study_of(Bisection(requirement="R1", width=0.01), keep=Keep.ALL)
     first = run(tmp_path / "one", study)
@@ -90,6 +92,7 @@ def test_only_what_is_missing_is_simulated(tmp_path: Path) -> None:
     assert content(tmp_path / "many") == content(tmp_path / "fresh")
 
 
+@pytest.mark.thorough
 def test_the_order_of_metrics_and_requirements_may_be_another(tmp_path: Path) -> None:
     study = study_of(levels=4)
     run(tmp_path / "one", study)
@@ -98,6 +101,7 @@ def test_the_order_of_metrics_and_requirements_may_be_another(tmp_path: Path) ->
     assert content(tmp_path / "two") == content(tmp_path / "fresh")
 
 
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize("mischief", ["fails", "raises", "crashes"])
 def test_runs_that_failed_are_simulated_again(tmp_path: Path, mischief: str) -> None:
     study = study_of(levels=3)
@@ -106,6 +110,7 @@ def test_runs_that_failed_are_simulated_again(tmp_path: Path, mischief: str) -> 
     assert (healed.failed, healed.taken, healed.simulated) == (0, 17, 1)
 
 
+@pytest.mark.thorough
 def test_a_run_that_gave_another_result_the_second_time_is_not_taken(tmp_path: Path) -> None:
     study = study_of(levels=8, keep=Keep.NEAR_BOUNDARY)
     odd = run(tmp_path / "one", study, mischief="drifts").irreproducible
@@ -115,6 +120,7 @@ def test_a_run_that_gave_another_result_the_second_time_is_not_taken(tmp_path: P
     assert run(tmp_path / "two", replace(study, keep=Keep.NONE)).taken == 128 - odd
 
 
+@pytest.mark.thorough
 def test_a_chunk_of_which_one_waveform_is_lost_is_simulated(tmp_path: Path) -> None:
     study = study_of(levels=8, keep=Keep.ALL)
     run(tmp_path / "one", study)

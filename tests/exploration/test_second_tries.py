@@ -176,3 +176,16 @@ def test_a_killed_worker_costs_the_run_at_hand_and_no_other(tmp_path: Path, keep
     for file in files:
         assert (tmp_path / "study/waveforms" / file).read_bytes() == (tmp_path / "whole/waveforms" / file).read_bytes()
     assert not (tmp_path / "study" / "spool").exists()
+
+
+def test_runs_that_failed_are_made_again_on_demand(tmp_path: Path) -> None:
+    study = study_of()
+    explored(tmp_path, study, FakeBench("a", "fails", (7, 8)))
+    with StudyFolder.resume(tmp_path, definition_of(study)) as folder:
+        folder.forget(folder.failed())
+        prepared = {"a": FakeBench("a", "crashes", (8,))}
+        summary = explore(study, prepared, folder, executor=Local(workers=1), make_runner=make_fake)
+        assert (summary.simulated, summary.new, folder.failed()) == (2, 2, {8})
+        assert [folder.causes()[number] for number in folder.causes()] == [
+            "crashed (signal 11) in fake: fmi2DoStep of run 8"
+        ]

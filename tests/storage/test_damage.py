@@ -53,6 +53,7 @@ def execute(folder: Path, statement: str, *values: object) -> None:
     ],
 )
 def test_a_row_that_no_study_has_is_damage(stored: Path, statement: str) -> None:
+    execute(stored, "UPDATE runs SET seal = NULL")  # as if an earlier version had written it
     execute(stored, statement)
     for export in EXPORTS.values():
         with (
@@ -63,7 +64,7 @@ def test_a_row_that_no_study_has_is_damage(stored: Path, statement: str) -> None
 
 
 def test_a_number_is_needed_for_what_is_varied(stored: Path) -> None:
-    execute(stored, """UPDATE runs SET "p:controller.kp" = '"eco"' WHERE number = 1""")
+    execute(stored, """UPDATE runs SET seal = NULL, "p:controller.kp" = '"eco"' WHERE number = 1""")
     with StudyFolder.open(stored) as folder, pytest.raises(DseError, match=r"a run has no number for controller\.kp"):
         folder.table()
 
@@ -93,7 +94,7 @@ def test_a_definition_without_its_shape_is_damage(stored: Path, definition: Stud
         StudyFolder.resume(stored, definition)
 
 
-@pytest.mark.parametrize(("key", "value"), [("runs", '"many"'), ("runs", "-1"), ("era", "1.5")])
+@pytest.mark.parametrize(("key", "value"), [("runs", '"many"'), ("runs", "-1"), ("era", "1.5"), ("asked", "5")])
 def test_facts_of_another_kind_are_damage(stored: Path, key: str, value: str) -> None:
     execute(stored, "UPDATE facts SET value = ? WHERE key = ?", value, key)
     with pytest.raises(DseError, match="damaged"):
@@ -105,6 +106,7 @@ def test_facts_of_another_kind_are_damage(stored: Path, key: str, value: str) ->
     [
         "INSERT INTO asks VALUES (2, 3, 'c1', 1, 0)",
         "UPDATE asks SET count = 0",
+        "UPDATE asks SET count = 2",
         "DROP TABLE asks",
     ],
 )
@@ -205,7 +207,7 @@ def test_entries_that_do_not_fit_each_other_are_flaws(changed: dict[str, Any]) -
     "name", ["../../elsewhere/runs-00000000-00000031.parquet", "/etc/passwd", "runs-00000000-00000031.parquet\n", "x"]
 )
 def test_waveforms_are_read_from_the_study_folder_only(stored: Path, definition: StudyDefinition, name: str) -> None:
-    execute(stored, "INSERT INTO kept VALUES (0, ?)", name)
+    execute(stored, "INSERT INTO kept VALUES (0, ?, NULL)", name)
     with StudyFolder.open(stored) as folder:
         for read in (folder.kept, folder.lost, lambda: folder.waveforms(0), lambda: folder.run(0)):
             with pytest.raises(DseError, match="is no file of waveforms"):
@@ -285,7 +287,7 @@ def test_waveforms_that_were_copied_are_read_once_and_stay(
     kept.unlink()
     kept.write_bytes(data)
     for reads in (1, 0):
-        read = []
+        read: list[Path] = []
         with monkeypatch.context() as patch:
             patch.setattr(
                 "dse.storage.waveform_check.facts_of", lambda file, read=read: read.append(file) or facts_of(file)

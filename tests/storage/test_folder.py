@@ -132,6 +132,9 @@ def to_second_version(path: Path) -> None:
         connection.execute("INSERT INTO timing SELECT run, seconds FROM attempts")
         for table in ("attempts", "makers", "files"):
             connection.execute(f"DROP TABLE {table}")
+        for table in ("runs", "kept"):
+            connection.execute(f"ALTER TABLE {table} DROP COLUMN seal")
+        connection.execute("DELETE FROM facts WHERE key = 'seal'")
         connection.execute("PRAGMA user_version = 2")
         connection.commit()
 

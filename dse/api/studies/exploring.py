@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from dse.api.studies.planning import Plan, changes_since, known_runs, plan, start_over
-from dse.domain.study import ExecutorChoice
+from dse.domain.study import ExecutorChoice, Shard
 from dse.errors import DseError, fail
 from dse.exploration import (
     Executor,
@@ -55,7 +55,7 @@ class ExploreOptions:
     and simulates every run, made before or not. *fmi* is the version of the FMUs that are built. In a *sandbox*, FMUs
     have no network and write in their scratch folder only. With *retry_failed*, runs that failed before are made again.
     *executor* makes the runs instead of what the study names: an executor of ``concurrent.futures`` with so many
-    *workers* (0: as it says itself), or a function that makes one.
+    *workers* (0: as it says itself), or a function that makes one. Of a *shard* only its runs are made.
     """
 
     workers: int = 0
@@ -66,6 +66,11 @@ class ExploreOptions:
     sandbox: bool = False
     retry_failed: bool = False
     executor: FuturesPool | Callable[[], FuturesPool] | None = None
+    shard: Shard | None = None
+
+    def folder(self, folder: Path) -> Path:
+        """The study folder: *folder*, or that of the shard in it."""
+        return folder / self.shard.folder if self.shard else folder
 
 
 def ready(study: Study, fmi: int = 2, *, fuse: bool = False, tell: Tell | None = None) -> PreparedStudy:
@@ -94,7 +99,11 @@ def explore_into(
     is told what will be done before it is. Earlier results stay in the cache.
     Raises DseError, and ExplorationInterruptedError on Ctrl-C; what was finished is stored then.
     """
+    if options.shard and not study.sampler.once:
+        what = f"the sampler '{study.sampler.name}' looks at results before it asks for more runs: it has no shards"
+        raise fail(what, study.where, "leave out --shard; 'executor: dask' has other machines make its runs")
     executor = executor_of(study, options)
+    folder = options.folder(folder)
     planned = ready(study, options.fmi, fuse=options.fuse, tell=tell)
     known = known_runs(planned, reads=not (options.fresh or options.retry_failed))
     if options.fresh:
@@ -107,7 +116,15 @@ def explore_into(
         if options.retry_failed:
             store.forget(store.failed())
         store.note_addresses(known.addresses)
-        explored = explore(study, planned.benches, store, executor=executor, on_progress=on_progress, known=known)
+        explored = explore(
+            study,
+            planned.benches,
+            store,
+            executor=executor,
+            on_progress=on_progress,
+            known=known,
+            shard=options.shard,
+        )
         if explored.before and explored.simulated:
             with suppress(DseError):  # what was finished when it was stopped may not have come to the cache
                 give(store, known.store)

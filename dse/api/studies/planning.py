@@ -141,7 +141,7 @@ class _Counter:
 
     def __init__(self, study: Study) -> None:
         self.requests: dict[int, str] = {}
-        self.retried, self.remarks = 0, ()
+        self.retried = 0
         self._once = study.sampler.once
 
     @contextmanager

@@ -26,6 +26,7 @@ COMMANDS = (
     "simulate",
     "run",
     "explore",
+    "merge",
     "results",
     "report",
     "figure",

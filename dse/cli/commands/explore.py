@@ -15,6 +15,7 @@ from dse.cli.arguments import (
     Output,
     RetryFailed,
     Sandbox,
+    ShardOf,
     StudyName,
     Threads,
     Workers,
@@ -33,6 +34,7 @@ def explore(
     retry_failed: RetryFailed = False,
     gate: Gate = False,
     sandbox: Sandbox = False,
+    shard: ShardOf = None,
     dry_run: DryRun = False,
     form: Format = Output.TABLE,
 ) -> None:
@@ -43,8 +45,10 @@ def explore(
     """
     from dse.api import ExploreOptions
     from dse.cli.exploring import explore_and_show, show_plan
+    from dse.domain.study import Shard
 
-    options = ExploreOptions(workers, threads, fuse, fresh, version, sandbox, retry_failed)
+    part = Shard(*map(int, shard.split("/"))) if shard else None
+    options = ExploreOptions(workers, threads, fuse, fresh, version, sandbox, retry_failed, shard=part)
     if dry_run:
         show_plan(workspace_of(study).study(study), folder, options, form)
         return

@@ -33,7 +33,7 @@ from dse.exploration.supervision.worker import CHANNEL_CLOSED
 from dse.exploration.supervision.worker_process import Assignment, WorkerProcess
 from dse.exploration.work import Batch, Sink, Work
 from dse.scratch import ScratchFolder
-from dse.storage import Attempt, RowBlock, made_by, read_spool, spooled_names
+from dse.storage import STOPPED, Attempt, RowBlock, made_by, read_spool, spooled_names
 
 START_TIMEOUT = 60.0
 """Seconds a worker may take to start, to load a configuration or to write a file."""
@@ -49,8 +49,6 @@ _LONGEST_LOOK = 0.1
 """Seconds that count at most between two looks at the workers."""
 
 _CLOSED = "closed files that are not its own: the line to the study"
-
-_STOPPED = "stopped with the program"
 
 _UNTIL_GONE = 2.0
 """Seconds a process needs at most to be gone when its files are closed already."""
@@ -128,7 +126,7 @@ class Supervisor:
             if folder != self._setup.configurations:
                 for state in (state for file in folder.glob("*.beat") for state in states_in(file)):
                     if state.phase is Phase.RUNNING and state.number in asked:
-                        attempt = Attempt(state.number, made_by(state.process), _STOPPED, math.nan)
+                        attempt = Attempt(state.number, made_by(state.process), STOPPED, math.nan)
                         self._sink.tried([attempt])
                 shutil.rmtree(folder, ignore_errors=True)
 
@@ -157,7 +155,7 @@ class Supervisor:
         self._receive(worker)
         self._recover(worker)
         traces = traces_of(worker)
-        tries = [Attempt(number, worker.maker, _STOPPED, traces.seconds) for number in traces.unfinished]
+        tries = [Attempt(number, worker.maker, STOPPED, traces.seconds) for number in traces.unfinished]
         self._sink.tried(tries)
 
     def _start_workers(self) -> None:

@@ -6,6 +6,7 @@ Chunks and names of waveform files follow from the blocks, so that they are the 
 from __future__ import annotations
 
 import sqlite3
+import zlib
 from bisect import bisect_right
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
@@ -38,6 +39,8 @@ class Asks:
         self.blocks: list[Block] = sorted(blocks, key=lambda block: block.first)
         self._firsts = [block.first for block in self.blocks]
         self._sizes: dict[tuple[int, int], int] = {}
+        self.seal = 0
+        """Changes with any change of the blocks."""
         for block in self.blocks:
             self._count(block)
 
@@ -86,6 +89,7 @@ class Asks:
         return block if block and number < block.first + block.count else None
 
     def _count(self, block: Block) -> None:
+        self.seal = (self.seal + zlib.crc32(repr(block).encode()) * (block.first + 1)) % 2**64
         key = (block.era, block.ask)
         self._sizes[key] = self._sizes.get(key, 0) + block.count
 

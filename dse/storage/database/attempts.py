@@ -6,7 +6,7 @@ import math
 import sqlite3
 from collections.abc import Iterable
 
-from dse.storage.attempts import Attempt
+from dse.storage.attempts import STOPPED, Attempt
 
 ATTEMPTS = (
     """CREATE TABLE makers (
@@ -36,9 +36,11 @@ def write_attempts(connection: sqlite3.Connection, maker: str, tries: Iterable[t
 
 
 def read_causes(connection: sqlite3.Connection) -> dict[int, str]:
-    """What the last try came to that gave no row, by run."""
-    query = "SELECT run, cause FROM attempts WHERE cause <> '' ORDER BY id"
-    return {} if _are_early(connection) else dict(connection.execute(query).fetchall())
+    """What the last try came to that gave no row, by run; not that it was stopped with its program."""
+    if _are_early(connection):
+        return {}
+    query = "SELECT run, cause FROM attempts WHERE cause NOT IN ('', ?) ORDER BY id"
+    return dict(connection.execute(query, (STOPPED,)).fetchall())
 
 
 def read_attempts(connection: sqlite3.Connection) -> list[Attempt]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 import json
 import os
 import shutil
@@ -18,7 +19,7 @@ from dse.storage.database.attempts import ATTEMPTS, FROM_TIMING
 from dse.storage.database.definition import definition_from_json, definition_to_json
 from dse.storage.database.files import FILES
 from dse.storage.database.header import StudyHeader
-from dse.storage.database.schema import APPLICATION_ID, ASKS, VERSION, statements
+from dse.storage.database.schema import APPLICATION_ID, ASKS, SEALED, SEALS, VERSION, statements
 from dse.storage.disk import FULL, GO_ON, refused
 
 NAME = "study.sqlite"
@@ -66,6 +67,11 @@ def damaged_study(path: Path, why: str) -> DseError:
     return fail(f"{NAME} is damaged: {why}", Location(str(path)), "explore again into another folder, or with --fresh")
 
 
+def attachable(path: Path) -> str:
+    """What ``ATTACH`` is to be given for the study in *path*."""
+    return _address(path / NAME).replace("mode=rw", "mode=ro")
+
+
 def lay_out(path: Path, header: StudyHeader) -> None:
     """Write an empty `study.sqlite` into *path*, all of it or nothing. DseError if *header* cannot be stored."""
     try:
@@ -87,7 +93,7 @@ def fill(connection: sqlite3.Connection, header: StudyHeader) -> None:
     connection.execute("BEGIN")
     for statement in statements(header):
         connection.execute(statement)
-    write_header(connection, header)
+    write_header(connection, header, Asks())
     connection.execute("COMMIT")
 
 
@@ -116,9 +122,18 @@ def connect(path: Path, *, write: bool) -> sqlite3.Connection:
     return connection
 
 
-def write_header(connection: sqlite3.Connection, header: StudyHeader) -> None:
-    """Store *header* in place of what was there; the caller has a transaction open."""
+def require_structure(connection: sqlite3.Connection, path: Path) -> None:
+    """DseError if a page of the database is not what SQLite wrote, as far as SQLite can tell."""
+    with located(path):
+        (found,) = connection.execute("PRAGMA quick_check(1)").fetchone()
+    if found != "ok":
+        raise damaged_study(path, str(found).replace("\n", " "))
+
+
+def write_header(connection: sqlite3.Connection, header: StudyHeader, asks: Asks) -> None:
+    """Store *header* in place of what was there; the caller has a transaction open and *asks* stored."""
     facts = {key: getattr(header, key) for key in _COUNTS} | {"definition": definition_to_json(header.definition)}
+    facts["seal"] = _seal(facts, asks)
     connection.executemany(
         "INSERT OR REPLACE INTO facts VALUES (?, ?)", [(key, _json(value)) for key, value in facts.items()]
     )
@@ -143,6 +158,8 @@ def read_header(connection: sqlite3.Connection, path: Path) -> tuple[StudyHeader
             if type(count) is not int or count < 0:
                 raise ValueError(f"the number '{key}' is {json.dumps(count)[:40]}")
         asks = _first_asks(definition, counts["runs"]) if _version(connection) == 1 else read_asks(connection)
+        if _version(connection) >= SEALED and facts["seal"] != _seal(facts, asks):
+            raise ValueError("they are not what was written")
     except (ValueError, KeyError, TypeError, RecursionError) as error:
         raise damaged_study(path, f"its facts cannot be read ({error})") from error
     return StudyHeader(definition, numbers=asks.numbers, **counts), asks
@@ -155,13 +172,19 @@ def migrate(connection: sqlite3.Connection, header: StudyHeader, asks: Asks) -> 
         connection.execute(ASKS)
         write_asks(connection, asks.blocks)
         connection.execute("DELETE FROM facts")
-        write_header(connection, header)
     if version < VERSION:
-        for statement in (*ATTEMPTS, *FROM_TIMING, FILES, f"PRAGMA user_version = {VERSION}"):
+        added = (*ATTEMPTS, *FROM_TIMING, FILES, *SEALS, f"PRAGMA user_version = {VERSION}")
+        for statement in added:
             connection.execute(statement)
+        write_header(connection, header, asks)
 
 
 _COUNTS = ("runs", "asked", "era", "base", "earlier")
+
+
+def _seal(facts: Mapping[str, Any], asks: Asks) -> str:
+    sealed = {key: facts[key] for key in (*_COUNTS, "definition")}
+    return hashlib.sha256(f"{_json(sealed)} {asks.seal}".encode()).hexdigest()
 
 
 def _of_first_version(facts: Mapping[str, Any]) -> dict[str, Any]:

@@ -16,7 +16,12 @@ APPLICATION_ID = 0x44534553
 """Marks an SQLite file as a study ("DSES")."""
 
 VERSION = 3
-"""Version of these tables, stored as user_version. Version 1 had no table of asks, 2 no attempts and files."""
+"""Version of these tables, stored as user_version. Version 1 had no table of asks, 2 no attempts, files and seals."""
+
+SEALED = 3
+"""The first version whose rows tell whether they are what was written."""
+
+SEALS = tuple(f"ALTER TABLE {table} ADD COLUMN seal INTEGER" for table in ("runs", "kept"))
 
 ASKS = """CREATE TABLE asks (
     first INTEGER PRIMARY KEY, count INTEGER NOT NULL, configuration TEXT NOT NULL, ask INTEGER NOT NULL,
@@ -26,7 +31,7 @@ _FIXED = ("number", "configuration", "outcome", "problem")
 
 
 def columns(header: StudyHeader) -> tuple[str, ...]:
-    """Columns of the table of runs, in order: fixed ones, ``p:`` variables, ``m:`` metrics, verdicts, margins."""
+    """Columns of the table of runs before its seal: fixed ones, ``p:`` variables, ``m:`` metrics, verdicts, margins."""
     return (
         *_FIXED,
         *(f"p:{name}" for name in header.variables),
@@ -42,8 +47,8 @@ def statements(header: StudyHeader) -> tuple[str, ...]:
     return (
         "CREATE TABLE facts (key TEXT PRIMARY KEY, value TEXT NOT NULL) STRICT",
         "CREATE TABLE configurations (id TEXT PRIMARY KEY, choices TEXT NOT NULL, properties TEXT NOT NULL) STRICT",
-        f"CREATE TABLE runs ({', '.join(_column(name) for name in columns(header))}) STRICT",
-        "CREATE TABLE kept (number INTEGER PRIMARY KEY, file TEXT) STRICT",
+        f"CREATE TABLE runs ({', '.join(_column(name) for name in columns(header))}, seal INTEGER) STRICT",
+        "CREATE TABLE kept (number INTEGER PRIMARY KEY, file TEXT, seal INTEGER) STRICT",
         ASKS,
         *ATTEMPTS,
         FILES,

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import json
 import math
 import sqlite3
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -17,8 +19,11 @@ from dse.domain.component import Value
 from dse.domain.run import Outcome, Run, RunRequest
 from dse.domain.sampler import Outcomes
 from dse.storage.database.header import StudyHeader
-from dse.storage.database.schema import columns, quoted, value_of
+from dse.storage.database.schema import SEALED, columns, quoted, value_of
+from dse.storage.database.seal import Cells, cells_of, seals
 from dse.storage.rows import RowBlock
+
+_AT_ONCE = 10_000
 
 _CODES = {str(verdict): code for code, verdict in enumerate(VERDICTS)}
 
@@ -98,11 +103,53 @@ def read_table(connection: sqlite3.Connection, header: StudyHeader, numbers: Seq
     ValueError if a row holds what no study of *header* can have.
     """
     names = columns(header)
-    choice = ", ".join(quoted(name) for name in names)
-    where = f" WHERE number IN ({', '.join(str(int(number)) for number in numbers)})" if numbers else ""
-    rows = connection.execute(f"SELECT {choice} FROM runs{where} ORDER BY number").fetchall()  # noqa: S608  # quoted
-    cells = dict(zip(names, zip(*rows, strict=True) if rows else ((),) * len(names), strict=True))
-    n = len(rows)
+    (version,) = connection.execute("PRAGMA user_version").fetchone()
+    choice = ", ".join([*map(quoted, names), "seal" if version >= SEALED else "NULL"])
+    where = "WHERE number IN (SELECT value FROM json_each(?))" if numbers else ""
+    query = f"SELECT {choice} FROM runs {where} ORDER BY number"  # noqa: S608  # quoted
+    cursor = connection.execute(query, [json.dumps([*map(int, numbers)])] if numbers else [])
+    parts = [_part(header, [()] * len(names))]
+    # A few rows at a time: as Python's numbers they take ten times the memory.
+    while rows := cursor.fetchmany(_AT_ONCE):
+        *cells, sealed = map(cells_of, zip(*rows, strict=True))
+        _refuse_unsealed(cells, sealed)
+        parts.append(_part(header, cells))
+    return _joined(header, parts)
+
+
+def _refuse_unsealed(columns: Sequence[Cells], sealed: Cells) -> None:
+    """ValueError for a row that is not what was written; one of an earlier version's study does not tell."""
+    for number, seal, now in zip(columns[0], sealed, seals(columns).tolist(), strict=True):
+        if seal != now and seal is not None and seal == seal:  # noqa: PLR0124  # NaN where there is none
+            raise ValueError(f"run {number} is not what was written")
+
+
+def _joined(header: StudyHeader, parts: list[RunTable]) -> RunTable:
+    """*parts* one after the other."""
+
+    def joined(column: Callable[[RunTable], NDArray[Any]]) -> NDArray[Any]:
+        return np.concatenate([column(part) for part in parts])
+
+    block = RowBlock(
+        joined(lambda part: part.block.numbers),
+        joined(lambda part: part.block.done),
+        joined(lambda part: part.block.metrics),
+        joined(lambda part: part.block.verdicts),
+        joined(lambda part: part.block.margins),
+        joined(lambda part: part.block.wall),
+        {number: text for part in parts for number, text in part.block.problems.items()},
+    )
+    configurations = tuple(name for part in parts for name in part.configurations)
+    points = {name: joined(partial(_point_of, name)) for name in header.variables}
+    return RunTable(header, block, configurations, points)
+
+
+def _point_of(name: str, part: RunTable) -> NDArray[Any]:
+    return part.points[name]
+
+
+def _part(header: StudyHeader, given: Sequence[Cells]) -> RunTable:
+    cells, n = dict(zip(columns(header), given, strict=True)), len(given[0])
     _refuse_strangers(cells, header)
     block = RowBlock(
         np.array(cells["number"], dtype=np.int64),
@@ -117,7 +164,8 @@ def read_table(connection: sqlite3.Connection, header: StudyHeader, numbers: Seq
         np.full(n, np.nan),
         {number: text for number, text in zip(cells["number"], cells["problem"], strict=True) if text},
     )
-    return RunTable(header, block, cells["configuration"], _points(cells, header))
+    ids = {name: name for name in header.configurations}
+    return RunTable(header, block, tuple(ids[name] for name in cells["configuration"]), _points(cells, header))
 
 
 def _refuse_strangers(cells: Mapping[str, Any], header: StudyHeader) -> None:
@@ -145,14 +193,14 @@ def _matrix(cells: Mapping[str, Any], n: int, kind: str, names: Sequence[str]) -
 def _points(cells: Mapping[str, Any], header: StudyHeader) -> dict[str, NDArray[Any]]:
     points = {name: _point(name, cells[f"p:{name}"]) for name in header.variables}
     for name, column in points.items():
-        if not all(type(value) in (int, float) for value in column.tolist()):
+        if column.dtype == object and not all(type(value) in (int, float) for value in column.tolist()):
             raise ValueError(f"a run has no number for {name}")
     return points
 
 
-def _point(name: str, cells: tuple[float | str, ...]) -> NDArray[Any]:
-    if all(type(cell) is float for cell in cells):
-        numbers = np.array(cells, dtype=np.float64)
+def _point(name: str, cells: Cells) -> NDArray[Any]:
+    if not len(cells) or isinstance(cells, np.ndarray):
+        numbers = np.asarray(cells, dtype=np.float64)
         if not np.isfinite(numbers).all():
             raise ValueError(f"a run has an infinite {name}")
         return numbers

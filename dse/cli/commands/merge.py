@@ -1,0 +1,42 @@
+"""``dse merge``."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from dse.cli.app import app
+from dse.cli.terminal import say
+
+Sources = Annotated[
+    list[Path], typer.Argument(metavar="DIR…", help="The folder in which shards were explored, or theirs one by one.")
+]
+Target = Annotated[
+    Path | None,
+    typer.Option("--output", "-o", metavar="DIR", help="The study folder to make; else the one given."),
+]
+
+
+@app.command()
+def merge(folders: Sources, target: Target = None) -> None:
+    """Make one study folder of those of a study's shards (dse explore --shard).
+
+    What is missing is said; a shard that comes later is merged by the same command.
+    """
+    from dse.api import merge_into
+
+    place, merged = merge_into(folders, target)
+    say(f"{place}: {merged.finished} of {merged.runs} runs, from {len(merged.of)} folders")
+    for name in merged.absent:
+        say(f"  {name} is not there")
+    if merged.finished < merged.runs:
+        for path, runs in merged.of.items():
+            say(f"  {path}: {runs} runs")
+    if merged.different:
+        count = len(merged.different)
+        say(f"  {count} runs were made twice, with other results (the first is run {merged.different[0]}); those that")
+        say("  came first are kept. Are these machines alike?")
+    is_complete = merged.finished == merged.runs
+    say(f"next: dse report {place}" if is_complete else f"next: dse explore STUDY -o {place} makes the rest")
