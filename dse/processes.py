@@ -8,7 +8,7 @@ import sysconfig
 import tempfile
 import threading
 from collections.abc import Iterator
-from contextlib import contextmanager, suppress
+from contextlib import contextmanager, nullcontext, suppress
 from multiprocessing import current_process, get_start_method, set_start_method
 from multiprocessing.process import BaseProcess
 from pathlib import Path
@@ -19,9 +19,9 @@ _SAFE, _BY_US = "PYTHONSAFEPATH", "while dse starts"
 _one_at_a_time = threading.Lock()
 
 
-def start_process(process: BaseProcess) -> None:
-    """Start *process*, as `unburdened`."""
-    with unburdened(), _somewhere():
+def start_process(process: BaseProcess, log: Path | None = None) -> None:
+    """Start *process*, as `unburdened`; what it says before it prints elsewhere by itself goes to *log*."""
+    with unburdened(), _somewhere(), _printing_to(log) if log else nullcontext():
         process.start()
 
 
@@ -93,6 +93,24 @@ def _here() -> str:
         return os.path.realpath(Path.cwd())
     except OSError:
         return ""
+
+
+@contextmanager
+def _printing_to(log: Path) -> Iterator[None]:
+    """Standard error is *log*, for a moment: a child that dies of its first imports must not speak on the terminal."""
+    try:
+        kept = os.dup(2)
+    except OSError:  # it is closed
+        yield
+        return
+    try:
+        file = os.open(log, os.O_WRONLY | os.O_CREAT | os.O_APPEND, 0o600)
+        os.dup2(file, 2)
+        os.close(file)
+        yield
+    finally:
+        os.dup2(kept, 2)
+        os.close(kept)
 
 
 @contextmanager
