@@ -9,7 +9,7 @@ import sysconfig
 import tempfile
 import threading
 from collections.abc import Iterator
-from contextlib import contextmanager, suppress
+from contextlib import contextmanager, nullcontext, suppress
 from multiprocessing import current_process, get_start_method, resource_tracker, set_start_method
 from multiprocessing.process import BaseProcess
 from pathlib import Path
@@ -22,9 +22,12 @@ _ENDING = [getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGHUP") if 
 _one_at_a_time = threading.Lock()
 
 
-def start_process(process: BaseProcess) -> None:
-    """Start *process*, as `unburdened`. Signals that end programs wait there until it calls `forget_start`."""
-    with unburdened(), _somewhere(), _signals_waiting():
+def start_process(process: BaseProcess, log: Path | None = None) -> None:
+    """Start *process*, as `unburdened`. Signals that end programs wait there until it calls `forget_start`.
+
+    What it says before it prints elsewhere by itself goes to *log*.
+    """
+    with unburdened(), _somewhere(), _signals_waiting(), _printing_to(log) if log else nullcontext():
         process.start()
 
 
@@ -115,6 +118,24 @@ def _signals_waiting() -> Iterator[None]:
         yield
     finally:
         signal.pthread_sigmask(signal.SIG_SETMASK, before)
+
+
+@contextmanager
+def _printing_to(log: Path) -> Iterator[None]:
+    """Standard error is *log*, for a moment: a child that dies of its first imports must not speak on the terminal."""
+    try:
+        kept = os.dup(2)
+    except OSError:  # it is closed
+        yield
+        return
+    try:
+        file = os.open(log, os.O_WRONLY | os.O_CREAT | os.O_APPEND, 0o600)
+        os.dup2(file, 2)
+        os.close(file)
+        yield
+    finally:
+        os.dup2(kept, 2)
+        os.close(kept)
 
 
 @contextmanager
