@@ -58,4 +58,4 @@ def test_a_flipped_bit_is_found_or_does_not_matter(
             except DseError as error:
                 assert len(error.problems) == 1, at  # noqa: PT017
                 came["found"] += 1
-    assert min(came["right"], came["found"]) > 100
+    assert min(came["right"], came["found"]) > 50
