@@ -58,6 +58,8 @@ def located(path: Path) -> Iterator[None]:
         if code == sqlite3.SQLITE_IOERR and shutil.disk_usage(path).free < _LITTLE:
             why = FULL
         raise fail(f"{NAME} cannot be used, {why}: {error}", Location(str(path)), GO_ON) from error
+    except UnicodeDecodeError as error:  # what SQLite says of damage may quote it
+        raise damaged_study(path, str(error)) from error
     except OSError as error:
         raise refused(path, error) from error
 
