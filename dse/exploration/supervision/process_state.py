@@ -12,7 +12,9 @@ from contextlib import suppress
 from pathlib import Path
 from typing import NamedTuple
 
-_LOOK_EVERY = 0.02
+_LOOK_EVERY, _LOOK_OFTEN = 0.05, 0.005
+"""Seconds between two looks, and when half of the memory is used up."""
+
 _NEAR = 0.8
 _GROWN = 0.1
 _LIMITS = ("AS", "CPU", "DATA", "FSIZE", "NOFILE", "NPROC", "STACK")
@@ -46,7 +48,7 @@ class ProcessState:
         self._limits = _limits()
         self._first = self._usual = _look()
         self._is_known = False
-        self._looked = 0.0
+        self._looked, self._every = 0.0, _LOOK_EVERY
 
     def begin(self, memory: float) -> None:
         """Another configuration comes, which may hold so much: what its first run changes is what it needs."""
@@ -68,13 +70,14 @@ class ProcessState:
         no harm to the others of it, but to another configuration.
         """
         moment = time.perf_counter()
-        if not (now or moment - self._looked > _LOOK_EVERY or not self._is_known):
+        if not (now or moment - self._looked > self._every or not self._is_known):
             return ""
         self._looked = moment
         _stop_timers()
         if limit := self._lowered_limit():
             return f"the limit {limit} was lowered for good"
         before, look = self._usual, _look()
+        self._every = _LOOK_OFTEN if look.resident > self.memory / 2 else _LOOK_EVERY
         if not self._is_known:
             self._is_known, self._usual = True, look
             return ""
