@@ -7,6 +7,7 @@ import os
 from typing import NoReturn
 
 if multiprocessing.current_process().name != "MainProcess":
+    os.write(2, b"a library is missing")
     os._exit(7)
 
 

@@ -117,7 +117,7 @@ class Studies:
         return case
 
     def laid_out(self, *, cold: bool = False) -> Path:
-        """A place for a study, a cache and temporary files, always the same: a report tells the folder it is of."""
+        """A place for a study, a cache and temporary files, with nothing in it but a warm cache."""
         place = self._folder / "case"
         if place.exists():
             shutil.rmtree(place)

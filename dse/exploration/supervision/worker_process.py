@@ -66,7 +66,7 @@ class WorkerProcess:
         self._channel = Channel(near, *FROM_WORKERS)
         self._process = context.Process(target=serve, args=(far, setup, heartbeat, self._log), daemon=True)
         if setup.sandbox is None:
-            start_process(self._process)
+            start_process(self._process, self._log)
         else:
             setup.sandbox.start(self._process, heartbeat, self._log)
         far.close()
