@@ -37,3 +37,12 @@ def test_what_changed_is_said_before_it_is_simulated(dse_in, example, explored, 
     assert "changed                    parameter world.lead_speed" in done.stderr
     assert "to be simulated            20, configurations: 1" in done.stderr
     assert "20 runs, 20 of them new" in done.stdout
+
+
+@pytest.mark.thorough
+def test_a_dry_run_of_a_shard_or_of_failures_tells_of_them_only(dse, explored, tmp_path):
+    done = dse("explore", "small", "-o", str(tmp_path / "new"), "--dry-run", "--shard", "1/2", "--format", "json")
+    assert done.returncode == 0, done.stderr
+    assert 0 < json.loads(done.stdout)["known"] < 20
+    done = dse("explore", "small", "-o", str(explored), "--dry-run", "--retry-failed", "--format", "json")
+    assert json.loads(done.stdout)["there"] == 20

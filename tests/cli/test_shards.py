@@ -23,13 +23,13 @@ def test_a_folder_without_shards_cannot_be_merged(dse, tmp_path):
 def test_what_is_merged_is_what_one_command_makes(dse, explored, tmp_path):
     out = tmp_path / "out"
     for number in (1, 3):
-        done = dse("explore", "small", "-o", str(out), "-j", "1", "--shard", f"{number}/3")
+        done = dse("explore", "small", "-o", str(out), "-j", "1", "--fresh", "--shard", f"{number}/3")
         assert done.returncode == 0, done.stderr
         assert done.stdout.endswith(f"next: dse merge {out}\n")
     merged = dse("merge", str(out))
     assert merged.returncode == 0, merged.stderr
     assert f"{out}: 13 of 20 runs, from 2 folders\n  shard-2-of-3 is not there\n" in merged.stdout
-    assert dse("explore", "small", "-o", str(out), "-j", "1", "--shard", "2/3").returncode == 0
+    assert dse("explore", "small", "-o", str(out), "-j", "1", "--fresh", "--shard", "2/3").returncode == 0
     assert f"{out}: 20 of 20 runs, from 3 folders\nnext: dse report {out}\n" in dse("merge", str(out)).stdout
     assert dse("results", str(out)).stdout == dse("results", str(explored)).stdout
     kept = [{path.name: path.read_bytes() for path in (each / "waveforms").iterdir()} for each in (out, explored)]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import random
+import shutil
 import signal
 import subprocess
 import sys
@@ -95,6 +96,7 @@ def test_a_command_is_stopped_at_any_moment_of_its_start(example, cache, tmp_pat
 @pytest.mark.thorough
 def test_a_study_is_stopped_at_any_moment_and_goes_on(example, cache, tmp_path):
     """With more signals while it tidies up, to the process or to all of its group."""
+    shutil.rmtree(cache / "runs", ignore_errors=True)  # what other tests made would be taken
     delays = random.Random(5)  # noqa: S311  # no secret
     (temporary := tmp_path / "temporary").mkdir()
     command = [sys.executable, "-c", SCRIPT, "explore", "small", "-o", str(tmp_path / "out"), "-j", "2"]

@@ -110,7 +110,7 @@ def explore_into(
         StudyFolder.discard(folder)
     elif changes_since(folder, planned, known.addresses):
         if on_changes:
-            on_changes(plan(planned, folder, workers=options.workers))
+            on_changes(plan(planned, folder, workers=options.workers, shard=options.shard))
         start_over(folder)
     with StudyFolder.resume(folder, planned.definition) as store:
         if options.retry_failed:
@@ -138,7 +138,14 @@ def plan_into(study: Study, folder: Path, options: ExploreOptions, *, tell: Tell
     """
     planned = ready(study, options.fmi, fuse=options.fuse, tell=tell)
     executor_of(study, options)
-    return plan(planned, folder, workers=options.workers, fresh=options.fresh)
+    return plan(
+        planned,
+        options.folder(folder),
+        workers=options.workers,
+        fresh=options.fresh,
+        retry_failed=options.retry_failed,
+        shard=options.shard,
+    )
 
 
 def executor_of(study: Study, options: ExploreOptions) -> Executor:

@@ -14,7 +14,7 @@ from dse.cache import cache_folder
 from dse.domain.address import Address
 from dse.domain.component import Value
 from dse.domain.run import RunRequest
-from dse.domain.study import Study
+from dse.domain.study import Shard, Study
 from dse.exploration import Batch, KnownRuns, Sink, Work, explore, give
 from dse.storage import Rehearsal, RunStore, StudyFolder, StudyHeader, changed_study
 from dse.testbench import PreparedStudy, address_of
@@ -81,12 +81,20 @@ def start_over(folder: Path) -> None:
     StudyFolder.discard(folder)
 
 
-def plan(planned: PreparedStudy, folder: Path, *, workers: int = 0, fresh: bool = False) -> Plan:
+def plan(
+    planned: PreparedStudy,
+    folder: Path,
+    *,
+    workers: int = 0,
+    fresh: bool = False,
+    retry_failed: bool = False,
+    shard: Shard | None = None,
+) -> Plan:
     """What exploring *planned* into *folder* would do. Nothing is simulated, and the folder is left as it is.
 
     Raises DseError as exploring would.
     """
-    known = known_runs(planned, reads=not fresh, writes=False)
+    known = known_runs(planned, reads=not (fresh or retry_failed), writes=False)
     changes = () if fresh else changes_since(folder, planned, known.addresses)
     before: dict[str, Address] = {}
     stay: set[tuple[str, tuple[Value, ...]]] = set()
@@ -99,9 +107,11 @@ def plan(planned: PreparedStudy, folder: Path, *, workers: int = 0, fresh: bool 
     rehearsed = folder / "nothing" if changes or fresh else folder
     counter = _Counter(planned.study)
     with Rehearsal.of(rehearsed, planned.definition) as scratch:
+        if retry_failed:
+            scratch.forget(scratch.failed())
         there = scratch.finished()
         with suppress(_EnoughError):
-            explore(planned.study, planned.benches, scratch, executor=counter, known=known)
+            explore(planned.study, planned.benches, scratch, executor=counter, known=known, shard=shard)
         finished = scratch.finished()
         staying = sum(_point(request) in stay for request in scratch.table().requests()) if stay else 0
         runs, explored = scratch.header.runs, len(planned.definition.explored)
