@@ -3,25 +3,31 @@
 from __future__ import annotations
 
 import os
+import signal
 import sys
 import sysconfig
 import tempfile
 import threading
 from collections.abc import Iterator
 from contextlib import contextmanager, nullcontext, suppress
-from multiprocessing import current_process, get_start_method, set_start_method
+from multiprocessing import current_process, get_start_method, resource_tracker, set_start_method
 from multiprocessing.process import BaseProcess
 from pathlib import Path
 from types import ModuleType
 
 _SAFE, _BY_US = "PYTHONSAFEPATH", "while dse starts"
 
+_ENDING = [getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGHUP") if hasattr(signal, name)]
+
 _one_at_a_time = threading.Lock()
 
 
 def start_process(process: BaseProcess, log: Path | None = None) -> None:
-    """Start *process*, as `unburdened`; what it says before it prints elsewhere by itself goes to *log*."""
-    with unburdened(), _somewhere(), _printing_to(log) if log else nullcontext():
+    """Start *process*, as `unburdened`. Signals that end programs wait there until it calls `forget_start`.
+
+    What it says before it prints elsewhere by itself goes to *log*.
+    """
+    with unburdened(), _somewhere(), _signals_waiting(), _printing_to(log) if log else nullcontext():
         process.start()
 
 
@@ -63,7 +69,12 @@ def _as_parent() -> Iterator[None]:
 
 
 def forget_start() -> None:
-    """What was changed for the start of this process is no business of the programs that an FMU may start."""
+    """What was changed for the start of this process is no business of the programs that an FMU may start.
+
+    To be called when signals are handled as they shall be.
+    """
+    if sys.platform != "win32":
+        signal.pthread_sigmask(signal.SIG_UNBLOCK, _ENDING)
     if os.environ.get(_SAFE) == _BY_US:
         del os.environ[_SAFE]
 
@@ -93,6 +104,20 @@ def _here() -> str:
         return os.path.realpath(Path.cwd())
     except OSError:
         return ""
+
+
+@contextmanager
+def _signals_waiting() -> Iterator[None]:
+    """Ctrl-C reaches the new process, too: while it imports it would say so with a traceback."""
+    if sys.platform == "win32":
+        yield
+        return
+    resource_tracker.ensure_running()  # at its start it would let signals through
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, _ENDING)
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
 
 
 @contextmanager

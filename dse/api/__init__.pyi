@@ -31,4 +31,11 @@ from .studies.single import (
     study_of_bench as study_of_bench,
     write_package as write_package,
 )
+from .studies.watching import (
+    Status as Status,
+    seconds_left as seconds_left,
+    status as status,
+    status_as_data as status_as_data,
+    statuses as statuses,
+)
 from .workspace import Workspace as Workspace, open as open

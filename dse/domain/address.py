@@ -11,6 +11,8 @@ from numpy.typing import NDArray
 
 NAME_BYTES = 16
 
+_AT_ONCE = 1024
+
 NOT_GIVEN = np.array([0x7FF8_DE5E_DE5E_DE5E], dtype="<u8").view("<f8")
 """Stands for what a run is not given in the bench's own point: a NaN that no computation gives."""
 
@@ -47,14 +49,15 @@ class Address:
         """
         if not self.names:
             return np.zeros((len(points), NAME_BYTES), dtype=np.uint8)
-        rows = np.tile(np.frombuffer(self.values, dtype="<f8"), (len(points), 1))
-        for column, name in enumerate(variables):
-            rows[:, list(self.places[name])] = points[:, [column]]
-        content, size = memoryview(rows.tobytes()), len(self.values)
         head = blake2b("\0".join(self.names).encode(), digest_size=NAME_BYTES)
-        named = bytearray()
-        for first in range(0, len(points) * size, size):
-            run = head.copy()
-            run.update(content[first : first + size])
-            named += run.digest()
+        named, size = bytearray(), len(self.values)
+        for part in np.split(points, range(_AT_ONCE, len(points), _AT_ONCE)):
+            rows = np.tile(np.frombuffer(self.values, dtype="<f8"), (len(part), 1))
+            for column, name in enumerate(variables):
+                rows[:, list(self.places[name])] = part[:, [column]]
+            content = memoryview(rows.tobytes())
+            for first in range(0, len(content), size):
+                run = head.copy()
+                run.update(content[first : first + size])
+                named += run.digest()
         return np.frombuffer(bytes(named), dtype=np.uint8).reshape(len(points), NAME_BYTES)

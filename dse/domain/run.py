@@ -31,6 +31,10 @@ class RunRequest:
     configuration: str
     point: Mapping[str, Value]
 
+    def __reduce__(self) -> tuple[type[RunRequest], tuple[int, str, Mapping[str, Value]]]:
+        # A study sends millions of them to workers; what a frozen dataclass does by itself takes twice as long.
+        return RunRequest, (self.number, self.configuration, self.point)
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Waveforms:

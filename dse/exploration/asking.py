@@ -7,7 +7,8 @@ sampler must ask for the same as before. In one that was extended, runs that are
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from itertools import chain
 
 from dse.domain.run import RunRequest
 from dse.domain.sampler import Brief, Candidate, Point
@@ -19,6 +20,37 @@ from dse.storage import StudyFolder
 _MOST_IDLE_ASKS = 100
 
 
+class Requests(Mapping[int, RunRequest]):
+    """Runs with the variables *names* by number: *earlier* ones, and those from *base* on, as they are asked for.
+
+    As nouns, a million of them would take half a gigabyte.
+    """
+
+    def __init__(self, names: tuple[str, ...], base: int, earlier: Mapping[int, RunRequest]) -> None:
+        self._names = names
+        self._base = base
+        self._earlier = earlier
+        self._candidates: list[Candidate] = []
+
+    def __getitem__(self, number: int) -> RunRequest:
+        if number < self._base:
+            return self._earlier[number]
+        if number >= self._base + len(self._candidates):
+            raise KeyError(number)
+        configuration, point = self._candidates[number - self._base]
+        return RunRequest(number, configuration, dict(zip(self._names, point, strict=True)))
+
+    def __iter__(self) -> Iterator[int]:
+        return chain(self._earlier, range(self._base, self._base + len(self._candidates)))
+
+    def __len__(self) -> int:
+        return len(self._earlier) + len(self._candidates)
+
+    def append(self, candidate: Candidate) -> None:
+        """Have *candidate* as the next run."""
+        self._candidates.append(candidate)
+
+
 class Asking:
     """The asks of one *study*, which are noted in *folder*.
 
@@ -27,7 +59,6 @@ class Asking:
 
     def __init__(self, study: Study, folder: StudyFolder) -> None:
         header = folder.header
-        self.requests: dict[int, RunRequest] = {}
         self.asked: list[int] = []
         self._wanted: set[int] = set()
         self._study = study
@@ -41,10 +72,10 @@ class Asking:
         # Of a study that is asked once, and as a whole, nothing has to be compared.
         table = folder.table((-1,)) if is_fresh else folder.table()
         self._stored = {request.number: request for request in table.requests()}
-        for number, request in self._stored.items():
-            if number < header.base:
-                self.requests[number] = request
-                self._numbers[request.configuration, tuple(map(float, request.point.values()))] = number
+        there = {number: request for number, request in self._stored.items() if number < header.base}
+        for number, request in there.items():
+            self._numbers[request.configuration, tuple(map(float, request.point.values()))] = number
+        self.requests = Requests(header.variables, header.base, there)
         earlier = table.outcomes(list(self.requests))
         self._search = study.sampler.start(Brief(study.variables, header.definition.explored, study.seed, earlier))
 
@@ -63,7 +94,7 @@ class Asking:
         self._idle = 0 if fresh else self._idle + 1
         if self._idle > _MOST_IDLE_ASKS:
             raise self._refused(f"asked {self._idle} times in a row for runs that are there")
-        self._folder.ask(self._made, fresh, len(self._wanted))
+        self._folder.ask(self._made, map(self.requests.__getitem__, fresh), len(self._wanted))
         self._made += 1
         return True
 
@@ -72,23 +103,23 @@ class Asking:
         if not self._study.sampler.once:
             self._search.tell(self._folder.table(sorted(set(self.asked))).outcomes(self.asked))
 
-    def _take(self, candidates: Sequence[Candidate]) -> list[RunRequest]:
+    def _take(self, candidates: Sequence[Candidate]) -> range:
         """Give numbers to *candidates*; those that are new. DseError if there are rows of them that are other runs."""
-        fresh = []
+        first = self._next
         self.asked = []
         for candidate in candidates:
-            number = self._numbers.setdefault((candidate.configuration, candidate.point), self._next)
+            number = self._numbers.setdefault(candidate, self._next)
             if number == self._next:
-                point = dict(zip(self._names, candidate.point, strict=True))
-                request = self.requests[number] = RunRequest(number, candidate.configuration, point)
-                if self._stored.get(number, request) != request:
+                self.requests.append(candidate)
+                if number in self._stored and self._stored[number] != self.requests[number]:
                     what = f"the sampler asks for another run {number} than it did before"
                     raise fail(what, Location(str(self._folder.path)), "explore into another folder, or say --fresh")
-                fresh.append(request)
                 self._next += 1
             self.asked.append(number)
         self._wanted.update(self.asked)
-        return fresh
+        if self._study.sampler.once:
+            self._numbers.clear()
+        return range(first, self._next)
 
     def _check(self, candidates: Sequence[Candidate]) -> None:
         known = set(self._folder.header.definition.explored)

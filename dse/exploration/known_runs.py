@@ -16,12 +16,13 @@ from dse.domain.address import Address
 from dse.domain.run import RunRequest
 from dse.errors import DseError, fail
 from dse.exploration.work import Batch
-from dse.storage import Measures, RowBlock, RunStore, StudyFolder, gather_waveforms, this_process
+from dse.storage import Measures, RowBlock, RunStore, RunTable, StudyFolder, gather_waveforms, this_process
 
 NOT_REPRODUCIBLE = "not reproducible: "
 """What is said of a run begins with it if it gave another result when it was made again."""
 
 _PUT_EVERY = 1.0
+_AT_ONCE = 50_000
 _COLUMNS = ("numbers", "done", "metrics", "verdicts", "margins", "wall")
 
 
@@ -57,8 +58,8 @@ class KnownRuns:
 
     def rows(self, requests: Iterable[RunRequest]) -> Iterator[tuple[list[RunRequest], RowBlock]]:
         """Those of *requests* of which there is a row, by configuration, with these rows."""
-        for configuration, group in groupby(_sorted(requests), key=_configuration):
-            asked = list(group)
+        for asked in _parts(requests):
+            configuration = asked[0].configuration
             names = self._names(configuration, asked) if self._reads else None
             if names is None:
                 continue
@@ -139,35 +140,39 @@ def give(folder: StudyFolder, store: RunStore) -> None:
 
     Those that were not reproducible are left out.
     """
-    table = folder.table()
     known = KnownRuns(store, folder.addresses(), folder.header.measures, {})
-    fit = zip(table.requests(), table.done.tolist(), table.problems, strict=True)
-    requests = {r.number: r for r, done, said in fit if done and not said.startswith(NOT_REPRODUCIBLE)}
-    there = {request.number for found, _ in known.rows(requests.values()) for request in found}
-    rows = {number: row for row, number in enumerate(table.numbers.tolist())}
     files = folder.kept()
-    for configuration, group in groupby(_sorted(requests.values()), key=_configuration):
-        batch = Batch(0, configuration, tuple(group))
-        fresh = [rows[number] for number in batch.numbers if number not in there]
-        if fresh:
-            known.add(batch, table.block.part(np.array(fresh, dtype=np.intp)))
-        for file, numbers in groupby(batch.numbers, key=lambda number: files.get(number, "")):
-            if file:
-                known.add_file(batch, list(numbers), folder.waveform_folder / file)
+    for block in folder.asks.blocks:
+        for first in range(block.first, block.first + block.count, _AT_ONCE):
+            _give(folder.table(range(first, min(first + _AT_ONCE, block.first + block.count))), known, files, folder)
     if not known.put():
         raise fail(f"the runs cannot be kept in {store.folder}", hint="set DSE_CACHE to a folder of yours with room")
+
+
+def _give(table: RunTable, known: KnownRuns, files: Mapping[int, str], folder: StudyFolder) -> None:
+    """Give the runs of *table*, all of one configuration."""
+    fit = zip(table.requests(), table.done.tolist(), table.problems, strict=True)
+    requests = tuple(r for r, done, said in fit if done and not said.startswith(NOT_REPRODUCIBLE))
+    if not requests:
+        return
+    batch = Batch(0, requests[0].configuration, requests)
+    there = {request.number for found, _ in known.rows(requests) for request in found}
+    missing = [number for number in batch.numbers if number not in there]
+    known.add(batch, table.block.part(np.searchsorted(table.numbers, missing)))
+    for file, numbers in groupby(batch.numbers, key=lambda number: files.get(number, "")):
+        if file:
+            known.add_file(batch, list(numbers), folder.waveform_folder / file)
 
 
 def _host(maker: str) -> str:
     return maker.rpartition("/")[0]
 
 
-def _sorted(requests: Iterable[RunRequest]) -> list[RunRequest]:
-    return sorted(requests, key=lambda request: (request.configuration, request.number))
-
-
-def _configuration(request: RunRequest) -> str:
-    return request.configuration
+def _parts(requests: Iterable[RunRequest]) -> Iterator[list[RunRequest]]:
+    """*requests* by configuration and number, not too many at once."""
+    for _, group in groupby(sorted(requests, key=lambda r: (r.configuration, r.number)), key=lambda r: r.configuration):
+        members = list(group)
+        yield from (members[first : first + _AT_ONCE] for first in range(0, len(members), _AT_ONCE))
 
 
 def _each(measures: Measures) -> tuple[tuple[str, ...], tuple[str, ...]]:

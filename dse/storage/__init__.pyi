@@ -3,6 +3,7 @@ from .database.asks import Asks as Asks
 from .database.connection import damaged_study as damaged_study
 from .database.header import StudyHeader as StudyHeader
 from .database.table import RunTable as RunTable
+from .database.tally import Maker as Maker, Tally as Tally
 from .difference import (
     changed_inputs as changed_inputs,
     changed_results as changed_results,

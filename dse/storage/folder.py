@@ -6,7 +6,7 @@ import math
 import shutil
 import sqlite3
 import time
-from collections.abc import Iterator, Mapping, Sequence, Set as AbstractSet
+from collections.abc import Iterable, Iterator, Mapping, Sequence, Set as AbstractSet
 from contextlib import ExitStack, contextmanager, suppress
 from dataclasses import replace
 from itertools import groupby, repeat
@@ -130,7 +130,7 @@ class StudyFolder(StudyReader):
                 write_files(connection, news)
             self.commit()
 
-    def ask(self, number: int, requests: Sequence[RunRequest], asked: int) -> None:
+    def ask(self, number: int, requests: Iterable[RunRequest], asked: int) -> None:
         """Note that the sampler's ask *number* of this era wants *requests*, which are new, and *asked* in all so far.
 
         If it is noted already it must be the same. DseError if it is another one.

@@ -18,6 +18,7 @@ from dse.storage.database.asks import write_asks
 from dse.storage.database.connection import NAME, attachable, write_header
 from dse.storage.database.files import write_files
 from dse.storage.database.schema import columns, quoted
+from dse.storage.database.seal import kept_seal
 from dse.storage.folder import StudyFolder
 from dse.storage.reader import StudyReader
 from dse.storage.waveform_check import FileFacts, checked
@@ -105,12 +106,12 @@ class _Merging(StudyFolder):
                 counts = {name: getattr(other.header, name) for name in ("runs", "asked", "numbers")}
                 self.header = replace(self.header, **counts)
                 write_header(connection, self.header, self.asks)
-            names = ", ".join(quoted(name) for name in columns(self.header))
+            names = ", ".join(quoted(name) for name in (*columns(self.header), "seal"))
             copy = f"INSERT OR IGNORE INTO runs ({names}) SELECT {names} FROM other.runs"  # noqa: S608  # quoted
             for statement in (copy, *_COPY_ATTEMPTS):
                 connection.execute(statement)
-            rows = [(number, file or None) for number, file in kept.items() if not file or file in files]
-            connection.executemany("INSERT OR IGNORE INTO kept VALUES (?, ?)", rows)
+            rows = [(n, file or None, kept_seal(n, file)) for n, file in kept.items() if not file or file in files]
+            connection.executemany("INSERT OR IGNORE INTO kept VALUES (?, ?, ?)", rows)
             write_files(connection, files)
             connection.execute("COMMIT")
         return tuple(number for number, is_other in zip(both, differ.tolist(), strict=True) if is_other)

@@ -23,6 +23,8 @@ from dse.storage.database.files import read_files
 from dse.storage.database.header import StudyHeader
 from dse.storage.database.seal import kept_seal
 from dse.storage.database.table import RunTable, read_table
+from dse.storage.database.tally import Tally, read_tally
+from dse.storage.spool import read_spool
 from dse.storage.waveform_check import FileFacts, size_of
 from dse.storage.waveforms import is_file_name, read_waveforms
 
@@ -127,6 +129,16 @@ class StudyReader:
         """What the last try came to that gave no row, by run; not that it was stopped with its program."""
         with located(self.path):
             return read_causes(self._connection)
+
+    def spooled(self) -> set[int]:
+        """Numbers of the runs that are made and lie in the spool only."""
+        found = read_spool(self.spool_folder, self.header.measures, self.header.fingerprint)
+        return {number for each in found for number in each.block.numbers.tolist()} - self.finished()
+
+    def tally(self) -> Tally:
+        """How far it is, and who made its runs."""
+        with located(self.path):
+            return read_tally(self._connection)
 
     def close(self) -> None:
         """Close it."""

@@ -15,6 +15,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from hashlib import blake2b, file_digest
 from pathlib import Path
+from typing import BinaryIO
 
 import numpy as np
 from numpy.typing import NDArray
@@ -67,7 +68,8 @@ class RunStore:
 
     def find(self, key: str, names: Names, metrics: int, requirements: int) -> tuple[NDArray[np.intp], RowBlock]:
         """The rows of *names* of which a run is there, ascending, and these runs, numbered by their rows."""
-        n = len(names)
+        n = len(names) if (self._entry(key) / _RECORDS).exists() else 0
+        names = names[:n]
         sought = _Sought(names)
         there = np.zeros(n, dtype=np.bool_)
         values, margins = np.full((n, metrics), np.nan), np.full((n, requirements), np.nan)
@@ -91,10 +93,13 @@ class RunStore:
 
     def seconds(self, key: str) -> tuple[float, int]:
         """How many seconds runs of *key* took in all, and how many they were."""
-        took = [_columns(record).wall for record in self._records(key) if record.kind == _ROWS]
-        known = np.concatenate(took) if took else np.zeros(0)
-        known = known[np.isfinite(known)]
-        return float(known.sum()), len(known)
+        seconds, runs = 0.0, 0
+        for record in self._records(key):
+            if record.kind == _ROWS:
+                wall = _columns(record).wall
+                known = wall[np.isfinite(wall)]
+                seconds, runs = seconds + float(known.sum()), runs + len(known)
+        return seconds, runs
 
     def add_waveforms(self, key: str, names: Names, numbers: Sequence[int], file: Path) -> None:
         """Note that the waveforms of the runs of *names* are in *file*, there under *numbers*."""
@@ -148,23 +153,25 @@ class RunStore:
 
     def _records(self, key: str) -> Iterator[_Record]:
         """The good records of *key*, oldest first."""
-        file = self._entry(key) / _RECORDS
+        path = self._entry(key) / _RECORDS
         try:
-            content = memoryview(file.read_bytes())
-            os.utime(file.parent)  # what is used is not old
+            with path.open("rb") as file:
+                os.utime(path.parent)  # what is used is not old
+                size = os.fstat(file.fileno()).st_size
+                at = 0
+                while at >= 0:
+                    file.seek(at)
+                    record = _read_record(file, size - at)
+                    if record is not None:
+                        yield record
+                        at = file.tell()
+                    else:
+                        # After a torn record another one may have been appended.
+                        file.seek(at + 1)
+                        beyond = file.read(size - at).find(_MAGIC)
+                        at = at + 1 + beyond if beyond >= 0 else -1
         except OSError:
             return
-        at = 0
-        while at + _HEAD.size <= len(content):
-            record, end = _record_at(content, at)
-            if record is not None:
-                yield record
-                at = end
-            else:
-                # After a torn record another one may have been appended.
-                at = content.obj.find(_MAGIC, at + 1)  # type: ignore[attr-defined]  # the bytes that were read
-                if at < 0:
-                    return
 
 
 @dataclass(frozen=True, slots=True)
@@ -206,21 +213,23 @@ def _checked(kind: int, n: int, metrics: int, requirements: int, payload: bytes)
     return _HEAD.pack(_MAGIC, kind, n, metrics, requirements, len(payload), check) + payload
 
 
-def _check(payload: bytes | memoryview, *head: int) -> int:
+def _check(payload: bytes, *head: int) -> int:
     return zlib.crc32(payload, zlib.crc32(repr(head).encode()))
 
 
-def _record_at(content: memoryview, at: int) -> tuple[_Record | None, int]:
-    magic, kind, n, metrics, requirements, length, check = _HEAD.unpack_from(content, at)
-    start = at + _HEAD.size
-    end = start + length
-    if magic != _MAGIC or end > len(content) or n * NAME_BYTES > length:
-        return None, at
-    if _check(content[start:end], kind, n, metrics, requirements) != check:
-        return None, at
-    middle = start + n * NAME_BYTES
-    names = np.frombuffer(content[start:middle], dtype=np.uint8).reshape(n, NAME_BYTES)
-    return _Record(kind, names, metrics, requirements, bytes(content[middle:end])), end
+def _read_record(file: BinaryIO, room: int) -> _Record | None:
+    """The record that begins here, if it is good and no longer than *room* bytes."""
+    head = file.read(_HEAD.size)
+    if len(head) < _HEAD.size:
+        return None
+    magic, kind, n, metrics, requirements, length, check = _HEAD.unpack(head)
+    if magic != _MAGIC or length > room or n * NAME_BYTES > length:
+        return None
+    payload = file.read(length)
+    if _check(payload, kind, n, metrics, requirements) != check:
+        return None
+    names = np.frombuffer(payload, dtype=np.uint8, count=n * NAME_BYTES).reshape(n, NAME_BYTES)
+    return _Record(kind, names, metrics, requirements, payload[n * NAME_BYTES :])
 
 
 def _columns(record: _Record) -> _Columns:

@@ -110,9 +110,19 @@ def _element(element: Element) -> dict[str, Any]:
         "fmu": (element.model.content_hash, str(element.model.interface), _compiled(element.model)),
         "inputs": sorted(variable.name for variable in element.inputs),
         "outputs": sorted(variable.name for variable in element.outputs),
-        "texts": element.texts,
+        "texts": {name: _told(text) for name, text in element.texts.items()},
         "conversions": {name: repr(conversion) for name, conversion in element.conversions.items()},
     }
+
+
+def _told(text: str | bytes) -> object:
+    """What a text tells an FMU: of a file its content, wherever it lies."""
+    if isinstance(text, bytes) or not Path(text).is_absolute():
+        return text
+    try:
+        return ("file", sha256(Path(text).read_bytes()).hexdigest())
+    except (OSError, ValueError):
+        return text
 
 
 def _compiled(model: FmuModel) -> str:

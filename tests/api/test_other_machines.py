@@ -1,4 +1,7 @@
-"""A study made by executors of other packages, with workers that have nothing in their cache and are killed."""
+"""A study made by executors of other packages, with workers that have nothing in their cache and are killed.
+
+All are *fresh*: else they would take the runs that were made before.
+"""
 
 from __future__ import annotations
 
@@ -51,7 +54,7 @@ def pool(cache: Path, workers: int = 2) -> ProcessPoolExecutor:
 
 def test_workers_with_an_empty_cache_are_sent_what_they_lack(study, local, tmp_path: Path) -> None:
     with pool(tmp_path / "cache") as executor:
-        made = study.explore(tmp_path / "out", executor=executor)
+        made = study.explore(tmp_path / "out", executor=executor, fresh=True)
     assert is_the_same(made, local)
     assert [path.name for path in (tmp_path / "cache").iterdir()] == ["received"]
     with StudyFolder.open(tmp_path / "out") as stored:
@@ -68,7 +71,7 @@ def test_a_pool_that_breaks_is_made_anew(study, local, tmp_path: Path) -> None:
         return made_pools[-1]
 
     when_there_are_runs(tmp_path / "out", 20, lambda: os.kill(next(iter(made_pools[-1]._processes)), signal.SIGKILL))
-    made = study.explore(tmp_path / "out", executor=make)
+    made = study.explore(tmp_path / "out", executor=make, fresh=True)
     assert len(made_pools) == 2
     assert is_the_same(made, local)
     assert made.summary.failed == 0
@@ -78,7 +81,7 @@ def test_loky_will_do(study, local, tmp_path: Path) -> None:
     from loky import get_reusable_executor
 
     with get_reusable_executor(max_workers=2) as executor:
-        made = study.explore(tmp_path / "out", executor=executor)
+        made = study.explore(tmp_path / "out", executor=executor, fresh=True)
     assert is_the_same(made, local)
 
 
@@ -97,7 +100,7 @@ def test_half_of_the_workers_of_a_dask_cluster_are_killed(study, local, tmp_path
 
         when_there_are_runs(tmp_path / "out", 20, kill)
         chosen = ExecutorChoice("dask", {"address": cluster.scheduler_address})
-        made = dse.Study(replace(study.noun, executor=chosen)).explore(tmp_path / "out")
+        made = dse.Study(replace(study.noun, executor=chosen)).explore(tmp_path / "out", fresh=True)
         assert not set(workers[:2]) & set(client.run(os.getpid).values())
     assert is_the_same(made, local)
     assert made.summary.failed == 0

@@ -16,7 +16,7 @@ import pytest
 from defusedxml import ElementTree
 
 COMMANDS = (
-    "init check components build enumerate space simulate run explore results report figure replay cache".split()  # noqa: SIM905  # reads as the help does
+    "init check components build enumerate space simulate run explore status results report figure replay cache".split()  # noqa: SIM905  # reads as the help does
 )
 
 

@@ -47,6 +47,7 @@ MAY_IMPORT = {
     "export uvl acc_vehicle -o {o}.uvl": SPACE,
     "export csv acc_vehicle -o {o}.csv": SPACE,
     "results {s}": {"numpy"},
+    "status {s}": {"numpy"},
     "report {s} -o {o}.html": RUNS,
     "figure {s} -o {o}": DRAWN,
     "replay {s} 1": RUNS,
@@ -61,7 +62,20 @@ MAY_IMPORT = {
     "run acc_following -o {o}": RUNS,
     "explore small -o {o}": RUNS,
 }
-SLOW = ("results", "report", "figure", "replay", "check", "build", "probe", "import fmu", "simulate", "run", "explore")
+SLOW = (
+    "results",
+    "status",
+    "report",
+    "figure",
+    "replay",
+    "check",
+    "build",
+    "probe",
+    "import fmu",
+    "simulate",
+    "run",
+    "explore",
+)
 
 LOOK = f"""
 import sys

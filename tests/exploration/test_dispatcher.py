@@ -158,7 +158,7 @@ def test_few_loads_are_under_way_however_many_runs_there_are(line: Line, tmp_pat
 
 def test_of_many_workers_loads_are_larger(line: Line, tmp_path: Path) -> None:
     """One coordinator cannot take more than some hundred answers a second."""
-    line.seconds, line.slots_here = 0.5, 400
+    line.seconds, line.slots_here = 0.5, 200
     work_off(line, tmp_path, list(many(6400)))
     assert len(line.log[-2]) == 8
 

@@ -11,11 +11,13 @@ from pathlib import Path
 import pytest
 from fake_runners import benches, definition_of, make_fake, study_of
 
+from dse.api.studies.exploring import ExploreOptions, explore_into
 from dse.domain.run import Outcome, RunRequest
 from dse.domain.study import Keep, Shard, Study
 from dse.errors import DseError
 from dse.exploration.batches import Chunks
 from dse.exploration.loop import ExplorationInterruptedError, Explored, explore
+from dse.exploration.samplers.full_factorial import FullFactorial
 from dse.exploration.work import Batch, Sink, Work
 from dse.storage import block_of, merge_studies, shards_in, write_waveforms
 from dse.storage.database.asks import Asks, blocks_of
@@ -187,3 +189,13 @@ def test_failed_runs_are_in_it(tmp_path: Path) -> None:
     with StudyFolder.open(tmp_path / "out") as folder:
         assert folder.failed() == {5, 200}
         assert folder.run(5).outcome is Outcome.FAILED
+
+
+def test_a_sampler_that_looks_at_results_has_no_shards(tmp_path: Path) -> None:
+    class Patient(FullFactorial):
+        name = "patient"
+        once = False
+
+    study = replace(STUDY, sampler=Patient())
+    with pytest.raises(DseError, match="the sampler 'patient' looks at results before it asks for more runs"):
+        explore_into(study, tmp_path, ExploreOptions(shard=Shard(1, 2)))

@@ -111,13 +111,14 @@ def test_a_configuration_that_cannot_be_loaded_fails_in_each_of_its_runs(tmp_pat
     assert problems[0].startswith("sensor.gap -> controller.speed: units differ")
 
 
-def test_workers_that_die_before_any_run_end_the_exploration(
-    tmp_path: Path, capfd: pytest.CaptureFixture[str]
-) -> None:
+def test_workers_that_die_before_any_run_end_the_exploration(tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
     study = study_of()
     with (
         StudyFolder.create(tmp_path, definition_of(study)) as folder,
-        pytest.raises(DseError, match=r"5 workers in a row ended outside of any run, the last while starting.*code 7[\s\S]*a library is"),
+        pytest.raises(
+            DseError,
+            match=r"5 workers in a row ended outside of any run, the last while starting.*code 7[\s\S]*a library is",
+        ),
     ):
         explore(study, benches("a"), folder, executor=Local(workers=2), make_runner=deadly_when_imported.make)
     with StudyFolder.open(tmp_path) as folder:

@@ -211,6 +211,14 @@ def test_runs_that_hang_on_more_than_is_known_have_no_address(prepared):
     assert address_of(replace(prepared, facts={name: chance})) is None
 
 
+def test_of_a_file_that_a_text_names_the_content_matters(prepared, tmp_path):
+    def key(place: str, content: str) -> str:
+        (tmp_path / place).write_text(content, encoding="utf-8")
+        return key_of(of_element(lambda e: replace(e, texts={"file": str(tmp_path / place)}))(prepared))
+
+    assert key("one.csv", "1,2") == key("two.csv", "1,2") != key("one.csv", "1,3")
+
+
 def test_the_code_of_a_metric_function_matters(prepared, tmp_path, monkeypatch):
     monkeypatch.syspath_prepend(str(tmp_path))
 

@@ -26,6 +26,7 @@ COMMANDS = (
     "simulate",
     "run",
     "explore",
+    "status",
     "merge",
     "results",
     "report",

@@ -10,6 +10,7 @@ import typer
 
 from dse.cli.app import app
 from dse.cli.arguments import Configuration, Folder
+from dse.cli.status import status_line
 from dse.cli.terminal import say, show_problems
 from dse.errors import DseError, Location, Problem, fail, raise_if_any
 
@@ -47,7 +48,9 @@ def figure(
 
     if (x is None) != (y is None):
         raise typer.BadParameter("give both --x and --y, or neither", param_hint="--x/--y")
-    content = read_content(folder)
+    with status_line() as tell:
+        tell("reading the runs")
+        content = read_content(folder)
     view = View(x, y, _configuration(content, configuration), number)
     place = target or folder / "figures"
     place.mkdir(parents=True, exist_ok=True)

@@ -8,6 +8,7 @@ from typing import Annotated
 import typer
 
 from dse.cli.app import app
+from dse.cli.status import status_line
 from dse.cli.terminal import say
 
 Sources = Annotated[
@@ -27,7 +28,9 @@ def merge(folders: Sources, target: Target = None) -> None:
     """
     from dse.api import merge_into
 
-    place, merged = merge_into(folders, target)
+    with status_line() as tell:
+        tell("merging")
+        place, merged = merge_into(folders, target)
     say(f"{place}: {merged.finished} of {merged.runs} runs, from {len(merged.of)} folders")
     for name in merged.absent:
         say(f"  {name} is not there")

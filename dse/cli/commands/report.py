@@ -9,6 +9,7 @@ import typer
 
 from dse.cli.app import app
 from dse.cli.arguments import Folder
+from dse.cli.status import status_line
 from dse.cli.terminal import say, show_problems
 
 ReportFile = Annotated[Path | None, typer.Option("--output", "-o", metavar="FILE", help="Default: DIR/report.html.")]
@@ -28,8 +29,13 @@ def report(
     Reads only the study folder; nothing is simulated.
     """
     from dse.api import Results
-    from dse.errors import DseError
+    from dse.errors import DseError, Problem
 
     results = Results(folder)
-    page = results.report(target, waveforms=waveforms, on_problems=lambda found: show_problems(DseError(*found)))
+    problems: list[Problem] = []
+    with status_line() as tell:
+        tell(f"reading {len(results)} runs, drawing the page")
+        page = results.report(target, waveforms=waveforms, on_problems=problems.extend)
+    if problems:
+        show_problems(DseError(*problems))
     say(f"{page}: {len(results)} runs, {page.stat().st_size / 1e6:.1f} MB")

@@ -11,6 +11,7 @@ import typer
 
 from dse.cli.app import app
 from dse.cli.arguments import Folder
+from dse.cli.status import status_line
 
 
 class Table(StrEnum):
@@ -40,7 +41,9 @@ def results(
     from dse.api import Results
     from dse.scratch import write_whole
 
-    data = Results(folder).export(str(output))
+    with status_line() as tell:
+        tell("reading the runs")
+        data = Results(folder).export(str(output))
     if target is not None:
         target.parent.mkdir(parents=True, exist_ok=True)
         write_whole(target, data)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import multiprocessing
 import os
+import signal
 import sys
 import time
 from collections.abc import Callable
@@ -132,6 +133,7 @@ def _watch(
 def _carry_out(
     connection: Connection, experiment: Experiment, file: Path, sandbox: Sandbox | None, arguments: tuple[object, ...]
 ) -> None:
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # whoever watches it decides
     forget_start()
     if sandbox is not None:
         sandbox.move_in()

@@ -41,7 +41,8 @@ PATIENCE = 600.0
 """Seconds without any worker before the exploration is given up."""
 
 _LOAD_SECONDS = 1.0
-_MOST_LOADS_PER_SECOND = 100
+# A load costs coordinator and Dask scheduler some 5 ms each (docs/decisions/0019-other-machines.md).
+_MOST_LOADS_PER_SECOND = 50
 _LARGEST_LOAD = 1000
 _DEPTH = 2
 _TURN = 0.1

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import tempfile
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -10,6 +9,7 @@ from pathlib import Path
 from dse.domain.run import Run, RunRequest
 from dse.exploration.supervision.supervisor import Supervisor
 from dse.exploration.work import Batch, MakeRunner, Runnable, Work
+from dse.scratch import ScratchFolder
 from dse.storage import Attempt, Measures, RowBlock, read_waveforms, waveform_file
 
 
@@ -41,7 +41,7 @@ def simulate_alone(
     Raises DseError if the worker cannot even start, or no sandbox can be had that is asked for.
     """
     request, kept = RunRequest(0, configuration, {}), _Kept()
-    with tempfile.TemporaryDirectory(prefix="dse-") as scratch:
+    with ScratchFolder() as scratch:
         folder = Path(scratch)
         work = Work({configuration: prepared}, make_runner, folder, measures, folder / "spool")
         batch = Batch(0, configuration, (request,), waveform_file(0, 0))

@@ -176,7 +176,7 @@ def _run(compiler: Compiler, arguments: Iterable[str], folder: Path) -> subproce
         return subprocess.run(
             command,
             cwd=folder,
-            env=environment(),
+            env={**environment(), "TMPDIR": str(folder)},  # what it leaves there if it is killed goes with the folder
             stdin=subprocess.DEVNULL,
             capture_output=True,
             text=True,

@@ -8,7 +8,7 @@ from __future__ import annotations
 import sqlite3
 import zlib
 from bisect import bisect_right
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable
 from dataclasses import dataclass
 from itertools import groupby
 
@@ -94,12 +94,12 @@ class Asks:
         self._sizes[key] = self._sizes.get(key, 0) + block.count
 
 
-def blocks_of(requests: Sequence[RunRequest], ask: int, era: int) -> list[Block]:
+def blocks_of(requests: Iterable[RunRequest], ask: int, era: int) -> list[Block]:
     """The blocks of *requests*, whose numbers follow each other."""
     blocks = []
     for configuration, group in groupby(requests, key=lambda request: request.configuration):
-        members = list(group)
-        blocks.append(Block(members[0].number, len(members), configuration, ask, era))
+        numbers = [request.number for request in group]
+        blocks.append(Block(numbers[0], len(numbers), configuration, ask, era))
     return blocks
 
 

@@ -37,7 +37,7 @@ def write_attempts(connection: sqlite3.Connection, maker: str, tries: Iterable[t
 
 def read_causes(connection: sqlite3.Connection) -> dict[int, str]:
     """What the last try came to that gave no row, by run; not that it was stopped with its program."""
-    if _are_early(connection):
+    if are_early(connection):
         return {}
     query = "SELECT run, cause FROM attempts WHERE cause NOT IN ('', ?) ORDER BY id"
     return dict(connection.execute(query, (STOPPED,)).fetchall())
@@ -47,7 +47,7 @@ def read_attempts(connection: sqlite3.Connection) -> list[Attempt]:
     """Every try, in the order they were stored; those of a study of an earlier version have no maker."""
     query = (
         "SELECT number, '', 0, '', wall FROM timing ORDER BY number"
-        if _are_early(connection)
+        if are_early(connection)
         else "SELECT run, host, process, cause, seconds FROM attempts a JOIN makers m ON m.id = a.maker ORDER BY a.id"
     )
     return [
@@ -56,5 +56,6 @@ def read_attempts(connection: sqlite3.Connection) -> list[Attempt]:
     ]
 
 
-def _are_early(connection: sqlite3.Connection) -> bool:
+def are_early(connection: sqlite3.Connection) -> bool:
+    """Whether the database was written by a version that kept no attempts."""
     return bool(connection.execute("SELECT count(*) FROM sqlite_schema WHERE name = 'timing'").fetchone()[0])
