@@ -204,7 +204,9 @@ class _Place:
 def _spooled(file: Path, measures: Measures, study: str) -> Spooled | None:
     wanted = [file.name.rsplit(".", 2)[0], study, [*measures.metrics], [*measures.requirements]]
     with (
-        suppress(OSError, ValueError),  # it has just been cleared, or is empty, which cannot be mapped
+        # It has just been cleared, is empty, which cannot be mapped, or none of ours. What cannot be read for another
+        # reason must not pass for runs that have no waveforms.
+        suppress(FileNotFoundError, IsADirectoryError, ValueError),
         file.open("rb") as stream,
         mmap.mmap(stream.fileno(), 0, access=mmap.ACCESS_READ) as data,
     ):

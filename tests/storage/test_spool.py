@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import math
 import subprocess
 import sys
@@ -125,6 +126,19 @@ def test_what_another_study_left_is_passed_over(tmp_path: Path) -> None:
     (tmp_path / f"folder{file.suffix}").mkdir()
     assert numbers(read_spool(tmp_path, MEASURES, "0123")) == [3, 0]
     assert read_spool(tmp_path / "nowhere", MEASURES, "0123") == []
+
+
+def test_a_file_that_cannot_be_read_now_does_not_pass_for_an_empty_one(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    spool(tmp_path, RUNS)
+
+    def no_memory(*arguments: object, **more: object) -> None:
+        raise OSError(errno.ENOMEM, "Cannot allocate memory")
+
+    monkeypatch.setattr("mmap.mmap", no_memory)
+    with pytest.raises(OSError, match="Cannot allocate memory"):
+        read_spool(tmp_path, MEASURES, "0123")
 
 
 def test_two_writers_for_a_chunk_do_not_meet(tmp_path: Path) -> None:
