@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from contextlib import ExitStack
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -10,6 +11,7 @@ import typer
 
 from dse.cli.app import DONE, RUNS_FAILED
 from dse.cli.arguments import Output
+from dse.cli.status import status_line
 from dse.cli.terminal import console, plain, plain_table, print_json, print_table, say
 
 if TYPE_CHECKING:
@@ -33,15 +35,14 @@ def explore_and_show(study: Study, folder: Path, options: ExploreOptions, *, gat
             say(line, stderr=True)
 
     try:
-        with screen.status("") as status, progress_bar(screen) as show:
+        with ExitStack() as waiting, progress_bar(screen) as show:
+            tell = waiting.enter_context(status_line())
 
             def advance(progress: Progress) -> None:
-                status.stop()
+                waiting.close()
                 show(progress)
 
-            explored = explore_into(
-                study, folder, options, on_progress=advance, tell=status.update, on_changes=tell_changes
-            )
+            explored = explore_into(study, folder, options, on_progress=advance, tell=tell, on_changes=tell_changes)
     except ExplorationInterruptedError as stop:
         raise KeyboardInterrupt(f"{folder}: {stop}") from None
     results = Results(options.folder(folder), explored)
@@ -57,8 +58,8 @@ def show_plan(study: Study, folder: Path, options: ExploreOptions, form: Output)
 
     from dse.api import plan_into
 
-    with console(stderr=True).status("") as status:
-        plan = plan_into(study, folder, options, tell=status.update)
+    with status_line() as tell:
+        plan = plan_into(study, folder, options, tell=tell)
     if form is Output.JSON:
         print_json(asdict(plan))
         return

@@ -29,6 +29,7 @@ def progress_bar(console: Console | None = None) -> Iterator[Callable[[Progress]
     from rich import progress as columns
     from rich.console import Console
 
+    screen = console or Console(stderr=True)
     bar = columns.Progress(
         columns.TextColumn("{task.description}"),
         columns.BarColumn(bar_width=20),
@@ -37,8 +38,10 @@ def progress_bar(console: Console | None = None) -> Iterator[Callable[[Progress]
         columns.TimeElapsedColumn(),
         columns.TimeRemainingColumn(),
         columns.TextColumn("{task.fields[failed]}"),
-        console=console or Console(stderr=True),
+        console=screen,
         refresh_per_second=5,
+        # By a thread, of no use where nobody looks on: starting one that finds no memory would not come to an end.
+        auto_refresh=screen.is_terminal or screen.is_jupyter,
     )
     tasks: dict[str, TaskID] = {}
 
