@@ -53,7 +53,7 @@ test: setup
 
 # Tests of properties are run once more, on four times as many examples.
 thorough: setup
-	$(PYTEST) -m "thorough or hypothesis" --hypothesis-profile=thorough
+	$(PYTEST) -m "(thorough or hypothesis) and not nightly" --hypothesis-profile=thorough
 
 # All of CI: the everyday tests, then what they leave out.
 check: test rest
@@ -66,9 +66,9 @@ plugin: setup
 	$(PIP) --no-deps --no-build-isolation --target $(VENV)/plugin examples/plugin
 	PYTHONPATH=$(VENV)/plugin $(BIN)/python -m pytest -q examples/plugin/tests
 
-# Other examples than yesterday, ten times as many.
+# Other examples than yesterday, ten times as many, and all commands in all environments.
 nightly: setup
-	$(PYTEST) -m hypothesis --hypothesis-profile=nightly
+	$(PYTEST) -m "nightly or hypothesis" --hypothesis-profile=nightly
 
 lint: setup
 	$(BIN)/ruff check .

@@ -46,7 +46,11 @@ def write_waveforms(file: Path, runs: Iterable[tuple[int, Waveforms]]) -> None:
     schema = pa.schema([("run", pa.int32()), ("time", pa.float64()), *((name, pa.float64()) for name in names)])
     # Its own name per process: a second writer of the same chunk writes the same bytes, but not into this file.
     aside = file.with_name(f"{file.name}.{os.getpid()}{PART}")
-    with pq.ParquetWriter(aside, schema, compression="zstd", use_dictionary=False) as writer:
+    # Streams of ours: Arrow cannot name a file whose path is no UTF-8.
+    with (
+        aside.open("wb") as stream,
+        pq.ParquetWriter(stream, schema, compression="zstd", use_dictionary=False) as writer,
+    ):
         for number, waveforms in chain([(first, recorded)], runs):
             if list(waveforms.values) != names:
                 raise ValueError(f"run {number} recorded other variables than run {first}")
@@ -89,7 +93,7 @@ def _is_just(file: Path, numbers: Sequence[int], columns: Sequence[str]) -> bool
     import pyarrow.parquet as pq
 
     try:
-        with pq.ParquetFile(file) as parquet:
+        with file.open("rb") as stream, pq.ParquetFile(stream) as parquet:
             told = parquet.metadata
             is_ours = told.created_by == f"parquet-cpp-arrow version {pa.__version__}"
             names = parquet.schema_arrow.names
@@ -104,7 +108,7 @@ def read_waveforms(file: Path, number: int) -> Waveforms:
     import pyarrow.parquet as pq
 
     try:
-        with pq.ParquetFile(file) as parquet:
+        with file.open("rb") as stream, pq.ParquetFile(stream) as parquet:
             group = _group_of(parquet, number)
             table = None if group is None else parquet.read_row_group(group)
     except (OSError, pa.ArrowException) as error:
@@ -165,7 +169,7 @@ def read_all_waveforms(file: Path) -> Iterator[tuple[int, Waveforms]]:
     import pyarrow.parquet as pq
 
     try:
-        with pq.ParquetFile(file) as parquet:
+        with file.open("rb") as stream, pq.ParquetFile(stream) as parquet:
             for group in range(parquet.metadata.num_row_groups):
                 table = parquet.read_row_group(group)
                 waveforms = _waveforms(table, file)

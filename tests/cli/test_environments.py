@@ -42,6 +42,9 @@ COMMANDS = {
 READS = ("check", "enumerate", "report", "figure", "results")
 """Commands that start no FMU and build none."""
 
+MANY = ("check", "explore", "report")
+"""Commands that between them do most of what the others do; these are left to the nightly run."""
+
 
 @dataclass
 class Place:
@@ -327,7 +330,9 @@ def may_run(case: Callable[[Place], None]) -> str:
     return ""
 
 
-@pytest.mark.parametrize("command", COMMANDS)
+@pytest.mark.parametrize(
+    "command", [pytest.param(command, marks=[pytest.mark.nightly] * (command not in MANY)) for command in COMMANDS]
+)
 @pytest.mark.parametrize("case", WORKS, ids=lambda case: case.__name__)
 def test_a_command_gives_the_same_anywhere_or_one_true_message(place, undisturbed, case, command):
     if reason := may_run(case):

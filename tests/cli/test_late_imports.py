@@ -127,7 +127,7 @@ def test_every_command_is_in_the_table():
         for name, group in known.commands.items()
         for below in getattr(group, "commands", [""])
     }
-    # These write into new folders what the others read: `import uvl` a design, the SSP commands packages, `merge` a study.
+    # These write into new folders what the others read: designs, packages, studies.
     assert {line for line in lines if not any(tried.startswith(line) for tried in MAY_IMPORT)} <= {
         "import uvl",
         "import ssp",

@@ -83,7 +83,7 @@ def _needed(library: Path) -> list[Path]:
     asking = [library] if beside else []
     while asking:
         content = asking.pop().read_bytes()
-        found = [path for path in beside if path not in needed and path.name.encode() in content]
+        found = [path for path in beside if path not in needed and os.fsencode(path.name) in content]
         needed += found
         asking += found
     return needed
@@ -105,7 +105,7 @@ def find(model: FmuModel, library: ctypes.CDLL, name: str) -> int | None:
     """Address of the FMI function called *name*, None if the library does not export it."""
     try:
         return ctypes.cast(getattr(library, _prefix(model) + name), ctypes.c_void_p).value
-    except AttributeError:
+    except (AttributeError, UnicodeDecodeError):  # the latter where the library's path is no UTF-8
         return None
 
 

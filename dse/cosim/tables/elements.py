@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ctypes
+import os
 from collections.abc import Iterable, Sequence
 
 import numpy as np
@@ -61,7 +62,7 @@ class KernelElements:
         structure.version, structure.abilities = model.version, able
         structure.takes_slopes = takes_slopes(model, able)
         structure.name, structure.token = element.name.encode(), model.token.encode()
-        structure.resources = resources(model).encode()
+        structure.resources = os.fsencode(resources(model))
         for call, where in lifecycle(model, library).items():
             setattr(structure, call.name.lower(), where)
         if model.interface is FmiInterface.MODEL_EXCHANGE:
