@@ -86,6 +86,8 @@ def _in_words(error: BaseException) -> DseError:
         return fail(str(error))
     if isinstance(error, MemoryError):
         return fail("there is not enough memory", hint=_HINTS[errno.ENOMEM])
+    if isinstance(error, RuntimeError) and "start new thread" in str(error):
+        return fail("there is no room for another thread", hint=_HINTS[errno.EAGAIN])
     if isinstance(error, OSError) and error.errno is not None:
         where = Location(os.fsdecode(error.filename)) if isinstance(error.filename, str | bytes) else None
         return fail(error.strerror or str(error), where, _HINTS.get(error.errno, _HINT if where else ""))

@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import os
 import time
+from _thread import start_new_thread
+from collections import deque
 from collections.abc import Callable, Iterable
-from concurrent.futures import ThreadPoolExecutor
-from functools import partial
+from concurrent.futures import Future, wait
+from contextlib import suppress
 from typing import TypeVar
 
 from dse.errors import DseError, Problem, raise_if_any
@@ -25,34 +27,56 @@ def in_parallel(keys: Iterable[Key], make: Callable[[Key], Made], tell: Tell | N
 
     Raises one DseError with the problems of all. Interrupted, it begins nothing more.
     """
+    pending: dict[Key, Future[Made]] = {key: Future() for key in keys}
+    waiting = deque(pending.items())
     made: dict[Key, Made] = {}
     problems: list[Problem] = []
-    waiting = list(dict.fromkeys(keys))
-    number = len(waiting)
+    is_helped = False
 
-    def end(key: Key, result: Callable[[], Made]) -> None:
-        try:
-            made[key] = result()
-        except DseError as error:
-            problems.extend(error.problems)
-        if tell is not None:
-            tell(number - len(waiting), number)
+    def make_next() -> None:
+        with suppress(IndexError):  # another thread has the last
+            key, future = waiting.popleft()
+            _make(key, future, make)
 
-    # What is in the cache needs no threads.
-    took = 0.0
-    while waiting and took < _LONG:
-        began = time.monotonic()
-        key = waiting.pop(0)
-        end(key, partial(make, key))
-        took = time.monotonic() - began
-    if waiting:
-        with ThreadPoolExecutor(max_workers=os.cpu_count() or 1) as pool:
-            pending = {key: pool.submit(make, key) for key in waiting}
+    def help_out() -> None:
+        while waiting:
+            make_next()
+
+    try:
+        for number, (key, future) in enumerate(pending.items(), 1):
+            while waiting and not future.done():
+                began = time.monotonic()
+                make_next()
+                # What is in the cache needs no threads.
+                if not is_helped and time.monotonic() - began >= _LONG:
+                    is_helped = True
+                    _start(help_out, min(os.cpu_count() or 1, len(waiting) + 1) - 1)
             try:
-                for key, result in pending.items():
-                    waiting.remove(key)
-                    end(key, result.result)
-            finally:
-                pool.shutdown(wait=False, cancel_futures=True)
+                made[key] = future.result()
+            except DseError as error:
+                problems += error.problems
+            if tell is not None:
+                tell(number, len(pending))
+    finally:
+        waiting.clear()
+        wait([future for future in pending.values() if future.running()])
     raise_if_any(dict.fromkeys(problems))
     return made
+
+
+def _start(help_out: Callable[[], None], helpers: int) -> None:
+    # Not as a pool: starting a thread that finds no memory to begin with would wait for it for ever. What no helper
+    # has begun is made without them.
+    for _ in range(helpers):
+        with suppress(RuntimeError):  # there is no room for another
+            start_new_thread(help_out, ())
+
+
+def _make(key: Key, future: Future[Made], make: Callable[[Key], Made]) -> None:
+    future.set_running_or_notify_cancel()
+    try:
+        future.set_result(make(key))
+    except BaseException as error:
+        future.set_exception(error)  # told to whoever asks for the result
+        if not isinstance(error, Exception):
+            raise

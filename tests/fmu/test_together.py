@@ -19,9 +19,27 @@ def is_looked_up(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch
     return bool(request.param)
 
 
-def test_what_is_looked_up_needs_no_threads(is_looked_up: bool) -> None:
-    made = in_parallel(range(9), lambda _: threading.current_thread() is threading.main_thread())
-    assert {*made.values()} == {is_looked_up}
+def test_what_is_looked_up_needs_no_threads(is_looked_up: bool, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("os.cpu_count", lambda: 2)
+    helped = threading.Event()
+
+    def make(key: int) -> bool:
+        is_here = threading.current_thread() is threading.main_thread()
+        if not is_here:
+            helped.set()
+        elif key and not is_looked_up:
+            helped.wait(10)
+        return is_here
+
+    assert {*in_parallel(range(9), make).values()} == ({True} if is_looked_up else {True, False})
+
+
+def test_what_threads_cannot_be_started_for_is_made_all_the_same(monkeypatch: pytest.MonkeyPatch) -> None:
+    def no_room(*_arguments: object) -> None:
+        raise RuntimeError("can't start new thread")
+
+    monkeypatch.setattr(parallel, "start_new_thread", no_room)
+    assert in_parallel(range(3), str) == {0: "0", 1: "1", 2: "2"}
 
 
 def test_everything_is_made_and_counted() -> None:

@@ -2,16 +2,15 @@
 
 from __future__ import annotations
 
-import os
 import posixpath
 import re
 import subprocess
 import sys
 from collections.abc import Iterable, Mapping
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from pathlib import Path
 
+from dse.fmu.parallel import in_parallel
 from dse.fmu.toolchain.compiler import Compiler, environment, no_compiler
 from dse.scratch import ScratchFolder
 
@@ -114,15 +113,13 @@ def compile_foreign(
     with ScratchFolder() as scratch:
         objects = {f"{number}.o": unit for number, unit in enumerate(units)}
 
-        def compile_unit(item: tuple[str, str]) -> tuple[Diagnostic, ...]:
-            made, unit = item
-            target = Path(scratch) / made
+        def compile_unit(made: str) -> tuple[Diagnostic, ...]:
+            target, unit = Path(scratch) / made, objects[made]
             arguments = (*common, *units[unit], "-c", unit, "-o", str(target))
             answer = _run(compiler, arguments, folder)
             return () if answer.returncode == 0 and target.is_file() else _told(answer)
 
-        with ThreadPoolExecutor(max_workers=os.cpu_count() or 1) as pool:
-            problems = [one for told in pool.map(compile_unit, objects.items()) for one in told]
+        problems = [one for told in in_parallel(objects, compile_unit).values() for one in told]
         if problems:
             raise CompilationError(tuple(dict.fromkeys(problems)))
         answer = _run(compiler, (*_link_foreign(compiler), *objects, "-o", library, *linked), Path(scratch))
