@@ -84,10 +84,11 @@ def _in_words(error: BaseException) -> DseError:
         return error
     if isinstance(error, OutputError):
         return fail(str(error))
-    if isinstance(error, MemoryError):
+    # What a library says that finds no room is no more than words.
+    if isinstance(error, MemoryError) or (isinstance(error, ImportError) and "map segment" in str(error)):
         return fail("there is not enough memory", hint=_HINTS[errno.ENOMEM])
-    if isinstance(error, RuntimeError) and "start new thread" in str(error):
-        return fail("there is no room for another thread", hint=_HINTS[errno.EAGAIN])
+    if isinstance(error, RuntimeError) and str(error) == "can't start new thread":
+        return fail("the system starts no more threads", hint=_HINTS[errno.EAGAIN])
     if isinstance(error, OSError) and error.errno is not None:
         where = Location(os.fsdecode(error.filename)) if isinstance(error.filename, str | bytes) else None
         return fail(error.strerror or str(error), where, _HINTS.get(error.errno, _HINT if where else ""))

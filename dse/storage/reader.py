@@ -157,7 +157,9 @@ class StudyReader:
         connection = connect(path, write=write)
         try:
             with located(path):
+                connection.execute("BEGIN")  # what is read here is of one moment, whatever is written meanwhile
                 header, asks = read_header(connection, path)
+                connection.execute("COMMIT")
         except BaseException:
             connection.close()
             raise

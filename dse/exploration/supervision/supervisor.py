@@ -337,8 +337,11 @@ def _beside(spool: Path) -> tempfile.TemporaryDirectory[str]:
 def _given_up(cause: str, traces: Traces) -> DseError:
     where = outside_of_runs(traces)
     return fail(
-        f"{MOST_FRUITLESS_DEATHS} workers in a row ended outside of any run, the last {where}: {cause}"
-        + (f"\n{traces.words}" if traces.words else ""),
+        told(
+            f"{MOST_FRUITLESS_DEATHS} workers in a row ended outside of any run, the last {where}: {cause}",
+            "",
+            traces.words,
+        ),
         hint="finished runs are stored: mend what the workers say and give the same command again",
     )
 
