@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections import defaultdict
+from collections import Counter, defaultdict
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import Any
@@ -26,9 +26,11 @@ _HEADS = ("what fails", "in", "tried", "ended well", "said so, ended well the ne
 
 
 def table_of_faults(lines: Iterable[dict[str, Any]]) -> list[str]:
-    """A row for each kind of call and of process; *lines* as `everything` writes them."""
+    """A row for each kind of call and of process, and how many in which study; *lines* as `everything` writes them."""
+    lines = list(lines)
+    scenarios = Counter(line["scenario"] for line in lines)
     counts: dict[tuple[str, str], list[int]] = defaultdict(lambda: [0, 0, 0, 0])
-    for line in lines:
+    for line in sorted(lines, key=_row):
         fault = line["fault"]
         stays = ", from then on each time" if fault["stays"] else ""
         row = counts[f"{FAILS[fault['kind']]} (`{fault['error']}`{stays})", WHERE[fault["role"]]]
@@ -36,7 +38,13 @@ def table_of_faults(lines: Iterable[dict[str, Any]]) -> list[str]:
         row[3 if line["wrong"] else 1 if line["code"] == 0 else 2] += 1
     total = [sum(column) for column in zip(*counts.values(), strict=True)]
     rows = [(*names, *map(str, row)) for names, row in counts.items()]
-    return _table(_HEADS, [*rows, ("all", "", *map(str, total))])
+    studies = "; ".join(f"{count} in {name}" for name, count in sorted(scenarios.items()))
+    return [*_table(_HEADS, [*rows, ("all", "", *map(str, total))]), "", f"Of these {studies}."]
+
+
+def _row(line: dict[str, Any]) -> tuple[int, bool, str, str]:
+    fault = line["fault"]
+    return [*FAILS].index(fault["kind"]), fault["stays"], fault["error"], fault["role"]
 
 
 def table_of_signals(signals: dict[tuple[str, str], int]) -> list[str]:

@@ -161,7 +161,7 @@ def wrong_in(done: CompletedProcess[str], *, signalled: bool = False) -> list[st
         hung = done.returncode == -signal.SIGALRM
         wrong.append("hangs" if hung else f"died of signal {-done.returncode}: {_last(done)}")
     if "Traceback" in text:
-        wrong.append(f"traceback: {_last(done)}")
+        wrong.append(f"traceback: {text[text.index('Traceback') :][-1500:]}")
     wrong += [f"says '{lie}': {_last(done)}" for lie in _LIES if lie in text]
     if done.returncode == 3:
         line = next((line for line in text.splitlines() if " failed: " in line), "")
