@@ -87,6 +87,8 @@ def _in_words(error: BaseException) -> DseError:
     # What a library says that finds no room is no more than words.
     if isinstance(error, MemoryError) or (isinstance(error, ImportError) and "map segment" in str(error)):
         return fail("there is not enough memory", hint=_HINTS[errno.ENOMEM])
+    if isinstance(error, SystemError):
+        return fail(f"Python failed within itself: {error}", hint=_HINTS[errno.ENOMEM])
     if isinstance(error, RuntimeError) and str(error) == "can't start new thread":
         return fail("the system starts no more threads", hint=_HINTS[errno.EAGAIN])
     if isinstance(error, OSError) and error.errno is not None:
