@@ -192,6 +192,8 @@ def main() -> None:
     parser.add_argument("--minutes", type=float, default=60, help="begin no study after so many")
     parser.add_argument("--write", action="store_true", help="put the table into docs/trust.md, too")
     options = parser.parse_args()
+    # What a shell starts in the background ignores interrupts, and so would all that is started here.
+    signal.signal(signal.SIGINT, signal.default_int_handler)
     with tempfile.TemporaryDirectory() as scratch:
         compiled = Path(scratch, "compiled")
         compiled.mkdir()
