@@ -91,15 +91,22 @@ def problems(planned: PreparedStudy, folder: Path, threads: int = 1) -> list[str
         return [run.problem for run in store.table().runs() if run.problem]
 
 
+def deaths(folder: Path) -> list[str]:
+    with StudyFolder.open(folder) as store:
+        return [attempt.cause for attempt in store.attempts() if attempt.cause]
+
+
 @pytest.mark.parametrize("keep", [Keep.NONE, Keep.ALL])
 @pytest.mark.thorough
 def test_a_process_is_renewed_before_an_fmu_dies_of_too_many_instances(workspace, tmp_path, keep):
     study, cache = replace(workspace.study("gains"), keep=keep), tmp_path / "cache"
     unknown = prepare_study(study, cache=cache)
-    (died,) = problems(unknown, tmp_path / "unknown")
+    assert problems(unknown, tmp_path / "unknown") == []  # a fresh process makes the run that the worn one died of
+    (died,) = deaths(tmp_path / "unknown")
     assert died.startswith("crashed (signal 11)")
     know(unknown, cache, {Question.LASTS: Answer.NO, Question.RESETS: Answer.NO}, instances=12)
     assert problems(prepare_study(study, cache=cache), tmp_path / "known") == []
+    assert deaths(tmp_path / "known") == []
 
 
 def test_what_is_known_changes_neither_the_study_nor_its_numbers(workspace, tmp_path):
