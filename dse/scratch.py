@@ -36,7 +36,7 @@ class ScratchFolder(tempfile.TemporaryDirectory[str]):
 def name_of_mine() -> str:
     """How the name of a temporary folder of this process begins."""
     process = os.getpid()
-    return f"dse-{_place()}-{process}-{_start_of(process)}-"
+    return f"dse-{_place()}-{process}-{start_of(process)}-"
 
 
 def is_left_over(name: str) -> bool | None:
@@ -45,7 +45,7 @@ def is_left_over(name: str) -> bool | None:
     if found is None or found["place"] != _place():
         return None
     try:
-        return int(found["start"]) != _start_of(int(found["process"]))
+        return int(found["start"]) != start_of(int(found["process"]))
     except OSError:
         return None
 
@@ -76,7 +76,7 @@ def _place() -> str:
     return f"{zlib.crc32(told.encode()):08x}"
 
 
-def _start_of(process: int) -> int:
+def start_of(process: int) -> int:
     """When *process* was started, by a clock that nobody sets; 0 if it does not live. Raises OSError if unknown."""
     if sys.platform == "linux":
         try:

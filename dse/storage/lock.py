@@ -10,6 +10,7 @@ from pathlib import Path
 from types import TracebackType
 
 from dse.errors import DseError, Location, fail
+from dse.scratch import start_of
 from dse.storage.attempts import this_process
 from dse.storage.disk import refused
 
@@ -22,11 +23,11 @@ _NO_LOCKS = frozenset({errno.ENOSYS, errno.ENOTSUP, errno.EOPNOTSUPP, errno.ENOL
 
 @dataclass(frozen=True, slots=True)
 class Writer:
-    """The process that writes into a study folder; *started* is when it did, in seconds since 1970."""
+    """The process that writes into a study folder; *started* is when it did, as `start_of` tells."""
 
     host: str
     process: int
-    started: float = 0.0
+    started: int = 0
 
     def __str__(self) -> str:
         return f"process {self.process} on {self.host}"
@@ -83,25 +84,21 @@ def writer_of(path: Path) -> Writer | None:
     """Who writes into the study folder *path* now; None if nobody does, or a process of this machine that is dead."""
     try:
         note = json.loads((path / WRITER).read_bytes())
-        writer = Writer(str(note["host"]), int(note["process"]), float(note["started"]))
-    except (OSError, ValueError, KeyError, TypeError, RecursionError):
+        writer = Writer(str(note["host"]), int(note["process"]), int(note["started"]))
+    except (OSError, ValueError, OverflowError, KeyError, TypeError, RecursionError):
         return None
     host, _, _ = this_process().rpartition("/")
-    return writer if writer.host != host or _started(writer.process) == writer.started else None
+    if writer.host == host:
+        with suppress(OSError, OverflowError):
+            return writer if 0 != start_of(writer.process) == writer.started else None
+        return None
+    return writer
 
 
 def _note(path: Path) -> None:
     host, _, process = this_process().rpartition("/")
-    note = {"host": host, "process": int(process), "started": _started(int(process))}
+    note = {"host": host, "process": int(process), "started": start_of(int(process))}
     (path / WRITER).write_text(json.dumps(note), encoding="utf-8")
-
-
-def _started(process: int) -> float:
-    import psutil
-
-    with suppress(psutil.Error, ValueError, OverflowError):
-        return float(psutil.Process(process).create_time())
-    return -1.0
 
 
 def _refused(path: Path, writer: Writer | None) -> DseError:

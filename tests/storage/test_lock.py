@@ -81,7 +81,18 @@ def test_a_refused_study_lets_go(stored: Path, definition: StudyDefinition) -> N
     StudyFolder.resume(stored, definition).close()
 
 
-@pytest.mark.parametrize("text", ["", "[]", "{}", '{"host": "a", "process": "x", "started": 1}', "[" * 100_000, "\xff"])
+@pytest.mark.parametrize(
+    "text",
+    [
+        "",
+        "[]",
+        "{}",
+        '{"host": "a", "process": "x", "started": 1}',
+        '{"host": "a", "process": Infinity, "started": 1}',
+        "[" * 100_000,
+        "\xff",
+    ],
+)
 def test_a_note_that_says_nothing_names_nobody(tmp_path: Path, text: str) -> None:
     (tmp_path / "writer.json").write_text(text, encoding="latin-1")
     assert writer_of(tmp_path) is None
