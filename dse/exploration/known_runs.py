@@ -16,7 +16,17 @@ from dse.domain.address import Address
 from dse.domain.run import RunRequest
 from dse.errors import DseError, fail
 from dse.exploration.work import Batch
-from dse.storage import Measures, RowBlock, RunStore, RunTable, StudyFolder, gather_waveforms, this_process
+from dse.storage import (
+    FileFacts,
+    Measures,
+    RowBlock,
+    RunStore,
+    RunTable,
+    StudyFolder,
+    checked,
+    gather_waveforms,
+    this_process,
+)
 
 NOT_REPRODUCIBLE = "not reproducible: "
 """What is said of a run begins with it if it gave another result when it was made again."""
@@ -117,12 +127,12 @@ class KnownRuns:
             return False
         return True
 
-    def add_file(self, batch: Batch, kept: Sequence[int], file: Path) -> None:
-        """Note that the waveforms of the runs *kept* of *batch* are in *file*."""
+    def add_file(self, batch: Batch, kept: Sequence[int], file: Path, digest: str) -> None:
+        """Note that the waveforms of the runs *kept* of *batch* are in *file*, which has this SHA-256."""
         there = set(kept)
         names = self._names(batch.configuration, [r for r in batch.requests if r.number in there])
         if names is not None and kept and self._writes:
-            self.store.add_waveforms(self.addresses[batch.configuration].entry, names, sorted(there), file)
+            self.store.add_waveforms(self.addresses[batch.configuration].entry, names, sorted(there), file, digest)
 
     def _names(self, configuration: str, requests: Sequence[RunRequest]) -> NDArray[np.uint8] | None:
         address = self.addresses.get(configuration)
@@ -141,15 +151,27 @@ def give(folder: StudyFolder, store: RunStore) -> None:
     Those that were not reproducible are left out.
     """
     known = KnownRuns(store, folder.addresses(), folder.header.measures, {})
-    files = folder.kept()
+    files, facts = folder.kept(), folder.files()
     for block in folder.asks.blocks:
         for first in range(block.first, block.first + block.count, _AT_ONCE):
-            _give(folder.table(range(first, min(first + _AT_ONCE, block.first + block.count))), known, files, folder)
+            _give(
+                folder.table(range(first, min(first + _AT_ONCE, block.first + block.count))),
+                known,
+                files,
+                facts,
+                folder,
+            )
     if not known.put():
         raise fail(f"the runs cannot be kept in {store.folder}", hint="set DSE_CACHE to a folder of yours with room")
 
 
-def _give(table: RunTable, known: KnownRuns, files: Mapping[int, str], folder: StudyFolder) -> None:
+def _give(
+    table: RunTable,
+    known: KnownRuns,
+    files: Mapping[int, str],
+    facts: Mapping[str, FileFacts],
+    folder: StudyFolder,
+) -> None:
     """Give the runs of *table*, all of one configuration."""
     fit = zip(table.requests(), table.done.tolist(), table.problems, strict=True)
     requests = tuple(r for r, done, said in fit if done and not said.startswith(NOT_REPRODUCIBLE))
@@ -160,8 +182,9 @@ def _give(table: RunTable, known: KnownRuns, files: Mapping[int, str], folder: S
     missing = [number for number in batch.numbers if number not in there]
     known.add(batch, table.block.part(np.searchsorted(table.numbers, missing)))
     for file, numbers in groupby(batch.numbers, key=lambda number: files.get(number, "")):
-        if file:
-            known.add_file(batch, list(numbers), folder.waveform_folder / file)
+        now = checked(folder.waveform_folder / file, facts.get(file)) if file else None
+        if now:
+            known.add_file(batch, list(numbers), folder.waveform_folder / file, now.digest)
 
 
 def _host(maker: str) -> str:

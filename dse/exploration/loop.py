@@ -17,7 +17,7 @@ from dse.exploration.executor import Executor
 from dse.exploration.known_runs import NOT_REPRODUCIBLE, NOTHING_KNOWN, KnownRuns
 from dse.exploration.progress import Meter, Progress, Stage
 from dse.exploration.work import Batch, MakeRunner, Runnable, Work
-from dse.storage import Attempt, RowBlock, StudyFolder
+from dse.storage import Attempt, FileFacts, RowBlock, StudyFolder
 from dse.testbench import make_runner
 
 _TELL_EVERY = 0.1
@@ -201,9 +201,10 @@ class _Sink:
     def ended(self, batch: Batch, kept: tuple[int, ...]) -> None:
         """Note which waveforms are there, and of which runs none ever will be."""
         if batch.keep:
-            self._keep(kept, batch.file)
+            facts = self._keep(kept, batch.file)
             self._there.update(self._wanted.intersection(kept))
-            self._known.add_file(batch, kept, self._folder.waveform_folder / batch.file)
+            if facts:
+                self._known.add_file(batch, kept, self._folder.waveform_folder / batch.file, facts.digest)
             self._keep([n for n in batch.numbers if n not in kept and n not in self.failed], "")
         self._folder.release(batch.name)
 
@@ -221,10 +222,11 @@ class _Sink:
         done, rate = len(self._there), self._meter.rate(self.simulated)
         self._on_progress(Progress(self._stage, done, len(self._wanted), len(self.failed), rate))
 
-    def _keep(self, numbers: Sequence[int], file: str) -> None:
-        if numbers:  # of a chunk whose runs all failed there is no file
-            self._folder.add_kept(numbers, file)
-            self.kept |= dict.fromkeys(numbers, file)
+    def _keep(self, numbers: Sequence[int], file: str) -> FileFacts | None:
+        if not numbers:  # of a chunk whose runs all failed there is no file
+            return None
+        self.kept |= dict.fromkeys(numbers, file)
+        return self._folder.add_kept(numbers, file)
 
     def _store(self, configuration: str, requests: Sequence[RunRequest], block: RowBlock) -> None:
         numbers = block.numbers.tolist()

@@ -24,6 +24,7 @@ from .spool import (
     read_spool as read_spool,
     spooled_names as spooled_names,
 )
+from .waveform_check import FileFacts as FileFacts, checked as checked
 from .waveforms import (
     gather_waveforms as gather_waveforms,
     read_all_waveforms as read_all_waveforms,

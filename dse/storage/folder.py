@@ -41,7 +41,7 @@ from dse.storage.lock import LOCK, WRITER, WriterLock
 from dse.storage.reader import SPOOL, WAVEFORMS, StudyReader
 from dse.storage.rows import RowBlock
 from dse.storage.spool import SUFFIX as SPOOLED, Spooled, clear_spool, read_spool
-from dse.storage.waveform_check import checked, facts_of
+from dse.storage.waveform_check import FileFacts, checked, facts_of
 from dse.storage.waveforms import PART
 
 _COMMIT_EVERY = 0.25
@@ -197,14 +197,20 @@ class StudyFolder(StudyReader):
                 write_attempts(connection, maker, ((a.run, a.cause, a.seconds) for a in tries))
         self.commit_if_due()
 
-    def add_kept(self, numbers: Sequence[int], file: str) -> None:
-        """Note that the waveforms of *numbers* are in *file*, which is there already; "" if there are none to store."""
+    def add_kept(self, numbers: Sequence[int], file: str) -> FileFacts | None:
+        """Note that the waveforms of *numbers* are in *file*, which is there already; "" if there are none to store.
+
+        What is known of the file now.
+        """
+        facts = None
         with self._writing() as connection:
             rows = [(number, file or None, kept_seal(number, file)) for number in numbers]
             connection.executemany("INSERT OR REPLACE INTO kept VALUES (?, ?, ?)", rows)
             if file:
-                write_files(connection, {file: facts_of(self.waveform_folder / file)})
+                facts = facts_of(self.waveform_folder / file)
+                write_files(connection, {file: facts})
         self.commit_if_due()
+        return facts
 
     def release(self, name: str) -> None:
         """Let the spool of the batch *name* go when what has been added is committed."""

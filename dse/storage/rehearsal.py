@@ -11,6 +11,7 @@ from dse.domain.definition import StudyDefinition
 from dse.storage.database.connection import NAME, connect, fill, located, read_header
 from dse.storage.database.header import StudyHeader
 from dse.storage.folder import StudyFolder
+from dse.storage.waveform_check import FileFacts
 
 
 class Rehearsal(StudyFolder):
@@ -24,9 +25,9 @@ class Rehearsal(StudyFolder):
         """Nothing is spooled here."""
         return self.path / "nothing"
 
-    def add_kept(self, numbers: Sequence[int], file: str) -> None:
+    def add_kept(self, numbers: Sequence[int], file: str) -> FileFacts | None:
         """Note that the waveforms of *numbers* would be in *file*."""
-        super().add_kept(numbers, file if (self.waveform_folder / file).is_file() else "")
+        return super().add_kept(numbers, file if (self.waveform_folder / file).is_file() else "")
 
     @classmethod
     def of(cls, path: Path, definition: StudyDefinition) -> Rehearsal:

@@ -13,7 +13,6 @@ import struct
 import zlib
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from hashlib import blake2b, file_digest
 from pathlib import Path
 from typing import BinaryIO
 
@@ -22,6 +21,7 @@ from numpy.typing import NDArray
 
 from dse.domain.address import NAME_BYTES
 from dse.storage.rows import RowBlock
+from dse.storage.waveform_check import digest_of
 
 Names = NDArray[np.uint8]
 """What names n runs, (n, 16)."""
@@ -101,10 +101,9 @@ class RunStore:
                 seconds, runs = seconds + float(known.sum()), runs + len(known)
         return seconds, runs
 
-    def add_waveforms(self, key: str, names: Names, numbers: Sequence[int], file: Path) -> None:
-        """Note that the waveforms of the runs of *names* are in *file*, there under *numbers*."""
+    def add_waveforms(self, key: str, names: Names, numbers: Sequence[int], file: Path, digest: str) -> None:
+        """Note that the waveforms of the runs of *names* are in *file* with this SHA-256, there under *numbers*."""
         try:
-            digest = _digest(file)
             here = self._entry(key) / f"{digest}.parquet"
             here.parent.mkdir(parents=True, exist_ok=True)
             if not here.exists():
@@ -242,14 +241,9 @@ def _columns(record: _Record) -> _Columns:
     return _Columns(values.reshape(n, m), margins.reshape(n, r), wall, verdicts, problems)
 
 
-def _digest(file: Path) -> str:
-    with file.open("rb") as content:
-        return file_digest(content, lambda: blake2b(digest_size=16)).hexdigest()
-
-
 def _has_digest(file: Path, digest: str) -> bool:
     try:
-        return file.is_file() and _digest(file) == digest
+        return file.is_file() and digest_of(file) == digest
     except OSError:
         return False
 

@@ -22,10 +22,14 @@ class FileFacts:
 
 def facts_of(file: Path) -> FileFacts:
     """The facts of *file*; OSError if it cannot be read."""
-    with file.open("rb") as stream:
-        digest = hashlib.file_digest(stream, "sha256").hexdigest()
-    stat = file.stat()
+    digest, stat = digest_of(file), file.stat()
     return FileFacts(stat.st_size, stat.st_mtime_ns, digest)
+
+
+def digest_of(file: Path) -> str:
+    """The SHA-256 of *file*; OSError if it cannot be read."""
+    with file.open("rb") as stream:
+        return hashlib.file_digest(stream, "sha256").hexdigest()
 
 
 def checked(file: Path, known: FileFacts | None) -> FileFacts | None:

@@ -11,6 +11,7 @@ from hypothesis import given, settings, strategies as st
 
 from dse.domain.run import Waveforms
 from dse.storage import RowBlock, RunStore, read_waveforms, write_waveforms
+from dse.storage.waveform_check import digest_of
 
 KEY = "k" * 32
 
@@ -129,7 +130,7 @@ def waves(tmp_path) -> Path:
 
 def test_waveforms_are_there_after_their_study_is_gone(tmp_path, waves):
     store = RunStore(tmp_path / "runs")
-    store.add_waveforms(KEY, names_of(1, 2), [4, 5], waves)
+    store.add_waveforms(KEY, names_of(1, 2), [4, 5], waves, digest_of(waves))
     size = waves.stat()
     assert size.st_nlink == 2
     waves.unlink()
@@ -144,7 +145,7 @@ def test_where_there_are_no_second_names_waveforms_are_found_where_they_lie(tmp_
 
     monkeypatch.setattr("os.link", refuse)
     store = RunStore(tmp_path / "runs")
-    store.add_waveforms(KEY, names_of(1, 2), [4, 5], waves)
+    store.add_waveforms(KEY, names_of(1, 2), [4, 5], waves, digest_of(waves))
     assert store.places(KEY, names_of(2)) == [(waves, 5)]
     waves.write_bytes(waves.read_bytes()[:-1] + b"?")
     assert RunStore(tmp_path / "runs").places(KEY, names_of(2)) == [None]
