@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import os
-import shutil
 import sqlite3
 from collections.abc import Iterator, Sequence
 from contextlib import ExitStack, contextmanager, suppress
@@ -22,7 +20,7 @@ from dse.storage.database.seal import kept_seal
 from dse.storage.folder import StudyFolder
 from dse.storage.reader import StudyReader
 from dse.storage.waveform_check import FileFacts, checked
-from dse.storage.waveforms import PART
+from dse.storage.waveforms import copy_file, link_file
 
 
 @dataclass(frozen=True, slots=True)
@@ -124,14 +122,8 @@ class _Merging(StudyFolder):
             facts = checked(source, known.get(name))
             if facts is None:
                 continue
-            if not target.exists():
-                aside = target.with_name(f"{name}{PART}")
-                aside.unlink(missing_ok=True)
-                try:
-                    os.link(source, aside)
-                except OSError:  # another disk, or a file system without links
-                    shutil.copy2(source, aside)
-                aside.replace(target)
+            if not (target.exists() or link_file(source, target)):
+                copy_file(source, target)
             found[name] = replace(facts, modified=target.stat().st_mtime_ns)
         return found
 

@@ -22,6 +22,7 @@ from numpy.typing import NDArray
 from dse.domain.address import NAME_BYTES
 from dse.storage.rows import RowBlock
 from dse.storage.waveform_check import digest_of
+from dse.storage.waveforms import link_file
 
 Names = NDArray[np.uint8]
 """What names n runs, (n, 16)."""
@@ -107,7 +108,7 @@ class RunStore:
             here = self._entry(key) / f"{digest}.parquet"
             here.parent.mkdir(parents=True, exist_ok=True)
             if not here.exists():
-                _link(file, here)
+                link_file(file, here)
         except OSError:
             return
         place = {"digest": digest, "place": str(file.resolve()), "numbers": list(map(int, numbers))}
@@ -246,11 +247,3 @@ def _has_digest(file: Path, digest: str) -> bool:
         return file.is_file() and digest_of(file) == digest
     except OSError:
         return False
-
-
-def _link(file: Path, here: Path) -> None:
-    """A second name for *file*, where the file system has such; the bytes are there once."""
-    try:
-        os.link(file, here)
-    except OSError:
-        return

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import re
+import shutil
 from collections.abc import Iterable, Iterator, Sequence
 from itertools import chain
 from pathlib import Path
@@ -44,8 +45,7 @@ def write_waveforms(file: Path, runs: Iterable[tuple[int, Waveforms]]) -> None:
     first, recorded = next(runs)
     names = list(recorded.values)
     schema = pa.schema([("run", pa.int32()), ("time", pa.float64()), *((name, pa.float64()) for name in names)])
-    # Its own name per process: a second writer of the same chunk writes the same bytes, but not into this file.
-    aside = file.with_name(f"{file.name}.{os.getpid()}{PART}")
+    aside = _aside(file)
     # Streams of ours: Arrow cannot name a file whose path is no UTF-8.
     with (
         aside.open("wb") as stream,
@@ -71,20 +71,36 @@ def gather_waveforms(
     """
     (first, _), *_ = places
     same = [(first, number) for number in numbers]
-    if list(places) == same and _is_just(first, numbers, columns):
-        aside = file.with_name(f"{file.name}.{os.getpid()}{PART}")
-        aside.unlink(missing_ok=True)
-        try:
-            aside.hardlink_to(first)
-            aside.replace(file)
-            # Where the two are one file already, renaming leaves both names.
-            aside.unlink(missing_ok=True)
-        except OSError:
-            pass  # it is written
-        else:
-            return
+    if list(places) == same and _is_just(first, numbers, columns) and link_file(first, file):
+        return
     read = ((number, read_waveforms(*place)) for number, place in zip(numbers, places, strict=True))
     write_waveforms(file, [(n, Waveforms(w.time, {name: w.values[name] for name in columns})) for n, w in read])
+
+
+def link_file(source: Path, target: Path) -> bool:
+    """Give *source* the second name *target*, in place of what is there; False where the file system has no such."""
+    aside = _aside(target)
+    try:
+        aside.unlink(missing_ok=True)
+        aside.hardlink_to(source)
+        aside.replace(target)
+        # Where the two are one file already, renaming leaves both names.
+        aside.unlink(missing_ok=True)
+    except OSError:
+        return False
+    return True
+
+
+def copy_file(source: Path, target: Path) -> None:
+    """Copy *source*, with its times, to *target*, which is there whole or not."""
+    aside = _aside(target)
+    shutil.copy2(source, aside)
+    aside.replace(target)
+
+
+def _aside(file: Path) -> Path:
+    # Its own name per process: a second writer of the same chunk writes the same bytes, but not into this file.
+    return file.with_name(f"{file.name}.{os.getpid()}{PART}")
 
 
 def _is_just(file: Path, numbers: Sequence[int], columns: Sequence[str]) -> bool:
