@@ -49,7 +49,7 @@ demo: setup
 PYTEST := $(BIN)/python -m pytest -q -n $(JOBS) --dist worksteal
 
 test: setup
-	$(PYTEST) -m "not thorough"
+	$(PYTEST) -m "not thorough and not nightly"
 
 # Tests of properties are run once more, on four times as many examples.
 thorough: setup
