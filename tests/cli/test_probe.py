@@ -11,6 +11,7 @@ from pathlib import Path
 import pytest
 from command_line import run_dse
 
+from dse.cache import put_file
 from dse.fmu.toolchain.compiler import find_compiler
 
 ODD = Path(__file__).parents[1] / "cosim" / "probing" / "fmus" / "odd.c"
@@ -68,8 +69,8 @@ def test_what_was_found_is_taken_from_the_cache_until_it_is_asked_for_again(tmp_
     (facts,) = first
     assert facts["answers"]["resets"] == "yes"
     assert facts["reasons"] == {}
-    (file,) = (tmp_path / "cache" / "facts").iterdir()
-    file.write_text(file.read_text(encoding="utf-8").replace('"resets": "yes"', '"resets": "no"'), encoding="utf-8")
+    (file,) = (tmp_path / "cache" / "facts").glob("*.json")
+    put_file(file, file.read_bytes().replace(b'"resets": "yes"', b'"resets": "no"'))
     assert json.loads(probe(tmp_path, str(fmu), "--format", "json").stdout)[0]["answers"]["resets"] == "no"
     again = json.loads(probe(tmp_path, str(fmu), "--format", "json", "--again").stdout)
     assert again[0]["answers"]["resets"] == "yes"

@@ -223,11 +223,11 @@ def test_the_code_of_a_metric_function_matters(prepared, tmp_path, monkeypatch):
     monkeypatch.syspath_prepend(str(tmp_path))
 
     def key(body: str) -> str:
-        (tmp_path / "peaks.py").write_text(f"def peak(x):\n    return {body}\n", encoding="utf-8")
-        sys.modules.pop("peaks", None)
+        (tmp_path / "changing_peak.py").write_text(f"def peak(x):\n    return {body}\n", encoding="utf-8")
+        sys.modules.pop("changing_peak", None)
         importlib.invalidate_caches()
         _code_of.cache_clear()
-        function = importlib.import_module("peaks").peak
+        function = importlib.import_module("changing_peak").peak
         assert metric_function(function, [Argument("x", Wants.WAVEFORM, any_unit=True)], same)
         first, *others = prepared.program.instructions
         return key_of(
