@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from contextlib import AbstractContextManager
 
 import numpy as np
@@ -33,7 +34,9 @@ class Runner(AbstractContextManager["Runner"]):
         self._halved = Halved(prepared, self._simulator, progress) if simulation.check_step else None
         self._constants = prepared.constants
         self._columns = prepared.recording.columns
-        self._kept = [self._columns.index(name) for name in prepared.recording.kept]
+        # Both are used for every run: to get memory anew costs as much as what is done with it.
+        self._table: NDArray[np.float64] | None = None
+        self._rows: NDArray[np.float64] | None = None
 
     @property
     def runs_left(self) -> int | None:
@@ -50,17 +53,18 @@ class Runner(AbstractContextManager["Runner"]):
             setting = prepared.settings[name]
             start[setting.target] = constants[name] = as_number(value, setting.type)
         try:
-            table = self._simulator.run(stop=simulation.stop, step=simulation.step, start=start)
+            table = self._simulator.run(stop=simulation.stop, step=simulation.step, start=start, out=self._table)
         except RunFailed as error:
             return Run(request, Outcome.FAILED, {}, judge_failed(prepared.requirements), str(error))
-        rows = np.ascontiguousarray(table.T)
-        columns = dict(zip(self._columns, rows, strict=True))
+        self._table, self._rows = table, np.empty(table.shape[::-1]) if self._rows is None else self._rows
+        self._rows[:] = table.T
+        columns = dict(zip(self._columns, self._rows, strict=True))
         metrics, judgements = prepared.program.evaluate(self._time, columns, constants)
         problem = ""
         if self._halved is not None:
             bars, problem = self._halved.error_bars(metrics, constants, start)
             metrics = {**metrics, **bars}
-        waveforms = self._waveforms(table) if keep else None
+        waveforms = self._waveforms(columns) if keep else None
         return Run(request, Outcome.DONE, metrics, judgements, problem, waveforms)
 
     def close(self) -> None:
@@ -72,9 +76,9 @@ class Runner(AbstractContextManager["Runner"]):
     def __exit__(self, *_: object) -> None:
         self.close()
 
-    def _waveforms(self, table: NDArray[np.float64]) -> Waveforms:
+    def _waveforms(self, columns: Mapping[str, NDArray[np.float64]]) -> Waveforms:
         stride = self.prepared.simulation.stride
-        values = {self._columns[i]: np.ascontiguousarray(table[::stride, i]) for i in self._kept}
+        values = {name: columns[name][::stride].copy() for name in self.prepared.recording.kept}
         return Waveforms(np.ascontiguousarray(self._time[::stride]), values)
 
 

@@ -6,11 +6,15 @@ from collections import Counter
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from graphlib import CycleError, TopologicalSorter
+from typing import TypeVar
 
 from dse.cosim.wiring.border import Border, ElementPort
 from dse.cosim.wiring.wiring import Wiring
+from dse.graphs import components
 
 _NAMED = 8
+
+Node = TypeVar("Node", ElementPort, int)
 
 
 @dataclass(frozen=True, slots=True)
@@ -136,13 +140,13 @@ def _within(graph: Graph, ports: Collection[ElementPort]) -> dict[ElementPort, l
     return {port: [after for after in graph[port] if after in kept] for port in sorted(kept)}
 
 
-def _generations(graph: Graph) -> Iterator[tuple[ElementPort, ...]]:
-    """Ports by how many others they come after at most; CycleError at once if some come after themselves."""
-    sorter: TopologicalSorter[ElementPort] = TopologicalSorter()
-    for port, afters in graph.items():
-        sorter.add(port)
+def _generations(graph: Mapping[Node, Sequence[Node]]) -> Iterator[tuple[Node, ...]]:
+    """Nodes by how many others they come after at most; CycleError at once if some come after themselves."""
+    sorter: TopologicalSorter[Node] = TopologicalSorter()
+    for node, afters in graph.items():
+        sorter.add(node)
         for after in afters:
-            sorter.add(after, port)
+            sorter.add(after, node)
     sorter.prepare()
     while sorter.is_active():
         ready = sorter.get_ready()
@@ -155,19 +159,24 @@ def _components(graph: Graph) -> list[list[list[ElementPort]]]:
     try:
         return [[[port] for port in generation] for generation in _generations(graph)]
     except CycleError:
-        import networkx as nx  # late: most systems of components that tell their dependencies do without
-
-    condensed = nx.condensation(nx.DiGraph(graph))
-    return [
-        [sorted(condensed.nodes[number]["members"]) for number in generation]
-        for generation in nx.topological_generations(condensed)
-    ]
+        found = _strong(graph)
+    number = {port: n for n, component in enumerate(found) for port in component}
+    condensed = {
+        n: sorted({number[after] for port in component for after in graph[port]} - {n})
+        for n, component in enumerate(found)
+    }
+    return [[found[n] for n in generation] for generation in _generations(condensed)]
 
 
 def _cycles(graph: Graph) -> list[list[ElementPort]]:
-    import networkx as nx
+    return sorted(component for component in _strong(graph) if len(component) > 1)
 
-    return sorted(sorted(part) for part in nx.strongly_connected_components(nx.DiGraph(graph)) if len(part) > 1)
+
+def _strong(graph: Graph) -> list[list[ElementPort]]:
+    """Strong components, each sorted."""
+    ports = sorted(graph)
+    number = {port: n for n, port in enumerate(ports)}
+    return [[ports[n] for n in component] for component in components([[number[a] for a in graph[p]] for p in ports])]
 
 
 def _moves(ports: Iterable[ElementPort], waiting: _Waiting) -> Iterator[Read | Write]:

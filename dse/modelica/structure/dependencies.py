@@ -5,13 +5,13 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 
 from dse.errors import Problem, raise_if_any
+from dse.graphs import components
 from dse.modelica.algebra.expression import Expression
 from dse.modelica.algebra.symbol import Referent, Symbol
 from dse.modelica.algebra.traversal import symbols
 from dse.modelica.flat_model import FlatModel, Relation
 from dse.modelica.solved_model import EventBlock
 from dse.modelica.structure.blocks.arrange import Quantity, Stage
-from dse.modelica.structure.graphs import components
 
 
 class Reach:

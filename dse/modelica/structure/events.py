@@ -5,12 +5,12 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 
 from dse.errors import DseError, Problem
+from dse.graphs import components
 from dse.modelica.algebra.symbol import Symbol
 from dse.modelica.algebra.traversal import symbols
 from dse.modelica.flat_model import FlatModel
 from dse.modelica.solved_model import Activation, EventBlock, When
 from dse.modelica.structure.blocks.arrange import Quantity, Stage
-from dse.modelica.structure.graphs import components
 
 
 def discrete_steps(

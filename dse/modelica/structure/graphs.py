@@ -5,50 +5,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 
-def components(needs: Sequence[Sequence[int]]) -> list[list[int]]:
-    """Nodes that need each other, each component sorted; a component comes after all that it needs.
-
-    *needs* lists for each node those it needs. Tarjan, SIAM J. Comput. 1(2), 1972, 146-160, without recursion.
-    """
-    index: dict[int, int] = {}
-    low: dict[int, int] = {}
-    is_open: set[int] = set()
-    path: list[int] = []
-    found: list[list[int]] = []
-    for root in range(len(needs)):
-        if root in index:
-            continue
-        work = [(root, 0)]
-        while work:
-            node, place = work.pop()
-            if place == 0:
-                index[node] = low[node] = len(index)
-                path.append(node)
-                is_open.add(node)
-            else:
-                low[node] = min(low[node], low[needs[node][place - 1]])
-            while place < len(needs[node]):
-                other = needs[node][place]
-                place += 1
-                if other not in index:
-                    work.extend([(node, place), (other, 0)])
-                    break
-                if other in is_open:
-                    low[node] = min(low[node], index[other])
-            else:
-                if low[node] == index[node]:
-                    found.append(_closed(node, path, is_open))
-    return found
-
-
-def _closed(root: int, path: list[int], is_open: set[int]) -> list[int]:
-    component: list[int] = []
-    while not component or component[-1] != root:
-        component.append(path.pop())
-        is_open.discard(component[-1])
-    return sorted(component)
-
-
 class Matching:
     """Rows and columns matched one to one, grown row by row; columns are any number from 0.
 

@@ -7,13 +7,13 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 from dse.errors import DseError, Problem
+from dse.graphs import components
 from dse.modelica.algebra.evaluate import evaluate
 from dse.modelica.algebra.expression import Expression
 from dse.modelica.algebra.symbol import Referent, Symbol
 from dse.modelica.algebra.traversal import symbols
 from dse.modelica.flat_model import FlatModel, Role, ScalarType, Variable
 from dse.modelica.solved_model import Explicit
-from dse.modelica.structure.graphs import components
 from dse.modelica.structure.rows import listed
 
 

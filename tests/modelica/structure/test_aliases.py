@@ -4,8 +4,9 @@ import pytest
 from modelica.structure.interpreter import Building, Machine, symbol
 
 from dse.errors import DseError
+from dse.graphs import components
 from dse.modelica.flat_model import Relation
-from dse.modelica.structure.graphs import Matching, components
+from dse.modelica.structure.graphs import Matching
 from dse.modelica.structure.solve import solve
 
 

@@ -7,11 +7,11 @@ from dataclasses import dataclass
 from typing import Generic, TypeVar
 
 from dse.errors import DseError, Location
+from dse.graphs import components
 from dse.modelica.algebra.symbol import Symbol
 from dse.modelica.algebra.traversal import smooth, symbols
 from dse.modelica.solved_model import Block, EventBlock, expressions, targets
 from dse.modelica.structure.blocks.tearing import block
-from dse.modelica.structure.graphs import components
 from dse.modelica.structure.known import Known
 from dse.modelica.structure.rows import Row, matched
 

@@ -12,13 +12,13 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from dse.errors import DseError, Problem
+from dse.graphs import components
 from dse.modelica.algebra.derivative import partial
 from dse.modelica.algebra.evaluate import Values, evaluate
 from dse.modelica.algebra.expression import Expression
 from dse.modelica.algebra.symbol import Symbol
 from dse.modelica.algebra.traversal import smooth, symbols
 from dse.modelica.flat_model import Variable
-from dse.modelica.structure.graphs import components
 from dse.modelica.structure.known import Known
 from dse.modelica.structure.reduction.pantelides import Reduced
 from dse.modelica.structure.rows import Row, listed, told

@@ -6,9 +6,10 @@ from collections.abc import Iterable, Sequence
 from dataclasses import replace
 
 from dse.errors import DseError
+from dse.graphs import components
 from dse.modelica.algebra.expression import Expression, Graph
 from dse.modelica.algebra.symbol import Symbol
-from dse.modelica.structure.graphs import Matching, components
+from dse.modelica.structure.graphs import Matching
 from dse.modelica.structure.reduction.dummies import Guard
 from dse.modelica.structure.rows import Row, listed, told
 

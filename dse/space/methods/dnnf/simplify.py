@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
+from dse.graphs import components
 from dse.space.methods.dnnf.cnf import TRUE, Cnf
 
 FALSE = TRUE ^ 1
@@ -111,54 +112,11 @@ def _equals(clauses: Iterable[Sequence[int]], literals: int) -> dict[int, int] |
             implied[one ^ 1].append(other)
             implied[other ^ 1].append(one)
     merged: dict[int, int] = {}
-    for group in _strong_components(implied):
-        least = min(group)
+    for group in components(implied):
+        least = group[0]
         for literal in group:
             if literal ^ 1 == least:
                 return None
             merged[literal] = least
     # A group and that of its negations pick the same Boolean, because negations stay side by side in the order.
     return {literal: to for literal, to in merged.items() if literal != to}
-
-
-def _strong_components(implied: Sequence[Sequence[int]]) -> list[list[int]]:
-    """Groups of two or more literals that imply each other (Tarjan 1972), without recursion."""
-    order: dict[int, int] = {}
-    low: dict[int, int] = {}
-    open_: list[int] = []
-    is_open: set[int] = set()
-    groups: list[list[int]] = []
-    for start in range(len(implied)):
-        if start in order or not implied[start]:
-            continue
-        work = [(start, 0)]
-        while work:
-            at, step = work.pop()
-            if step == 0:
-                order[at] = low[at] = len(order)
-                open_.append(at)
-                is_open.add(at)
-            else:
-                low[at] = min(low[at], low[implied[at][step - 1]])
-            following = implied[at]
-            while step < len(following):
-                to = following[step]
-                step += 1
-                if to not in order:
-                    work.append((at, step))
-                    work.append((to, 0))
-                    break
-                if to in is_open:
-                    low[at] = min(low[at], order[to])
-            else:
-                if low[at] == order[at]:
-                    group = []
-                    while True:
-                        literal = open_.pop()
-                        is_open.discard(literal)
-                        group.append(literal)
-                        if literal == at:
-                            break
-                    if len(group) > 1:
-                        groups.append(group)
-    return groups
