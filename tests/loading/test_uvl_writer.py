@@ -108,6 +108,8 @@ RULES = [
     "rear.cost between camera.cost and 30 EUR",
     "mean(cost, rear) <= 30 EUR",
     "same_choice(camera, rear)",
+    "not same_choice(camera, rear)",
+    "same_choice(camera, rear) iff sensor is radar",
     "if sensor is radar then camera is present else rear is present",
     "(if sensor is lidar then 200 m else 0 m) <= 150 m",
     "-sum(cost) < -100 EUR",
@@ -135,7 +137,6 @@ REFUSED = {
     "sum(mass) ^ sum(mass) < 3 kg": "UVL cannot say this",
     "sqrt(sum(mass) / 1 kg) < 3": "UVL cannot say 'sqrt'",
     "camera is present iff rear.cost > 3 EUR": "a comparison that can be undefined",
-    "not same_choice(camera, rear)": "'same_choice' under 'not'",
     "sensor.kp.max > 3": "'sensor.kp.max', which is no property",
     "(if camera is present then sum(cost) else 2 EUR) < 3 EUR": "UVL cannot say",
 }

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from hypothesis import HealthCheck, assume, settings, strategies as st
-from random_spaces import bare_space, condition, design_spaces, rows_of
+from random_spaces import bare_space, condition, design_spaces, rows_of, spelled_out
 
 from dse.domain.design import Alternative, Compound, Constraint, DesignSpace, Node, Optional, Part
 from dse.errors import DseError
@@ -51,7 +51,8 @@ def answers(space: DesignSpace) -> Answers:
     rows = rows_of(engine.flat)
     choices = [engine.flat.choices(row) for row in rows]
     places = Places(space)
-    rules = [compile_in(constraint.rule, places) for constraint in space.constraints]
+    texts = [spelled_out(constraint.rule.text, space) for constraint in space.constraints]
+    rules = [compile_in(parse_expression(text), places) for text in texts]
     try:
         outcomes = [[rule.outcome(chosen) is not False for rule in rules] for chosen in choices]
     except DseError:

@@ -6,8 +6,10 @@ share a path), components without some property, and constraints over all of it.
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Iterator
 from dataclasses import replace
+from itertools import combinations
 
 import numpy as np
 from hypothesis import strategies as st
@@ -16,7 +18,7 @@ from dse.domain.component import Component, Interface, Kind, Parameter, Type
 from dse.domain.design import Alternative, Compound, Constraint, DesignSpace, Node, Optional, Part
 from dse.errors import DseError
 from dse.expression.parse import parse_expression
-from dse.space.decisions import Site, combinations, sites
+from dse.space.decisions import Site, combinations as ways, sites
 from dse.space.flat import NOTHING, Bools, Clause, FlatSpace, Fold, Gather, Linear, Rows, Rule, Table
 from dse.space.language.evaluate import compile_in
 from dse.space.language.places import Places
@@ -49,7 +51,7 @@ def bare_space(draw: st.DrawFn, most: int = MOST_CONFIGURATIONS) -> DesignSpace:
     parts: dict[str, Node] = {}
     for name in "pqrstuv"[: draw(st.integers(2, 7))]:
         grown = {**parts, name: _node(draw, components, 2)}
-        if combinations(DesignSpace("random", Compound("random", grown))) > most:
+        if ways(DesignSpace("random", Compound("random", grown))) > most:
             break
         parts = grown
     return DesignSpace("random", Compound("random", parts or {"p": Part(components[0])}))
@@ -95,6 +97,11 @@ def condition(draw: st.DrawFn, space: DesignSpace) -> str:
     return _Author(draw, space).condition(3)
 
 
+def agreement(draw: st.DrawFn, space: DesignSpace) -> str:
+    """A condition on what is chosen, most of them with ``same_choice``; never undefined."""
+    return _Author(draw, space).agreement(2)
+
+
 def number(draw: st.DrawFn, space: DesignSpace) -> str:
     """A value that depends on what is chosen; most make sense."""
     author = _Author(draw, space)
@@ -130,7 +137,7 @@ class _Author:
             case 0:
                 return self.chosen()
             case 1:
-                return f"same_choice({', '.join(self.several(lambda: self.one(*self.paths), 2, 4))})"
+                return self.alike()
             case 2 | 3 | 4:
                 return self.compared(min(depth, self.draw(st.integers(0, 2))))
             case 5 | 6:
@@ -147,6 +154,26 @@ class _Author:
             case 11:
                 return f"({' or '.join(self.several(self.chosen, 2, 5))})"
         return self.one(f"(({self.condition(below)}) == ({self.condition(below)}))", "true", "false")
+
+    def alike(self) -> str:
+        return f"same_choice({', '.join(self.several(lambda: self.one(*self.paths), 2, 4))})"
+
+    def agreement(self, depth: int) -> str:
+        """A condition that is never undefined: places are compared, and what is chosen there."""
+        below = depth - 1
+        match self.draw(st.integers(0, 7 if depth else 2)):
+            case 0:
+                return self.chosen()
+            case 1 | 2:
+                return self.alike()
+            case 3 | 4:
+                return f"not ({self.agreement(below)})"
+            case 5:
+                return self.quota(lambda: self.agreement(below))
+            case 6:
+                return f"(if {self.agreement(below)} then {self.agreement(below)} else {self.agreement(below)})"
+        word = self.one("and", "or", "implies", "iff", "xor")
+        return f"({self.agreement(below)} {word} {self.agreement(below)})"
 
     def chosen(self) -> str:
         path = self.one(*self.paths)
@@ -217,6 +244,24 @@ class _Author:
 def _is_below(found: list[Site], path: str, name: str) -> bool:
     below = [site for site in found if not path or site.path == path or site.path.startswith(f"{path}.")]
     return any(site.component and name in site.component.properties for site in below)
+
+
+def spelled_out(text: str, space: DesignSpace) -> str:
+    """*text* with every ``same_choice`` in other words: no two of its places that are there have two names."""
+    names: dict[str, set[str]] = {}
+    for site in sites(space):
+        names.setdefault(site.path, set()).add(site.name)
+
+    def apart(one: str, other: str) -> Iterator[str]:
+        for name in sorted(names[one]):
+            if others := sorted(names[other] - {name}):
+                yield f"{one} is {name} and {other} in [{', '.join(others)}]"
+
+    def spelled(call: re.Match[str]) -> str:
+        pairs = combinations(call[1].split(", "), 2)
+        return f"(not ({' or '.join(['false', *(both for pair in pairs for both in apart(*pair))])}))"
+
+    return re.sub(r"same_choice\(([^)]*)\)", spelled, text)
 
 
 def rows_of(flat: FlatSpace) -> Rows:

@@ -102,7 +102,7 @@ class _Writer:
             case Call("at_least" | "at_most" | "exactly"):
                 return self.counted(node)
             case Call("same_choice"):
-                return self.same_choice(node, sense)
+                return self.same_choice(node)
         raise self.refused(node, "this")
 
     def comparison(self, node: Binary, sense: bool | None) -> Text:
@@ -248,9 +248,7 @@ class _Writer:
             raise self.refused(node, f"{wanted} of {len(texts)} conditions, which takes too many terms to write out,")
         return _joined("|", [_joined("&", list(some)) for some in combinations(texts, wanted)])
 
-    def same_choice(self, node: Call, sense: bool | None) -> Text:
-        if sense is None:
-            raise self.refused(node, "'same_choice', which can be undefined, below iff, xor or if")
+    def same_choice(self, node: Call) -> Text:
         pairs = []
         for left, right in combinations(node.arguments, 2):
             if not isinstance(left, Name) or not isinstance(right, Name):
@@ -261,9 +259,7 @@ class _Writer:
                 pairs.append(
                     _implied(_joined("&", [here, there]), self.chosen(Chosen(right.path, (choice,), left.span)))
                 )
-        if sense:
-            return _joined("&", pairs)
-        raise self.refused(node, "'same_choice' under 'not'")
+        return _joined("&", pairs)
 
     def some(self, features: Iterable[Outline]) -> Text | None:
         """One of *features* is there; None if one always is."""

@@ -5,8 +5,8 @@
 * ``sum min max mean product count (property, place)`` roll up over the parts below a place that state the
   property, without a place over the whole design. A bare ``cost`` is ``sum(cost)``. ``min`` and ``max`` of
   values, ``min(a.mass, b.mass)``, are told apart by the dot in their first argument.
-* ``place is x``, ``place in [x, y]``, ``place is absent``, ``place is present``; ``same_choice(p, q)`` compares
-  the names of what stands at p and q.
+* ``place is x``, ``place in [x, y]``, ``place is absent``, ``place is present``; ``same_choice(p, q)`` is
+  true unless the names of what stands at p and q differ; what is absent differs from nothing.
 * ``at_least(2, a is x, b is y, c is z)``, ``at_most`` and ``exactly`` count the conditions that are true.
 * ``abs sqrt floor min max`` calculate; all is exact but roots and fractional powers, which are floats.
 * A property of an absent part is undefined, and so is all that needs it, as in SQL. A constraint whose
@@ -197,11 +197,7 @@ def _read(leaf: Leaf, there: There[Source]) -> Evaluate[Source]:
         case SameChoice(places):
             names = [there(_names(sites)) for sites in places]
 
-            def same(source: Source) -> bool | None:
-                found = [name for name_at in names for name in name_at(source)]
-                return None if len(found) < 2 else len(set(found)) == 1
-
-            return same
+            return lambda source: len({name for name_at in names for name in name_at(source)}) < 2
 
 
 def _names(sites: Iterable[Site]) -> list[tuple[Site, str]]:

@@ -49,7 +49,7 @@ class RollUp:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class SameChoice:
-    """Whether what is there at *places*, two or more, has one name; undefined if fewer than two are filled."""
+    """Whether what is there at *places*, two or more, has one name; true if fewer than two are filled."""
 
     places: tuple[tuple[Site, ...], ...]
 

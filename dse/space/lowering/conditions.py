@@ -146,13 +146,10 @@ def _there(shape: Shape, sites: list[Site]) -> Formula:
 
 
 def _same_choice(shape: Shape, term: SameChoice, outcome: bool) -> Formula:
-    """Alike are all that are there iff no two differ and two are there at all."""
+    """Alike are all that are there iff no two differ."""
     pairs = [(first, second) for number, first in enumerate(term.places) for second in term.places[number + 1 :]]
     different = disjoin(shape, [_differ(shape, first, second) for first, second in pairs])
-    if not outcome:
-        return different
-    alike = disjoin(shape, [_agree(shape, first, second) for first, second in pairs])
-    return alike if len(pairs) == 1 else conjoin(shape, [alike, negation(shape, different)])
+    return negation(shape, different) if outcome else different
 
 
 def _differ(shape: Shape, first: tuple[Site, ...], second: tuple[Site, ...]) -> Formula:
@@ -161,18 +158,6 @@ def _differ(shape: Shape, first: tuple[Site, ...], second: tuple[Site, ...]) -> 
         [
             conjoin(shape, [_there(shape, here), _there(shape, [site for site in second if site.name != name])])
             for name, here in _by_name(first).items()
-        ],
-    )
-
-
-def _agree(shape: Shape, first: tuple[Site, ...], second: tuple[Site, ...]) -> Formula:
-    there = _by_name(second)
-    return disjoin(
-        shape,
-        [
-            conjoin(shape, [_there(shape, here), _there(shape, there[name])])
-            for name, here in _by_name(first).items()
-            if name in there
         ],
     )
 

@@ -204,21 +204,20 @@ class _Standing:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Same:
-    """Alike if the least and the greatest number of a name are one, undefined if *count* is below two."""
+    """Alike if the least and the greatest number of a name are one, or both of nothing."""
 
-    count: int
     least: int
     greatest: int
 
-    def value(self, folds: Sequence[int]) -> bool | None:
-        return None if folds[self.count] < 2 else folds[self.least] == folds[self.greatest]
+    def value(self, folds: Sequence[int]) -> bool:
+        return folds[self.least] == folds[self.greatest]
 
     def bounds(self, low: Sequence[Ints], high: Sequence[Ints]) -> Truths:
-        defined = high[self.count] >= 2
         apart = (high[self.least] < low[self.greatest]) | (high[self.greatest] < low[self.least])
         alike = (low[self.least] == high[self.greatest]) & (low[self.least] == high[self.least])
         alike &= low[self.greatest] == high[self.greatest]
-        return Truths(defined & ~apart, defined & ~alike, low[self.count] < 2, np.zeros(apart.shape, bool))
+        never = np.zeros(apart.shape, bool)
+        return Truths(~apart, ~alike, never, never)
 
 
 def _standing(leaf: Standing, folds: Folds) -> _Standing:
@@ -240,8 +239,7 @@ def _same(places: tuple[tuple[Site, ...], ...], folds: Folds) -> _Same:
     sites = [site for place in places for site in place]
     code = {name: number for number, name in enumerate(sorted({site.name for site in sites}))}
     coded = [(site, code[site.name]) for site in sites]
-    count = folds.total((site, 1) for site in sites)
-    return _Same(count, folds.extreme(Gather.MIN, coded), folds.extreme(Gather.MAX, coded))
+    return _Same(folds.extreme(Gather.MIN, coded), folds.extreme(Gather.MAX, coded))
 
 
 def _sum(entries: Sequence[tuple[Site, Fraction]], folds: Folds) -> _Sum:

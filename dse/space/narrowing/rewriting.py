@@ -140,7 +140,7 @@ class _Rewriter:
                 return self.condition(Binary("and", *halves, span), sense)
             case Call("same_choice"):
                 places = [name for name in node.arguments if isinstance(name, Name) and name.path in self.after]
-                return replace(node, arguments=tuple(places)) if len(places) > 1 else Truth(sense, node.span)
+                return replace(node, arguments=tuple(places)) if len(places) > 1 else Truth(True, node.span)
             case Call(function, (Number() as number, *conditions)):
                 return self.counted(function, int(number.si), conditions, sense, node)
         return node
