@@ -193,4 +193,31 @@ static inline int dse_newton(dse_problem *p, uint32_t n, const uint32_t *place, 
     return code;
 }
 
+#define DSE_CONTINUE_LONGEST 0.125
+#define DSE_CONTINUE_SHORTEST 1e-6
+
+/* The same for equations with homotopy: from where its simplified expressions stand, *share 0, to the actual ones, 1, in
+ * steps that are halved where Newton's method fails. */
+static inline int dse_continue(dse_problem *p, uint32_t n, const uint32_t *place, const double *scale,
+    dse_system *system, double *share, int failure) {
+    double reached = 0.0;
+    double step = DSE_CONTINUE_LONGEST;
+    int code;
+    *share = 0.0;
+    code = dse_newton(p, n, place, scale, system, failure);
+    while (!code && reached < 1.0) {
+        *share = fmin(1.0, reached + step);
+        code = dse_newton(p, n, place, scale, system, failure);
+        if (!code) {
+            reached = *share;
+            step = fmin(2.0 * step, DSE_CONTINUE_LONGEST);
+        } else if (step > DSE_CONTINUE_SHORTEST) {
+            step *= 0.5;
+            code = 0;
+        }
+    }
+    *share = 1.0;
+    return code;
+}
+
 #endif

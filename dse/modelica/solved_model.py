@@ -27,7 +27,8 @@ class System:
     For trial values of *unknowns*, *inner* assignments are made in order; then *residuals* (as many as *unknowns*)
     must vanish. *jacobian* has one row a residual and one column an unknown, with the inner assignments differentiated
     through: its entries refer to *unknowns*, to what *inner* assigns and to what is known. If *is_linear* they do not
-    refer to *unknowns* or *inner*, and one solve is exact.
+    refer to *unknowns* or *inner*, and one solve is exact. If *is_continued* they refer to how far ``homotopy`` is
+    continued: to be solved from its simplified expressions to the actual ones.
     """
 
     unknowns: tuple[Symbol, ...]
@@ -36,6 +37,7 @@ class System:
     jacobian: tuple[tuple[Expression, ...], ...]
     is_linear: bool
     where: tuple[Location, ...] = ()
+    is_continued: bool = False
 
 
 Block = Explicit | System

@@ -84,6 +84,14 @@ def nonlinear_roots(t: float, given: Given) -> Values:
     return {"y": roots}
 
 
+@case("Homotopy", stop=2.0)
+def homotopy(t: float, given: Given) -> Values:
+    x = float(np.max(np.roots([1, 0, -1, -0.1 * t]).real))
+    # From a = 2, b = 4 to the root sqrt(3) - 1 of a^3 - 6 a + 4; Newton's method from the starts finds another.
+    a = math.sqrt(3) - 1
+    return {"y": [x, a, 6 - a * a, math.exp(-t), math.sin(t)]}
+
+
 @remembered
 def coupled() -> Callable[[float], Floats]:
     def solved(x: float) -> Floats:

@@ -124,6 +124,7 @@ typedef struct {
     double pre[DSE_ROOM(DSE_PRE)];
     double data[DSE_ROOM(DSE_DATA)];
     double time;
+    double continued; /* while homotopy is: its share of the actual expression */
     int64_t next_tick[DSE_ROOM(DSE_CLOCKS)];
     double before_pass[DSE_RELATIONS > 0 ? DSE_ROOM(DSE_VALUES) : 1]; /* v as a pass of the event iteration found it */
     uint8_t held[DSE_ROOM(DSE_RELATIONS)];      /* truth of the relations as the equations see it */

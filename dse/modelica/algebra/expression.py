@@ -112,6 +112,10 @@ class Graph:
         """The leaf that refers to *symbol*."""
         return self._keep(("symbol", symbol), "symbol", symbol=symbol)
 
+    def knows(self, symbol: Symbol) -> bool:
+        """Whether any expression refers to *symbol*."""
+        return ("symbol", symbol) in self._nodes
+
     def variable(self, name: str, order: int = 0) -> Expression:
         """The variable *name*, or its time derivative."""
         return self.symbol(Symbol(name, order))

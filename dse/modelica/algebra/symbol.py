@@ -18,6 +18,8 @@ class Referent(StrEnum):
     TIME = "time"
     INITIAL = "initial"
     """True during the initialization only."""
+    CONTINUED = "continued"
+    """In ``homotopy``: how far from the simplified expression, 0, to the actual one, 1; always 1 after the start."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Iterator
 
 from dse.modelica.algebra.expression import STEPS, Expression
-from dse.modelica.algebra.symbol import Symbol
+from dse.modelica.algebra.symbol import Referent, Symbol
 
 
 def walk(roots: Iterable[Expression]) -> Iterator[Expression]:
@@ -43,6 +43,19 @@ def replaced(roots: Iterable[Expression], new: Callable[[Expression], Expression
 def symbols(*roots: Expression) -> dict[Symbol, None]:
     """All symbols of *roots*, in a reproducible order."""
     return {node.symbol: None for node in walk(roots) if node.symbol is not None}
+
+
+def actual(root: Expression) -> Expression:
+    """*root* at the end of a continuation: ``homotopy`` is its actual expression."""
+    share = Symbol(referent=Referent.CONTINUED)
+    if not root.graph.knows(share):
+        return root
+    one = root.graph.constant(1.0)
+
+    def new(node: Expression) -> Expression | None:
+        return one if node.symbol == share else None
+
+    return replaced((root,), new)[0]
 
 
 def smooth(root: Expression) -> dict[Symbol, None]:

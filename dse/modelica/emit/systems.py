@@ -94,8 +94,12 @@ def _newton(system: System, flat: FlatModel, setting: Setting) -> list[str]:
     size = len(system.unknowns)
     number = _function(system, flat, setting)
     subject = _subject(system)
-    failure = setting.collected.failure(f"{subject} cannot be solved: Newton's method finds no solution")
-    call = f"dse_newton(m, {size}, dse_unknowns_{number}, dse_scales_{number}, dse_system_{number}, {failure})"
+    way = ", continued from the simplified expressions of homotopy" if system.is_continued else ""
+    failure = setting.collected.failure(f"{subject} cannot be solved: Newton's method finds no solution{way}")
+    arguments = f"m, {size}, dse_unknowns_{number}, dse_scales_{number}, dse_system_{number}"
+    call = f"dse_newton({arguments}, {failure})"
+    if system.is_continued:
+        call = f"dse_continue({arguments}, &m->continued, {failure})"
     return [
         "    {",
         f"        const int code = {call};",

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 from dse.errors import DseError, Problem
 from dse.modelica.algebra.expression import Expression, shown
 from dse.modelica.algebra.symbol import Referent, Symbol
-from dse.modelica.algebra.traversal import smooth, symbols
+from dse.modelica.algebra.traversal import actual, smooth, symbols
 from dse.modelica.flat_model import Check, FlatModel, Role, Trigger
 from dse.modelica.structure.events import by_target
 from dse.modelica.structure.graphs import Matching
@@ -177,7 +177,7 @@ def checked(flat: FlatModel, superfluous: Sequence[Row]) -> FlatModel:
     trigger = len(flat.triggers)
     graph = flat.graph
     for row in superfluous:
-        residual = row.residual
+        residual = actual(row.residual)
         if residual.is_number(0):
             continue
         if residual.is_constant:

@@ -8,7 +8,7 @@ from dataclasses import replace
 from dse.errors import DseError, Problem
 from dse.modelica.algebra.expression import Expression
 from dse.modelica.algebra.symbol import Referent, Symbol
-from dse.modelica.algebra.traversal import replaced, symbols
+from dse.modelica.algebra.traversal import actual, replaced, symbols
 from dse.modelica.flat_model import FlatModel, Role
 from dse.modelica.solved_model import Block, Explicit, Solved
 from dse.modelica.structure.aliases.elimination import Eliminated, rewriter, without_aliases
@@ -31,6 +31,9 @@ def solve(flat: FlatModel) -> Solved:
     The flat model of the result is rewritten: its expressions refer to no eliminated variable. Raises DseError, with
     the equations' places, for whatever cannot be solved with certainty.
     """
+    if flat.graph.knows(Symbol(referent=Referent.CONTINUED)):
+        # Only equations are solved by continuation.
+        flat = replace(flat.mapped(actual), equations=flat.equations, initial_equations=flat.initial_equations)
     parameters = dependent_parameters(flat)
     eliminated = without_aliases(flat)
     flat, notes = _reduced_model(flat, eliminated)
@@ -38,7 +41,7 @@ def solve(flat: FlatModel) -> Solved:
     _refuse_lone_derivatives(flat)
     known = Known(flat, Starts(flat, parameters))
 
-    rows = [Row(_with_initial(one.residual, 0.0), one.where) for one in flat.equations]
+    rows = [Row(actual(_with_initial(one.residual, 0.0)), one.where) for one in flat.equations]
     found = reduced(rows, names, flat.variables)
     choice = chosen(found, flat.variables, known)
     chains = guarded(found.chains, choice.guards)
@@ -133,7 +136,7 @@ def _at_start(flat: FlatModel, chains: Sequence[Sequence[Row]]) -> list[Row]:
     rows = []
     for equation, chain in zip(flat.equations, chains, strict=True):
         first = _with_initial(equation.residual, 1.0)
-        if first is not chain[0].residual and len(chain) > 1:
+        if actual(first) is not chain[0].residual and len(chain) > 1:
             what = "this equation differs at the start, but its derivative is needed"
             raise DseError(Problem(what, equation.where, "write an initial equation instead of initial()"))
         rows.extend([Row(first, equation.where), *chain[1:]])

@@ -1,4 +1,4 @@
-// semiLinear and homotopy with their plain meaning.
+// semiLinear, and a homotopy that changes nothing.
 model SemiLinear
   Real x;
   Real root(start = 1);

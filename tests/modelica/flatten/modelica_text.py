@@ -40,6 +40,7 @@ def values(flat: FlatModel, given: Mapping[str, float] | None = None, time: floa
     ``der(x)``. Discrete variables that no assignment without trigger gives have the value given, else 0.
     """
     known: dict[Symbol, float] = {Symbol(referent=Referent.TIME): time, Symbol(referent=Referent.INITIAL): 0.0}
+    known[Symbol(referent=Referent.CONTINUED)] = 1.0
     for name, value in (given or {}).items():
         known[Symbol(name)] = value
         known[Symbol(name, referent=Referent.PRE)] = value

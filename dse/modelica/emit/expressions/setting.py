@@ -76,6 +76,8 @@ class Setting:
                 return f"m->held[{symbol.name}]"
             case Referent.TIME:
                 return "m->time"
+            case Referent.CONTINUED:
+                return "m->continued"
         return "1" if self.is_initial else "0"
 
     def array(self, node: Expression) -> str | None:

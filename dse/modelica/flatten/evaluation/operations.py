@@ -192,7 +192,7 @@ def _builtin(visit: Visit) -> Steps:
         # smooth(p, e): the front-end lists no relations inside either; the integrator finds the kink by its error.
         return (yield Request(visit.frame.quiet(), operands[-1]))
     if name == "homotopy":
-        return (yield visit.request(operands[0]))
+        return (yield from _homotopy(visit))
     values = yield from requested(visit.frame, operands)
     where = visit.where
     if name in ROUNDINGS or name == "sign":
@@ -208,6 +208,18 @@ def _builtin(visit: Visit) -> Steps:
         return function(Given(visit.graph, values))
     except ValueError:
         raise MismatchError(f"'{name}' of {len(values)} arguments") from None
+
+
+def _homotopy(visit: Visit) -> Steps:
+    """The actual value, with a share of the simplified one while a system is continued."""
+    actual = array((yield visit.request(visit.node.operands[0])))
+    simplified = array((yield Request(visit.frame.quiet(), visit.node.operands[1])))
+    if all(map(visit.model.is_parameter, actual.elements)):
+        return actual
+    share = visit.graph.symbol(Symbol(referent=Referent.CONTINUED))
+    one = visit.graph.constant(1.0)
+    pairs = zip(actual.elements, simplified.elements, strict=True)
+    return Array(tuple(share * a + (one - share) * b for a, b in pairs), actual.shape)
 
 
 def _quotient(visit: Visit) -> Steps:

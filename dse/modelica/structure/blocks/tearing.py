@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 
 from dse.modelica.algebra.derivative import derived, partial
 from dse.modelica.algebra.expression import Expression
 from dse.modelica.algebra.symbol import Symbol
-from dse.modelica.algebra.traversal import replaced, stepping, symbols
+from dse.modelica.algebra.traversal import actual, replaced, stepping, symbols
 from dse.modelica.solved_model import Explicit, System
 from dse.modelica.structure.blocks.conditioning import is_stable
 from dse.modelica.structure.known import Known
@@ -25,7 +26,18 @@ def block(rows: Sequence[Row], unknowns: Sequence[Symbol], known: Known) -> Expl
     a start value (Elmqvist and Otter, Methods for tearing systems of equations, ESM'94; the choice is the greedy one
     of Cellier and Kofman, Continuous System Simulation, 2006, 7.4). Chains of inner assignments are cut where they
     would magnify rounding.
+
+    Rows with ``homotopy`` are continued where they must be iterated.
     """
+    plain = [replace(row, residual=actual(row.residual)) for row in rows]
+    made = _solved(plain, unknowns, known)
+    if isinstance(made, Explicit) or made.is_linear or plain == list(rows):
+        return made
+    continued = _solved(rows, unknowns, known)
+    return replace(continued, is_continued=True) if isinstance(continued, System) else made
+
+
+def _solved(rows: Sequence[Row], unknowns: Sequence[Symbol], known: Known) -> Explicit | System:
     if len(rows) == 1:
         value = solved_for(rows[0].residual, unknowns[0], known)
         return _system(unknowns, [], rows) if value is None else Explicit(unknowns[0], value)
