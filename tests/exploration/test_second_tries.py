@@ -157,6 +157,16 @@ def test_a_leak_with_waveforms_makes_no_run_a_culprit(tmp_path: Path) -> None:
     assert all(kept[number] for number in range(16))
 
 
+@linux
+@pytest.mark.thorough
+def test_memory_that_is_locked_and_never_freed_ends_in_a_table(tmp_path: Path) -> None:
+    bench = FakeBench("a", "locks and leaks", memory=200e6 + 400e6, seconds=0.02)
+    _, failures, _ = explored(tmp_path, study_of(levels=4), bench, runs=16)
+    assert failures == {}
+    with StudyFolder.open(tmp_path) as folder:
+        assert len({each.maker for each in folder.attempts()}) <= 16  # never more processes than runs
+
+
 @pytest.mark.parametrize("keep", [Keep.NONE, Keep.ALL])
 def test_a_killed_worker_costs_the_run_at_hand_and_no_other(tmp_path: Path, keep: Keep) -> None:
     # Chunks have several runs, of which some were made when the worker is killed.
