@@ -52,6 +52,7 @@ def test_a_replayed_run_is_given_with_its_own_point(dse, explored):
     assert data["point"].keys() == {"controller.kp_speed", "controller.kd_speed"}
 
 
+@pytest.mark.thorough
 def test_what_was_compared_is_said(dse, explored):
     done = dse("replay", str(explored), "8")
     assert "bit for bit (metrics, verdicts and waveforms)" in done.stderr
