@@ -36,7 +36,8 @@ class Model:
     """What grows while equations are read.
 
     *discrete_inputs* change at events only. *tick_of* names the variable that is true while clock number … ticks;
-    *rounded* the variable that holds a rounding between events; *constants* their values, by the node of the binding.
+    *rounded* the variable that holds a rounding between events; *constants* their values, by the node of the binding;
+    *compared* are the functions whose derivative annotations were found right.
     Variables made here have names that begin with ``$``.
     """
 
@@ -52,6 +53,7 @@ class Model:
     tick_of: dict[int, str] = field(default_factory=dict)
     rounded: dict[tuple[str, Expression], str] = field(default_factory=dict)
     constants: dict[int, Value] = field(default_factory=dict)
+    compared: set[int] = field(default_factory=set)
     _varies: dict[int, bool] = field(default_factory=dict)
 
     def held(self, truth: Expression, where: Location | None) -> Expression:

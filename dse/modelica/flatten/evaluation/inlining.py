@@ -3,19 +3,28 @@
 from __future__ import annotations
 
 import math
+import zlib
 from collections.abc import Generator, Mapping, Sequence
 from typing import Any
 
-from dse.errors import Location, fail
+from dse.errors import DseError, Location, fail
+from dse.modelica.algebra.derivative import derived
+from dse.modelica.algebra.evaluate import evaluate
+from dse.modelica.algebra.expression import Expression
+from dse.modelica.algebra.symbol import Referent, Symbol
 from dse.modelica.flatten.document import Document, Record, check_counters, fields, points, shape, single
 from dse.modelica.flatten.evaluation import externals
 from dse.modelica.flatten.evaluation.context import Frame, Request, Visit, requested
-from dse.modelica.flatten.values import Array, MismatchError, Structure, Text, Value, only
+from dse.modelica.flatten.values import Array, MismatchError, Structure, Text, Value, array, only
 
 _DEEPEST = 200
 """Calls inside one another."""
 _MOST_NODES = 50_000
 """Graph nodes one outermost call may add."""
+
+_TRIALS = 5
+_ROUNDING = 1e-6
+"""Relative, and absolute below 1: far above the rounding of an algorithm, far below another formula's difference."""
 
 Outputs = Generator[Request, Value, tuple[Value, ...]]
 Steps = Generator[Request, Value, None]
@@ -45,6 +54,9 @@ def call(visit: Visit) -> Outputs:
     if frame.depth >= _DEEPEST:
         what = f"a call of '{name}' nested more than {_DEEPEST} times"
         raise document.refused(what, number, "does the recursion end?")
+    if node.data["function"] not in visit.model.compared:
+        for stated in function["derivatives"]:
+            yield from _refuse_contradiction(visit, node.data["function"], stated, arguments)
     inside = frame.call(node.data["function"], tuple(arguments))
     before = len(visit.graph)
     if _assignments(document, function["statements"]) > _MOST_NODES:
@@ -69,6 +81,76 @@ def definition(visit: Visit) -> Value:
     if data["function"] != frame.function or value is None or frame.latest.get(data["value"]) != count:
         raise visit.document.refused("a value that no statement before has given", visit.number)
     return value
+
+
+def _refuse_contradiction(
+    visit: Visit, number: int, stated: Record, arguments: Sequence[Value]
+) -> Generator[Request, Value, None]:
+    """Refuse a derivative annotation that is not the derivative of the function's own algorithm, which is used.
+
+    Both are compared at a few points. What is external or has records, and second derivatives, are not compared.
+    """
+    document, graph = visit.document, visit.graph
+    where = document.where(stated.get("provenance"))
+    fields(stated, "target inputs previous priority", "a derivative annotation", where)
+    function, other = (document.lists["functions"][one] for one in (number, stated["target"]))
+    arrays = [argument for argument in arguments if isinstance(argument, Array)]
+    if stated["previous"] is not None or function["external"] or other["external"] or len(arrays) < len(arguments):
+        return
+    has_rate = [
+        how == "Differentiate" and document.value_type(parameter)["scalar"] == "real"
+        for how, parameter in zip(stated["inputs"], function["parameters"], strict=True)
+    ]
+    is_moving = [
+        has and not all(item.is_constant for item in argument.elements)
+        for has, argument in zip(has_rate, arrays, strict=True)
+    ]
+    if not any(is_moving):
+        return
+    visit.model.compared.add(number)
+
+    def fresh(word: str, place: int) -> Array:
+        symbols = (Symbol(f"{word}{place}.{k}", referent=Referent.PRE) for k in range(len(arrays[place].elements)))
+        return Array(tuple(map(graph.symbol, symbols)), arrays[place].shape)
+
+    def still(place: int) -> Array:
+        return Array((graph.constant(0.0),) * len(arrays[place].elements), arrays[place].shape)
+
+    inputs = [fresh("%", place) if moves else arrays[place] for place, moves in enumerate(is_moving)]
+    rates = {
+        place: fresh("%der", place) if is_moving[place] else still(place) for place, has in enumerate(has_rate) if has
+    }
+    rate_of = {
+        item.symbol: rate
+        for place, moving in rates.items()
+        if is_moving[place]
+        for item, rate in zip(inputs[place].elements, moving.elements, strict=True)
+    }
+    depth = visit.frame.depth + 1
+    own = yield from _carried_out(document, Frame(False, [], number, depth, tuple(inputs)), function)
+    given = (*inputs, *rates.values())
+    other_own = yield from _carried_out(document, Frame(False, [], stated["target"], depth, given), other)
+    reals = [document.value_type(output)["scalar"] == "real" for output in function["outputs"]]
+    roots = [item for value, real in zip(own, reals, strict=True) if real for item in array(value).elements]
+    wanted = derived(roots, lambda leaf: rate_of.get(leaf, graph.constant(0.0)))
+    found = [item for value in other_own for item in array(value).elements]
+    if len(found) != len(wanted) or not all(_agree(wanted, found, trial) for trial in range(_TRIALS)):
+        what = f"the annotation derivative of '{function['name']}': '{other['name']}' is not its derivative"
+        raise fail(what, where, "the derivative of the algorithm is used: correct the annotation or leave it out")
+
+
+def _agree(wanted: Sequence[Expression], found: Sequence[Expression], trial: int) -> bool:
+    """Whether both have the same values where they have any, as far as rounding lets them."""
+
+    def of(symbol: Symbol) -> float:
+        return 0.1 + ((zlib.crc32(str(symbol).encode()) + 0.618 * trial * 2**32) / 2**31) % 2.0
+
+    try:
+        values = evaluate([*wanted, *found], of)
+    except DseError:
+        return True
+    pairs = zip(values[: len(wanted)], values[len(wanted) :], strict=True)
+    return all(math.isclose(a, b, rel_tol=_ROUNDING, abs_tol=_ROUNDING) for a, b in pairs if math.isfinite(a + b))
 
 
 def _carried_out(document: Document, frame: Frame, function: Record) -> Outputs:
