@@ -132,6 +132,16 @@ def test_under_a_constant_the_first_of_the_list_are_the_best():
     assert [(entry.choices["p"], *entry.values) for entry in found] == [("a", 2), ("b", 2)]
 
 
+def test_the_only_design_of_a_space_without_choices_is_nearest_best_and_pareto_optimal():
+    part = Part(Component("a", ANY, properties={"mass": parse_quantity("2 kg")}))
+    space = DesignSpace("one", Compound("one", {"p": part}))
+    engine = Engine.of(space)
+    aims = [Aim(parse_expression("sum(mass)")), Aim(parse_expression("count(mass)"), True)]
+    assert nearest(engine, {}).choices == {}
+    assert [entry.values for entry in best_configurations(space, engine, aims[0], 2)] == [(2,)]
+    assert [entry.values for entry in pareto_set(space, engine, aims)] == [(2, 1)]
+
+
 def test_a_quotient_of_sums_is_ranked_where_no_list_could_be():
     names = [[f"c{place}{option}" for option in range(6)] for place in range(24)]
     parts = {

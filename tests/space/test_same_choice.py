@@ -77,8 +77,6 @@ def every_method(found, data):
             times = sum(choices.get(entry.path) == entry.choice for choices in valid)
             if entry.choice is not None:
                 assert (entry.dead, entry.forced) == (times == 0, times == len(valid))
-    if not found.engine.flat.variables:
-        return
     near = dict(nearest(found.engine, found.choices[place]).choices)
     lost = ((found.rows != found.rows[place]) & (found.rows[place] != ABSENT)).sum(axis=1)
     assert near in valid
@@ -86,7 +84,8 @@ def every_method(found, data):
     (best,) = best_configurations(found.space, found.engine, MASS, 1)
     assert dict(best.choices) in valid
     stepped(found, valid)
-    narrowed(found, data)
+    if found.engine.flat.variables:
+        narrowed(found, data)
 
 
 def counted(found, number):

@@ -79,7 +79,7 @@ def cannot_be(diagram: Diagram) -> bool:
         return False
     cuts = tightest(cuts_of([linear for linear in diagram.flat.linears() if fits(linear)]))
     cuts += overall(diagram.flat, cuts)
-    low = least(diagram, stacked(diagram, [cut.weights for cut in cuts]))[0]
+    low = least(diagram, stacked(diagram, [cut.weights for cut in cuts]), len(cuts))[0]
     return any(int(reached[0]) > cut.high for reached, cut in zip(low, cuts, strict=False))
 
 

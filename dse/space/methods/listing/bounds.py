@@ -114,12 +114,12 @@ def combined(cuts: Sequence[Cut], multipliers: Mapping[int, float]) -> Cut | Non
     return Cut(weights, sum(m * cuts[number].high for number, m in whole.items()), whole)
 
 
-def least(diagram: Diagram, weights: Sequence[Ints]) -> list[Ints]:
-    """The least of each sum over all completions: per layer, the end included, shape (sums, nodes).
+def least(diagram: Diagram, weights: Sequence[Ints], sums: int) -> list[Ints]:
+    """The least of each of *sums* sums over all completions: per layer, the end included, shape (sums, nodes).
 
     *weights* as `stacked` makes them.
     """
-    reached = [np.zeros((len(weights[0]) if weights else 0, 1), np.int64)]
+    reached = [np.zeros((sums, 1), np.int64)]
     for child, of_layer in zip(reversed(diagram.layers), reversed(weights), strict=True):
         through = reached[-1][:, child] + of_layer[:, None, :]
         through[:, child < 0] = np.iinfo(np.int64).max

@@ -59,7 +59,7 @@ def slack_of(
     """
     number = len(cuts)
     weights = stacked(diagram, [cut.weights for cut in cuts])
-    both = least(diagram, [np.concatenate((part, -part)) for part in weights])
+    both = least(diagram, [np.concatenate((part, -part)) for part in weights], 2 * number)
     low = [part[:number] for part in both]
     spread = [-part[number:] - part[:number] for part in both]
     slack = [cut.high - int(low[0][place, 0]) for place, cut in enumerate(cuts)]

@@ -25,7 +25,7 @@ def beam(relaxation: Relaxation, factors: Sequence[int], highs: Sequence[int | N
     bounded = [place for place, high in enumerate(highs) if high is not None]
     limits = np.array([high for high in highs if high is not None], np.int64)[:, None]
     remaining = [part[bounded] for part in relaxation.remaining]
-    ahead = least(diagram, [(toward @ weights)[None, :] for weights in relaxation.weights])
+    ahead = least(diagram, [(toward @ weights)[None, :] for weights in relaxation.weights], 1)
     nodes = np.zeros(1, np.int32)
     totals = np.zeros((len(bounded), 1), np.int64)
     scores = np.zeros(1, np.int64)

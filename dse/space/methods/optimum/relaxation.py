@@ -90,7 +90,7 @@ class Relaxation:
     @cached_property
     def remaining(self) -> list[Ints]:
         """The least of each sum over the completions of each node: per layer, the end included, shape (sums, nodes)."""
-        return least(self.diagram, self.weights)
+        return least(self.diagram, self.weights, len(self._reach))
 
     def _proof(self, factors: Sequence[int], highs: Sequence[int | None], multipliers: Sequence[float]) -> Relaxed:
         """What rounded multipliers prove; the path that limits it is remembered."""
