@@ -108,7 +108,7 @@ def _prepared(checked: CheckedBench, models: Mapping[str, FmuModel], cache: Path
     variables = (name if name.startswith(f"{BONDS}.") else signal_name(name, parts) for name in sources)
     prepared = PreparedBench(
         configuration=wired.configuration,
-        system=assemble(wired.configuration.id, wired, models, sources),
+        system=assemble(wired.configuration.id, wired, models, sources).with_tolerance(simulation.tolerance),
         simulation=simulation,
         program=checked.program,
         recording=Recording(columns, tuple(variables), checked.kept),

@@ -94,6 +94,7 @@ simulation:
   step: 15.625 ms
   record: [first.x, second.x, second.mode, first.steps, first.positive]
   record_every: 31.25 ms
+  tolerance: 1e-7
 metrics: {end: final(second.x)}
 """,
 }
@@ -237,6 +238,7 @@ def test_a_setting_changes_a_package_too(package, dse_in, simulated):
         (["ramped.ssp", "-o", "out.txt"], 2, "must end in .csv or .json"),
         (["ramped.ssp", "--algorithm", "jakobi"], 2, "'jakobi' is none of jacobi, gauss_seidel"),
         (["ramped", "--stop", "1 s"], 2, "this is for a package"),
+        (["ramped", "--tolerance", "1e-8"], 2, "this is for a package"),
         (["ramped.ssp", "--fmi", "3"], 2, "this is for a bench"),
         (["radar.fmu"], 1, "'radar.fmu' is an FMU\n    hint: 'dse import fmu radar.fmu' makes a component of it"),
         (["gone.ssp"], 1, "gone.ssp: there is no such file"),

@@ -41,7 +41,8 @@ class Instance(Handle):
         self.next_event = math.inf
         if self.model.version == 2:  # FMI 2
             types = (c_int, c_double, c_double, c_int, c_double)
-            self._call(Call.SETUP_EXPERIMENT, None, types, 0, 0.0, 0.0, 1, stop)
+            told = self.model.experiment.tolerance
+            self._call(Call.SETUP_EXPERIMENT, None, types, told is not None, told or 0.0, 0.0, 1, stop)
 
     def enter_configuration(self) -> None:
         """To set structural parameters."""
@@ -59,7 +60,8 @@ class Instance(Handle):
             self._call(Call.ENTER_INITIALIZATION, None)
         else:
             types = (c_bool, c_double, c_double, c_bool, c_double)
-            self._call(Call.ENTER_INITIALIZATION, None, types, False, 0.0, 0.0, True, stop)
+            told = self.model.experiment.tolerance
+            self._call(Call.ENTER_INITIALIZATION, None, types, told is not None, told or 0.0, 0.0, True, stop)
 
     def exit_initialization(self) -> None:
         """ExitInitializationMode of co-simulation, and the events at time 0; FMI 1 has no such call."""

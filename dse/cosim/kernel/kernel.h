@@ -159,7 +159,7 @@ typedef struct {
     double moving_from;            /* the time at which they lay at their staged values */
     void *exchange;                /* model exchange: the solver's memory (exchange.h), else NULL */
     void *saved;                   /* the FMU's own state */
-    double stop, next_event, saved_next_event;
+    double stop, tolerance, next_event, saved_next_event; /* tolerance: what the FMU is told, 0 for nothing */
     int64_t mode;
     int64_t life;     /* counts up when the FMU may have forgotten what it was given */
     int64_t finished; /* FMI 1 and 2: what the FMU called back with after an asynchronous step, -1 before */

@@ -81,7 +81,9 @@ def import_ssp(
             resolved = system_of(ssp, models)
             timing = timing_of(ssp.experiment, models.values(), stop, step, Location(shown(path)))
             every = ssp.experiment.record_every if (stop, step) == (None, None) else None
-            simulation = Simulation(timing.stop, timing.step, (), every or timing.step)
+            simulation = Simulation(
+                timing.stop, timing.step, (), every or timing.step, tolerance=ssp.experiment.tolerance
+            )
             taken = [variant.bench for variant in variants]
             variants.append(_variant(ssp, take_parts(ssp, resolved, catalogue), simulation, taken))
         except DseError as error:
