@@ -90,6 +90,8 @@ def simulate_package(path: Path, wishes: Wishes, target: Path | None, output: Ou
         print_json(_data(time, columns, prepared, whole=False))
     else:
         _show(path, columns, prepared)
+    if run.problem:
+        say(run.problem, style="yellow", stderr=True)
     raise typer.Exit(DONE)
 
 

@@ -159,7 +159,7 @@ class System(ctypes.Structure):
         *reals("now"),
         ("failure", Failure),
         *pointers("plan", "fused"),
-        *numbers("fused_steps", "watches"),
+        *numbers("fused_steps", "watches", "rows", "has_ended", "takes_end"),
     ]
 
 
