@@ -397,16 +397,19 @@ def test_an_fmu_that_fails_is_named(dse_in, tmp_path, dahlquist):
 
 
 @pytest.mark.thorough
-def test_an_fmu_that_a_workspace_would_take_otherwise_is_refused(dse_in, tmp_path, tmp_path_factory):
+def test_an_fmu_keeps_the_interface_that_a_package_asks_for(dse_in, tmp_path, tmp_path_factory):
     both = build("VanDerPol", 3, None, tmp_path_factory.mktemp("both")).read_bytes()
     part = component("v", "output x0").replace("source=", 'implementation="ModelExchange" source=')
     pack(tmp_path / "me.ssp", {"SystemStructure.ssd": description(elements(part)), "resources/v.fmu": both})
     done = dse_in(tmp_path, "simulate", "me.ssp", "--stop", "1", "--step", "0.01", "--format", "json")
     assert done.returncode == 0, done.stderr
-    done = dse_in(tmp_path, "import", "ssp", "me.ssp", "work")
-    assert done.returncode == 1
-    assert "is to be simulated by ModelExchange, a workspace takes the other" in done.stderr
-    assert not (tmp_path / "work").exists()
+    end = json.loads(done.stdout)["signals"]["v.x0"]["end"]
+    done = dse_in(tmp_path, "import", "ssp", "me.ssp", "work", "--stop", "1", "--step", "0.01")
+    assert done.returncode == 0, done.stderr
+    assert "interface: model_exchange" in (tmp_path / "work/components/v/component.yaml").read_text(encoding="utf-8")
+    done = dse_in(tmp_path / "work", "simulate", "example", "--format", "json")
+    assert done.returncode == 0, done.stderr
+    assert json.loads(done.stdout)["metrics"]["v_x0_at_the_end"] == end
 
 
 @pytest.mark.thorough
