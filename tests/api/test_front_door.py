@@ -32,6 +32,7 @@ def test_importing_it_imports_nothing_else():
     assert [name for name in python(code).split("'") if name.startswith("dse")] == ["dse"]
 
 
+@pytest.mark.thorough
 def test_asking_a_design_space_imports_nothing_that_simulates_or_draws(folder):
     code = (
         f"import sys, dse; ws = dse.open({str(folder)!r}); ws.designs['acc_vehicle'].count();"

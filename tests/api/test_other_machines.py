@@ -63,6 +63,7 @@ def test_workers_with_an_empty_cache_are_sent_what_they_lack(study, local, tmp_p
     assert f"{os.uname().nodename}/{os.getpid()}" not in makers
 
 
+@pytest.mark.nightly
 def test_a_pool_that_breaks_is_made_anew(study, local, tmp_path: Path) -> None:
     made_pools: list[ProcessPoolExecutor] = []
 
@@ -77,6 +78,7 @@ def test_a_pool_that_breaks_is_made_anew(study, local, tmp_path: Path) -> None:
     assert made.summary.failed == 0
 
 
+@pytest.mark.nightly
 def test_loky_will_do(study, local, tmp_path: Path) -> None:
     from loky import get_reusable_executor
 
@@ -89,7 +91,9 @@ def test_half_of_the_workers_of_a_dask_cluster_are_killed(study, local, tmp_path
     import distributed
 
     with (
-        distributed.LocalCluster(n_workers=4, threads_per_worker=1, dashboard_address=None, silence_logs=50) as cluster,
+        distributed.LocalCluster(
+            n_workers=4, threads_per_worker=1, dashboard_address="127.0.0.1:0", silence_logs=50
+        ) as cluster,
         distributed.Client(cluster) as client,
     ):
         workers = list(client.run(os.getpid).values())

@@ -62,6 +62,7 @@ def test_a_run_made_alone_is_the_run_of_the_study(run, results):
     assert np.array_equal(run.waveforms["world.gap"], stored.waveforms["world.gap"])
 
 
+@pytest.mark.thorough
 def test_a_script_needs_no_guard_around_what_simulates(folder, results, tmp_path):
     script = tmp_path / "script.py"
     script.write_text(

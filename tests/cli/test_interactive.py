@@ -93,12 +93,14 @@ def test_a_pick_fills_in_what_follows_and_brings_nested_decisions():
     assert "1 of 4 decisions open" in seen.count[1]
 
 
+@pytest.mark.thorough
 def test_an_impossible_option_cannot_be_picked():
     _, seen = driven(("enter", "enter"), ("down", "enter"), ("up", "up", "enter"), ("q",))
     assert seen.options[2][0].endswith("–  0")
     assert seen.decisions[3][1].endswith("hybrid (forced)") or seen.decisions[3][1].endswith("● hybrid")
 
 
+@pytest.mark.thorough
 def test_steps_are_undone_taken_back_and_reset():
     _, seen = driven(("enter", "enter"), ("u",), ("enter", "enter"), ("backspace",), ("enter", "enter"), ("r",), ("q",))
     opened = seen.decisions[0]
@@ -112,6 +114,7 @@ def test_the_search_narrows_the_list():
     assert len(seen.decisions[2]) == 3
 
 
+@pytest.mark.thorough
 def test_finishing_needs_everything_decided_and_gives_the_configuration():
     choices, seen = driven(("enter", "enter"), ("f",), ("down", "down", "enter", "down", "enter"), ("f",))
     assert any("p.engine" in note for note in seen.notes[2])

@@ -107,6 +107,7 @@ def imported(example, cache):
     "command",
     [pytest.param(line, marks=[pytest.mark.thorough] * line.startswith(SLOW)) for line in MAY_IMPORT],
 )
+@pytest.mark.sampled(4)
 def test_a_command_imports_what_it_needs(imported, tmp_path, request, command):
     words = {"o": tmp_path / "new"}
     if "{s}" in command:

@@ -224,6 +224,7 @@ def test_waveforms_are_written_as_json_too_and_the_values_are_the_same(package, 
     assert data["time"] == simulated["time"].tolist()
 
 
+@pytest.mark.thorough
 def test_a_setting_changes_a_package_too(package, dse_in, simulated):
     done = dse_in(package.parent, "simulate", package.name, "--set", "drive.rate=4", "--format", "json")
     assert done.returncode == 0, done.stderr
@@ -252,6 +253,7 @@ def test_what_cannot_be_simulated_is_told(package, dse_in, arguments, code, expe
     assert "Traceback" not in done.stderr
 
 
+@pytest.mark.thorough
 def test_the_order_of_exchange_can_be_chosen(package, dse_in, simulated):
     done = dse_in(package.parent, "simulate", package.name, "--algorithm", "gauss_seidel", "--format", "json")
     assert done.returncode == 0, done.stderr

@@ -59,6 +59,7 @@ def test_report_names_a_figure_that_fails_and_writes_the_page(dse, explored, oth
     assert "the figure 'broken' cannot be drawn" in page.read_text(encoding="utf-8")
 
 
+@pytest.mark.thorough
 def test_figure_draws_the_others_and_then_fails(dse, explored, others, tmp_path):
     done = dse("figure", str(explored), "-o", str(tmp_path))
     assert done.returncode == 1
@@ -72,6 +73,7 @@ def test_figure_draws_the_others_and_then_fails(dse, explored, others, tmp_path)
     }
 
 
+@pytest.mark.thorough
 def test_figure_draws_only_what_is_asked_for(dse, explored, tmp_path):
     done = dse("figure", str(explored), "-o", str(tmp_path), "--only", "margins", "--only", "progress")
     assert done.returncode == 0
@@ -84,6 +86,7 @@ def test_figure_draws_only_what_is_asked_for(dse, explored, tmp_path):
     assert "did you mean 'margins'?" in unknown.stderr
 
 
+@pytest.mark.thorough
 def test_metric_functions_of_another_package_are_computed_in_workers(dse_in, example, others, tmp_path):
     folder = tmp_path / "work"
     shutil.copytree(example, folder)

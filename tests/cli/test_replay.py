@@ -52,6 +52,7 @@ def test_a_replayed_run_is_given_with_its_own_point(dse, explored):
     assert data["point"].keys() == {"controller.kp_speed", "controller.kd_speed"}
 
 
+@pytest.mark.thorough
 def test_what_was_compared_is_said(dse, explored):
     done = dse("replay", str(explored), "8")
     assert "bit for bit (metrics, verdicts and waveforms)" in done.stderr
@@ -95,8 +96,22 @@ def test_another_waveform_is_not_the_same(dse, folder):
 
 
 @pytest.mark.thorough
-def test_lost_waveforms_are_left_out_of_the_report_and_made_again(dse, folder, explored, tmp_path):
-    shutil.rmtree(folder / "waveforms")
+def test_a_copied_study_gives_the_same_report(dse, folder, explored, tmp_path):
+    for study, page in ((explored, "a.html"), (folder, "b.html")):
+        assert dse("report", str(study), "-o", str(tmp_path / page)).returncode == 0
+    assert (tmp_path / "a.html").read_bytes() == (tmp_path / "b.html").read_bytes()
+
+
+def cut_short(folder):
+    for file in folder.iterdir():
+        content = file.read_bytes()
+        file.write_bytes(content[: len(content) // 2])
+
+
+@pytest.mark.thorough
+@pytest.mark.parametrize("lose", [shutil.rmtree, cut_short])
+def test_lost_waveforms_are_left_out_of_the_report_and_made_again(dse, folder, explored, tmp_path, lose):
+    lose(folder / "waveforms")
     facts = dict(read_content(folder).facts)
     assert facts["waveforms"] == (
         "kept of 0 runs; files of 20 runs are gone or damaged: the same explore command makes them again"

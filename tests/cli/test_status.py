@@ -36,6 +36,7 @@ def on_a_terminal(*arguments):
     return said.decode()
 
 
+@pytest.mark.thorough
 def test_what_takes_more_than_a_second_is_told_on_a_terminal():
     said = on_a_terminal("1.6")
     assert "checking components: 7 of 29 (combustion[6at]" in said
@@ -47,6 +48,7 @@ def test_what_is_done_at_once_is_not_told():
     assert on_a_terminal("0").strip() == "done"
 
 
+@pytest.mark.thorough
 def test_nothing_is_told_where_there_is_no_terminal():
     done = subprocess.run([sys.executable, "-c", SLOW, "1.2"], capture_output=True, text=True, check=True)
     assert (done.stdout, done.stderr) == ("done\n", "")

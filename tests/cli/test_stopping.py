@@ -12,6 +12,11 @@ import time
 
 import pytest
 
+
+def nightly(value: str) -> object:
+    return pytest.param(value, marks=pytest.mark.nightly)
+
+
 pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="interrupts are sent otherwise there")
 
 SCRIPT = "import sys\nfrom dse.cli import main\nsys.exit(main())"
@@ -76,8 +81,8 @@ def test_a_hang_up_is_ignored_where_it_was(tmp_path):
 
 
 @pytest.mark.thorough
-@pytest.mark.parametrize("words", ["--help", "check", "explore small -o {out}"])
-@pytest.mark.parametrize("name", ["SIGINT", "SIGTERM"])
+@pytest.mark.parametrize("words", [*map(nightly, ["--help", "check"]), "explore small -o {out}"])
+@pytest.mark.parametrize("name", ["SIGINT", nightly("SIGTERM")])
 def test_a_command_is_stopped_at_any_moment_of_its_start(example, cache, tmp_path, words, name):
     delays = random.Random(words)  # noqa: S311  # no secret
     command = [sys.executable, "-c", SCRIPT, *words.format(out=tmp_path / "out").split()]

@@ -10,6 +10,8 @@ import subprocess
 import sys
 from pathlib import Path
 
+import pytest
+
 ROOT = Path(__file__).parents[2]
 STEP = re.compile(r"^\| `(dse/\S+\.py)` \| `([\w.]+)` \| (.*) \|$", re.MULTILINE)
 
@@ -59,6 +61,7 @@ def test_every_step_of_the_walk_is_where_it_says():
     assert [(file, name) for file, name, _ in steps() if name not in defined(file)] == []
 
 
+@pytest.mark.thorough
 def test_the_walk_is_what_happens(example: Path, cache: Path, tmp_path: Path):
     told = [(file, name) for file, name, what in steps() if not what.startswith("*in a worker:*")]
     command = [sys.executable, "-c", WATCHED, json.dumps(told), str(tmp_path / "out")]

@@ -98,6 +98,7 @@ def test_every_configuration_of_the_document_runs(dse, tmp_path):
     assert done.returncode == 0, done.stderr
 
 
+@pytest.mark.thorough
 def test_the_count_beside_the_design_is_what_enumerate_finds(dse):
     claimed = re.search(r"`dse enumerate parcel_cart --count` finds (\d+) of (\d+)", TEXT)
     found = json.loads(dse("enumerate", "parcel_cart", "--count", "--format", "json").stdout)

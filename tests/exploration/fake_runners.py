@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ctypes
 import math
 import mmap
 import os
@@ -87,7 +88,9 @@ class FakeRunner:
         struct.pack_into("=q", self.progress, 0, request.number + 1)
         if bench.seconds:
             time.sleep(bench.seconds)
-        if bench.mischief == "leaks":
+        if bench.mischief == "locks and leaks":
+            ctypes.CDLL(None).mlockall(3)  # what is there and what comes
+        if bench.mischief in ("leaks", "locks and leaks"):
             hoard.append(bytearray(os.urandom(1)) * 50_000_000)
         if bench.mischief == "leaks files" and request.number in bench.when:
             for _ in range(20):

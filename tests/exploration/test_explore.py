@@ -81,6 +81,7 @@ def test_a_second_exploration_does_nothing_and_starts_no_worker(
     assert content(tmp_path) == before
 
 
+@pytest.mark.thorough
 def test_waveforms_near_the_boundary_are_kept_and_no_others(tmp_path: Path) -> None:
     study = study_of(levels=8, keep=Keep.NEAR_BOUNDARY)
     summary = run(tmp_path, study, workers=2)
@@ -223,6 +224,7 @@ def wait_for_runs(path: Path, least: int) -> None:
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="signals")
+@pytest.mark.thorough
 def test_ctrl_c_in_a_terminal_reaches_workers_too_and_loses_nothing(tmp_path: Path) -> None:
     here = Path(__file__).parent
     script = tmp_path / "script.py"

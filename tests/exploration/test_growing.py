@@ -67,6 +67,7 @@ def points(path: Path) -> dict[int, tuple[str, tuple[float, ...]]]:
 
 
 @pytest.mark.parametrize("keep", [Keep.ALL, Keep.NEAR_BOUNDARY])
+@pytest.mark.sampled(2)
 def test_one_worker_and_two_make_the_same_study_of_a_sampler_that_looks_at_results(tmp_path: Path, keep: Keep) -> None:
     study = study_of(BISECTION, keep=keep)
     one = run(tmp_path / "one", study)
@@ -127,7 +128,7 @@ def killed_on_the_way(folder: Path, keep: Keep, workers: int, kills: int, second
     [
         (2, 4, 0.05),
         # A run takes so long that the study is not done before the last kill.
-        pytest.param(1, 20, 0.4, marks=pytest.mark.thorough),
+        pytest.param(1, 20, 0.4, marks=pytest.mark.nightly),
         pytest.param(2, 20, 0.8, marks=pytest.mark.thorough),
     ],
 )
@@ -279,6 +280,7 @@ def test_a_study_that_was_extended_before_it_was_complete_goes_on_with_what_is_t
         assert folder.header.slices == ()
 
 
+@pytest.mark.thorough
 def test_runs_beside_the_grid_are_interpolated_as_points_that_lie_anywhere(tmp_path: Path) -> None:
     run(tmp_path, study_of(levels=3))
     with StudyFolder.open(tmp_path) as folder:
@@ -290,6 +292,7 @@ def test_runs_beside_the_grid_are_interpolated_as_points_that_lie_anywhere(tmp_p
         assert folder.header.runs - folder.header.asked == len(NAMES) * 5
 
 
+@pytest.mark.thorough
 def test_configurations_can_be_added_and_those_left_out_keep_their_runs(tmp_path: Path) -> None:
     study = study_of(levels=3, keep=Keep.NEAR_BOUNDARY)
     run(tmp_path, study, names=("a", "b"))
@@ -300,6 +303,7 @@ def test_configurations_can_be_added_and_those_left_out_keep_their_runs(tmp_path
         assert folder.header.configurations == ("b", "c", "a")
 
 
+@pytest.mark.thorough
 def test_a_study_of_the_first_version_opens_goes_on_and_is_extended(tmp_path: Path) -> None:
     study = study_of(levels=4, keep=Keep.ALL)
     run(tmp_path / "new", study)
@@ -344,6 +348,7 @@ def make_first_version(path: Path) -> None:
         connection.commit()
 
 
+@pytest.mark.thorough
 def test_the_points_of_a_factorial_that_is_refined_twice_as_fine_are_on_the_new_grid(tmp_path: Path) -> None:
     run(tmp_path, study_of(FullFactorial(slices=[["part.x0"], ["part.x1"]]), levels=3))
     run(tmp_path, study_of(FullFactorial(slices=[["part.x0"], ["part.x1"]]), levels=5))

@@ -60,6 +60,7 @@ def content(path: Path) -> tuple[bytes, dict[str, bytes]]:
 
 @pytest.mark.sampled(3)
 @pytest.mark.parametrize("keep", list(Keep))
+@pytest.mark.thorough
 def test_a_study_that_was_made_before_is_taken_whole(tmp_path: Path, keep: Keep, monkeypatch: Any) -> None:
     study = study_of(levels=6, keep=keep)
     first = run(tmp_path / "one", study)
@@ -83,6 +84,7 @@ def test_a_sampler_that_looks_at_results_is_told_what_was_known(tmp_path: Path) 
     assert content(tmp_path / "one") == content(tmp_path / "two")
 
 
+@pytest.mark.thorough
 def test_only_what_is_missing_is_simulated(tmp_path: Path) -> None:
     run(tmp_path / "few", study_of(levels=3))
     study = study_of(levels=5)
@@ -103,6 +105,7 @@ def test_the_order_of_metrics_and_requirements_may_be_another(tmp_path: Path) ->
 
 @pytest.mark.sampled(3)
 @pytest.mark.parametrize("mischief", ["fails", "raises", "crashes"])
+@pytest.mark.thorough
 def test_runs_that_failed_are_simulated_again(tmp_path: Path, mischief: str) -> None:
     study = study_of(levels=3)
     assert run(tmp_path / "one", study, mischief=mischief, when=(4,)).failed == 1
@@ -133,6 +136,7 @@ def test_a_chunk_of_which_one_waveform_is_lost_is_simulated(tmp_path: Path) -> N
     assert content(tmp_path / "two") == content(tmp_path / "fresh")
 
 
+@pytest.mark.thorough
 def test_a_folder_gives_all_it_has(tmp_path: Path) -> None:
     study = study_of(levels=4, keep=Keep.ALL)
     run(tmp_path / "one" / "study", study, mischief="fails", when=(3,))

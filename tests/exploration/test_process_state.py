@@ -49,6 +49,7 @@ def test_the_locale_is_put_back(home: Path) -> None:
         locale.setlocale(locale.LC_ALL, before)
 
 
+@pytest.mark.thorough
 def test_what_a_single_run_prints_does_not_fill_the_disk(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(process, "_LARGEST_LOG", 100_000)
     sizes: list[int] = []

@@ -26,6 +26,7 @@ linux = pytest.mark.skipif(sys.platform != "linux", reason="/proc")
 
 
 @pytest.mark.parametrize("mischief", ["crashes", "hangs", "exits", "raises", "is stopped", "is killed"])
+@pytest.mark.sampled(6)
 def test_what_happens_once_is_no_verdict(tmp_path: Path, mischief: str) -> None:
     bench = FakeBench("a", mischief, (7,), timeout=0.5, file=tmp_path / "happened")
     summary, failures, _ = explored(tmp_path / "study", study_of(), bench)
@@ -33,6 +34,7 @@ def test_what_happens_once_is_no_verdict(tmp_path: Path, mischief: str) -> None:
     assert (summary.retried, summary.simulated) == (1, 25)
 
 
+@pytest.mark.thorough
 def test_signals_that_ask_a_worker_to_end_are_for_the_supervisor(tmp_path: Path) -> None:
     bench = FakeBench("a", "terminates", (7,))
     summary, failures, _ = explored(tmp_path, study_of(), bench)
@@ -41,6 +43,7 @@ def test_signals_that_ask_a_worker_to_end_are_for_the_supervisor(tmp_path: Path)
 
 @linux
 @pytest.mark.parametrize("mischief", ["lowers a limit", "lowers a limit for good", "catches signals"])
+@pytest.mark.sampled(3)
 def test_what_poisons_a_process_retires_it_and_harms_no_later_run(tmp_path: Path, mischief: str) -> None:
     bench = FakeBench("a", mischief, (7,))
     _, failures, _ = explored(tmp_path, study_of(), bench)
@@ -48,6 +51,7 @@ def test_what_poisons_a_process_retires_it_and_harms_no_later_run(tmp_path: Path
 
 
 @linux
+@pytest.mark.thorough
 def test_a_thread_that_aborts_later_costs_no_innocent_run(tmp_path: Path) -> None:
     bench = FakeBench("a", "aborts later", (2,), seconds=0.05)
     summary, failures, _ = explored(tmp_path, study_of(), bench)
@@ -61,6 +65,7 @@ def test_a_configuration_that_cannot_be_loaded_once_is_loaded_again(tmp_path: Pa
     assert failures == {}
 
 
+@pytest.mark.thorough
 def test_a_deleted_folder_ends_no_worker(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     here = tmp_path / "here"
     here.mkdir()
@@ -140,6 +145,7 @@ def test_modules_in_the_current_folder_are_not_run_by_workers(tmp_path: Path) ->
     assert not (tmp_path / "run").exists()
 
 
+@pytest.mark.thorough
 def test_a_configuration_whose_loading_fails_in_each_process_fails_alone(tmp_path: Path) -> None:
     study = study_of(levels=2)
     with StudyFolder.create(tmp_path, definition_of(study, ("a", "b"))) as folder:
@@ -150,11 +156,22 @@ def test_a_configuration_whose_loading_fails_in_each_process_fails_alone(tmp_pat
 
 
 @linux
+@pytest.mark.thorough
 def test_a_leak_with_waveforms_makes_no_run_a_culprit(tmp_path: Path) -> None:
     bench = FakeBench("a", "leaks", memory=200e6 + 400e6, seconds=0.02)
     _, failures, kept = explored(tmp_path, study_of(levels=4, keep=Keep.ALL), bench, runs=16)
     assert failures == {}
     assert all(kept[number] for number in range(16))
+
+
+@linux
+@pytest.mark.thorough
+def test_memory_that_is_locked_and_never_freed_ends_in_a_table(tmp_path: Path) -> None:
+    bench = FakeBench("a", "locks and leaks", memory=200e6 + 400e6, seconds=0.02)
+    _, failures, _ = explored(tmp_path, study_of(levels=4), bench, runs=16)
+    assert failures == {}
+    with StudyFolder.open(tmp_path) as folder:
+        assert len({each.maker for each in folder.attempts()}) <= 16  # never more processes than runs
 
 
 @pytest.mark.parametrize("keep", [Keep.NONE, Keep.ALL])
@@ -178,6 +195,7 @@ def test_a_killed_worker_costs_the_run_at_hand_and_no_other(tmp_path: Path, keep
     assert not (tmp_path / "study" / "spool").exists()
 
 
+@pytest.mark.thorough
 def test_runs_that_failed_are_made_again_on_demand(tmp_path: Path) -> None:
     study = study_of()
     explored(tmp_path, study, FakeBench("a", "fails", (7, 8)))

@@ -36,6 +36,7 @@ def failures(table: RunTable) -> dict[int, str]:
     return {run.request.number: run.problem for run in table.runs() if run.outcome is Outcome.FAILED}
 
 
+@pytest.mark.thorough
 def test_a_worker_that_ends_itself_costs_the_run_at_hand_and_no_other(tmp_path: Path) -> None:
     summary, table, _ = explored(tmp_path, study_of(), mischief="exits", when=(7,))
     assert failures(table) == {7: "ended by itself (exit code 3) in fake: fmi2DoStep of run 7"}
@@ -44,16 +45,19 @@ def test_a_worker_that_ends_itself_costs_the_run_at_hand_and_no_other(tmp_path: 
 
 
 @posix
+@pytest.mark.thorough
 def test_a_crash_names_the_signal_and_the_place(tmp_path: Path) -> None:
     _, table, _ = explored(tmp_path, study_of(), mischief="crashes", when=(0, 24), workers=2)
     assert failures(table) == {n: f"crashed (signal 11) in fake: fmi2DoStep of run {n}" for n in (0, 24)}
 
 
+@pytest.mark.thorough
 def test_a_hanging_run_is_ended_after_its_timeout(tmp_path: Path) -> None:
     _, table, _ = explored(tmp_path, study_of(), mischief="hangs", when=(7,), timeout=2)
     assert failures(table) == {7: "no answer for 2 s in fake: fmi2DoStep of run 7"}
 
 
+@pytest.mark.thorough
 def test_slow_runs_are_not_hanging_runs(tmp_path: Path) -> None:
     # The batch as a whole takes longer than a run may.
     _, table, _ = explored(tmp_path, study_of(levels=5), seconds=0.1, timeout=2)
@@ -61,6 +65,7 @@ def test_slow_runs_are_not_hanging_runs(tmp_path: Path) -> None:
 
 
 @posix
+@pytest.mark.thorough
 def test_a_run_whose_worker_was_killed_from_outside_is_tried_once_more(tmp_path: Path) -> None:
     summary, table, _ = explored(
         tmp_path / "study", study_of(), mischief="is killed", when=(7,), file=tmp_path / "happened"
@@ -70,12 +75,14 @@ def test_a_run_whose_worker_was_killed_from_outside_is_tried_once_more(tmp_path:
 
 
 @posix
+@pytest.mark.thorough
 def test_a_run_that_gets_its_worker_killed_again_is_recorded(tmp_path: Path) -> None:
     summary, table, _ = explored(tmp_path, study_of(), mischief="is killed", when=(7,))
     assert failures(table) == {7: "killed from outside (signal 9) in fake: fmi2DoStep of run 7"}
     assert summary.retried == 1
 
 
+@pytest.mark.thorough
 def test_an_unexpected_exception_is_a_failed_run(tmp_path: Path) -> None:
     _, table, _ = explored(tmp_path, study_of(), mischief="raises", when=(3, 4))
     assert set(failures(table)) == {3, 4}
@@ -83,6 +90,7 @@ def test_an_unexpected_exception_is_a_failed_run(tmp_path: Path) -> None:
     assert failures(table)[3].endswith(": bad run 3")
 
 
+@pytest.mark.thorough
 def test_a_run_that_lacks_a_metric_is_a_failed_run(tmp_path: Path) -> None:
     _, table, _ = explored(tmp_path, study_of(), mischief="forgets", when=(3,))
     assert set(failures(table)) == {3}
@@ -95,6 +103,7 @@ def test_a_failure_the_executor_reports_is_stored_in_its_words(tmp_path: Path) -
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="RLIMIT_AS")
+@pytest.mark.thorough
 def test_a_run_that_wants_too_much_memory_fails_alone(tmp_path: Path) -> None:
     _, table, _ = explored(tmp_path, study_of(), mischief="eats memory", when=(3,))
     assert set(failures(table)) == {3}
@@ -111,6 +120,7 @@ def test_a_configuration_that_cannot_be_loaded_fails_in_each_of_its_runs(tmp_pat
     assert problems[0].startswith("sensor.gap -> controller.speed: units differ")
 
 
+@pytest.mark.thorough
 def test_workers_that_die_before_any_run_end_the_exploration(tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
     study = study_of()
     with (
@@ -146,6 +156,7 @@ def test_a_configuration_that_kills_workers_while_it_is_loaded_fails_alone(worke
     }
 
 
+@pytest.mark.thorough
 def test_what_a_run_printed_before_it_ended_its_worker_is_told(tmp_path: Path) -> None:
     _, table, _ = explored(tmp_path, study_of(), mischief="prints and exits", when=(3, 4))
     # What another run of the same worker has printed is not told.

@@ -59,6 +59,7 @@ def pids(file: Path) -> list[str]:
 
 @pytest.mark.sampled(2)
 @pytest.mark.parametrize("keep", [Keep.NONE, Keep.ALL])
+@pytest.mark.thorough
 def test_no_process_makes_more_runs_than_it_bears(tmp_path: Path, keep: Keep) -> None:
     file = tmp_path / "processes"
     bench = FakeBench("a", "tells its process", file=file, most_runs=3)
@@ -102,6 +103,7 @@ def test_in_threads_the_run_at_fault_is_blamed_and_no_other(tmp_path: Path, misc
     assert all(problem.endswith(f"in fake: fmi2DoStep of run {number}") for number, problem in failures.items())
 
 
+@pytest.mark.thorough
 def test_threads_give_the_same_bytes_as_one_run_at_a_time(tmp_path: Path) -> None:
     study = study_of(levels=12, keep=Keep.ALL)
     content = []
@@ -123,12 +125,14 @@ def places(tmp_path: Path, **settings: object) -> set[str]:
     return set(file.read_text(encoding="utf-8").splitlines())
 
 
+@pytest.mark.thorough
 def test_where_fmus_bear_it_one_process_runs_several_threads(tmp_path: Path) -> None:
     used = places(tmp_path)
     assert len({place.split()[0] for place in used}) == 1
     assert len(used) > 1
 
 
+@pytest.mark.thorough
 def test_where_fmus_do_not_bear_threads_there_are_as_many_processes(tmp_path: Path) -> None:
     used = places(tmp_path, thread_safe=False)
     assert len({place.split()[0] for place in used}) == len(used) > 1

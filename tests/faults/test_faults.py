@@ -43,7 +43,7 @@ def test_the_same_command_ends_a_study_in_which_a_call_failed(studies, kind, rol
 
 
 @linux
-@pytest.mark.thorough
+@pytest.mark.nightly
 def test_a_storm_of_signals_leaves_no_trace_in_the_results(studies):
     told = storm(studies, signals=12, seed=1, until=time.monotonic() + 3600)
     assert told.sent >= 12

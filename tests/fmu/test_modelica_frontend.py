@@ -255,6 +255,7 @@ def child(folder: Path, text: str, monkeypatch: pytest.MonkeyPatch) -> FrontEnd:
         ("input()\nprint('{\"error\": {\"kind\": \"ImportError\", \"message\": \"\"}}')\n", "not installed"),
     ],
 )  # fmt: skip
+@pytest.mark.thorough
 def test_a_front_end_that_misbehaves_is_told_by_name(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, text: str, message: str
 ) -> None:

@@ -54,6 +54,7 @@ def test_a_library_is_made_once_for_a_system_and_a_record(workshop, tmp_path):
 
 
 @pytest.mark.usefixtures("real_compiler")
+@pytest.mark.thorough
 def test_the_same_system_gives_the_same_bytes_in_another_cache(workshop, tmp_path):
     system = pair(workshop)
     one, two = (fuse(system, RECORD, cache=tmp_path / name).path for name in ("one", "two"))

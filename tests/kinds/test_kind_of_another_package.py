@@ -71,6 +71,7 @@ def test_what_is_built_of_generated_c_is_fused_with_c_of_the_workspace(tmp_path)
     assert found[-1] == pytest.approx(15.0)
 
 
+@pytest.mark.thorough
 def test_the_command_line_lists_checks_and_builds_it(package, tmp_path):
     root = lay_out(written(SOURCE), tmp_path / "workspace")
     settings = {**os.environ, "PYTHONPATH": str(package), "DSE_CACHE": str(tmp_path / "cache")}

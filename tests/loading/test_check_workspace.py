@@ -48,6 +48,7 @@ def test_what_does_not_fit_together_is_named_where_it_stands(files, file, old, n
     assert any(str(p.where).startswith(where) and what in p.what for p in problems), problems
 
 
+@pytest.mark.thorough
 def test_the_command_line_shows_problems_and_no_traceback(files):
     files.edit("components/radar/component.yaml", "min: 10 m", "min: 10 kg")
     files.edit("designs/car.yaml", "because", "becuase")

@@ -195,6 +195,7 @@ BROKEN = [
 
 
 @pytest.mark.parametrize(("text", "offset", "what"), BROKEN, ids=[text[:20] for text, _, _ in BROKEN])
+@pytest.mark.sampled(6)
 def test_what_cannot_be_read_is_refused_at_its_column_with_a_caret(text, offset, what):
     with pytest.raises(DseError) as caught:
         parse_expression(text, HERE)

@@ -255,6 +255,7 @@ def units(cache, *texts):
     return lines, used == "True"
 
 
+@pytest.mark.thorough
 def test_units_are_the_same_fractions_without_pint(tmp_path):
     first, asked = units(tmp_path, *UNITS)
     again, asked_again = units(tmp_path, *UNITS)
@@ -268,6 +269,7 @@ def test_units_are_the_same_fractions_without_pint(tmp_path):
 
 
 @pytest.mark.parametrize("damage", [_cut, _noise, _forged, _deep])
+@pytest.mark.sampled(4)
 def test_damaged_units_are_asked_of_pint_again(tmp_path, damage):
     first, _ = units(tmp_path, "km/h", "degC")
     (file,) = (tmp_path / "units").iterdir()

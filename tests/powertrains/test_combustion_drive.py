@@ -62,6 +62,7 @@ def test_the_error_falls_with_the_tolerance(model: str, cache: Path) -> None:
     assert order > 0.75, errors  # proportional to the tolerance would be 1
 
 
+@pytest.mark.thorough
 def test_parameters_reach_every_part(cache: Path) -> None:
     starts = {
         "powertrain.final_ratio": 3.9,

@@ -147,6 +147,7 @@ def test_the_machine_is_efficient_where_such_machines_are() -> None:
     assert 0.6 < efficiency(300, 50) < 0.85  # much current at little speed
 
 
+@pytest.mark.thorough
 def test_a_powertrain_that_starts_in_motion_is_at_rest_inside(cache: Path) -> None:
     model = opened("AdasPowertrain.Powertrains.BatteryElectric", cache)
     bench = Bench(model, 1e-6, {"wheel_speed_front": 60.0, "wheel_speed_rear": 60.0})
@@ -174,6 +175,7 @@ def test_wheels_that_spin_freely_do_not_make_ten_millisecond_steps_unstable(cach
     assert spin > 0
 
 
+@pytest.mark.thorough
 def test_recuperation_fades_towards_standstill_and_stops_when_the_battery_is_full(cache: Path) -> None:
     model = opened("AdasPowertrain.Powertrains.BatteryElectricQuasiStatic", cache)
 

@@ -182,6 +182,7 @@ EVERYTHING = chart(
 
 
 @pytest.mark.parametrize("axis", [Axis("x", "s"), LOG, Axis("brake $", names=("drum", "_disc", "a", "b", "c"))])
+@pytest.mark.sampled(3)
 def test_everything_that_is_right_can_be_drawn(axis, tmp_path):
     right = dataclasses.replace(EVERYTHING, x=axis, title="cost $x^{ and $" * 9, note="A long note $. " * 20)
     assert chart_problems(right, {1, 2}) == []

@@ -113,12 +113,14 @@ def selected(page: Page) -> int:
     return int(page.inner_text("#selected-run").split()[1])
 
 
+@pytest.mark.thorough
 def test_the_counts_are_those_that_python_finds(sliced: ReportContent, open_report: Open) -> None:
     page = open_report(sliced)
     assert counts(page) == expected(sliced, 0.5, 1.0)
     assert page.inner_text("#passing") == str(expected(sliced, 0.5, 1.0)[0])
 
 
+@pytest.mark.thorough
 def test_the_page_judges_every_case_as_python_does(scattered: ReportContent, open_report: Open) -> None:
     runs = cases()
     size = len(runs)
@@ -301,6 +303,7 @@ def test_scattered_runs_have_regions_that_follow_the_sliders(scattered: ReportCo
     assert reading == shown
 
 
+@pytest.mark.thorough
 def test_names_that_are_markup_stay_text(sliced: ReportContent, open_report: Open) -> None:
     content = dataclasses.replace(
         sliced,
@@ -380,6 +383,7 @@ def place_in(chart: Locator, drawn: Chart, x: float, y: float) -> Position:
     return {"x": 66 + across * (box["width"] - 82), "y": box["height"] - 50 - up * (box["height"] - 60)}
 
 
+@pytest.mark.thorough
 def test_every_figure_has_a_heading_and_its_charts_are_described(sliced: ReportContent, open_report: Open) -> None:
     page = open_report(sliced)
     assert page.locator(".charted h3").all_inner_texts() == ["Margins of the requirements", "Progress of the study"]
@@ -393,6 +397,7 @@ def test_every_figure_has_a_heading_and_its_charts_are_described(sliced: ReportC
     assert "2 failed to run" in note
 
 
+@pytest.mark.thorough
 def test_a_click_on_a_point_of_a_chart_selects_its_run_everywhere(sliced: ReportContent, open_report: Open) -> None:
     page = open_report(sliced)
     chart = progress_of(page, 0)
@@ -409,6 +414,7 @@ def test_a_click_on_a_point_of_a_chart_selects_its_run_everywhere(sliced: Report
     assert float(shown) == pytest.approx(sliced.metrics[0].values[24], rel=1e-3)
 
 
+@pytest.mark.thorough
 def test_arrow_keys_walk_along_a_chart(sliced: ReportContent, open_report: Open) -> None:
     page = open_report(sliced)
     progress_of(page, 0).locator(".sheet").focus()
@@ -418,6 +424,7 @@ def test_arrow_keys_walk_along_a_chart(sliced: ReportContent, open_report: Open)
         assert selected(page) == run
 
 
+@pytest.mark.thorough
 def test_a_chart_can_be_left_with_the_tabulator(sliced: ReportContent, open_report: Open) -> None:
     page = open_report(sliced)
     progress_of(page, 0).locator(".sheet").focus()
@@ -425,6 +432,7 @@ def test_a_chart_can_be_left_with_the_tabulator(sliced: ReportContent, open_repo
     assert page.evaluate("document.activeElement.getAttribute('aria-label')").startswith("no distance undershoot")
 
 
+@pytest.mark.thorough
 def test_a_chart_without_runs_is_read_out(sliced: ReportContent, open_report: Open, figures: Figures) -> None:
     page = open_report(figures(sliced, EVERYTHING))
     before = selected(page)
@@ -439,6 +447,7 @@ def test_a_chart_without_runs_is_read_out(sliced: ReportContent, open_report: Op
     assert charts.first.locator(".legend li").all_inner_texts() == ["spread", "fit", "held"]
 
 
+@pytest.mark.thorough
 def test_a_figure_that_failed_is_named_in_its_place(sliced: ReportContent, open_report: Open, figures: Figures) -> None:
     page = open_report(figures(sliced, None))
     assert page.inner_text(".charted .problem") == f"the figure 'made up' cannot be drawn: ValueError: {HOSTILE}"

@@ -168,6 +168,7 @@ def test_what_no_rule_looks_at_never_reaches_the_clauses() -> None:
     assert count(compile_dnnf(space(list(flat.variables)))) == (2 + 3) * 3
 
 
+@pytest.mark.thorough
 def test_two_thousand_free_decisions_are_counted_and_listed() -> None:
     size = 2_000
     pairs = [

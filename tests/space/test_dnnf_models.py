@@ -76,6 +76,7 @@ def test_rows_of_a_shared_model_meet_its_rules_and_differ(name: str) -> None:
 
 @needs_shared
 @pytest.mark.parametrize("name", MODELS)
+@pytest.mark.sampled(3)
 def test_samples_of_a_shared_model_have_each_value_as_often_as_counted(name: str) -> None:
     dnnf = compiled(SHARED / f"{name}.uvl")
     total, drawn = count(dnnf), sample(dnnf, 2_000, seed=2)
@@ -102,6 +103,7 @@ def test_a_dead_feature_is_blamed_on_the_one_constraint_that_kills_it() -> None:
     assert conflict(flat) is None
 
 
+@pytest.mark.thorough
 def test_a_made_up_model_has_no_dead_value_and_its_rows_meet_its_rules(made_up: Path) -> None:
     dnnf = compiled(made_up)
     total = count(dnnf)

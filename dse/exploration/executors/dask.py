@@ -49,7 +49,7 @@ class Dask(ExecutorSection):
                 cluster = distributed.LocalCluster(
                     n_workers=self.workers or os.cpu_count() or 1,
                     threads_per_worker=1,
-                    dashboard_address=None,
+                    dashboard_address="127.0.0.1:0",
                     silence_logs=logging.CRITICAL,
                 )
                 address = stack.enter_context(cluster).scheduler_address

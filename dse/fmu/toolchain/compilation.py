@@ -6,10 +6,13 @@ import posixpath
 import re
 import subprocess
 import sys
-from collections.abc import Iterable, Mapping
+import tempfile
+from collections.abc import Iterable, Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 
+from dse.errors import fail
 from dse.fmu.parallel import in_parallel
 from dse.fmu.toolchain.compiler import Compiler, environment, no_compiler
 from dse.scratch import ScratchFolder
@@ -110,11 +113,11 @@ def compile_foreign(
     """
     common = (*_FOREIGN_OPTIONS, *(() if sys.platform == "win32" else ("-fPIC",)))
     linked = (*_libraries(), *(f"-l{name}" for name in libraries))
-    with ScratchFolder() as scratch:
+    with _scratch() as scratch:
         objects = {f"{number}.o": unit for number, unit in enumerate(units)}
 
         def compile_unit(made: str) -> tuple[Diagnostic, ...]:
-            target, unit = Path(scratch) / made, objects[made]
+            target, unit = scratch / made, objects[made]
             arguments = (*common, *units[unit], "-c", unit, "-o", str(target))
             answer = _run(compiler, arguments, folder)
             return () if answer.returncode == 0 and target.is_file() else _told(answer)
@@ -122,11 +125,8 @@ def compile_foreign(
         problems = [one for told in in_parallel(objects, compile_unit).values() for one in told]
         if problems:
             raise CompilationError(tuple(dict.fromkeys(problems)))
-        answer = _run(compiler, (*_link_foreign(compiler), *objects, "-o", library, *linked), Path(scratch))
-        made = Path(scratch) / library
-        if answer.returncode == 0 and made.is_file():
-            return made.read_bytes()
-    raise CompilationError(_told(answer))
+        answer = _run(compiler, (*_link_foreign(compiler), *objects, "-o", library, *linked), scratch)
+        return _product(scratch / library, answer)
 
 
 # No contraction, as for our own. What they leave to the system's headers, GNU's C knows.
@@ -152,17 +152,35 @@ def _libraries() -> tuple[str, ...]:
 def _made(
     compiler: Compiler, files: Mapping[str, bytes], arguments: Iterable[str], product: str, libraries: Iterable[str]
 ) -> bytes:
-    with ScratchFolder() as scratch:
-        folder = Path(scratch) / "sources"
+    with _scratch() as scratch:
+        folder = scratch / "sources"
         for name, content in files.items():
             target = folder / name
             target.parent.mkdir(parents=True, exist_ok=True)
             target.write_bytes(content)
         answer = _run(compiler, (*arguments, "-o", f"../{product}", *libraries), folder)
-        made = Path(scratch) / product
-        if answer.returncode == 0 and made.is_file():
-            return made.read_bytes()
+        return _product(scratch / product, answer)
+
+
+def _product(made: Path, answer: subprocess.CompletedProcess[str]) -> bytes:
+    if answer.returncode == 0 and made.is_file():
+        return made.read_bytes()
     raise CompilationError(_told(answer))
+
+
+@contextmanager
+def _scratch() -> Iterator[Path]:
+    """A temporary folder. What fails as somebody else empties it is no fault of what is compiled."""
+    with ScratchFolder() as name:
+        mark = Path(name, "mark")
+        try:
+            mark.touch()
+            yield Path(name)
+        except (OSError, CompilationError) as error:
+            if mark.exists():
+                raise
+            what = f"{tempfile.gettempdir()}: the compiler's temporary folder was emptied while it was in use"
+            raise fail(what, hint="set TMPDIR to a folder that is left alone") from error
 
 
 def _run(compiler: Compiler, arguments: Iterable[str], folder: Path) -> subprocess.CompletedProcess[str]:

@@ -80,6 +80,7 @@ def test_an_fmu_that_hangs_is_a_fact_and_not_a_hanging_probe(odd, version):
     assert math.isnan(facts.step_cost)
 
 
+@pytest.mark.thorough
 def test_an_fmu_that_eats_memory_is_stopped(odd):
     facts = probe(odd("EATS_MEMORY"), "x86_64-test", limits=ProbeLimits(memory=5e8))
     assert facts.reasons == {Question.RUNS: "grew beyond 0.5 GB of memory while stepping at t = 0 s"}

@@ -113,6 +113,7 @@ REFUSED = [
 
 
 @pytest.mark.parametrize(("text", "what"), REFUSED)
+@pytest.mark.sampled(4)
 def test_a_construct_is_refused_by_name_and_place(text: str, what: str) -> None:
     try:
         result = compiled(text)
