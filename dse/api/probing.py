@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from dse.cosim import ProbeLimits, probe
-from dse.fmu import build, open_fmu, this_platform
+from dse.fmu import build, open_component, open_fmu, this_platform
 from dse.loading import Workspace
 from dse.testbench import consequences, facts_as_data, keep_facts, known_facts
 
@@ -23,7 +23,8 @@ def model_of(name: str, *, version: int = 2) -> FmuModel:
     path = Path(name)
     if path.suffix.lower() == ".fmu" or path.is_file():
         return open_fmu(path)
-    return open_fmu(build(Workspace.around(Path()).component(name), version=version))
+    component = Workspace.around(Path()).component(name)
+    return open_component(component, build(component, version=version))
 
 
 def probe_fmu(model: FmuModel, *, timeout: float, tell: Callable[[Question], None], sandbox: bool = False) -> FmuFacts:

@@ -42,6 +42,7 @@ class Wishes:
     algorithm: str | None
     coupling: str | None
     extrapolation: str | None
+    tolerance: float | None
     timeout: str | None
 
 
@@ -73,6 +74,7 @@ def simulate_package(path: Path, wishes: Wishes, target: Path | None, output: Ou
             settings=wishes.settings,
             record=wishes.record,
             method=_method(wishes),
+            tolerance=_tolerance(wishes.tolerance),
             timeout=seconds("--timeout", wishes.timeout) or _TIMEOUT,
         )
     _say_notes(prepared)
@@ -88,6 +90,8 @@ def simulate_package(path: Path, wishes: Wishes, target: Path | None, output: Ou
         print_json(_data(time, columns, prepared, whole=False))
     else:
         _show(path, columns, prepared)
+    if run.problem:
+        say(run.problem, style="yellow", stderr=True)
     raise typer.Exit(DONE)
 
 
@@ -106,6 +110,12 @@ def seconds(option: str, text: str | None) -> float | None:
     if quantity.si <= 0:
         raise typer.BadParameter(f"'{text}' is not positive", param_hint=option)
     return float(quantity.si)
+
+
+def _tolerance(number: float | None) -> float | None:
+    if number is not None and not 0.0 < number < 1.0:
+        raise typer.BadParameter(f"{number:g} is not between 0 and 1", param_hint="--tolerance")
+    return number
 
 
 def _method(wishes: Wishes) -> Method:

@@ -64,6 +64,8 @@ class Simulator:
     ``bonds.NAME``. A run that diverges fails: if a wired output is not finite at a communication point, or larger at
     the end than 2^53 times the nominal value that its FMU declares and its first one.
 
+    A run in which an FMU asks to end the simulation ends there: *ended* tells, of the last run, who and when.
+
     *facts* tell what is known of elements: those that lie about their reset are never reset, and *runs_left* counts
     down where a process bears only so many instances.
 
@@ -89,6 +91,7 @@ class Simulator:
         self.method = method
         self.reset_differs = tuple(name for name, known in facts.items() if known.denies(Question.RESETS))
         self.reset_is_trusted: bool | None = False if self.reset_differs else None
+        self.ended = ""
         self._wear = Wear(system, facts)
         wiring = wire_up(system)
         check_wired(wiring, method)
@@ -121,7 +124,8 @@ class Simulator:
         *start* gives values to parameters and unconnected inputs by ``element.fmi_variable``, for this run only and
         before those of ``Element.start``. Returns an array of shape ``(round(stop/step) + 1, len(record))``, row k
         holding the outputs at time ``k * step``: a fresh one, or *out* if it is given (float64, C order, that shape;
-        after a failed run its contents mean nothing). Raises RunFailed if an FMU fails, DseError for an impossible
+        after a failed run its contents mean nothing). If an FMU asks to end the simulation, these are the rows up to
+        the last one that all elements have come to. Raises RunFailed if an FMU fails, DseError for an impossible
         request.
         """
         if self._closed:
@@ -213,7 +217,8 @@ class Simulator:
         if failed:
             raise self._failure(run.step)
         self._can_reset = True
-        return run.out
+        self.ended = str(self._failure(run.step)) if self._tables.system.has_ended else ""
+        return run.out[: self._tables.system.rows] if self.ended else run.out
 
     def _simulate_watched(self) -> int:
         self._renew()

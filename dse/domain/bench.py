@@ -34,7 +34,7 @@ class Simulation:
 
     *record* names ports as ``part.port``, and bonds of the *method* as ``bonds.NAME``. The method speaks of parts and
     ports; what a configuration does not have is left out there. With *check_step* every run is made with half the step
-    as well, and the difference is each metric's error bar.
+    as well, and the difference is each metric's error bar. *tolerance* is what FMUs are told; None for their own.
     """
 
     stop: float
@@ -46,6 +46,7 @@ class Simulation:
     method: Method = PLAIN
     check_step: bool = False
     memory: float = 4e9
+    tolerance: float | None = None
 
     @property
     def steps(self) -> int:

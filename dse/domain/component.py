@@ -141,6 +141,11 @@ class Source:
         """Seconds from one step of sampled code to the next; None for what is not sampled."""
         return None
 
+    @property
+    def interface(self) -> tuple[str, Location | None] | None:
+        """How its FMU is to be simulated, as FMI spells it, and where that is said; None for the usual way."""
+        return None
+
 
 @dataclass(frozen=True, slots=True)
 class CSource(Source):

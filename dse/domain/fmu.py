@@ -131,7 +131,10 @@ class Exchange:
 
 @dataclass(frozen=True, slots=True)
 class Experiment:
-    """The FMU's default experiment; None for what it does not say. Times in seconds."""
+    """The FMU's default experiment; None for what it does not say. Times in seconds.
+
+    *tolerance* is what the FMU is told when it is simulated: relative, of its own solver.
+    """
 
     start: float | None = None
     stop: float | None = None

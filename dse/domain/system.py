@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 from dse.domain.fmu import FmuModel, Variable
 
@@ -66,6 +66,14 @@ class SystemStructure:
     name: str
     elements: tuple[Element, ...]
     wires: tuple[Wire, ...]
+
+    def with_tolerance(self, tolerance: float | None) -> SystemStructure:
+        """The system with all FMUs told this *tolerance* in place of their own; None leaves them theirs."""
+        if tolerance is None:
+            return self
+        models = (replace(e.model, experiment=replace(e.model.experiment, tolerance=tolerance)) for e in self.elements)
+        elements = (replace(element, model=model) for element, model in zip(self.elements, models, strict=True))
+        return replace(self, elements=tuple(elements))
 
     def element(self, name: str) -> Element:
         """The element called *name*; KeyError if there is none."""

@@ -23,4 +23,4 @@ from .toolchain.compilation import (
 )
 from .toolchain.compiler import Compiler as Compiler, with_compiler as with_compiler
 from .toolchain.platforms import this_platform as this_platform
-from .unpack import open_fmu as open_fmu
+from .unpack import open_component as open_component, open_fmu as open_fmu

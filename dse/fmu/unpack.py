@@ -6,8 +6,9 @@ from dataclasses import fields
 from pathlib import Path
 
 from dse.cache import cache_folder, keep_folder
+from dse.domain.component import Component
 from dse.domain.fmu import FmiInterface, FmuModel
-from dse.errors import DseError, Location, fail
+from dse.errors import DseError, Location, Problem, fail
 from dse.fmu.reading.build_description import has_recipe
 from dse.fmu.reading.description import Description, read_description
 from dse.fmu.source_build import build_from_sources
@@ -35,6 +36,22 @@ def open_fmu(archive: Path, *, cache: Path | None = None, interface: FmiInterfac
     told = {f.name: getattr(description, f.name) for f in fields(FmuModel) if hasattr(description, f.name)}
     library = _library(folder, description, where, cache)
     return FmuModel(archive=archive, folder=folder, library=library, content_hash=digest, **told)
+
+
+def open_component(component: Component, archive: Path, *, cache: Path | None = None) -> FmuModel:
+    """The FMU in *archive*, which was built of *component*, by the interface that its source asks for, if it does.
+
+    What is wrong with that interface is told where it is asked for.
+    """
+    asked = component.source and component.source.interface
+    if not asked:
+        return open_fmu(archive, cache=cache)
+    try:
+        return open_fmu(archive, cache=cache, interface=FmiInterface(asked[0]))
+    except DseError as error:
+        problems = (f"component '{component.name}': {p.where}: {p.what}" for p in error.problems)
+        hint = "leave out 'interface' for the one that the FMU has"
+        raise DseError(*(Problem(what, asked[1] or component.where, hint) for what in problems)) from error
 
 
 def _of_exchange(folder: Path, where: Location) -> Description | None:

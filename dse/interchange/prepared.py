@@ -85,13 +85,14 @@ def prepare_ssp(
     settings: Mapping[str, str] | None = None,
     record: Sequence[str] = (),
     method: Method = PLAIN,
+    tolerance: float | None = None,
     timeout: float = 600.0,
     cache: Path | None = None,
 ) -> PreparedPackage:
     """Make the package at *path* ready to be simulated. Raises DseError with all that is wrong.
 
     The run may take *timeout* seconds. What *stop* and *step* (seconds) do not say is taken from the package, then from
-    its FMUs' default experiments.
+    its FMUs' default experiments; so it is with what FMUs are told as their *tolerance*.
     """
     require_kernel()
     ssp, models = read_package(path, variant, cache)
@@ -104,10 +105,13 @@ def prepare_ssp(
     every = ssp.experiment.record_every if step is None else None
     if not (every and is_multiple(every, timing.step) and is_multiple(timing.stop, every)):
         every = timing.step
+    tolerance = ssp.experiment.tolerance if tolerance is None else tolerance
     bench = PreparedBench(
         configuration=Configuration("ssp", {}),
-        system=resolved.structure,
-        simulation=Simulation(timing.stop, timing.step, resolved.record, every, timeout=timeout, method=method),
+        system=resolved.structure.with_tolerance(tolerance),
+        simulation=Simulation(
+            timing.stop, timing.step, resolved.record, every, timeout=timeout, method=method, tolerance=tolerance
+        ),
         program=compile_metrics((), (), {}, frozenset()),
         recording=Recording(resolved.record, resolved.record, resolved.record),
     )

@@ -172,12 +172,16 @@ class System:
 
 @dataclass(frozen=True, slots=True)
 class ExperimentSettings:
-    """What a package says of its experiment, in seconds; None for what it does not say."""
+    """What a package says of its experiment, in seconds; None for what it does not say.
+
+    *tolerance* is what its FMUs are told in place of their own.
+    """
 
     start: float | None = None
     stop: float | None = None
     step: float | None = None
     record_every: float | None = None
+    tolerance: float | None = None
 
 
 @dataclass(frozen=True, slots=True)

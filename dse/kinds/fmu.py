@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 
 from dse.domain.component import Component, Source
-from dse.errors import fail
+from dse.domain.fmu import FmiInterface
+from dse.errors import Location, closest, fail
 from dse.formats import shown
 from dse.loading import ComponentKind, SourcePlace, SourceSection
 
@@ -15,11 +16,15 @@ class FmuSection(SourceSection):
     """The keys of ``source``."""
 
     file: str | None = None
+    interface: str | None = None
+
+
+_INTERFACES = {"co_simulation": FmiInterface.CO_SIMULATION, "model_exchange": FmiInterface.MODEL_EXCHANGE}
 
 
 @dataclass(frozen=True, slots=True)
 class FmuSource(Source):
-    """A finished FMU, untouched."""
+    """A finished FMU, untouched; *asked* is the interface it is to be simulated by, *asked_at* where that is said."""
 
     kind = "fmu"
     label = "FMU"
@@ -27,6 +32,13 @@ class FmuSource(Source):
     takes_texts = True
 
     file: Path
+    asked: FmiInterface | None = None
+    asked_at: Location | None = field(default=None, compare=False)
+
+    @property
+    def interface(self) -> tuple[str, Location | None] | None:
+        """The one that is asked for."""
+        return None if self.asked is None else (self.asked, self.asked_at)
 
 
 class FmuKind(ComponentKind[FmuSection, FmuSource]):
@@ -38,7 +50,14 @@ class FmuKind(ComponentKind[FmuSection, FmuSource]):
         """The archive; known by its content, so that it may lie anywhere."""
         if section.file is None:
             raise place.missing("file", "file: my_part.fmu")
-        return FmuSource(place.existing(place.path(section.file, "file"), "file"))
+        file = place.existing(place.path(section.file, "file"), "file")
+        if section.interface is None:
+            return FmuSource(file)
+        where = place.at("interface")
+        if section.interface not in _INTERFACES:
+            what = f"'{section.interface}' is none of {', '.join(_INTERFACES)}"
+            raise fail(what, where, closest(section.interface, _INTERFACES))
+        return FmuSource(file, _INTERFACES[section.interface], where)
 
     def build(self, component: Component, source: FmuSource, *, version: int, cache: Path | None) -> Path:
         """The archive itself. Raises DseError if it is gone."""
@@ -48,10 +67,10 @@ class FmuKind(ComponentKind[FmuSection, FmuSource]):
 
     def check(self, component: Component, source: FmuSource) -> None:
         """Raise DseError unless the FMU opens and has the component's ports and parameters."""
-        from dse.fmu import open_fmu
+        from dse.fmu import open_component
         from dse.system import check_fmu
 
-        check_fmu(component, open_fmu(source.file))
+        check_fmu(component, open_component(component, source.file))
 
 
 KIND = FmuKind()

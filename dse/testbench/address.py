@@ -96,6 +96,7 @@ def _key(prepared: PreparedBench) -> str:
         "settings": {name: (setting.target, str(setting.type.kind)) for name, setting in prepared.settings.items()},
         "times": (simulation.stop, simulation.step, simulation.record_every, simulation.check_step),
         "method": asdict(simulation.method),
+        "tolerance": simulation.tolerance,
         "columns": sorted(zip(recording.columns, recording.variables, strict=True)),
         "kept": sorted(recording.kept),
         "measures": _measures(prepared.program),

@@ -110,8 +110,9 @@ def _fmus(prepared: Mapping[str, PreparedBench]) -> dict[str, str]:
 
 
 def _method(simulation: Simulation) -> Json:
-    """What is not plain about the algorithm; nothing if all is."""
-    return {} if simulation.method == PLAIN else _plain(asdict(simulation.method))
+    """What is not plain about the algorithm and what FMUs are told of it; nothing if all is."""
+    told = {} if simulation.tolerance is None else {"fmu_tolerance": simulation.tolerance}
+    return _plain(told if simulation.method == PLAIN else asdict(simulation.method) | told)
 
 
 def _metrics(bench: TestBench, prepared: Mapping[str, PreparedBench]) -> tuple[DefinedMetric, ...]:

@@ -53,7 +53,7 @@ class Halved:
         except RunFailed as error:
             return dict.fromkeys((f"{name}{ERROR_BAR}" for name in metrics), math.nan), f"with half the step: {error}"
         columns = dict(zip(prepared.recording.columns, np.ascontiguousarray(table.T), strict=True))
-        finer, _ = prepared.program.evaluate(self._time, columns, constants)
+        finer, _ = prepared.program.evaluate(self._time[: len(table)], columns, constants)
         return {f"{name}{ERROR_BAR}": _distance(value, finer[name]) for name, value in metrics.items()}, ""
 
     def close(self) -> None:

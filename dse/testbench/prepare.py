@@ -15,7 +15,7 @@ from dse.domain.fmu import FmuModel
 from dse.domain.method import BONDS
 from dse.domain.system import SystemStructure
 from dse.errors import DseError, Location, Problem, raise_if_any
-from dse.fmu import build_all, in_parallel, open_fmu
+from dse.fmu import build_all, in_parallel, open_component
 from dse.metrics import MetricProgram, compile_metrics
 from dse.system import assemble, wiring_problems
 from dse.testbench.facts import facts_of, is_thread_safe
@@ -50,7 +50,7 @@ def prepare_bench(
     checked = _each({c.id: c for c in configurations}, lambda configuration: check_bench(bench, configuration))
     components = {c.name: c for one in checked.values() for c in one.wired.parts.values()}
     archives = build_all(components.values(), version=version, cache=cache)
-    models = in_parallel(archives, lambda name: open_fmu(archives[name], cache=cache))
+    models = in_parallel(archives, lambda name: open_component(components[name], archives[name], cache=cache))
     return _each(checked, lambda one: _prepared(one, models, cache))
 
 
@@ -108,7 +108,7 @@ def _prepared(checked: CheckedBench, models: Mapping[str, FmuModel], cache: Path
     variables = (name if name.startswith(f"{BONDS}.") else signal_name(name, parts) for name in sources)
     prepared = PreparedBench(
         configuration=wired.configuration,
-        system=assemble(wired.configuration.id, wired, models, sources),
+        system=assemble(wired.configuration.id, wired, models, sources).with_tolerance(simulation.tolerance),
         simulation=simulation,
         program=checked.program,
         recording=Recording(columns, tuple(variables), checked.kept),

@@ -56,14 +56,16 @@ class Runner(AbstractContextManager["Runner"]):
             table = self._simulator.run(stop=simulation.stop, step=simulation.step, start=start, out=self._table)
         except RunFailed as error:
             return Run(request, Outcome.FAILED, {}, judge_failed(prepared.requirements), str(error))
-        self._table, self._rows = table, np.empty(table.shape[::-1]) if self._rows is None else self._rows
-        self._rows[:] = table.T
-        columns = dict(zip(self._columns, self._rows, strict=True))
-        metrics, judgements = prepared.program.evaluate(self._time, columns, constants)
-        problem = ""
+        n, is_whole = len(table), len(table) == len(self._time)
+        self._table = table if is_whole else self._table
+        self._rows = np.empty((len(self._columns), len(self._time))) if self._rows is None else self._rows
+        self._rows[:, :n] = table.T
+        columns = dict(zip(self._columns, self._rows[:, :n], strict=True))
+        metrics, judgements = prepared.program.evaluate(self._time[:n], columns, constants)
+        problem = "" if is_whole else f"ended early: {self._simulator.ended}"
         if self._halved is not None:
-            bars, problem = self._halved.error_bars(metrics, constants, start)
-            metrics = {**metrics, **bars}
+            bars, unknown = self._halved.error_bars(metrics, constants, start)
+            metrics, problem = {**metrics, **bars}, "; ".join(filter(None, (problem, unknown)))
         waveforms = self._waveforms(columns) if keep else None
         return Run(request, Outcome.DONE, metrics, judgements, problem, waveforms)
 
@@ -79,7 +81,8 @@ class Runner(AbstractContextManager["Runner"]):
     def _waveforms(self, columns: Mapping[str, NDArray[np.float64]]) -> Waveforms:
         stride = self.prepared.simulation.stride
         values = {name: columns[name][::stride].copy() for name in self.prepared.recording.kept}
-        return Waveforms(np.ascontiguousarray(self._time[::stride]), values)
+        n = len(next(iter(columns.values()), self._time))
+        return Waveforms(np.ascontiguousarray(self._time[:n:stride]), values)
 
 
 def make_runner(prepared: PreparedBench, progress: memoryview | None) -> Runner:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import json
+import re
 import zipfile
 from pathlib import Path
 
@@ -94,6 +95,7 @@ simulation:
   step: 15.625 ms
   record: [first.x, second.x, second.mode, first.steps, first.positive]
   record_every: 31.25 ms
+  tolerance: 1e-7
 metrics: {end: final(second.x)}
 """,
 }
@@ -238,6 +240,7 @@ def test_a_setting_changes_a_package_too(package, dse_in, simulated):
         (["ramped.ssp", "-o", "out.txt"], 2, "must end in .csv or .json"),
         (["ramped.ssp", "--algorithm", "jakobi"], 2, "'jakobi' is none of jacobi, gauss_seidel"),
         (["ramped", "--stop", "1 s"], 2, "this is for a package"),
+        (["ramped", "--tolerance", "1e-8"], 2, "this is for a package"),
         (["ramped.ssp", "--fmi", "3"], 2, "this is for a bench"),
         (["radar.fmu"], 1, "'radar.fmu' is an FMU\n    hint: 'dse import fmu radar.fmu' makes a component of it"),
         (["gone.ssp"], 1, "gone.ssp: there is no such file"),
@@ -396,16 +399,19 @@ def test_an_fmu_that_fails_is_named(dse_in, tmp_path, dahlquist):
 
 
 @pytest.mark.thorough
-def test_an_fmu_that_a_workspace_would_take_otherwise_is_refused(dse_in, tmp_path, tmp_path_factory):
+def test_an_fmu_keeps_the_interface_that_a_package_asks_for(dse_in, tmp_path, tmp_path_factory):
     both = build("VanDerPol", 3, None, tmp_path_factory.mktemp("both")).read_bytes()
     part = component("v", "output x0").replace("source=", 'implementation="ModelExchange" source=')
     pack(tmp_path / "me.ssp", {"SystemStructure.ssd": description(elements(part)), "resources/v.fmu": both})
     done = dse_in(tmp_path, "simulate", "me.ssp", "--stop", "1", "--step", "0.01", "--format", "json")
     assert done.returncode == 0, done.stderr
-    done = dse_in(tmp_path, "import", "ssp", "me.ssp", "work")
-    assert done.returncode == 1
-    assert "is to be simulated by ModelExchange, a workspace takes the other" in done.stderr
-    assert not (tmp_path / "work").exists()
+    end = json.loads(done.stdout)["signals"]["v.x0"]["end"]
+    done = dse_in(tmp_path, "import", "ssp", "me.ssp", "work", "--stop", "1", "--step", "0.01")
+    assert done.returncode == 0, done.stderr
+    assert "interface: model_exchange" in (tmp_path / "work/components/v/component.yaml").read_text(encoding="utf-8")
+    done = dse_in(tmp_path / "work", "simulate", "example", "--format", "json")
+    assert done.returncode == 0, done.stderr
+    assert json.loads(done.stdout)["metrics"]["v_x0_at_the_end"] == end
 
 
 @pytest.mark.thorough
@@ -444,10 +450,11 @@ def test_arrays_and_all_kinds_of_fmus_become_a_workspace(dse_in, tmp_path, tmp_p
     assert (tmp_path / "first.ssp").read_bytes() == (tmp_path / "second.ssp").read_bytes()
 
 
-def test_a_run_that_fails_names_the_fmu_and_the_call(dse_in, tmp_path, tmp_path_factory):
+def test_a_run_that_an_fmu_ends_is_shown_until_there(dse_in, tmp_path, tmp_path_factory):
     stair = build("Stair", 2, "CoSimulation", tmp_path_factory.mktemp("stair")).read_bytes()
     text = description(elements(component("s", "output counter")))
     pack(tmp_path / "stair.ssp", {"SystemStructure.ssd": text, "resources/s.fmu": stair})
     done = dse_in(tmp_path, "simulate", "stair.ssp", "--stop", "20", "--set", "s.last=3")
-    assert done.returncode == 3
-    assert "stair.ssp failed to run: s: fmi2DoStep at t = 2 s asked to end the simulation" in done.stderr
+    assert done.returncode == 0, done.stderr
+    assert "ended early: s: fmi2DoStep at t = 2 s asked to end the simulation" in done.stderr
+    assert re.search(r"counter +1 +3 +1 +3", done.stdout)

@@ -37,6 +37,7 @@ VARIABLES = {
     "gain": {"u": REAL, "k": REAL, "c": REAL, "y": REAL},
     "counter": {"enable": TRUTH, "increment": WHOLE, "count": WHOLE, "odd": TRUTH},
     "liar": {"u": REAL, "y": REAL},
+    "told": {"y": REAL},
     "stepper": dict.fromkeys(("mode", "most", "u", "y", "steps", "sum"), REAL),
     "eventful": {
         **dict.fromkeys(("u",), REAL),

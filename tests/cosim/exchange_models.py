@@ -28,6 +28,7 @@ _VARIABLES: Mapping[str, tuple[str, str]] = {
     "clocks": ("x dx period other_period event last", "ticks other_ticks state_events events"),
     "sawtooth": ("x dx rate", "resets"),
     "ender": ("x dx at", "how"),
+    "told": ("x dx", ""),
     "stepper": ("x dx limit", "still"),
     "stateless": ("now on_from on_until period", "on ticks"),
     "scales": ("x y dx dy", ""),

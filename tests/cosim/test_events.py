@@ -141,15 +141,6 @@ def test_events_without_an_end_are_a_failure(shelf, mode, message):
     assert str(fast.value) == str(slow.value) == message
 
 
-def test_an_event_may_ask_to_end_the_simulation(shelf):
-    system = alone(eventful(shelf), shelf, mode=ENDS, period=0.5)
-    with Simulator(system, RECORD) as simulator, pytest.raises(RunFailed) as fast:
-        simulator.run(stop=1.0, step=0.25)
-    with pytest.raises(RunFailed) as slow:
-        run_reference(system, RECORD, stop=1.0, step=0.25)
-    assert str(fast.value) == str(slow.value) == "e: fmi3UpdateDiscreteStates at t = 0.25 s asked to end the simulation"
-
-
 def ramp(shelf, **able):
     """e.u is the time of another element: a straight line."""
     elements = {"t": shelf.fmu("stepper", 2), "e": eventful(shelf, **able)}

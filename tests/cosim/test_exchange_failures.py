@@ -66,17 +66,6 @@ def test_an_error_is_told_with_what_the_fmu_logged(folder, version):
 
 
 @BOTH
-@pytest.mark.parametrize("how", [1, 2])
-def test_an_fmu_that_ends_the_simulation_is_told(folder, version, how):
-    failure = failure_of(model("ender", version, folder), {"how": how, "at": 0.35})
-    assert "asked to end the simulation" in failure.what
-    name = {1: ("fmi2NewDiscreteStates", "fmi3UpdateDiscreteStates")}.get(
-        how, ("fmi2CompletedIntegratorStep", "fmi3CompletedIntegratorStep")
-    )[version - 2]
-    assert failure.call == name
-
-
-@BOTH
 def test_chattering_fails_by_name_and_does_not_hang(folder, version):
     failure = failure_of(model("relay", version, folder), {"band": 1e-12}, step=1.0)
     assert failure.what.startswith("e chatters: 32 events of event indicator 1 with next to no time between them at t")

@@ -10,14 +10,14 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from cosim.exchange_models import simulated
+from cosim.exchange_models import simulated, system as system_of
 from fmpy import simulate_fmu
 from fmu.modelica_models.models import BALL, GRAZE, PULSE, RELAY, ROOT, SAMPLED
 from reference_fmus import build
 from scipy.integrate import solve_ivp
 from scipy.linalg import expm
 
-from dse.cosim.failing.failure import RunFailed
+from dse.cosim.simulator import Simulator
 from dse.domain.fmu import Experiment, FmiInterface
 from dse.fmu.unpack import open_fmu
 from dse.system.shapes import resized
@@ -95,9 +95,11 @@ def test_a_stair_has_its_steps_at_the_communication_points_they_fall_on(folder, 
 
 @BOTH
 def test_a_stair_ends_the_simulation_by_itself(folder, version):
-    with pytest.raises(RunFailed, match="asked to end the simulation") as failure:
-        simulated(reference("Stair", version, folder), ["counter"], stop=20.0, step=0.2)
-    assert failure.value.time == pytest.approx(10.8)  # the step that leads to the twelfth stair, at 11 s
+    system = system_of({"s": reference("Stair", version, folder)}, (), {}, ["s.counter"])
+    with Simulator(system, ["s.counter"]) as simulator:
+        rows = simulator.run(stop=20.0, step=0.2)
+    assert (len(rows), rows[-1, 0]) == (56, 12.0)  # the twelfth stair, at 11 s
+    assert "at t = 11 s asked to end the simulation" in simulator.ended
 
 
 @pytest.mark.parametrize(("version", "size"), [(2, 3), (3, 3), (3, 2), (3, 5)])

@@ -59,11 +59,6 @@ def test_a_discarded_step_that_got_nowhere_fails(shelf, version):
         assert str(failure) == f"s: {name} at t = 0 s returned discard"
 
 
-def test_an_fmu_that_wants_to_end_the_simulation_is_told_so(shelf):
-    failure = same_failure(stepper(shelf, 2, WANTS_TO_END, most=0.05), RECORD)
-    assert str(failure) == "s: fmi2DoStep at t = 0 s asked to end the simulation"
-
-
 @pytest.mark.parametrize(("version", "mode"), [(1, ASKED_FOR), (2, ASKED_FOR), (2, CALLS_BACK)])
 def test_an_asynchronous_step_is_waited_for(shelf, version, mode):
     rows = same_bits(stepper(shelf, version, mode, most=0.05), RECORD, step=0.25)

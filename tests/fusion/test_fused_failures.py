@@ -106,6 +106,17 @@ def test_a_model_that_ends_the_simulation_or_cannot_go_on_fails_alike(workshop, 
     code = "void ramp_init(ramp *c) { c->out.y = 0; }\nvoid ramp_step(ramp *c, double h) { c->out.y += h; }"
     ramp = workshop.c("ramp", "struct { double y; } out;", code, ports({}, {"y": REAL}))
     system = system_of({"r": ramp, "m": model, "n": ramp}, ["r.y -> m.u"], ["m.y", "n.y"])
+    if kind == "terminate":
+        fused = workshop.fuse(system, ["m.y"])
+        with Simulator(system, ["m.y"]) as plain, Simulator(system, ["m.y"], fused=fused) as quick:
+            for simulator in (plain, quick):  # a reset is proven by FMI calls
+                simulator.reset_is_trusted = False
+            ends = [(s.run(stop=1, step=0.01).tobytes(), s.ended) for s in (plain, quick)]
+            assert 50 <= quick.fused_steps <= 52
+        assert ends[0] == ends[1]
+        assert "asked to end the simulation: " in ends[0][1]
+        assert "there" in ends[0][1]
+        return
     failed = assert_same(failures(workshop, system, ["m.y"]))
     assert failed.element == "m"
     # Seen by the model one step after the ramp has reached a half, and rounding may delay that by one more.

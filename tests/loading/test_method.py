@@ -51,6 +51,10 @@ def test_one_extrapolation_is_for_all(files):
     assert method(files, "extrapolation: linear").extrapolation is Extrapolation.LINEAR
 
 
+def test_what_fmus_are_told_is_read(files):
+    assert with_keys(files, "tolerance: 1e-8").bench("following").simulation.tolerance == 1e-8
+
+
 def test_an_adaptive_step_has_defaults(files):
     assert method(files, "adaptive: {tolerance: 1e-3}").adaptive == Adaptive(1e-3, 1e-6, 1e-6)
 
@@ -68,6 +72,9 @@ PROBLEMS = [
     ("steps: {world: 3 ms}", "neither a multiple nor a fraction of 'step' (10 ms)", ""),
     ("steps: {world: 0 ms}", "'world' must be positive, not 0 ms", ""),
     ("steps: {world: 1 m}", "wrong unit in '1 m'", ""),
+    ("tolerance: 1", "'tolerance' must be below 1", ""),
+    ("tolerance: 0", "'tolerance' must be positive, not 0", ""),
+    ("tolerance: 1 ms", "wrong unit in '1 ms'", ""),
     ("adaptive: {tolerance: 2}", "'tolerance' must be below 1", ""),
     ("adaptive: {smallest: 1 s}", "'smallest' (1 s) is longer than the step", ""),
     ("adaptive: {}, steps: {world: 20 ms}", "'world' cannot have a longer step", ""),

@@ -17,6 +17,7 @@ from dse.cosim.binding.exchange_layout import Exchange
 from dse.cosim.binding.integration import Integration
 from dse.cosim.binding.library import address
 from dse.cosim.failing.diagnosis import failed_call
+from dse.cosim.failing.reason import StopReason
 from dse.domain.system import Element
 
 _SET = ctypes.CFUNCTYPE(
@@ -90,7 +91,10 @@ class ReferenceExchange:
     def _check(self, failed: int, moment: float | None) -> None:
         if not failed:
             return
-        raise failed_call(self._system.failure, self._element, moment, self._log())
+        failure = self._system.failure
+        if failure.kind == StopReason.STEP_CUT_SHORT and failure.status:
+            moment = failure.value
+        raise failed_call(failure, self._element, moment, self._log())
 
 
 class _Mover:

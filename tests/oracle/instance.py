@@ -41,7 +41,8 @@ class Instance(Handle):
         self.next_event = math.inf
         if self.model.version == 2:  # FMI 2
             types = (c_int, c_double, c_double, c_int, c_double)
-            self._call(Call.SETUP_EXPERIMENT, None, types, 0, 0.0, 0.0, 1, stop)
+            told = self.model.experiment.tolerance
+            self._call(Call.SETUP_EXPERIMENT, None, types, told is not None, told or 0.0, 0.0, 1, stop)
 
     def enter_configuration(self) -> None:
         """To set structural parameters."""
@@ -59,7 +60,8 @@ class Instance(Handle):
             self._call(Call.ENTER_INITIALIZATION, None)
         else:
             types = (c_bool, c_double, c_double, c_bool, c_double)
-            self._call(Call.ENTER_INITIALIZATION, None, types, False, 0.0, 0.0, True, stop)
+            told = self.model.experiment.tolerance
+            self._call(Call.ENTER_INITIALIZATION, None, types, told is not None, told or 0.0, 0.0, True, stop)
 
     def exit_initialization(self) -> None:
         """ExitInitializationMode of co-simulation, and the events at time 0; FMI 1 has no such call."""
@@ -79,8 +81,8 @@ class Instance(Handle):
         """From step mode."""
         self._call(Call.ENTER_EVENT_MODE, time)
 
-    def leave_event_mode(self, time: float | None) -> None:
-        """Iterate until nothing changes any more, then go back to step mode."""
+    def leave_event_mode(self, time: float | None, ended_at: float | None = None) -> None:
+        """Iterate until nothing changes any more, then go back to step mode; an end is told as of *ended_at*."""
         name = function_name(Call.UPDATE_DISCRETE_STATES, self.model.version)
         for _ in range(MOST_EVENT_ITERATIONS):
             again, ended, nominals, states, known = (c_bool() for _ in range(5))
@@ -89,6 +91,7 @@ class Instance(Handle):
             flags = [byref(flag) for flag in (again, ended, nominals, states, known)]
             self._call(Call.UPDATE_DISCRETE_STATES, time, types, *flags, byref(event))
             if ended.value:
+                time = time if ended_at is None else ended_at
                 raise self.failure(name, time, of_call(StopReason.STEP_CUT_SHORT, place(self.name, name, time), True))
             self.next_event = event.value if known.value else math.inf
             if not again.value:
@@ -119,8 +122,10 @@ class Instance(Handle):
         types = (c_double, c_double, c_bool, *[POINTER(c_bool)] * 3, POINTER(c_double))
         flags = (byref(event), byref(ended), byref(early), byref(reached))
         self._call(Call.DO_STEP, start, types, time, step, not may_roll_back, *flags)
-        if ended.value or (early.value and not self.able & Ability.CAN_RETURN_EARLY):
-            raise self.cut_short(start, ended=ended.value)
+        if ended.value:
+            raise self.cut_short(min(reached.value, target), ended=True)
+        if early.value and not self.able & Ability.CAN_RETURN_EARLY:
+            raise self.cut_short(start, ended=False)
         is_event = event.value and bool(self.able & Ability.HAS_EVENTS)
         return (reached.value if early.value and reached.value < target else target), is_event
 

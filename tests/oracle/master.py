@@ -56,6 +56,7 @@ class Master:
         self.k = 0
         self.level = 0
         self.last = 0.0
+        self.has_ended = False
         self.time: float | None = None
 
     def run(
@@ -72,23 +73,30 @@ class Master:
         self.time = 0.0
         for e in range(len(self.parts)):
             self._read(e, self.border.outputs[e])
-        rows = []
+        rows: list[list[float]] = []
+        try:
+            self._simulate(rows, record, step, steps)
+        except RunFailed as failure:
+            if not (rows and _asks_to_end(failure)):
+                raise
+        self._check_limits(steps * step)
+        for part in self.parts:
+            part.terminate(steps * step)
+        return np.array(rows, np.float64).reshape(len(rows), len(record))
+
+    def _simulate(self, rows: list[list[float]], record: Sequence[str], step: float, steps: int) -> None:
         for k in range(steps + 1):
             self.k = k
             self._meet(k * step, self.last)
             rows.append([self._recorded(name) for name in record])
-            if k == steps:
-                break
+            if k == steps or self.has_ended:
+                return
             if self.method.adaptive:
                 self._note_magnitudes()
                 self._advance_adaptively(k * step, step, self.method.adaptive)
             else:
                 self._advance(k * step, step, (k + 1) * step)
                 self.last = step
-        self._check_limits(steps * step)
-        for part in self.parts:
-            part.terminate(steps * step)
-        return np.array(rows, np.float64).reshape(steps + 1, len(record))
 
     # ---- initialization ----
 
@@ -231,7 +239,16 @@ class Master:
             if with_slopes and extrapolation_of(self.wiring.system.elements[e], self.method) is Extrapolation.LINEAR:
                 slopes = {label: self._carried_slope(label, moved[label][1]) for label, moves in labels if moves}
                 slopes = {label.removeprefix(f"{self.names[e]}."): slope for label, slope in slopes.items()}
-            self.parts[e].step(begin, own, slopes, may_roll_back=bool(self.method.adaptive))
+            try:
+                self.parts[e].step(begin, own, slopes, may_roll_back=bool(self.method.adaptive))
+            except RunFailed as failure:
+                # All others get to where it ends, if that is the next row and nothing is written there before it.
+                is_next = self.own[e].every == 1 and part + 1 == self.own[e].parts
+                if not (is_next and _asks_to_end(failure)) or self.method.adaptive or self.meeting:
+                    raise
+                if failure.time is None or not failure.time >= begin + own - 1e-9 * own:
+                    raise
+                self.has_ended = True
 
     def _moving(self, port: ElementPort) -> list[tuple[str, bool]]:
         """Labels of an input, and whether each moves during a step."""
@@ -410,3 +427,7 @@ class Master:
 
 def _is_discarded(failure: RunFailed) -> bool:
     return failure.what.endswith(" returned discard")
+
+
+def _asks_to_end(failure: RunFailed) -> bool:
+    return failure.what.endswith("asked to end the simulation")

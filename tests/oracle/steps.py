@@ -31,10 +31,11 @@ def make_step(instance: Instance, time: float, step: float, *, may_roll_back: bo
         if status != DISCARD:
             instance.judge(name, start, status)
             return
-        if _wants_to_end(instance):
-            raise instance.cut_short(start, ended=True)
-        reached = _reached(instance, time)
-        if not time < reached <= end + _NEARLY * (end - time):
+        ends, reached = _wants_to_end(instance), _reached(instance, time)
+        is_on = time < reached <= end + _NEARLY * (end - time)
+        if ends:
+            raise instance.cut_short(reached if is_on else time, ended=True)
+        if not is_on:
             instance.judge(name, start, status)
         time = reached
         if time >= end:
@@ -91,6 +92,6 @@ def _step_fmi3(instance: Instance, time: float, step: float, *, may_roll_back: b
         time = reached
         if is_event:
             instance.enter_event_mode(start)
-            instance.leave_event_mode(start)
+            instance.leave_event_mode(start, time)
         if time >= end:
             return

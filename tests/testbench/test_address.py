@@ -24,6 +24,7 @@ from dse.loading import Workspace
 from dse.metrics import Argument, Wants, compile_metrics, metric_function, same
 from dse.testbench import PreparedBench, address_of, prepare_study
 from dse.testbench.address import _code_of
+from dse.testbench.definition import define
 
 ROOT = Path(__file__).parents[2]
 
@@ -98,6 +99,7 @@ DECIDES: dict[str, Change] = {
     ),
     "the stop": of_simulation(stop=59.0),
     "the step": of_simulation(step=0.02),
+    "what FMUs are told": of_simulation(tolerance=1e-7),
     "the half step": of_simulation(check_step=True),
     "the times of waveforms": of_simulation(record_every=0.2),
     "the algorithm": of_method(algorithm=Algorithm.GAUSS_SEIDEL),
@@ -162,6 +164,14 @@ def test_each_thing_that_decides_matters_whatever_else_is_changed(prepared, data
 @pytest.mark.parametrize("name", DECIDES)
 def test_each_thing_that_decides_matters(prepared, name):
     assert key_of(DECIDES[name](prepared)) != key_of(prepared)
+
+
+@pytest.mark.usefixtures("prepared")  # FMUs built once
+def test_what_fmus_are_told_reaches_them_and_is_kept_with_the_study(study):
+    told = replace(study, bench=replace(study.bench, simulation=replace(study.bench.simulation, tolerance=1e-8)))
+    benches = prepare_study(told).benches
+    assert {e.model.experiment.tolerance for bench in benches.values() for e in bench.system.elements} == {1e-8}
+    assert define(told, benches).simulation.method == {"fmu_tolerance": 1e-8}
 
 
 def test_the_order_of_metrics_does_not_matter(study, prepared):

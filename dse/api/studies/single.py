@@ -70,7 +70,7 @@ def write_package(
     chosen = one_configuration(bench.design, *study.selection.ids)
     prepared = prepare_bench(study.bench, [chosen], version=fmi)[chosen.id]
     simulation = prepared.simulation
-    times = ExperimentSettings(0.0, simulation.stop, simulation.step, simulation.record_every)
+    times = ExperimentSettings(0.0, simulation.stop, simulation.step, simulation.record_every, simulation.tolerance)
     write_ssp(target, bench.name, prepared.system, times)
     return chosen, len(prepared.system.elements)
 

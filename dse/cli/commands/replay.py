@@ -42,4 +42,4 @@ def replay(
     kept = found.stored.has_waveforms
     what = "metrics, verdicts and waveforms" if kept else "metrics and verdicts; no waveforms were kept"
     say(f"run {number}: the same as in {folder}, bit for bit ({what})", stderr=True)
-    raise typer.Exit(RUNS_FAILED if found.run.problem else DONE)
+    raise typer.Exit(DONE if found.run.is_done else RUNS_FAILED)

@@ -43,6 +43,9 @@ Timeout = Annotated[
 Record = Annotated[
     list[str], typer.Option("--record", metavar="NAME", help="What of a package to record, instead of its outputs.")
 ]
+Tolerance = Annotated[
+    float | None, typer.Option("--tolerance", metavar="NUMBER", help="What a package's FMUs are told, for theirs.")
+]
 Word = Annotated[str | None, typer.Option(metavar="WORD", help="For a package, as under 'simulation' in a bench.")]
 
 
@@ -65,6 +68,7 @@ def simulate(
     algorithm: Word = None,
     coupling: Word = None,
     extrapolation: Word = None,
+    tolerance: Tolerance = None,
     timeout: Timeout = None,
     sandbox: Sandbox = False,
 ) -> None:
@@ -77,7 +81,16 @@ def simulate(
     Of a package, shows where each of its outputs begins and ends; --output writes the waveforms.
     """
     wishes = Wishes(
-        variant, stop, step, read_settings(settings), tuple(record), algorithm, coupling, extrapolation, timeout
+        variant,
+        stop,
+        step,
+        read_settings(settings),
+        tuple(record),
+        algorithm,
+        coupling,
+        extrapolation,
+        tolerance,
+        timeout,
     )
     if is_package(bench):
         meant = {"--configuration": configuration, "--plot": plot, "--fuse": fuse, "--gate": gate}
@@ -85,7 +98,7 @@ def simulate(
         simulate_package(Path(bench), wishes, waveforms, output, sandbox=sandbox)
     asked = {"--output": waveforms, "--variant": variant, "--stop": stop, "--step": step, "--record": record}
     words = {"--algorithm": algorithm, "--coupling": coupling, "--extrapolation": extrapolation, "--timeout": timeout}
-    _refuse({**asked, **words}, "package")
+    _refuse({**asked, **words, "--tolerance": tolerance is not None}, "package")
     from dse.api import simulate_once
     from dse.cli.runs import present_run
 

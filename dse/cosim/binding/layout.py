@@ -126,7 +126,7 @@ class Element(ctypes.Structure):
         *pointers("moving"),
         *reals("moving_from"),
         *pointers("exchange", "saved"),
-        *reals("stop", "next_event", "saved_next_event"),
+        *reals("stop", "tolerance", "next_event", "saved_next_event"),
         *numbers("mode", "life", "finished", "finished_at", "asked", "broken"),
         *pointers("system"),
     ]
@@ -159,7 +159,7 @@ class System(ctypes.Structure):
         *reals("now"),
         ("failure", Failure),
         *pointers("plan", "fused"),
-        *numbers("fused_steps", "watches"),
+        *numbers("fused_steps", "watches", "rows", "has_ended", "takes_end"),
     ]
 
 

@@ -59,7 +59,9 @@ def failed_call(failure: layout.Failure, element: Element, time: float | None, l
 
 
 def _moment_of(failure: layout.Failure, step: float) -> float | None:
-    """When the kernel stopped, in seconds; None before t = 0."""
+    """When the kernel stopped, or an FMU asked it to, in seconds; None before t = 0."""
+    if failure.kind == StopReason.STEP_CUT_SHORT and failure.status and not math.isnan(failure.value):
+        return float(failure.value)
     if not math.isnan(failure.time):
         return float(failure.time)
     # The plain loop keeps no other clock than the number of its step.

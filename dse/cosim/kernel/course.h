@@ -91,10 +91,13 @@ static bool drive(System *system, int64_t e, double time, double length)
     Element *element = &system->elements[e];
     const Pace *pace = &plan->paces[e];
     const double step = length / (double)pace->parts;
+    /* Values that are to be carried on at the next row might find an FMU that takes none any more. */
+    const bool meets_next = pace->every == 1 && !(plan->tolerance > 0.0) && plan->meeting.begin == plan->meeting.end;
     if (plan->n_bonds)
         note_used(system, &pace->inputs, time, length);
     for (int64_t part = 0; part < pace->parts; part++) {
         const double begin = system->now = time + (double)part * step;
+        system->takes_end = meets_next && part + 1 == pace->parts;
         move_along(system, &pace->inputs, begin, step);
         /* Gauss and Seidel pass on what nobody has looked at yet; with error control a shorter step may still do. */
         const int32_t *sources = plan->sources + pace->inputs.first;

@@ -122,7 +122,8 @@ static bool set_up_experiment(System *system, const Element *element)
 {
     enter_call(system, element->stepping.element, SETUP_EXPERIMENT);
     Fmi2SetupExperiment set_up = (Fmi2SetupExperiment)element->setup_experiment;
-    return accept(system, set_up(element->instance, 0, 0.0, 0.0, 1, element->stop));
+    const double tolerance = element->tolerance;
+    return accept(system, set_up(element->instance, tolerance > 0.0, tolerance, 0.0, 1, element->stop));
 }
 
 static bool enter_initialization(System *system, Element *element)
@@ -132,7 +133,8 @@ static bool enter_initialization(System *system, Element *element)
     const int status =
         element->version == 1   ? ((Fmi1Initialize)enter)(element->instance, 0.0, 1, element->stop)
         : element->version == 2 ? ((FmiPlain)enter)(element->instance)
-                                : ((Fmi3EnterInitialization)enter)(element->instance, false, 0.0, 0.0, true, element->stop);
+                                : ((Fmi3EnterInitialization)enter)(element->instance, element->tolerance > 0.0,
+                                                                   element->tolerance, 0.0, true, element->stop);
     /* FMI 1.0 has no initialization mode: it begins to run with the inputs it has. */
     element->mode = element->version == 1 ? RUNNING : INITIALIZING;
     return accept(system, status);

@@ -26,7 +26,7 @@ static bool iterate_events(System *system, Element *element)
         if (!accept(system, status))
             return false;
         if (terminate)
-            return fail(system, STEP_CUT_SHORT, 1, 0, 0);
+            return fail(system, STEP_CUT_SHORT, 1, 0, NAN);
         element->next_event = has_next ? next : INFINITY;
         if (!again)
             return true;

@@ -139,7 +139,7 @@ static bool exchange_step(System *system, const Element *element, double time, d
     if (x->now.in_event_mode && !(settle_events(system, element) && go_on(system, element)))
         return false;
     if (!integrate(system, element, time + step))
-        return false;
+        return ends_at(system, time + step, step);
     return !x->has_inputs || change_mode(system, element, ENTER_EVENT_MODE, x->enter_event_mode);
 }
 

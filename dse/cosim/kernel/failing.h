@@ -29,6 +29,22 @@ RARE static bool fail(System *system, int64_t kind, int64_t status, int64_t posi
     return false;
 }
 
+static inline bool is_asked_to_end(const System *system)
+{
+    return system->failure.kind == STEP_CUT_SHORT && system->failure.status;
+}
+
+#define NEARLY 1e-9 /* of a step: FMUs add up their times */
+
+/* A step to *end* is not made as it should be: whether it is all the same, as the FMU asked for the end there and not
+ * before. The others get there, too, and the run ends with that row. */
+RARE static bool ends_at(System *system, double end, double step)
+{
+    const bool is_there = is_asked_to_end(system) && system->takes_end && system->failure.value >= end - NEARLY * step;
+    system->has_ended |= is_there;
+    return is_there;
+}
+
 /* About one value of a group. */
 RARE static bool fail_value(System *system, int64_t kind, const Group *group, int64_t position, double value)
 {

@@ -18,6 +18,7 @@ static void begin(System *system)
     system->progress->step = -1;
     system->now = NAN;
     system->failure = (Failure){0};
+    system->rows = system->has_ended = 0;
     make_floating_default();
     for (int64_t e = 0; e < system->n_elements; e++)
         system->elements[e].log->count = 0;
@@ -95,6 +96,7 @@ APART static bool simulate(System *system, const Request *request)
     const double step = request->step;
     const bool watches = system->watches;
     int64_t k = system->fused_steps = 0;
+    system->takes_end = true;
     if (system->fused && !request->digests && !watches) {
         if (!simulate_fused(system, request))
             return false;
@@ -105,12 +107,13 @@ APART static bool simulate(System *system, const Request *request)
         if (!read_groups(system, progress, &outputs))
             return false;
         gather(row, values, request->record, n_record);
+        system->rows = k + 1;
         if (request->digests)
             digest(system, request->digests + k * system->n_elements);
         const double sum = gather(staged, values, sources, n_staged);
         if (sum - sum != 0.0 && !all_finite(system))
             return false;
-        if (k == steps)
+        if (k == steps || system->has_ended)
             return true;
         if (!write_groups(system, progress, &inputs, UNFIT_INPUT))
             return false;
@@ -119,6 +122,14 @@ APART static bool simulate(System *system, const Request *request)
         if (!(watches ? step_all_watched(system, time, step) : step_all(system, progress, mixed, time, step)))
             return false;
     }
+}
+
+/* To the end, be it one that an FMU asks for: the rows before it are the result. */
+static bool simulate_on(System *system, const Request *request)
+{
+    const bool went = system->is_plain ? simulate(system, request) : simulate_by_plan(system, request);
+    system->has_ended |= !went && is_asked_to_end(system) && system->rows;
+    return went || (system->has_ended && is_asked_to_end(system));
 }
 
 static bool terminate_all(System *system)
@@ -139,8 +150,7 @@ int dse_run(System *system, const Request *request)
     if (!start(system, request->stop) || !initialize(system) || !leave_all(system))
         return end(system, false);
     set_limits(system);
-    return end(system, (system->is_plain ? simulate(system, request) : simulate_by_plan(system, request)) &&
-                           within_limits(system) && terminate_all(system));
+    return end(system, simulate_on(system, request) && within_limits(system) && terminate_all(system));
 }
 
 int dse_instantiate(System *system)

@@ -159,7 +159,7 @@ typedef struct {
     double moving_from;            /* the time at which they lay at their staged values */
     void *exchange;                /* model exchange: the solver's memory (exchange.h), else NULL */
     void *saved;                   /* the FMU's own state */
-    double stop, next_event, saved_next_event;
+    double stop, tolerance, next_event, saved_next_event; /* tolerance: what the FMU is told, 0 for nothing */
     int64_t mode;
     int64_t life;     /* counts up when the FMU may have forgotten what it was given */
     int64_t finished; /* FMI 1 and 2: what the FMU called back with after an asynchronous step, -1 before */
@@ -170,7 +170,7 @@ typedef struct {
 } Element;
 
 typedef struct {
-    int64_t kind, status; /* STEP_CUT_SHORT: status tells whether to end the simulation */
+    int64_t kind, status; /* STEP_CUT_SHORT: status tells whether to end the simulation, value then when, or NaN */
     Progress progress;
     int64_t group, position; /* the value's place in the group with that id; NOT_FINITE: in the table of values */
     double value, time;
@@ -199,6 +199,9 @@ typedef struct System {
     FmiFunction fused; /* the loop that was compiled for this system, or NULL */
     int64_t fused_steps; /* how many steps it made in the last run */
     int64_t watches;     /* whether each step is looked at for a change of the floating-point mode */
+    int64_t rows;        /* how many were recorded */
+    int64_t has_ended;   /* an FMU asked to end the simulation, as *failure* tells: there is no row after these */
+    int64_t takes_end;   /* whether all others can get to where an element asks for the end: a next row */
 } System;
 
 typedef struct {

@@ -20,13 +20,14 @@ RARE static void digest(const System *system, uint64_t *digests)
     }
 }
 
-static void record(const System *system, const Request *request, int64_t k)
+static void record(System *system, const Request *request, int64_t k)
 {
     const Plan *plan = system->plan;
     double *row = request->out + k * request->n_record;
     gather(row, system->values, request->record, request->n_record);
     for (const BondColumn *place = plan->bond_columns; place < plan->bond_columns + plan->n_bond_columns; place++)
         row[place->column] = plan->energies[place->bond];
+    system->rows = k + 1;
     if (request->digests)
         digest(system, request->digests + k * system->n_elements);
 }
@@ -56,7 +57,7 @@ APART static bool simulate_by_plan(System *system, const Request *request)
         if (!meet(system, time, length))
             return false;
         record(system, request, k);
-        if (k == request->steps)
+        if (k == request->steps || system->has_ended)
             return true;
         if (plan->tolerance > 0.0) {
             note_magnitudes(system);

@@ -11,8 +11,6 @@ __declspec(dllimport) void __stdcall Sleep(unsigned long milliseconds);
 #include <time.h>
 #endif
 
-#define NEARLY 1e-9 /* of a step: FMUs add up their times */
-
 /* ---- FMI 1 and 2 ---- */
 
 static void keep_step_status(Element *element, int status)
@@ -98,10 +96,11 @@ RARE static bool make_up(System *system, const Element *constant, double time, d
             return true;
         if (status != FMI_DISCARD)
             return fail_status(system, status);
-        const bool ends = wants_to_end(system, element), is_on = !ends && got_on(system, element, &time, end);
+        const double began = time;
+        const bool ends = wants_to_end(system, element), is_on = got_on(system, element, &time, end);
         system->progress->place = element->stepping;
         if (ends)
-            return fail(system, STEP_CUT_SHORT, 1, 0, 0);
+            return fail(system, STEP_CUT_SHORT, 1, 0, is_on ? time : began) || ends_at(system, end, step);
         if (!is_on)
             return fail_status(system, status);
         if (time >= end)
@@ -134,7 +133,7 @@ static bool step_once(System *system, Element *element, double *time, double ste
         return fail_status(system, status);
     *has_event = *has_event && element->abilities & HAS_EVENTS;
     if (terminate)
-        return fail(system, STEP_CUT_SHORT, 1, 0, 0);
+        return fail(system, STEP_CUT_SHORT, 1, 0, reached < target ? reached : target);
     if (early_return && !(element->abilities & CAN_RETURN_EARLY))
         return fail(system, STEP_CUT_SHORT, 0, 0, 0);
     *time = early_return && reached < target ? reached : target;
@@ -152,11 +151,14 @@ static bool step_fmi3(System *system, Element *element, double time, double step
         const double target = stops ? element->next_event : end;
         bool has_event;
         if (!step_once(system, element, &at, at == time && !stops ? step : target - at, target, &has_event))
-            return false;
+            return ends_at(system, end, step);
         if (!(at > began) && (!has_event || ++standstill > MOST_EVENT_ITERATIONS))
             return fail(system, has_event ? ENDLESS_EVENTS : STEP_CUT_SHORT, 0, 0, 0);
-        if (has_event && !pass_event(system, element))
-            return false;
+        if (has_event && !pass_event(system, element)) {
+            if (is_asked_to_end(system))
+                system->failure.value = at;
+            return ends_at(system, end, step);
+        }
         if (at >= end)
             return true;
     }

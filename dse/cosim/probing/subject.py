@@ -66,16 +66,18 @@ class Subject(FmuInstance, AbstractContextManager["Subject"]):
         stop, version = end_of(drive.stop, drive.step, drive.steps), self.model.version
         inputs = drive.inputs(self.model, 0)
         self.part.next_event = inf
+        told = self.model.experiment.tolerance or 0.0
         if version == 2:  # FMI 2
-            self.call(Call.SETUP_EXPERIMENT, None, c_int(0), c_double(0.0), c_double(0.0), c_int(1), c_double(stop))
+            times = c_int(told > 0.0), c_double(told), c_double(0.0), c_int(1), c_double(stop)
+            self.call(Call.SETUP_EXPERIMENT, None, *times)
         self.set_numbers(self.model.variables.values(), drive.parameters(self.model), None)
         if version == 1:
             self.set_numbers(self.element.inputs, inputs, None)
             self.call(Call.ENTER_INITIALIZATION, None, c_double(0.0), c_byte(1), c_double(stop))
             self._read(None)
             return
-        times = c_bool(False), c_double(0.0), c_double(0.0), c_bool(True), c_double(stop)
-        self.call(Call.ENTER_INITIALIZATION, None, *(times if version == 3 else ()))
+        asked = c_bool(told > 0.0), c_double(told), c_double(0.0), c_bool(True), c_double(stop)
+        self.call(Call.ENTER_INITIALIZATION, None, *(asked if version == 3 else ()))
         self.set_numbers(self.element.inputs, inputs, None)
         self._given = {v.name: bytes(self.passed(v, inputs, None)) for v in self._in_events}
         self._read(None)

@@ -61,6 +61,7 @@ class KernelElements:
         able = abilities_of(model, library)
         structure.version, structure.abilities = model.version, able
         structure.takes_slopes = takes_slopes(model, able)
+        structure.tolerance = model.experiment.tolerance or 0.0
         structure.name, structure.token = element.name.encode(), model.token.encode()
         structure.resources = os.fsencode(resources(model))
         for call, where in lifecycle(model, library).items():

@@ -8,9 +8,10 @@ from pathlib import Path
 
 from dse.domain.component import Component, Interface, Kind, Port, Type, same_signal
 from dse.domain.design import Connection
-from dse.domain.fmu import FmuModel
+from dse.domain.fmu import FmiInterface, FmuModel
 from dse.domain.system import Element, Wire
 from dse.errors import DseError, Location, Problem, raise_if_any
+from dse.fmu import open_fmu
 from dse.interchange.importing.offer import offer
 from dse.interchange.names import each_named, free_word
 from dse.interchange.resolving.resolve import ResolvedSystem
@@ -27,19 +28,21 @@ class Catalogue:
     components: dict[str, Component] = field(default_factory=dict)
     models: dict[str, FmuModel] = field(default_factory=dict)
     left_out: list[str] = field(default_factory=list)
-    _names: dict[str, str] = field(default_factory=dict)
+    cache: Path | None = None
+    _names: dict[tuple[str, FmiInterface], str] = field(default_factory=dict)
     _labels: dict[str, dict[str, str]] = field(default_factory=dict)
 
     def take(self, place: SspComponent, element: Element) -> str:
-        """The name of the component for what stands at *place*; the same for the same FMU."""
+        """The name of the component for what stands at *place*; the same for the same FMU in the same interface."""
         model = element.model
-        name = self._names.get(model.content_hash)
+        name = self._names.get((model.content_hash, model.interface))
         if name is None:
             name = free_word(Path(place.source.partition("#")[0]).stem, self.components)
-            made = offer(name, model, FmuSource(Path(f"{name}.fmu")))
+            is_usual = model.interface is open_fmu(place.fmu, cache=self.cache).interface
+            made = offer(name, model, FmuSource(Path(f"{name}.fmu"), None if is_usual else model.interface))
             component = made.component
             self.left_out += [f"{name}: {what}" for what in made.left_out]
-            self._names[model.content_hash] = name
+            self._names[model.content_hash, model.interface] = name
             self.components[name], self.models[name] = component, model
             known = (*(port.name for port in component.interface.ports), *(p.name for p in component.parameters))
             self._labels[name] = {component.variable(own): own for own in known}

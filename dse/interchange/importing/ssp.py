@@ -10,14 +10,12 @@ from dse.domain.bench import Simulation
 from dse.domain.component import Causality, Component, Interface, Kind, Type, Value
 from dse.domain.design import Alternative, Compound, Connection, DesignSpace, Node, Part
 from dse.errors import DseError, Location, Problem, raise_if_any
-from dse.fmu import open_fmu
 from dse.formats import shown
 from dse.interchange.importing.files import write_new
 from dse.interchange.importing.parts import Catalogue, Parts, connect, take_parts
 from dse.interchange.importing.values import given_values
 from dse.interchange.names import free_word
 from dse.interchange.prepared import read_package, timing_of
-from dse.interchange.resolving.network import Models
 from dse.interchange.resolving.resolve import system_of
 from dse.interchange.structure import SspSystem
 from dse.loading import write_bench, write_design, write_fmu_component, write_interfaces
@@ -71,17 +69,18 @@ def import_ssp(
     value of what is no parameter), each where it stands in the package; nothing is written then.
     """
     first, _ = read_package(path, None, cache)
-    catalogue = Catalogue()
+    catalogue = Catalogue(cache=cache)
     variants: list[_Variant] = []
     problems: list[Problem] = []
     for name in dict.fromkeys((first.variant, *first.variants)):
         try:
             ssp, models = read_package(path, name, cache)
-            _require_usual_kind(ssp, models, cache)
             resolved = system_of(ssp, models)
             timing = timing_of(ssp.experiment, models.values(), stop, step, Location(shown(path)))
             every = ssp.experiment.record_every if (stop, step) == (None, None) else None
-            simulation = Simulation(timing.stop, timing.step, (), every or timing.step)
+            simulation = Simulation(
+                timing.stop, timing.step, (), every or timing.step, tolerance=ssp.experiment.tolerance
+            )
             taken = [variant.bench for variant in variants]
             variants.append(_variant(ssp, take_parts(ssp, resolved, catalogue), simulation, taken))
         except DseError as error:
@@ -115,19 +114,6 @@ def _variant(ssp: SspSystem, parts: Parts, simulation: Simulation, taken: list[s
     name = ssp.name if ssp.variant == next(iter(ssp.variants)) else ssp.variant
     own = {parts.names[place]: parts.component(place) for place in ssp.places}
     return _Variant(ssp, free_word(name, taken), own, connections, parameters, simulation, tuple(told))
-
-
-def _require_usual_kind(ssp: SspSystem, models: Models, cache: Path | None) -> None:
-    """Raise DseError for each FMU that the package simulates in another way than a workspace would."""
-    raise_if_any(
-        Problem(
-            f"{name}: {component.source} is to be simulated by {component.implementation}, a workspace takes the other",
-            component.where,
-            "simulate the package as it is: dse simulate FILE.ssp",
-        )
-        for name, component in ssp.places.items()
-        if models[component.key].interface is not open_fmu(component.fmu, cache=cache).interface
-    )
 
 
 def _record(parts: Parts, told: list[str]) -> tuple[str, ...]:

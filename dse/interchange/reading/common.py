@@ -31,8 +31,8 @@ TRANSFORMATIONS = frozenset(
 
 OWN_ANNOTATION = "dse.simulation"
 """Type of the annotation of an experiment in which this program keeps what SSP has no words for."""
-STEP_ELEMENT = "FixedStepMaster"
-"""The element of OMSimulator's annotations that says the step."""
+STEP_ELEMENTS = {"FixedStepMaster": "stepSize", "FixedStepAlgorithm": "baseStepSize"}
+"""The elements of OMSimulator's and OSP's annotations that say the step, and in which attribute."""
 
 BASE = frozenset({"id", "description"})
 """Attributes that any element may have."""
@@ -105,7 +105,7 @@ def _extras(element: XmlElement) -> list[Problem]:
     return [
         Problem(f"the annotation '{shortened(annotation.get('type'))}' is not used", annotation.where)
         for annotation in element.all("Annotation")
-        if annotation.get("type") != OWN_ANNOTATION and not any(a.tag == STEP_ELEMENT for a in annotation.walk())
+        if annotation.get("type") != OWN_ANNOTATION and not any(a.tag in STEP_ELEMENTS for a in annotation.walk())
     ]
 
 

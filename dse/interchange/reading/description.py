@@ -13,7 +13,7 @@ from dse.interchange.reading.common import (
     NOTHING,
     OWN_ANNOTATION,
     SSD,
-    STEP_ELEMENT,
+    STEP_ELEMENTS,
     TRANSFORMATIONS,
     TYPES,
     Findings,
@@ -85,11 +85,13 @@ def _experiment(root: XmlElement, top: XmlElement, found: Findings) -> Experimen
                 for own in annotation.children:
                     said["step"] = found.positive(own, "step")
                     said["record_every"] = found.positive(own, "recordEvery")
+                    said["tolerance"] = found.positive(own, "tolerance")
     if said.get("step") is None:
-        extras = (extra for tag in ("Annotations", "SimulationInformation") for extra in top.all(tag))
-        masters = [master for extra in extras for master in extra.walk() if master.tag == STEP_ELEMENT]
+        extras = [] if element is None else [*element.all("Annotations")]
+        extras += [extra for tag in ("Annotations", "SimulationInformation") for extra in top.all(tag)]
+        masters = [master for extra in extras for master in extra.walk() if master.tag in STEP_ELEMENTS]
         if masters:
-            said["step"] = found.positive(masters[0], "stepSize")
+            said["step"] = found.positive(masters[0], STEP_ELEMENTS[masters[0].tag])
     return ExperimentSettings(**said)
 
 

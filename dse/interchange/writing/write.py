@@ -94,7 +94,7 @@ def _add_component(group: ET.Element, element: Element, name: str, archive: str,
 def _add_experiment(root: ET.Element, experiment: ExperimentSettings) -> None:
     said = {"startTime": experiment.start, "stopTime": experiment.stop}
     element = ET.SubElement(root, "ssd:DefaultExperiment", {k: repr(v) for k, v in said.items() if v is not None})
-    own = {"step": experiment.step, "recordEvery": experiment.record_every}
+    own = {"step": experiment.step, "recordEvery": experiment.record_every, "tolerance": experiment.tolerance}
     known = {key: repr(value) for key, value in own.items() if value is not None}
     if known:
         annotations = ET.SubElement(element, "ssd:Annotations")

@@ -62,6 +62,7 @@ class SimulationSection(Section):
     adaptive: AdaptiveSection | None = None
     bonds: dict[str, BondSection] = {}
     check_step: bool = False
+    tolerance: Plain | None = None
 
 
 def read_method(
@@ -101,6 +102,15 @@ def read_positive(entry: Entry, raw: Raw, unit: str, problems: Problems) -> floa
             return value
         problems.add(f"'{entry.name}' must be positive, not {raw}", where)
     return None
+
+
+def read_tolerance(entry: Entry, raw: Raw, problems: Problems) -> float | None:
+    """A relative tolerance; None with what is wrong with it."""
+    tolerance = read_positive(entry, raw, "", problems)
+    if tolerance is not None and tolerance >= 1.0:
+        problems.add(f"'{entry.name}' must be below 1", entry.where, "as 1e-4")
+        return None
+    return tolerance
 
 
 def is_multiple(whole: float, part: float) -> bool:
@@ -148,14 +158,12 @@ def _steps(
 
 
 def _adaptive(entry: Entry, section: AdaptiveSection, step: float, problems: Problems) -> Adaptive:
-    tolerance = read_positive(entry["tolerance"], section.tolerance, "", problems)
+    tolerance = read_tolerance(entry["tolerance"], section.tolerance, problems)
     absolute = read_positive(entry["absolute"], section.absolute, "", problems)
     smallest = read_positive(entry["smallest"], section.smallest, "s", problems)
     if smallest is not None and smallest > step:
         what = f"'smallest' ({section.smallest}) is longer than the step"
         problems.add(what, entry["smallest"].where, "the step is what adaptive steps begin with")
-    if tolerance is not None and tolerance >= 1.0:
-        problems.add("'tolerance' must be below 1", entry["tolerance"].where, "as 1e-4")
     return Adaptive(tolerance or 1.0, absolute or 1.0, smallest or 1.0)
 
 

@@ -9,7 +9,7 @@ from dse.domain.method import PLAIN
 from dse.errors import DseError, Problems
 from dse.formats import Entry
 from dse.loading.bench.candidates import Candidates
-from dse.loading.bench.method import SimulationSection, is_multiple, read_method, read_positive
+from dse.loading.bench.method import SimulationSection, is_multiple, read_method, read_positive, read_tolerance
 from dse.loading.values import Raw, read_number, read_unit
 
 _MAX_STEPS = 10_000_000
@@ -51,6 +51,7 @@ def read_simulation(
         PLAIN if components is None else read_method(entry, section, step, components, problems),
         section.check_step,
         _memory(entry["memory"], section.memory, problems),
+        None if section.tolerance is None else read_tolerance(entry["tolerance"], section.tolerance, problems),
     )
 
 

@@ -35,6 +35,8 @@ def write_bench(
         data["parameters"] = {end: _value(value, type_) for end, (value, type_) in parameters.items()}
     times = {"stop": simulation.stop, "step": simulation.step, "record_every": simulation.record_every}
     data["simulation"] = {key: f'"{seconds!r} s"' for key, seconds in times.items()}
+    if simulation.tolerance is not None:
+        data["simulation"]["tolerance"] = repr(simulation.tolerance)
     if simulation.record:
         data["simulation"]["record"] = [write_name(signal) for signal in simulation.record]
     if metrics:

@@ -8,6 +8,8 @@ from typing import Any
 from dse.domain.component import Causality, Component, Interface, Port
 from dse.formats import write_file, write_name, write_parameter, write_text
 
+_WAYS = {"CoSimulation": "co_simulation", "ModelExchange": "model_exchange"}
+
 
 def write_fmu_component(component: Component, file: str) -> str:
     """A ``component.yaml`` for a *component* whose source is the FMU in *file*, a path relative to it."""
@@ -15,7 +17,9 @@ def write_fmu_component(component: Component, file: str) -> str:
     if component.title:
         data["title"] = write_text(component.title)
     data["implements"] = write_name(component.interface.name)
-    data["source"] = f"{{kind: fmu, file: {write_text(file)}}}"
+    asked = component.source and component.source.interface
+    way = f", interface: {_WAYS[asked[0]]}" if asked else ""
+    data["source"] = f"{{kind: fmu, file: {write_text(file)}{way}}}"
     if component.names:
         data["map"] = {own: write_text(label) for own, label in component.names.items()}
     if component.parameters:

@@ -54,6 +54,7 @@ typedef struct {
     double value[32];
     bool initializing, ended, early, event, uses_events, may_return_early;
     double reached; /* of an early return */
+    double told;    /* the tolerance, 0 for none */
     void (*finished)(void *, int);
     void (*between)(void *, double, bool, bool, bool, bool, bool *, double *);
     Logger log;
@@ -138,8 +139,8 @@ EXPORT void *fmi2Instantiate(const char *name, int type, const char *token, cons
 }
 EXPORT int fmi2SetupExperiment(void *m, int has_tolerance, double tolerance, double start, int has_stop, double stop)
 {
-    (void)m, (void)tolerance;
-    return has_tolerance || start != 0 || !has_stop || stop <= 0 ? ERROR : OK;
+    ((Model *)m)->told = has_tolerance ? tolerance : 0.0;
+    return start != 0 || !has_stop || stop <= 0 ? ERROR : OK;
 }
 EXPORT int fmi2EnterInitializationMode(void *m) { return ((Model *)m)->initializing = true, OK; }
 EXPORT int fmi2DoStep(void *m, double time, double h, int final) { return ACCEPTS(final) ? step(m, time, h) : ERROR; }
@@ -168,9 +169,9 @@ EXPORT void *fmi3InstantiateCoSimulation(const char *name, const char *token, co
 EXPORT int fmi3EnterInitializationMode(void *m, bool has_tolerance, double tolerance, double start, bool has_stop,
                                        double stop)
 {
-    (void)tolerance;
+    ((Model *)m)->told = has_tolerance ? tolerance : 0.0;
     ((Model *)m)->initializing = true;
-    return has_tolerance || start != 0 || !has_stop || stop <= 0 ? ERROR : OK;
+    return start != 0 || !has_stop || stop <= 0 ? ERROR : OK;
 }
 EXPORT int fmi3DoStep(void *m, double time, double h, bool final, bool *event, bool *ended, bool *early, double *reached)
 {

@@ -30,7 +30,7 @@ typedef struct {
     int32_t wholes[ROOM(WHOLES)];
     int mode;
     int completed, wants_event, wants_end; /* set by *completed* of a model */
-    double last_completed;
+    double last_completed, told; /* the tolerance, 0 for none */
     void *environment, *log;
 } Model;
 
@@ -228,6 +228,7 @@ EXPORT void fmi2FreeInstance(Model *m) { free(m); }
 EXPORT int fmi2Reset(Model *m) { return reset(m); }
 EXPORT int fmi2SetupExperiment(Model *m, int has_tolerance, double tolerance, double from, int has_stop, double stop)
 {
+    m->told = has_tolerance ? tolerance : 0.0;
     m->time = m->last_completed = from;
     return OK;
 }
@@ -282,6 +283,7 @@ EXPORT int fmi3Reset(Model *m) { return reset(m); }
 EXPORT int fmi3EnterInitializationMode(Model *m, bool has_tolerance, double tolerance, double from, bool has_stop,
                                        double stop)
 {
+    m->told = has_tolerance ? tolerance : 0.0;
     m->time = m->last_completed = from;
     return set_mode(m, MADE, INITIALIZING, "initialized twice");
 }

@@ -51,6 +51,17 @@ def test_the_step_of_omsimulators_annotations_is_read(tmp_path):
     assert ssp.notes == ()
 
 
+@pytest.mark.parametrize("around", ["Algorithm", "SimulationInformation"])
+def test_the_step_of_osps_annotations_is_read(tmp_path, around):
+    step = f'<osp:{around} xmlns:osp="urn:osp"><osp:FixedStepAlgorithm baseStepSize="1e-4"/></osp:{around}>'
+    kind = "com.opensimulationplatform"
+    annotation = f'<ssd:Annotations><ssc:Annotation type="{kind}">{step}</ssc:Annotation></ssd:Annotations>'
+    experiment = f'<ssd:DefaultExperiment startTime="0">{annotation}</ssd:DefaultExperiment>'
+    ssp = opened(tmp_path, {"SystemStructure.ssd": description(PLAIN, experiment)}, GAIN)
+    assert ssp.experiment.step == 1e-4
+    assert ssp.notes == ()
+
+
 def test_annotations_nobody_reads_are_told(tmp_path):
     annotation = '<ssd:Annotations><ssc:Annotation type="com.example.colours"/></ssd:Annotations>'
     ssp = opened(tmp_path, {"SystemStructure.ssd": description(PLAIN + annotation)}, GAIN)

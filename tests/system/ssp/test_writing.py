@@ -22,7 +22,7 @@ from dse.interchange.structure import ExperimentSettings
 from dse.interchange.writing.write import write_ssp
 
 SCHEMAS = Path(fmpy.__file__).parent / "ssp" / "schema"
-EXPERIMENT = ExperimentSettings(0.0, 2.0, 0.01, 0.1)
+EXPERIMENT = ExperimentSettings(0.0, 2.0, 0.01, 0.1, 1e-7)
 ITEMS = {"off": 0, "on": 3}
 
 
@@ -65,6 +65,7 @@ def element(name: str, fmu: FmuModel, inputs=(), outputs=(), start=None, **more)
 def written(folder: Path, system: SystemStructure, name: str = "written") -> Path:
     target = folder / f"{name}.ssp"
     write_ssp(target, "example", system, EXPERIMENT)
+    assert open_ssp(target, folder / "unpacked").experiment == EXPERIMENT
     return target
 
 
