@@ -123,6 +123,7 @@ def _sandbox(asked: bool) -> bool:
     return asked
 
 
+Strict = Annotated[bool, typer.Option("--strict", help="Refuse what would be ignored.")]
 Sandbox = Annotated[
     bool,
     typer.Option("--sandbox", callback=_sandbox, help="Keep FMUs from the network, and from files (Linux)."),

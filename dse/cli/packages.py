@@ -12,15 +12,17 @@ import typer
 from dse.cli.app import DONE, RUNS_FAILED
 from dse.cli.arguments import Output
 from dse.cli.terminal import console, plain, plain_table, print_json, print_table, say
+from dse.errors import raise_if_any
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Mapping, Sequence
 
     import numpy as np
     from numpy.typing import NDArray
 
     from dse.domain.method import Method
-    from dse.interchange import PreparedPackage
+    from dse.errors import Problem
+    from dse.interchange import PreparedPackage, ResolvedSystem
 
     Columns = Mapping[str, NDArray[np.float64]]
 
@@ -60,8 +62,13 @@ def waveform_file(path: Path | None) -> Path | None:
     return path
 
 
-def simulate_package(path: Path, wishes: Wishes, target: Path | None, output: Output, *, sandbox: bool) -> None:
-    """Simulate the package once, show or write its waveforms, and exit as it deserves."""
+def simulate_package(
+    path: Path, wishes: Wishes, target: Path | None, output: Output, *, sandbox: bool, strict: bool
+) -> None:
+    """Simulate the package once, show or write its waveforms, and exit as it deserves.
+
+    *strict*: what would be ignored is refused.
+    """
     from dse.api import simulate_package as simulated
     from dse.interchange import prepare_ssp
 
@@ -77,7 +84,7 @@ def simulate_package(path: Path, wishes: Wishes, target: Path | None, output: Ou
             tolerance=_tolerance(wishes.tolerance),
             timeout=seconds("--timeout", wishes.timeout) or _TIMEOUT,
         )
-    _say_notes(prepared)
+    _say_ignored(prepared.resolved, strict=strict)
     run = simulated(prepared, sandbox=sandbox)
     if run.waveforms is None:
         say(f"{path.name} failed to run: {run.problem}", style="bold red", stderr=True)
@@ -93,6 +100,23 @@ def simulate_package(path: Path, wishes: Wishes, target: Path | None, output: Ou
     if run.problem:
         say(run.problem, style="yellow", stderr=True)
     raise typer.Exit(DONE)
+
+
+def check_package(path: Path, *, strict: bool) -> None:
+    """Read the package and its FMUs. *strict*: what would be ignored is refused."""
+    from dse.interchange import check_ssp
+
+    with console(stderr=True).status("opening FMUs"):
+        resolved = check_ssp(path)
+    _say_ignored(resolved, strict=strict)
+    say(f"ok: {len(resolved.structure.elements)} FMUs, {len(resolved.signals)} outputs")
+
+
+def _say_ignored(resolved: ResolvedSystem, *, strict: bool) -> None:
+    if strict:
+        raise_if_any(resolved.ignored)
+    say_some("note", resolved.notes)
+    say_some("ignored", resolved.ignored)
 
 
 def seconds(option: str, text: str | None) -> float | None:
@@ -141,12 +165,12 @@ def _word(words: type[W], text: str | None, option: str) -> W:
     return words(text)
 
 
-def _say_notes(prepared: PreparedPackage) -> None:
-    notes = prepared.resolved.notes
-    for note in notes[:_MOST_NOTES]:
-        say(f"note: {note}", stderr=True)
-    if len(notes) > _MOST_NOTES:
-        say(f"note: and {len(notes) - _MOST_NOTES} more of what is not used", stderr=True)
+def say_some(kind: str, problems: Sequence[Problem]) -> None:
+    """The first of *problems*, each as a line that begins with *kind*, and how many there are besides."""
+    for problem in problems[:_MOST_NOTES]:
+        say(f"{kind}: {problem}", stderr=True)
+    if len(problems) > _MOST_NOTES:
+        say(f"{kind}: and {len(problems) - _MOST_NOTES} more", stderr=True)
 
 
 def _write(target: Path, time: NDArray[np.float64], columns: Columns, prepared: PreparedPackage) -> None:
@@ -182,6 +206,8 @@ def _data(time: NDArray[np.float64], columns: Columns, prepared: PreparedPackage
         "stop": timing.stop,
         "step": timing.step,
     }
+    if prepared.resolved.ignored:
+        head["ignored"] = [str(problem) for problem in prepared.resolved.ignored]
     return {**head, **({"time": time.tolist()} if whole else {}), "signals": signals}
 
 

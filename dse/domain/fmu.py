@@ -10,6 +10,7 @@ from math import prod
 from pathlib import Path
 
 from dse.domain.component import Kind
+from dse.errors import Problem
 
 
 class FmiInterface(StrEnum):
@@ -150,7 +151,7 @@ class FmuModel:
     the inputs (and, for *initially*, also parameters) it depends on directly, by name; an output that is missing there
     depends on all of them. *units* are the FMU's own definitions by the names its variables use. *fixed_step* is set
     if steps must be whole multiples of it (seconds). *prefix* is what stands before the names of the FMI functions in
-    the library (FMI 1.0: the identifier if it is "").
+    the library (FMI 1.0: the identifier if it is ""). *ignored* is what of the archive was passed over.
     """
 
     archive: Path
@@ -171,6 +172,7 @@ class FmuModel:
     experiment: Experiment = field(default_factory=Experiment)
     title: str = ""
     prefix: str = ""
+    ignored: tuple[Problem, ...] = field(default=(), compare=False)
 
     def variable_of(self, label: str) -> Variable:
         """The variable called *label*, or the array one of whose values is (``name[2]``); KeyError if there is none."""

@@ -56,7 +56,7 @@ class _Pickler(pickle.Pickler):
     def reducer_override(self, value: object) -> Any:
         if isinstance(value, FmuModel) and value.archive.is_absolute():
             # Only messages name it once the FMU is unpacked.
-            return _itself, (replace(value, archive=Path(value.archive.name)),)
+            return _itself, (replace(value, archive=Path(value.archive.name), ignored=()),)
         if isinstance(value, Component) and value.source is not None:
             # Its FMU has been built.
             return _itself, (replace(value, source=None),)

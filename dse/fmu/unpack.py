@@ -13,7 +13,7 @@ from dse.fmu.reading.build_description import has_recipe
 from dse.fmu.reading.description import Description, read_description
 from dse.fmu.source_build import build_from_sources
 from dse.fmu.toolchain.platforms import this_platform
-from dse.formats import digest_of, shown, unpack_zip
+from dse.formats import digest_of, passed_over, shown, unpack_zip
 
 
 def open_fmu(archive: Path, *, cache: Path | None = None, interface: FmiInterface | None = None) -> FmuModel:
@@ -34,6 +34,7 @@ def open_fmu(archive: Path, *, cache: Path | None = None, interface: FmiInterfac
         description = _of_exchange(folder, where) or description
     # What is told of an FMU has the names it has in a model.
     told = {f.name: getattr(description, f.name) for f in fields(FmuModel) if hasattr(description, f.name)}
+    told["ignored"] = (*passed_over(archive, where), *description.ignored)
     library = _library(folder, description, where, cache)
     return FmuModel(archive=archive, folder=folder, library=library, content_hash=digest, **told)
 

@@ -1,6 +1,6 @@
 from .compose import UNSAFE as UNSAFE
 from .kept import read_kept as read_kept, remember as remember
-from .xml import XmlElement as XmlElement, read_xml as read_xml, read_xml_file as read_xml_file
+from .xml import UNBOUND as UNBOUND, XmlElement as XmlElement, read_xml as read_xml, read_xml_file as read_xml_file
 from .xml_values import flag_of as flag_of, real_of as real_of, shortened as shortened, whole_of as whole_of
 from .yaml import (
     Document as Document,
@@ -18,4 +18,10 @@ from .yaml_text import (
     write_text as write_text,
     write_value as write_value,
 )
-from .zipped import digest_of as digest_of, pack_zip as pack_zip, unpack_zip as unpack_zip, unpacked as unpacked
+from .zipped import (
+    digest_of as digest_of,
+    pack_zip as pack_zip,
+    passed_over as passed_over,
+    unpack_zip as unpack_zip,
+    unpacked as unpacked,
+)

@@ -5,7 +5,9 @@ Document types and entities are refused, so nothing is fetched and nothing is ex
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Collection, Iterator, Mapping
+from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, TypeVar
@@ -19,6 +21,8 @@ _MOST_BYTES = 128 * 2**20
 _MOST_LEVELS = 100
 # Elements and attributes together; each takes some hundred bytes once it is read.
 _MOST_PARTS = 10_000_000
+UNBOUND = "unbound:"
+"""What the namespace of a prefix begins with that is bound to none."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -113,8 +117,8 @@ class XmlElement:
         return Problem(f"<{self.tag}>: '{name}' is '{shortened(text)}', not {expected}", self.where)
 
 
-def read_xml_file(path: Path, file: str) -> XmlElement:
-    """The root of the XML file at *path*, which is called *file* in messages.
+def read_xml_file(path: Path, file: str, ignored: list[Problem] | None = None) -> XmlElement:
+    """The root of the XML file at *path*, which is called *file* in messages; *ignored* as with ``read_xml``.
 
     Raises DseError located there: no such file, cannot be read, or anything ``read_xml`` refuses.
     """
@@ -127,12 +131,13 @@ def read_xml_file(path: Path, file: str) -> XmlElement:
         raise fail("there is no such file", where) from error
     except OSError as error:
         raise fail(f"cannot be read: {(error.strerror or str(error)).lower()}", where) from error
-    return read_xml(content, file)
+    return read_xml(content, file, ignored)
 
 
-def read_xml(content: bytes, file: str) -> XmlElement:
+def read_xml(content: bytes, file: str, ignored: list[Problem] | None = None) -> XmlElement:
     """The root of an XML document whose places are called *file* and a line.
 
+    With *ignored*, which is told of them, prefixes may be bound to no namespace; theirs is ``unbound:PREFIX`` then.
     Raises DseError located there: not well-formed, an encoding that is not known, document types or entities, too
     large, or nested too deeply.
     """
@@ -153,11 +158,39 @@ def read_xml(content: bytes, file: str) -> XmlElement:
         raise fail(what, builder.place(), "remove the line that starts with <!DOCTYPE") from error
     except ParseError as error:
         line, column = error.position
-        reason = str(error).rsplit(": line ", 1)[0]
-        raise fail(f"not XML: {reason}", Location(file, line, column + 1)) from error
+        where = Location(file, line, column + 1)
+        unbound = _unbound(content) if error.code == _UNBOUND_PREFIX else []
+        if unbound and ignored is not None:
+            ignored += [Problem(f"the prefix '{prefix}' is bound to no namespace", where) for prefix in unbound]
+            return read_xml(_bound(content, unbound), file)
+        reason = str(error).rsplit(": line ", 1)[0] + "".join(f" '{prefix}'" for prefix in unbound)
+        raise fail(f"not XML: {reason}", where) from error
     except (ValueError, LookupError) as error:
         raise fail(f"not XML: {error}", builder.place()) from error
     return builder.root
+
+
+_UNBOUND_PREFIX = 27  # expat's XML_ERROR_UNBOUND_PREFIX
+_ROOT = re.compile(rb"\A(?:\xef\xbb\xbf)?(?:\s|<\?.*?\?>|<!--.*?-->)*<[^\s/>!?]+", re.DOTALL)
+
+
+def _unbound(content: bytes) -> list[str]:
+    """The prefixes that are bound nowhere in *content*, in alphabetical order; it declares no document type."""
+    from xml.parsers.expat import ExpatError, ParserCreate
+
+    names: set[str] = set()
+    parser = ParserCreate()
+    parser.StartElementHandler = lambda tag, attributes: names.update((tag, *attributes))
+    with suppress(ExpatError):
+        parser.Parse(content, True)
+    used = {name.partition(":")[0] for name in names if ":" in name}
+    return sorted(used - {name.removeprefix("xmlns:") for name in names} - {"xml", "xmlns"})
+
+
+def _bound(content: bytes, prefixes: list[str]) -> bytes:
+    """*content* with *prefixes* bound in the start tag of its root, on the line that is there."""
+    said = "".join(f' xmlns:{prefix}="{UNBOUND}{prefix}"' for prefix in prefixes).encode()
+    return _ROOT.sub(lambda root: root[0] + said, content, count=1)
 
 
 @dataclass(slots=True)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import errno
 import hashlib
 import io
+import os
 import re
 import stat
 import zipfile
@@ -65,7 +66,8 @@ def unpack_zip(archive: Path, folder: Path, where: Location, what: str) -> None:
     """
     try:
         with zipfile.ZipFile(archive) as opened:
-            entries = opened.infolist()
+            left_out = dict(_left_out(opened.infolist()))
+            entries = [entry for entry in opened.infolist() if entry not in left_out]
             problems = [Problem(f"refused as unsafe: {reason}", where) for reason in _dangers(entries, what)]
             if problems:
                 raise DseError(*problems[:10])
@@ -87,6 +89,37 @@ def unpacked(archive: Path, into: Path, where: Location, what: str) -> Path:
     Several processes may ask at once. Raises DseError as `unpack_zip`, and if *into* cannot be written.
     """
     return keep_folder(into / digest_of(archive, where)[:32], lambda folder: unpack_zip(archive, folder, where, what))
+
+
+def passed_over(archive: Path, where: Location) -> tuple[Problem, ...]:
+    """What `unpack_zip`, which has unpacked *archive*, left out, and what another system could not have unpacked."""
+    with zipfile.ZipFile(archive) as opened:
+        entries = opened.infolist()
+    told = [reason for _, reason in _left_out(entries)]
+    told += [_reserved(entry.filename) for entry in entries if _is_reserved(entry.filename)]
+    return tuple(Problem(reason, where) for reason in dict.fromkeys(told))
+
+
+def _left_out(entries: list[zipfile.ZipInfo]) -> Iterator[tuple[zipfile.ZipInfo, str]]:
+    """Entries that nothing needs, each with the reason; ``extra/`` is for other programs."""
+    files: set[str] = set()
+    for entry in entries:
+        name = entry.orig_filename
+        key = str(PurePosixPath(name)).casefold()
+        if name == "./":
+            yield entry, "the entry './' is no file"
+        elif key in files and key.startswith("extra/") and not name.endswith("/"):
+            yield entry, f"the path '{name}' is there twice, the first is taken"
+        elif not name.endswith("/"):
+            files.add(key)
+
+
+def _is_reserved(name: str) -> bool:
+    return any(_RESERVED.fullmatch(part) for part in PurePosixPath(name).parts if part != "..")
+
+
+def _reserved(name: str) -> str:
+    return f"the path '{name}' holds a name that is reserved on Windows"
 
 
 def _dangers(entries: list[zipfile.ZipInfo], what: str) -> Iterator[str]:
@@ -114,8 +147,8 @@ def _dangers(entries: list[zipfile.ZipInfo], what: str) -> Iterator[str]:
             yield f"the path '{name[:40]}…' holds a name of more than {_LONGEST_NAME} bytes"
         elif len(name) > _LONGEST_PATH:
             yield f"the path '{name[:40]}…' is longer than {_LONGEST_PATH} characters"
-        elif any(_RESERVED.fullmatch(part) for part in path.parts):
-            yield f"the path '{name}' holds a name that is reserved on Windows"
+        elif os.name == "nt" and _is_reserved(name):
+            yield _reserved(name)
         elif key in files or parents & files or (key in folders and not is_folder):
             yield f"the path '{name}' is there twice"
         if stat.S_ISLNK(entry.external_attr >> 16):

@@ -1,5 +1,6 @@
 from .importing.component import import_component as import_component
 from .importing.ssp import import_ssp as import_ssp
-from .prepared import PreparedPackage as PreparedPackage, prepare_ssp as prepare_ssp
+from .prepared import PreparedPackage as PreparedPackage, check_ssp as check_ssp, prepare_ssp as prepare_ssp
+from .resolving.resolve import ResolvedSystem as ResolvedSystem
 from .structure import ExperimentSettings as ExperimentSettings
 from .writing.write import write_ssp as write_ssp

@@ -13,10 +13,11 @@ from dse.domain.design import Configuration
 from dse.domain.fmu import FmiInterface, FmuModel
 from dse.domain.method import PLAIN, Method
 from dse.domain.run import Waveforms
-from dse.errors import DseError, Location, Problem, fail
+from dse.errors import DseError, Location, fail
 from dse.fmu import in_parallel, open_fmu
 from dse.formats import shown
 from dse.interchange.reading.open import open_ssp
+from dse.interchange.resolving.matching import of_fmu
 from dse.interchange.resolving.network import Models
 from dse.interchange.resolving.resolve import ResolvedSystem, system_of
 from dse.interchange.structure import ExperimentSettings, SspComponent, SspSystem
@@ -67,13 +68,12 @@ def _opened(component: SspComponent, cache: Path | None) -> FmuModel:
     try:
         return open_fmu(component.fmu, cache=cache, interface=wanted)
     except DseError as error:
-        raise DseError(*(_of_fmu(component, problem) for problem in error.problems)) from error
+        raise DseError(*(of_fmu(component, problem) for problem in error.problems)) from error
 
 
-def _of_fmu(component: SspComponent, problem: Problem) -> Problem:
-    """*problem* where the FMU is named, which a person can change."""
-    place = str(problem.where).replace(shown(component.fmu), component.source) if problem.where else component.source
-    return Problem(f"{place}: {problem.what}", component.where, problem.hint)
+def check_ssp(path: Path, cache: Path | None = None) -> ResolvedSystem:
+    """The system of the package at *path*, whose experiment may be incomplete. Raises DseError with what is wrong."""
+    return system_of(*read_package(path, None, cache))
 
 
 def prepare_ssp(

@@ -99,12 +99,16 @@ class SspConnection:
 
 @dataclass(frozen=True, slots=True)
 class ParameterValue:
-    """One value of a parameter set; *type* is SSP's word, *values* has one text per value of an array."""
+    """One value of a parameter set; *type* is SSP's word, *values* has one text per value of an array.
+
+    *rival* is where the set gives another value by the same name.
+    """
 
     type: str
     values: tuple[str, ...]
     where: Location
     unit: NamedUnit | None = None
+    rival: Location | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -189,7 +193,7 @@ class SspSystem:
     """One system structure description of a package: the one called *variant* (a file name without its suffix).
 
     *variants* are all there are, by file name without suffix, the default one (``SystemStructure``) first, with the
-    names they have inside. *notes* say what was read and is of no use here.
+    names they have inside. *notes* say what was read and is of no use here, *ignored* what should not be there at all.
     """
 
     name: str
@@ -199,6 +203,7 @@ class SspSystem:
     experiment: ExperimentSettings
     variants: Mapping[str, str] = field(default_factory=dict)
     notes: tuple[Problem, ...] = ()
+    ignored: tuple[Problem, ...] = ()
 
     @property
     def places(self) -> dict[str, SspComponent]:

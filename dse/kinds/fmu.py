@@ -7,7 +7,7 @@ from pathlib import Path
 
 from dse.domain.component import Component, Source
 from dse.domain.fmu import FmiInterface
-from dse.errors import Location, closest, fail
+from dse.errors import Location, Problem, closest, fail
 from dse.formats import shown
 from dse.loading import ComponentKind, SourcePlace, SourceSection
 
@@ -65,12 +65,14 @@ class FmuKind(ComponentKind[FmuSection, FmuSource]):
             raise fail(f"component '{component.name}': there is no FMU {shown(source.file)}", component.where)
         return source.file
 
-    def check(self, component: Component, source: FmuSource) -> None:
-        """Raise DseError unless the FMU opens and has the component's ports and parameters."""
+    def check(self, component: Component, source: FmuSource) -> tuple[Problem, ...]:
+        """What the FMU has that should not be there. Raises DseError unless it has the component's ports."""
         from dse.fmu import open_component
         from dse.system import check_fmu
 
-        check_fmu(component, open_component(component, source.file))
+        model = open_component(component, source.file)
+        check_fmu(component, model)
+        return model.ignored
 
 
 KIND = FmuKind()

@@ -64,11 +64,12 @@ class ModelicaKind(ComponentKind[ModelicaSection, ModelicaSource]):
 
         return build_modelica(component, source, version, cache)
 
-    def check(self, component: Component, source: ModelicaSource) -> None:
+    def check(self, component: Component, source: ModelicaSource) -> tuple[()]:
         """Raise DseError with all that is wrong with the model; needs no C compiler."""
         from dse.modelica import check_modelica
 
         check_modelica(component, source)
+        return ()
 
     def diagram(self, component: Component, source: ModelicaSource) -> Diagram:
         """The model's parts and connections."""

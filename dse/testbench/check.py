@@ -28,14 +28,14 @@ OnProgress = Callable[[str, int, int, str], None]
 
 
 def check_workspace(
-    workspace: Workspace, on_progress: OnProgress | None = None
+    workspace: Workspace, on_progress: OnProgress | None = None, ignored: list[Problem] | None = None
 ) -> tuple[list[Problem], dict[str, int]]:
-    """All problems, each once, and how many files of each kind were read."""
+    """All problems, each once, and how many files of each kind were read; *ignored* is told what else should not be."""
     tell = on_progress or (lambda *_: None)
     counts: dict[str, int] = {}
     found = _of(_survey, workspace, counts)
     if not found:
-        found += _components(workspace, tell)
+        found += _components(workspace, tell, [] if ignored is None else ignored)
         for what, folder in (("design spaces", "designs"), ("test benches and studies", "testbenches")):
             paths = list(workspace.files(folder))
             for number, path in enumerate(paths, 1):
@@ -45,7 +45,7 @@ def check_workspace(
     return list(dict.fromkeys(found)), counts
 
 
-def _components(workspace: Workspace, tell: OnProgress) -> list[Problem]:
+def _components(workspace: Workspace, tell: OnProgress, ignored: list[Problem]) -> list[Problem]:
     """Reads them one by one, then looks into several at a time: models are translated, which takes seconds."""
     problems: list[Problem] = []
     read: dict[str, Component] = {}
@@ -61,7 +61,7 @@ def _components(workspace: Workspace, tell: OnProgress) -> list[Problem]:
             tell("components", number + 1, of, names[number])
 
     done(0, len(names))
-    return problems + _of(in_parallel, names, lambda name: _component(read[name]), done)
+    return problems + _of(in_parallel, names, lambda name: ignored.extend(_component(read[name])), done)
 
 
 def _of(action: Callable[P, object], *args: P.args, **kwargs: P.kwargs) -> list[Problem]:
@@ -93,10 +93,9 @@ def _first(space: DesignSpace) -> Configuration:
     return one_configuration(space, None)
 
 
-def _component(component: Component) -> None:
+def _component(component: Component) -> tuple[Problem, ...]:
     kind = kind_of(component)
-    if kind is not None:
-        kind.check(component, component.source)
+    return kind.check(component, component.source) if kind is not None else ()
 
 
 def _bench(workspace: Workspace, path: str) -> None:

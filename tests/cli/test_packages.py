@@ -298,6 +298,30 @@ def test_a_foreign_package_and_its_variants_are_simulated(foreign, dse_in, tmp_p
         assert data["signals"]["level"]["end"] == pytest.approx(np.exp(-rate), abs=(0.1 * rate) ** 5)
 
 
+def test_what_is_ignored_is_told_by_every_command_and_refused_if_asked(dse_in, tmp_path, dahlquist):
+    text = decay("1", "slow").replace("<ssd:Component ", '<ssd:Component colour="red" ')
+    fmu = rezipped(dahlquist, tmp_path / "Dahlquist.fmu", "extra/aux.txt")
+    pack(tmp_path / "odd.ssp", {"SystemStructure.ssd": text, "resources/Dahlquist.fmu": fmu})
+    told = ("odd.ssp/SystemStructure.ssd:4:", "<Component> has no attribute 'colour'", "Dahlquist.fmu: the path")
+    for arguments in (["check", "odd.ssp"], ["simulate", "odd.ssp", "--format", "json"]):
+        done = dse_in(tmp_path, *arguments)
+        assert done.returncode == 0, done.stderr
+        assert done.stderr.count("ignored: ") == 2
+        assert all(piece in done.stderr for piece in told)
+        if "json" in arguments:
+            assert ["colour" in what for what in json.loads(done.stdout)["ignored"]] == [True, False]
+        strict = dse_in(tmp_path, *arguments, "--strict")
+        assert strict.returncode == 1
+        assert not strict.stdout
+        assert all(piece in strict.stderr for piece in told)
+    done = dse_in(tmp_path, "import", "fmu", "Dahlquist.fmu", "-o", "work")
+    assert "ignored: Dahlquist.fmu: the path 'extra/aux.txt'" in done.stdout
+    done = dse_in(tmp_path / "work", "check")
+    assert done.returncode == 0, done.stderr
+    assert "ignored: " in done.stderr
+    assert dse_in(tmp_path / "work", "check", "--strict").returncode == 1
+
+
 @pytest.mark.thorough
 def test_variants_become_benches_of_one_design(foreign, dse_in, tmp_path):
     done = dse_in(tmp_path, "import", "ssp", "foreign.ssp", "work")
@@ -347,11 +371,11 @@ def test_variants_with_other_fmus_become_alternatives(dse_in, tmp_path, dahlquis
     assert json.loads(done.stdout)["metrics"]["d_x_at_the_end"] == pytest.approx(np.exp(-2), abs=0.2**5)
 
 
-def rezipped(archive: bytes, target: Path) -> bytes:
+def rezipped(archive: bytes, target: Path, more: str = "documentation/more.txt") -> bytes:
     """The same FMU with other bytes: a file more."""
     target.write_bytes(archive)
     with zipfile.ZipFile(target, "a") as opened:
-        opened.writestr("documentation/more.txt", "another one")
+        opened.writestr(more, "another one")
     return target.read_bytes()
 
 

@@ -191,11 +191,11 @@ def test_a_path_that_a_file_system_takes_for_another_is_refused(maker, refused, 
     assert refused(archive) == [f"refused as unsafe: the path '{name}' is there twice"]
 
 
-@pytest.mark.parametrize("name", ["", ".", "./"])
+@pytest.mark.parametrize("name", ["", "."])
 def test_an_entry_without_a_name_is_refused(maker, refused, name):
     archive = maker.make(FMI_2)
     with zipfile.ZipFile(archive, "a") as opened:
-        opened.writestr(zipfile.ZipInfo(name), "content" if name != "./" else "")
+        opened.writestr(zipfile.ZipInfo(name), "content")
     assert refused(archive) == ["refused as unsafe: a file has no name"]
 
 
@@ -211,9 +211,6 @@ def test_folders_may_have_entries_of_their_own(maker, tmp_path):
         ("resources/" + "a" * 300, "holds a name of more than 200 bytes"),
         ("resources/" + "ä" * 150, "holds a name of more than 200 bytes"),
         ("/".join(["resources"] * 200), "is longer than 1000 characters"),
-        ("resources/CON", "reserved on Windows"),
-        ("aux.txt/a", "reserved on Windows"),
-        ("resources/a.", "reserved on Windows"),
     ],
 )
 def test_a_name_that_some_file_system_cannot_hold_is_refused(maker, refused, name, reason):
@@ -221,6 +218,72 @@ def test_a_name_that_some_file_system_cannot_hold_is_refused(maker, refused, nam
     (what,) = refused(maker.make(FMI_2))
     assert what.startswith("refused as unsafe: ")
     assert reason in what
+
+
+@pytest.mark.skipif(os.name == "nt", reason="there no file can have such a name")
+@pytest.mark.parametrize("name", ["resources/CON", "aux.txt/a", "resources/a."])
+def test_a_name_that_another_system_cannot_hold_is_unpacked_and_told(maker, tmp_path, name):
+    maker.extra[name] = b"there"
+    for _ in range(2):  # the second time from the cache
+        model = open_fmu(maker.make(FMI_2), cache=tmp_path / "cache")
+        assert (model.folder / name).read_bytes() == b"there"
+        assert [problem.what for problem in model.ignored] == [
+            f"the path '{name}' holds a name that is reserved on Windows"
+        ]
+
+
+LOCAL = '<ScalarVariable name="z" valueReference="{}" causality="{}"><Real/></ScalarVariable>'
+
+
+def with_two(first: str, second: str) -> str:
+    added = LOCAL.format(2, first) + "\n" + LOCAL.format(3, second)
+    return FMI_2.replace("  </ModelVariables>", f"{added}\n  </ModelVariables>")
+
+
+def test_an_internal_variable_that_is_there_twice_cannot_be_used_and_is_told(maker, tmp_path):
+    model = open_fmu(maker.make(with_two("local", "local")), cache=tmp_path / "cache")
+    assert list(model.variables) == ["x"]
+    (told,) = model.ignored
+    assert str(told).endswith(
+        "m.fmu/modelDescription.xml:7:1: the internal variable 'z' is there twice, so that it cannot be used"
+    )
+
+
+@pytest.mark.parametrize("pair", [("local", "output"), ("input", "local"), ("input", "input")])
+def test_a_variable_that_may_be_connected_is_there_once(maker, refused, pair):
+    assert refused(maker.make(with_two(*pair))) == ["variable 'z' is there twice"]
+
+
+def test_a_prefix_in_an_annotation_may_be_bound_to_nothing(maker, tmp_path):
+    noted = '<VendorAnnotations><Tool name="x"><x:y/></Tool></VendorAnnotations></fmiModelDescription>'
+    model = open_fmu(maker.make(FMI_2.replace("</fmiModelDescription>", noted)), cache=tmp_path / "cache")
+    assert [problem.what for problem in model.ignored] == ["the prefix 'x' is bound to no namespace"]
+
+
+@pytest.mark.filterwarnings("ignore:Duplicate name")
+def test_of_two_extra_files_with_one_path_the_first_is_taken(maker, tmp_path):
+    archive = maker.make(FMI_2)
+    with zipfile.ZipFile(archive, "a") as opened:
+        for name, content in (("./", ""), ("extra/a.txt", "first"), ("extra/a.txt", "later"), ("extra/A.txt", "last")):
+            opened.writestr(name, content)
+    model = open_fmu(archive, cache=tmp_path / "cache")
+    assert [path.read_text() for path in (model.folder / "extra").iterdir()] == ["first"]
+    assert [problem.what for problem in model.ignored] == [
+        "the entry './' is no file",
+        "the path 'extra/a.txt' is there twice, the first is taken",
+        "the path 'extra/A.txt' is there twice, the first is taken",
+    ]
+
+
+@pytest.mark.filterwarnings("ignore:Duplicate name")
+@pytest.mark.parametrize("name", ["extra/../modelDescription.xml", "resources/a.txt"])
+def test_a_second_file_that_the_fmu_may_read_is_refused(maker, refused, name):
+    maker.extra["resources/a.txt"] = b"first"
+    archive = maker.make(FMI_2)
+    with zipfile.ZipFile(archive, "a") as opened:
+        opened.writestr(name, "again")
+        opened.writestr(name, "again")
+    assert refused(archive)[0].startswith(f"refused as unsafe: the path '{name}'")
 
 
 @pytest.mark.parametrize(("code", "blamed"), [(errno.ENAMETOOLONG, "m.fmu"), (errno.ENOSPC, "cache")])

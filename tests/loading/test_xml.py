@@ -8,7 +8,7 @@ import string
 import pytest
 from hypothesis import given, strategies as st
 
-from dse.errors import DseError, Location
+from dse.errors import DseError, Location, Problem
 from dse.formats.xml import read_xml, read_xml_file
 from dse.formats.xml_values import real_of, whole_of
 
@@ -61,6 +61,29 @@ def test_namespaces_are_told_apart_whatever_their_prefix_is():
 )
 def test_what_is_no_safe_xml_is_refused_where_it_stands(content, told):
     assert told in refusal(content)
+
+
+def test_a_prefix_that_is_bound_to_nothing_is_named_and_refused_unless_it_may_be_ignored():
+    text = b'<?xml version="1.0"?><!-- <x> -->\n<a xmlns:c="urn:c"><c:d e="b:f"/>\n<b:c d:e="1"/></a>'
+    assert "a.xml:3:1: not XML: unbound prefix 'b' 'd'" in refusal(text)
+    ignored: list[Problem] = []
+    root = read_xml(text, "a.xml", ignored)
+    assert [str(problem) for problem in ignored] == [
+        f"a.xml:3:1: the prefix '{prefix}' is bound to no namespace" for prefix in "bd"
+    ]
+    assert [(e.tag, e.namespace, e.where.line) for e in root.walk()] == [
+        ("a", "", 2),
+        ("d", "urn:c", 2),
+        ("c", "unbound:b", 3),
+    ]
+    assert root.children[1].attributes == {"{unbound:d}e": "1"}
+
+
+@pytest.mark.parametrize("text", ['<a><b:c xmlns:b="urn:b"/><b:c/></a>', "<b:a></a>"])
+def test_a_prefix_that_cannot_be_bound_is_refused(text):
+    for told in (None, []):
+        with pytest.raises(DseError, match=r"a\.xml:1:.*: not XML: "):
+            read_xml(text.encode(), "a.xml", told)
 
 
 @pytest.mark.parametrize("encoding", ["utf-8", "utf-16", "iso-8859-1", "windows-1252"])

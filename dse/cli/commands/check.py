@@ -8,16 +8,19 @@ from typing import Annotated
 import typer
 
 from dse.cli.app import app
+from dse.cli.arguments import Strict
+from dse.cli.packages import check_package, is_package, say_some
 from dse.cli.status import status_line
 from dse.cli.terminal import say
-from dse.errors import DseError
+from dse.errors import Problem, raise_if_any
 
 
 @app.command()
 def check(
-    workspace: Annotated[Path, typer.Argument(help="A folder or file in the workspace.")] = Path(),
+    workspace: Annotated[Path, typer.Argument(help="A folder or file in the workspace; or an SSP package.")] = Path(),
+    strict: Strict = False,
 ) -> None:
-    """Read a workspace and show all that is wrong with it.
+    """Read a workspace, or an SSP package, and show all that is wrong with it.
 
     Checks every component, design space, test bench and study: keys, units, types, wiring, metrics,
     and that each design space has a valid configuration.
@@ -25,12 +28,19 @@ def check(
     from dse.loading import Workspace
     from dse.testbench import check_workspace
 
+    if is_package(workspace.name):
+        check_package(workspace, strict=strict)
+        return
+    ignored: list[Problem] = []
     with status_line() as show:
         problems, counts = check_workspace(
             Workspace.around(workspace),
             lambda what, number, of, name: show(f"checking {what}: {number} of {of} ({name})"),
+            ignored,
         )
-    if problems:
-        raise DseError(*problems)
+    if strict:
+        problems += ignored
+    raise_if_any(problems)
+    say_some("ignored", sorted(ignored, key=str))
     plural = {"study": "studies", "test bench": "test benches"}
     say("ok: " + ", ".join(f"{n} {what if n == 1 else plural.get(what, what + 's')}" for what, n in counts.items()))

@@ -21,6 +21,7 @@ from dse.cli.arguments import (
     Plot,
     Sandbox,
     Settings,
+    Strict,
 )
 from dse.cli.packages import Wishes, is_package, simulate_package, waveform_file
 from dse.cli.terminal import console
@@ -71,6 +72,7 @@ def simulate(
     tolerance: Tolerance = None,
     timeout: Timeout = None,
     sandbox: Sandbox = False,
+    strict: Strict = False,
 ) -> None:
     """Simulate one configuration once, or an SSP package.
 
@@ -95,10 +97,10 @@ def simulate(
     if is_package(bench):
         meant = {"--configuration": configuration, "--plot": plot, "--fuse": fuse, "--gate": gate}
         _refuse({**meant, "--check-step": check_step, "--fmi": version != 2}, "bench")  # the default
-        simulate_package(Path(bench), wishes, waveforms, output, sandbox=sandbox)
+        simulate_package(Path(bench), wishes, waveforms, output, sandbox=sandbox, strict=strict)
     asked = {"--output": waveforms, "--variant": variant, "--stop": stop, "--step": step, "--record": record}
     words = {"--algorithm": algorithm, "--coupling": coupling, "--extrapolation": extrapolation, "--timeout": timeout}
-    _refuse({**asked, **words, "--tolerance": tolerance is not None}, "package")
+    _refuse({**asked, **words, "--tolerance": tolerance is not None, "--strict": strict}, "package")
     from dse.api import simulate_once
     from dse.cli.runs import present_run
 

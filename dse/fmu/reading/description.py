@@ -6,7 +6,7 @@ What this program cannot simulate, and what the file lacks or contradicts, is to
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Collection, Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -28,7 +28,8 @@ _MOST_VALUES = 50_000_000
 class Description:
     """What modelDescription.xml says of one interface of an FMU; the fields are those of FmuModel.
 
-    *source_files* are the files to compile, if FMI 2.0's description lists them; *where* is the file.
+    *source_files* are the files to compile, if FMI 2.0's description lists them; *where* is the file. *ignored* is what
+    contradicts itself and nothing needs.
     """
 
     version: int
@@ -46,6 +47,7 @@ class Description:
     title: str
     source_files: tuple[str, ...]
     where: Location
+    ignored: tuple[Problem, ...] = ()
 
 
 def read_description(folder: Path, name: str | None = None, *, interface: FmiInterface | None = None) -> Description:
@@ -61,7 +63,8 @@ def read_description(folder: Path, name: str | None = None, *, interface: FmiInt
         inner = sorted(path.parent.name for path in folder.glob(f"*/{_FILE}"))
         hint = f"there is one in its folder '{inner[0]}': zip what is in that folder" if inner else ""
         raise fail(f"there is no {_FILE} in it, so it is not an FMU", Location(name), hint)
-    root = read_xml_file(folder / _FILE, file)
+    ignored: list[Problem] = []
+    root = read_xml_file(folder / _FILE, file, ignored)
     if root.tag != "fmiModelDescription":
         what = f"it does not describe an FMU: its root is <{shortened(root.tag)}>, not <fmiModelDescription>"
         raise fail(what, root.where)
@@ -75,7 +78,9 @@ def read_description(folder: Path, name: str | None = None, *, interface: FmiInt
     listed = read_variables(root, version, types, problems)
     if version < 3:
         listed = list(_one_input_each(listed))
-    problems += _contradictions(listed, version, file)
+    doubled = dict(_doubled_locals(listed))
+    problems += _contradictions(listed, version, file, doubled)
+    ignored += doubled.values()
     _raise_some(problems, file)
     variables = catalog(listed, version)
     structure = direct_dependencies(listed) if version == 1 else read_structure(root, variables)
@@ -88,7 +93,7 @@ def read_description(folder: Path, name: str | None = None, *, interface: FmiInt
         version=version,
         identifier=offered.identifier,
         token=token,
-        variables={one.variable.name: one.variable for one in listed if one is not None},
+        variables={v.name: v for v in (one.variable for one in listed if one is not None) if v.name not in doubled},
         capabilities=offered.capabilities,
         fixed_step=offered.fixed_step,
         interface=offered.interface,
@@ -100,6 +105,7 @@ def read_description(folder: Path, name: str | None = None, *, interface: FmiInt
         title=root.get("description") or root.get("modelName"),
         source_files=tuple(file.get("name") for file in offered.element.below("SourceFiles", "File")),
         where=Location(file),
+        ignored=tuple(ignored),
     )
 
 
@@ -135,7 +141,21 @@ def _one_input_each(listed: Iterable[Listed | None]) -> Iterator[Listed | None]:
         yield one if first == variable.name else replace(one, variable=replace(variable, alias_of=first))
 
 
-def _contradictions(listed: Iterable[Listed | None], version: int, file: str) -> Iterator[Problem]:
+def _doubled_locals(listed: Iterable[Listed | None]) -> Iterator[tuple[str, Problem]]:
+    """Names that only internal variables have, and several of them: which is meant is unknown."""
+    named: dict[str, list[Listed]] = {}
+    for one in listed:
+        if one is not None:
+            named.setdefault(one.variable.name, []).append(one)
+    for name, several in named.items():
+        if len(several) > 1 and all(one.variable.causality == "local" for one in several):
+            what = f"the internal variable '{shortened(name)}' is there twice, so that it cannot be used"
+            yield name, Problem(what, several[1].element.where)
+
+
+def _contradictions(
+    listed: Iterable[Listed | None], version: int, file: str, doubled: Collection[str]
+) -> Iterator[Problem]:
     """What no variable is to blame for alone: names and references that are taken."""
     names: set[str] = set()
     references: dict[int, str] = {}
@@ -144,7 +164,7 @@ def _contradictions(listed: Iterable[Listed | None], version: int, file: str) ->
         if one is None:
             continue
         variable, where = one.variable, one.element.where
-        if variable.name in names:
+        if variable.name in names and variable.name not in doubled:
             yield Problem(f"variable '{shortened(variable.name)}' is there twice", where)
         names.add(variable.name)
         values += variable.size

@@ -63,8 +63,9 @@ def import_component(
     if has_own:
         texts[target / "interfaces.yaml"] = write_interfaces([component.interface])
     write_new(texts, {target / f"{own}.fmu": file})
+    told = (*offered.told, *(f"ignored: {problem}" for problem in model.ignored))
     starts = (_start(component, port, value) for port, value in offered.starts.items())
-    return ImportedComponent(component, path, has_own, tuple(starts), offered.left_out, offered.told)
+    return ImportedComponent(component, path, has_own, tuple(starts), offered.left_out, told)
 
 
 def name_of(file: Path) -> str:

@@ -108,7 +108,7 @@ def import_ssp(
 def _variant(ssp: SspSystem, parts: Parts, simulation: Simulation, taken: list[str]) -> _Variant:
     connections = connect(parts)
     parameters = given_values(parts)
-    told = [str(note) for note in parts.resolved.notes]
+    told = [str(note) for note in (*parts.resolved.notes, *parts.resolved.ignored)]
     simulation = replace(simulation, record=_record(parts, told))
     # Variants are told apart by their files, as with 'dse simulate --variant'; the first is the system itself.
     name = ssp.name if ssp.variant == next(iter(ssp.variants)) else ssp.variant

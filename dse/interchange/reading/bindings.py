@@ -7,7 +7,7 @@ from pathlib import Path, PurePosixPath
 
 from dse.errors import DseError, Location, fail
 from dse.formats import XmlElement, read_xml, shortened
-from dse.interchange.reading.common import Findings, inline
+from dse.interchange.reading.common import Findings, inline, own_elements
 from dse.interchange.reading.package import PackageFile
 from dse.interchange.reading.parameters import read_mapping, read_parameters
 from dse.interchange.structure import Assignment
@@ -64,11 +64,12 @@ def _require_type(element: XmlElement, expected: str, what: str) -> None:
 def _named(file: PackageFile, element: XmlElement, fmu: Path | None, found: Findings) -> XmlElement:
     source = element.get("source")
     if element.word("sourceBase", ("SSD", "component"), found.problems, "SSD") == "SSD":
-        return file.read(source, element.where)
+        return file.read(source, element.where, found)
     if fmu is None:
         raise fail(f"'{shortened(source)}' is to lie in the component, which is no FMU", element.where)
     called = file.package.place(PurePosixPath(fmu.relative_to(file.package.folder).as_posix()))
-    return read_xml(_entry(fmu, source, element.where), f"{called}/{source}")
+    root = read_xml(_entry(fmu, source, element.where), f"{called}/{source}", found.ignored)
+    return own_elements(root, found)
 
 
 def _entry(fmu: Path, name: str, where: Location) -> bytes:

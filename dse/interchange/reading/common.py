@@ -5,12 +5,13 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Container, Iterator, Mapping, Set
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
+from difflib import get_close_matches
 
 from dse.domain.fmu import UnitDefinition
 from dse.errors import Location, Problem, closest, fail
 from dse.fmu import BASE_UNITS, VALUE_KINDS, base_unit
-from dse.formats import XmlElement, shortened
+from dse.formats import UNBOUND, XmlElement, shortened
 from dse.interchange.structure import NamedUnit, SignalType, Transformation
 
 SSC = "http://ssp-standard.org/SSP1/SystemStructureCommon"
@@ -34,34 +35,56 @@ OWN_ANNOTATION = "dse.simulation"
 STEP_ELEMENTS = {"FixedStepMaster": "stepSize", "FixedStepAlgorithm": "baseStepSize"}
 """The elements of OMSimulator's and OSP's annotations that say the step, and in which attribute."""
 
+_MODELICA = "text/x-modelica"
+"""What Dymola calls a binary that is none: it names the variable's type in Modelica."""
+_STANDARD = "http://ssp-standard.org/"
+_PREFIXES = {f"{UNBOUND}{prefix}" for prefix in ("ssb", "ssc", "ssd", "ssm", "ssv")}
+"""Namespaces that can only be the standard's, though the file does not say so."""
+
 BASE = frozenset({"id", "description"})
 """Attributes that any element may have."""
 META = frozenset({"author", "fileversion", "copyright", "license", "generationTool", "generationDateAndTime"})
 """Attributes that the root of any file may have."""
 EXTRAS = frozenset({"Annotations", "MetaData", "Signature"})
 """Elements that any element may hold and that say nothing of how it is simulated."""
+_OPEN = EXTRAS | {"SimulationInformation"}
+"""Elements that may hold anything."""
 
 NOTHING: frozenset[str] = frozenset()
 
 
 @dataclass(slots=True)
 class Findings:
-    """What is wrong with a package, and what in it is of no use here, as its elements are read."""
+    """What is wrong with a package, and what in it is of no use here, as its elements are read.
+
+    *notes* are of what the standard allows, *ignored* of what it does not.
+    """
 
     problems: list[Problem] = field(default_factory=list)
     notes: list[Problem] = field(default_factory=list)
+    ignored: list[Problem] = field(default_factory=list)
 
     def add(self, what: str, where: Location, hint: str = "") -> None:
         """One more thing that is wrong."""
         self.problems.append(Problem(what, where, hint))
 
+    def ignore(self, what: str, where: Location) -> None:
+        """One more thing that should not be there, and that nothing needs."""
+        self.ignored.append(Problem(what, where))
+
     def expect(self, element: XmlElement, attributes: Set[str] = NOTHING, children: Set[str] = NOTHING) -> None:
-        """Every attribute and child that SSP does not know here is wrong; annotations are of no use."""
+        """Every child that SSP does not know here is wrong, and every attribute that may be a misspelt one.
+
+        Annotations are of no use.
+        """
         for name in element.attributes:
             # Attributes of other namespaces (xsi:schemaLocation) belong to others.
             if not name.startswith("{") and name not in attributes | BASE:
-                hint = closest(name, attributes | BASE)
-                self.add(f"<{element.tag}> has no attribute '{name}'", element.where, hint)
+                what = f"<{element.tag}> has no attribute '{name}'"
+                if get_close_matches(name, attributes | BASE, n=1):
+                    self.add(what, element.where, closest(name, attributes | BASE))
+                else:
+                    self.ignore(what, element.where)
         for child in element.children:
             if child.tag in EXTRAS:
                 self.notes += _extras(child)
@@ -117,13 +140,26 @@ class Scope:
     enumerations: Mapping[str, Mapping[str, int]]
 
 
-def require_root(root: XmlElement, tag: str, namespace: str) -> None:
+def own_elements(element: XmlElement, found: Findings) -> XmlElement:
+    """*element* without what is in the namespaces of others, but for what stands where others may write."""
+    children: list[XmlElement] = []
+    for child in element.children:
+        if child.namespace and not (child.namespace.startswith(_STANDARD) or child.namespace in _PREFIXES):
+            found.ignore(f"<{child.tag}> is of the namespace '{shortened(child.namespace)}'", child.where)
+        else:
+            children.append(child if child.tag in _OPEN else own_elements(child, found))
+    return replace(element, children=tuple(children))
+
+
+def require_root(root: XmlElement, tag: str, namespace: str, found: Findings) -> None:
     """Raise DseError unless *root* is SSP's element *tag* in a version that is known."""
     if root.tag != tag:
         raise fail(f"<{tag}> is expected here, not <{root.tag}>", root.where, "it is no file of this kind")
-    if root.namespace != namespace:
+    if root.namespace != namespace and root.namespace not in _PREFIXES:
         what = f"<{tag}> is in the namespace '{shortened(root.namespace)}', not '{namespace}'"
-        raise fail(what, root.where, "drafts before SSP 1.0 are not supported; export it as SSP 1.0 or 2.0")
+        if not root.namespace.startswith(_STANDARD):
+            raise fail(what, root.where, "drafts before SSP 1.0 are not supported; export it as SSP 1.0 or 2.0")
+        found.ignore(what, root.where)
     # OMSimulator leaves it out where one file is written into another; then the namespace has to do.
     version = root.get("version", "1.0")
     if not re.fullmatch(r"[12]\.\d+(?:-.*)?", version):
@@ -181,6 +217,9 @@ def read_type(element: XmlElement, scope: Scope, found: Findings) -> SignalType 
         return None
     if child.tag == "Clock":
         return SignalType(child.tag)
+    if child.get("mime-type").startswith(_MODELICA):
+        found.ignore(f"the type '{shortened(child.get('mime-type'))}' is left to the FMU", child.where)
+        return None
     found.expect(child, {"unit", "name", "mime-type"})
     items = None
     if child.tag == "Enumeration":

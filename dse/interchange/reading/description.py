@@ -57,8 +57,8 @@ def read_description(package: Package, name: PurePosixPath, found: Findings, lev
     here = Location(package.place(name))
     if level > _MOST_LEVELS:
         raise fail(f"packages and systems are nested more than {_MOST_LEVELS} levels deep", here)
-    root = PackageFile(package, PurePosixPath(DEFAULT)).read(str(name), here)
-    require_root(root, "SystemStructureDescription", SSD)
+    root = PackageFile(package, PurePosixPath(DEFAULT)).read(str(name), here, found)
+    require_root(root, "SystemStructureDescription", SSD, found)
     children = {"System", "Enumerations", "Units", "DefaultExperiment", "SSDVariant"}
     found.expect(root, META | {"version", "name"}, children)
     top = root.child("System")
@@ -169,7 +169,7 @@ class _Reader:
     def _nested(self, type_: str, target: Target, element: XmlElement, level: int) -> System:
         package = self.file.package
         if type_ == _PACKAGE:
-            inner, variant = open_package(target.path, package.into)
+            inner, variant = open_package(target.path, package.into, self.found)
             inner = replace(inner, called=package.place(target.file))
             file = PurePosixPath(target.fragment or f"{variant}.ssd")
             return read_description(inner, file, self.found, level + 1).system
@@ -223,7 +223,7 @@ class _Reader:
                 if type_ != _DICTIONARY:
                     what = f"signal dictionary '{shortened(name)}' is of the type '{shortened(type_)}'"
                     raise fail(f"{what}, which is not supported", child.where)
-                root = self.file.read(source, child.where) if source else inline(child, "SignalDictionary")
+                root = self.file.read(source, child.where, self.found) if source else inline(child, "SignalDictionary")
                 dictionaries[name] = read_dictionary(root, self.found)
             except DseError as error:
                 self.found.problems += error.problems

@@ -9,7 +9,7 @@ from dse.interchange.structure import SignalType
 
 def read_dictionary(root: XmlElement, found: Findings) -> dict[str, SignalType]:
     """The entries of an ``ssb:SignalDictionary``. Raises DseError if *root* is none; all else goes to *found*."""
-    require_root(root, "SignalDictionary", SSB)
+    require_root(root, "SignalDictionary", SSB, found)
     found.expect(root, META | {"version"}, {"DictionaryEntry", "Enumerations", "Units"})
     scope = read_scope(root, found)
     entries: dict[str, SignalType] = {}

@@ -19,7 +19,8 @@ def open_ssp(path: Path, into: Path, variant: str | None = None) -> SspSystem:
     *variant* names one of its descriptions, by its file (``VariantB``, ``VariantB.ssd``) or by the name inside; the
     default is ``SystemStructure``. Raises DseError with all that is wrong with its files, each at its line.
     """
-    package, default = open_package(path, into)
+    found = Findings()
+    package, default = open_package(path, into, found)
     names = _names(package)
     if not names:
         raise fail(f"there is no {DEFAULT}.ssd in it, so it is no SSP package", Location(shown(path)))
@@ -27,10 +28,10 @@ def open_ssp(path: Path, into: Path, variant: str | None = None) -> SspSystem:
     if meant is None:
         hint = closest(variant or default, names) if variant else f"name a variant: {', '.join(names)}"
         raise fail(f"it has no variant '{variant or default}'", Location(shown(path)), hint)
-    found = Findings()
     ssp = read_description(package, PurePosixPath(f"{meant}.ssd"), found)
     raise_if_any(found.problems)
-    return replace(ssp, variants=names, notes=tuple(dict.fromkeys(found.notes)))
+    notes, ignored = (tuple(dict.fromkeys(told)) for told in (found.notes, found.ignored))
+    return replace(ssp, variants=names, notes=notes, ignored=ignored)
 
 
 def _names(package: Package) -> dict[str, str]:
@@ -38,7 +39,7 @@ def _names(package: Package) -> dict[str, str]:
     names: dict[str, str] = {}
     for file in variants(package):
         try:
-            names[file.stem] = read_xml_file(package.folder / file, package.place(file)).get("name")
+            names[file.stem] = read_xml_file(package.folder / file, package.place(file), []).get("name")
         except DseError:
             # It is told of when it is asked for.
             names[file.stem] = ""

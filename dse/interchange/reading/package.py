@@ -10,7 +10,8 @@ from pathlib import Path, PurePosixPath
 from urllib.parse import unquote
 
 from dse.errors import Location, fail
-from dse.formats import XmlElement, read_xml_file, shortened, shown, unpacked
+from dse.formats import XmlElement, passed_over, read_xml_file, shortened, shown, unpacked
+from dse.interchange.reading.common import Findings, own_elements
 from dse.loading import is_file
 
 DEFAULT = "SystemStructure"
@@ -39,17 +40,20 @@ class Target:
     fragment: str
 
 
-def open_package(path: Path, into: Path) -> tuple[Package, str]:
+def open_package(path: Path, into: Path, found: Findings) -> tuple[Package, str]:
     """The package at *path*, unpacked below *into*, and the variant its name asks for.
 
-    A ``.ssd`` file is a variant of a package that has been unpacked already: the folder it lies in. Raises DseError.
+    A ``.ssd`` file is a variant of a package that has been unpacked already: the folder it lies in. What is passed over
+    goes to *found*. Raises DseError.
     """
     where = Location(shown(path))
     if not is_file(path):
         raise fail("there is no such file", where)
     if path.suffix.lower() == ".ssd":
         return Package(path.parent.resolve(), shown(path.parent), into), path.stem
-    return Package(unpacked(path, into, where, "package").resolve(), shown(path), into), DEFAULT
+    folder = unpacked(path, into, where, "package").resolve()
+    found.ignored += passed_over(path, where)
+    return Package(folder, shown(path), into), DEFAULT
 
 
 def variants(package: Package) -> Iterator[PurePosixPath]:
@@ -88,10 +92,10 @@ class PackageFile:
             raise fail(f"there is no file '{shortened(str(file))}' in the package", where, _alike(self.package, file))
         return Target(file, path, unquote(fragment))
 
-    def read(self, uri: str, where: Location) -> XmlElement:
-        """The root of the XML file that *uri* leads to. Raises DseError."""
+    def read(self, uri: str, where: Location, found: Findings) -> XmlElement:
+        """The root of the XML file that *uri* leads to, without what is of others. Raises DseError."""
         target = self.follow(uri, where)
-        return read_xml_file(target.path, self.package.place(target.file))
+        return own_elements(read_xml_file(target.path, self.package.place(target.file), found.ignored), found)
 
 
 def _alike(package: Package, file: PurePosixPath) -> str:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 
 from dse.errors import Problem
 from dse.formats import XmlElement, shortened
@@ -25,19 +26,27 @@ _VALUES = TYPES - {"Clock"}
 
 def read_parameters(root: XmlElement, found: Findings) -> dict[str, ParameterValue]:
     """The values, by name, of an ``ssv:ParameterSet``. Raises DseError if *root* is none; all else goes to *found*."""
-    require_root(root, "ParameterSet", SSV)
+    require_root(root, "ParameterSet", SSV, found)
     found.expect(root, META | {"version", "name"}, {"Parameters", "Enumerations", "Units"})
     scope = read_scope(root, found)
     values: dict[str, ParameterValue] = {}
     for element in found.listed(root, "Parameters", "Parameter"):
         found.expect(element, {"name"}, _VALUES | {"Dimension"})
-        name = found.new(element, values, "the parameter")
+        name = element.required("name", found.problems)
         typed = [child for child in element.children if child.tag in _VALUES]
         if len(typed) != 1:
             found.add(f"<Parameter> '{shortened(name)}' needs one value", element.where)
             continue
         (value,) = typed
-        values[name] = ParameterValue(value.tag, _texts(value, found), element.where, unit_of(value, scope))
+        given = ParameterValue(value.tag, _texts(value, found), element.where, unit_of(value, scope))
+        first = values.setdefault(name, given)
+        if first is given:
+            continue
+        if replace(given, where=first.where, rival=first.rival) == first:
+            found.ignore(f"the parameter '{shortened(name)}' is there twice", element.where)
+        else:
+            found.ignore(f"the parameter '{shortened(name)}' is there twice, with another value", element.where)
+            values[name] = replace(first, rival=element.where)
     return values
 
 
@@ -58,12 +67,15 @@ def read_mapping(root: XmlElement, values: Mapping[str, ParameterValue], found: 
 
     Raises DseError if *root* is none; all else goes to *found*.
     """
-    require_root(root, "ParameterMapping", SSM)
+    require_root(root, "ParameterMapping", SSM, found)
     found.expect(root, META | {"version"}, {"MappingEntry"})
     assigned: list[Assignment] = []
     targets: set[str] = set()
     for element in root.all("MappingEntry"):
         found.expect(element, {"source", "target", "suppressUnitConversion"}, TRANSFORMATIONS)
+        if element.attributes.get("source") == "":
+            found.ignore(f"nothing is said to be the source of '{shortened(element.get('target'))}'", element.where)
+            continue
         source, target = element.required("source", found.problems), element.required("target", found.problems)
         if target in targets:
             found.add(f"'{shortened(target)}' is the target of two entries", element.where)

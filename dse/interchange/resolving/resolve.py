@@ -10,7 +10,7 @@ from dse.domain.fmu import FmuModel, Variable
 from dse.domain.system import Conversion, Element, SystemStructure, Wire
 from dse.errors import DseError, Location, Problem, closest, fail, raise_if_any
 from dse.interchange.resolving.carry import ConversionError
-from dse.interchange.resolving.matching import connector_problems, interface_problems
+from dse.interchange.resolving.matching import connector_problems, interface_problems, of_fmu
 from dse.interchange.resolving.network import Endpoint, Models, Network, Way, network_of
 from dse.interchange.resolving.routes import Route, carried, forms_along, label_of, routes_to
 from dse.interchange.resolving.signals import Signal, signals_of
@@ -24,13 +24,14 @@ class ResolvedSystem:
     """A package ready to be simulated.
 
     Values are in the FMUs' own units; wires convert. *signals* is what is recorded; *notes* tell what in the package
-    is not used. *places* say where in the package a wire's target (``element.variable``) is connected, or a start value
-    is given.
+    is not used, *ignored* what should not be there. *places* say where in the package a wire's target
+    (``element.variable``) is connected, or a start value is given.
     """
 
     structure: SystemStructure
     signals: tuple[Signal, ...]
     notes: tuple[Problem, ...] = ()
+    ignored: tuple[Problem, ...] = ()
     places: Mapping[str, Location] = field(default_factory=dict)
 
     @property
@@ -53,12 +54,14 @@ def system_of(
     it is not empty. Raises DseError with every connection, value and name that does not fit, each where it stands.
     """
     problems: list[Problem] = []
-    notes = list(ssp.notes)
+    notes, ignored = list(ssp.notes), list(ssp.ignored)
     network = network_of(ssp.system, models)
     problems += interface_problems(network)
-    given = assignments(network, notes) | _typed(network, settings or {}, problems)
+    for way, component in network.components.items():
+        ignored += [of_fmu(component, problem) for problem in network.models[way].ignored]
+    given = assignments(network, notes, problems) | _typed(network, settings or {}, problems)
     network.models = _resized(network, given, problems)
-    problems += connector_problems(network)
+    problems += connector_problems(network, given, ignored)
     raise_if_any(problems)
     assembly = _Assembly(network, given, problems)
     assembly.connect()
@@ -74,7 +77,7 @@ def system_of(
     places = {
         f"{names[way]}.{label}": at for way, draft in assembly.drafts.items() for label, at in draft.places.items()
     }
-    return ResolvedSystem(structure, signals, tuple(dict.fromkeys(notes)), places)
+    return ResolvedSystem(structure, signals, tuple(dict.fromkeys(notes)), tuple(dict.fromkeys(ignored)), places)
 
 
 def _names(network: Network, problems: list[Problem]) -> dict[Way, str]:

@@ -21,13 +21,18 @@ TYPED = "typed"
 Settled = float | str | bytes
 
 
-def assignments(network: Network, notes: list[Problem]) -> dict[Endpoint, Assignment]:
+def assignments(network: Network, notes: list[Problem], problems: list[Problem]) -> dict[Endpoint, Assignment]:
     """What the bindings of all elements give, by variable of an FMU or connector of a system.
 
     Of several values for one of them the later binding's counts, and that of the outer system (SSP, 5.2.3). A name that
-    matches nothing is ignored, as SSP says; *notes* tell which.
+    matches nothing is ignored, as SSP says; *notes* tell which. Of two values in one set neither counts.
     """
-    return dict(_assigned(network, (), notes))
+    given = dict(_assigned(network, (), notes))
+    for node, assigned in given.items():
+        if assigned.value.rival:
+            what = f"{node} is given two values; the other stands at {assigned.value.rival}"
+            problems.append(Problem(what, assigned.value.where, "remove one of them"))
+    return given
 
 
 def _assigned(network: Network, way: Way, notes: list[Problem]) -> Iterator[tuple[Endpoint, Assignment]]:

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, Generic, TypeVar
 from pydantic import ConfigDict
 
 from dse.domain.component import PLANNED_KINDS, Component, Source, UnsupportedSource
-from dse.errors import DseError, Location, fail
+from dse.errors import DseError, Location, Problem, fail
 from dse.formats import Entry, shown
 from dse.loading.paths import followed, is_file, named_file
 from dse.loading.sections import Section, read_section
@@ -89,8 +89,9 @@ class ComponentKind(ABC, Generic[Written, Noun]):
         What is built is kept in the folder *cache* (see `dse.cache.cache_folder`) and never changed.
         """
 
-    def check(self, component: Component, source: Noun) -> None:
-        """Raise DseError with what ``dse check`` can tell without building: by default nothing."""
+    def check(self, component: Component, source: Noun) -> tuple[Problem, ...]:  # noqa: ARG002  # nothing is known here
+        """What in its files is ignored. Raises DseError with what ``dse check`` can tell without building."""
+        return ()
 
     def diagram(self, component: Component, source: Noun) -> Diagram | None:  # noqa: ARG002  # nothing is known here
         """The parts and links inside, for a picture; None if nothing is known of them. Raises DseError."""

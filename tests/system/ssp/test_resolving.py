@@ -278,7 +278,10 @@ def test_units_of_other_dimensions_are_refused(tmp_path):
     ],
 )  # fmt: skip
 def test_connectors_must_be_those_of_the_fmu(tmp_path, inner, expected):
-    (found,) = problems(tmp_path, description(elements(inner), UNITS), REAL)
+    target = inner.partition('Component name="')[2][:4].strip('"') + (".v" if "'v'" in expected else ".u")
+    used = connection(".x", target) if 'kind="input"' in inner else ""
+    text = elements(inner) + connectors("input x") + connections(used)
+    (found,) = problems(tmp_path, description(text, UNITS), REAL)
     assert expected in found
 
 
