@@ -15,9 +15,6 @@ PIP := $(if $(UV),$(UV) pip install --quiet --python $(VENV),$(BIN)/python -m pi
 # A machine without a C compiler gets one as a wheel.
 EXTRA := $(shell command -v $${CC:-cc} >/dev/null 2>&1 || command -v gcc >/dev/null 2>&1 || command -v clang >/dev/null 2>&1 || echo "[toolchain]")
 
-# Tests start hundreds of processes: none is to compile what another has compiled.
-unexport PYTHONDONTWRITEBYTECODE
-
 .PHONY: demo test thorough rest check nightly bench faults setup clean lint types layers web plugin lock sbom audit
 
 setup: $(VENV)/.ready
