@@ -52,6 +52,7 @@ def pool(cache: Path, workers: int = 2) -> ProcessPoolExecutor:
     return ProcessPoolExecutor(workers, get_context("spawn"), set_cache, (str(cache),))
 
 
+@pytest.mark.nightly
 def test_workers_with_an_empty_cache_are_sent_what_they_lack(study, local, tmp_path: Path) -> None:
     with pool(tmp_path / "cache") as executor:
         made = study.explore(tmp_path / "out", executor=executor, fresh=True)

@@ -133,7 +133,7 @@ def test_one_worker_and_two_give_the_same_bytes(dse, explored, tmp_path):
     assert pages[0] == pages[1]
 
 
-@pytest.mark.thorough
+@pytest.mark.nightly
 def test_another_study_does_not_overwrite_a_folder(dse, explored):
     done = dse("run", "acc_following", "-o", str(explored))
     assert done.returncode == 1

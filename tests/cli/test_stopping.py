@@ -98,7 +98,7 @@ def test_a_command_is_stopped_at_any_moment_of_its_start(example, cache, tmp_pat
         assert list(temporary.iterdir()) == []
 
 
-@pytest.mark.thorough
+@pytest.mark.nightly
 def test_a_study_is_stopped_at_any_moment_and_goes_on(example, cache, tmp_path):
     """With more signals while it tidies up, to the process or to all of its group."""
     shutil.rmtree(cache / "runs", ignore_errors=True)  # what other tests made would be taken

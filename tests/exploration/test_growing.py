@@ -129,7 +129,7 @@ def killed_on_the_way(folder: Path, keep: Keep, workers: int, kills: int, second
         (2, 4, 0.05),
         # A run takes so long that the study is not done before the last kill.
         pytest.param(1, 20, 0.4, marks=pytest.mark.nightly),
-        pytest.param(2, 20, 0.8, marks=pytest.mark.thorough),
+        pytest.param(2, 20, 0.8, marks=pytest.mark.nightly),
     ],
 )
 def test_killed_at_random_moments_it_ends_with_the_same_bytes(
