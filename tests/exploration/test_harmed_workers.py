@@ -38,7 +38,6 @@ def test_a_process_that_makes_a_copy_of_itself_stays_one_worker(tmp_path: Path, 
 @pytest.mark.sampled(4)
 @BOTH
 @pytest.mark.parametrize("levels", [5, 50])
-@pytest.mark.thorough
 def test_what_a_run_writes_where_it_must_not_harms_none(tmp_path: Path, keep: Keep, levels: int) -> None:
     # 2,500 runs make chunks of 32, in which it shows only later that something was written.
     bench = FakeBench("a", "scribbles", (7, 20), timeout=5)
@@ -97,7 +96,6 @@ def test_a_run_that_lowers_the_limit_for_files_harms_none_and_itself_neither(tmp
 
 @pytest.mark.sampled(2)
 @pytest.mark.parametrize("threads", [1, 2])
-@pytest.mark.thorough
 def test_a_run_that_fails_as_others_have_used_up_all_files_is_made_again(
     tmp_path: Path, few_files: None, threads: int
 ) -> None:

@@ -60,7 +60,6 @@ def content(path: Path) -> tuple[bytes, dict[str, bytes]]:
 
 @pytest.mark.sampled(3)
 @pytest.mark.parametrize("keep", list(Keep))
-@pytest.mark.thorough
 def test_a_study_that_was_made_before_is_taken_whole(tmp_path: Path, keep: Keep, monkeypatch: Any) -> None:
     study = study_of(levels=6, keep=keep)
     first = run(tmp_path / "one", study)
@@ -105,7 +104,6 @@ def test_the_order_of_metrics_and_requirements_may_be_another(tmp_path: Path) ->
 
 @pytest.mark.sampled(3)
 @pytest.mark.parametrize("mischief", ["fails", "raises", "crashes"])
-@pytest.mark.thorough
 def test_runs_that_failed_are_simulated_again(tmp_path: Path, mischief: str) -> None:
     study = study_of(levels=3)
     assert run(tmp_path / "one", study, mischief=mischief, when=(4,)).failed == 1

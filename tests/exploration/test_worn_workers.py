@@ -59,7 +59,6 @@ def pids(file: Path) -> list[str]:
 
 @pytest.mark.sampled(2)
 @pytest.mark.parametrize("keep", [Keep.NONE, Keep.ALL])
-@pytest.mark.thorough
 def test_no_process_makes_more_runs_than_it_bears(tmp_path: Path, keep: Keep) -> None:
     file = tmp_path / "processes"
     bench = FakeBench("a", "tells its process", file=file, most_runs=3)

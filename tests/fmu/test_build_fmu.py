@@ -77,7 +77,6 @@ def controller(workshop):
 
 
 @pytest.mark.sampled(2)
-@pytest.mark.thorough
 def test_the_archive_is_valid_in_the_eyes_of_fmpy(controller, workshop, cache, version):
     from fmpy.validation import validate_fmu
 

@@ -66,7 +66,6 @@ def small_batches(monkeypatch):
 
 @pytest.mark.sampled(8)
 @pytest.mark.parametrize("name", CASES)
-@pytest.mark.thorough
 def test_intervals_hold_the_truth_about_nineteen_times_of_twenty(name, small_batches):
     flat, truth = CASES[name]
     diagram = compile_diagram(flat)
