@@ -19,6 +19,11 @@ class FmiInterface(StrEnum):
     CO_SIMULATION = "CoSimulation"
     MODEL_EXCHANGE = "ModelExchange"
 
+    @property
+    def word(self) -> str:
+        """As files of a workspace spell it: ``model_exchange``."""
+        return self.name.lower()
+
 
 @dataclass(frozen=True, slots=True)
 class Variable:

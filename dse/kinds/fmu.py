@@ -19,7 +19,7 @@ class FmuSection(SourceSection):
     interface: str | None = None
 
 
-_INTERFACES = {"co_simulation": FmiInterface.CO_SIMULATION, "model_exchange": FmiInterface.MODEL_EXCHANGE}
+_INTERFACES = {interface.word: interface for interface in FmiInterface}
 
 
 @dataclass(frozen=True, slots=True)

@@ -56,17 +56,18 @@ class Runner(AbstractContextManager["Runner"]):
             table = self._simulator.run(stop=simulation.stop, step=simulation.step, start=start, out=self._table)
         except RunFailed as error:
             return Run(request, Outcome.FAILED, {}, judge_failed(prepared.requirements), str(error))
-        n, is_whole = len(table), len(table) == len(self._time)
+        time, is_whole = self._time[: len(table)], len(table) == len(self._time)
         self._table = table if is_whole else self._table
         self._rows = np.empty((len(self._columns), len(self._time))) if self._rows is None else self._rows
-        self._rows[:, :n] = table.T
-        columns = dict(zip(self._columns, self._rows[:, :n], strict=True))
-        metrics, judgements = prepared.program.evaluate(self._time[:n], columns, constants)
+        rows = self._rows[:, : len(table)]
+        rows[:] = table.T
+        columns = dict(zip(self._columns, rows, strict=True))
+        metrics, judgements = prepared.program.evaluate(time, columns, constants)
         problem = "" if is_whole else f"ended early: {self._simulator.ended}"
         if self._halved is not None:
             bars, unknown = self._halved.error_bars(metrics, constants, start)
             metrics, problem = {**metrics, **bars}, "; ".join(filter(None, (problem, unknown)))
-        waveforms = self._waveforms(columns) if keep else None
+        waveforms = self._waveforms(time, columns) if keep else None
         return Run(request, Outcome.DONE, metrics, judgements, problem, waveforms)
 
     def close(self) -> None:
@@ -78,11 +79,10 @@ class Runner(AbstractContextManager["Runner"]):
     def __exit__(self, *_: object) -> None:
         self.close()
 
-    def _waveforms(self, columns: Mapping[str, NDArray[np.float64]]) -> Waveforms:
+    def _waveforms(self, time: NDArray[np.float64], columns: Mapping[str, NDArray[np.float64]]) -> Waveforms:
         stride = self.prepared.simulation.stride
         values = {name: columns[name][::stride].copy() for name in self.prepared.recording.kept}
-        n = len(next(iter(columns.values()), self._time))
-        return Waveforms(np.ascontiguousarray(self._time[:n:stride]), values)
+        return Waveforms(np.ascontiguousarray(time[::stride]), values)
 
 
 def make_runner(prepared: PreparedBench, progress: memoryview | None) -> Runner:

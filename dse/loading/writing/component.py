@@ -6,9 +6,8 @@ from collections.abc import Iterable
 from typing import Any
 
 from dse.domain.component import Causality, Component, Interface, Port
+from dse.domain.fmu import FmiInterface
 from dse.formats import write_file, write_name, write_parameter, write_text
-
-_WAYS = {"CoSimulation": "co_simulation", "ModelExchange": "model_exchange"}
 
 
 def write_fmu_component(component: Component, file: str) -> str:
@@ -18,7 +17,7 @@ def write_fmu_component(component: Component, file: str) -> str:
         data["title"] = write_text(component.title)
     data["implements"] = write_name(component.interface.name)
     asked = component.source and component.source.interface
-    way = f", interface: {_WAYS[asked[0]]}" if asked else ""
+    way = f", interface: {FmiInterface(asked[0]).word}" if asked else ""
     data["source"] = f"{{kind: fmu, file: {write_text(file)}{way}}}"
     if component.names:
         data["map"] = {own: write_text(label) for own, label in component.names.items()}
