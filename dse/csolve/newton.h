@@ -5,6 +5,7 @@
  *   dse_problem            type: what the equations belong to
  *   DSE_VALUES_OF(p)       the doubles among which the unknowns stand
  *   DSE_LARGEST_SYSTEM     unknowns of the largest system
+ *   DSE_MAY_JUMP(p)        whether another root will do where the one that is followed has come to its end
  */
 #ifndef DSE_CSOLVE_NEWTON_H
 #define DSE_CSOLVE_NEWTON_H
@@ -169,6 +170,33 @@ static inline int dse_newton_iterate(dse_problem *p, uint32_t n, const uint32_t 
     return failure;
 }
 
+#define DSE_JUMP_LEAST 1e-3
+#define DSE_JUMP_DOUBLINGS 20
+
+/* Where a branch of roots ends, as at a fold, the next ones lie along the direction in which the equations do not hold it
+ * any more, that of the last Newton step: seek there on both sides of *before*, ever further. */
+static inline int dse_newton_jump(dse_problem *p, uint32_t n, const uint32_t *place, const double *scale,
+    dse_system *system, struct dse_newton_work *work, const double *before, int failure) {
+    double way[DSE_LARGEST_SYSTEM];
+    const double length = dse_newton_length(n, work->weight, work->step);
+    const int is_known = length > 0.0 && length <= DBL_MAX;
+    double reach = DSE_JUMP_LEAST;
+    for (uint32_t k = 0; k < n; k++) {
+        way[k] = is_known ? work->step[k] / length : fmax(fabs(before[k]), scale[k]);
+    }
+    for (int count = 0; count <= DSE_JUMP_DOUBLINGS; count++, reach *= 2.0) {
+        for (int sign = 1; sign >= -1; sign -= 2) {
+            for (uint32_t k = 0; k < n; k++) {
+                DSE_VALUES_OF(p)[place[k]] = before[k] + sign * reach * way[k];
+            }
+            if (!dse_newton_iterate(p, n, place, scale, system, work, failure)) {
+                return 0;
+            }
+        }
+    }
+    return failure;
+}
+
 /* Solve the *n* equations of *system* for the unknowns at *place* among the values, from the values that stand there. *scale*
  * is the size below which an unknown's changes do not matter relatively. 0 if it is solved to 1e-12 or to the limit of
  * rounding, and everything *system* writes belongs to the solution; else *failure* or what *system* told, and the
@@ -180,8 +208,13 @@ static inline int dse_newton(dse_problem *p, uint32_t n, const uint32_t *place, 
     int code;
     for (uint32_t k = 0; k < n; k++) {
         before[k] = DSE_VALUES_OF(p)[place[k]];
+        work.step[k] = 0.0;
+        work.weight[k] = 1.0;
     }
     code = dse_newton_iterate(p, n, place, scale, system, &work, failure);
+    if (code && DSE_MAY_JUMP(p)) {
+        code = dse_newton_jump(p, n, place, scale, system, &work, before, failure);
+    }
     if (!code) {
         code = system(p, work.residual, NULL);
     }

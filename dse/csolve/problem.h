@@ -44,6 +44,9 @@ static inline bool dse_is_crossed(dse_problem *p, const double look[], int64_t k
 /* The derivatives of *slope* by the states at *from*, if the model can tell; *is_told*. */
 static inline dse_answer dse_told_jacobian(dse_problem *p, bool *is_told);
 
+/* A step is accepted, and the model stands at its end. */
+static inline void dse_settle(dse_problem *p);
+
 /* Note as trouble that the stiff solver's matrix is singular. */
 static inline dse_answer dse_refuse_singular(dse_problem *p);
 

@@ -162,6 +162,7 @@ static inline bool dse_take_step(dse_problem *p, double limit) {
         }
         const double damped = pow(error, 0.17);
         if (answer == DSE_DONE && error <= 1.0) {
+            dse_settle(p);
             dse_learn(s, wanted, error, damped, was_rejected);
             break;
         }

@@ -76,6 +76,12 @@ static inline dse_answer dse_refuse_singular(const Element *p)
     return refuse(p->system, p->exchange, SINGULAR, 0, 0);
 }
 
+/* That a step is accepted, the FMU is told where the step ends. */
+static inline void dse_settle(const Element *p)
+{
+    (void)p;
+}
+
 static inline bool dse_wants_values(const Element *p)
 {
     (void)p;

@@ -66,6 +66,23 @@ static bool dse_meet_event(dse_component *m, dse_tell *tell) {
     return dse_event_and_restart(m, tell, 0.0);
 }
 
+/* Make v that of *states* at a *time* within the last step. They are as exact as the tolerance asks, which may be a
+ * little beyond a fold: then on the branch that follows. */
+static bool dse_place_within(dse_component *m, double time, const double states[]) {
+    if (dse_place(m, time, states)) {
+        return true;
+    }
+    const dse_reason trouble = m->solver.trouble;
+    dse_forgive(m);
+    m->refused = INFINITY;
+    const bool is_placed = DSE_ROOTS > 0 && dse_place(m, time, states);
+    m->refused = 0.0;
+    if (!is_placed) {
+        m->solver.trouble = trouble;
+    }
+    return is_placed;
+}
+
 /* From m->time to *target* with the inputs as they are. *is_steady*: they have not changed, so the solver may look
  * ahead; its dense output then gives the states at *target*. False on trouble, which is noted. */
 static bool dse_advance(dse_component *m, dse_tell *tell, double target, bool is_steady, double spare) {
@@ -99,7 +116,7 @@ static bool dse_advance(dse_component *m, dse_tell *tell, double target, bool is
         }
     }
     dse_dense_states(m, (target - s->start) / s->width, s->trial);
-    return dse_place(m, target, s->trial) && dse_check_all(m, tell);
+    return dse_place_within(m, target, s->trial) && dse_check_all(m, tell);
 }
 
 #endif

@@ -29,6 +29,29 @@ static inline void dse_get_states(const dse_component *m, double states[]) {
     }
 }
 
+/* Newton's method starts from the roots of the last accepted point, wherever the solver tries: where a loop has several
+ * roots, a trial that went too far must not leave its mark on the next. */
+static inline void dse_put_roots(dse_component *m) {
+    for (int k = 0; k < DSE_ROOTS; k++) {
+        m->v[dse_root[k]] = m->root[k];
+    }
+}
+
+static inline void dse_take_roots(dse_component *m) {
+    for (int k = 0; k < DSE_ROOTS; k++) {
+        m->root[k] = m->v[dse_root[k]];
+    }
+}
+
+/* What stands in v is accepted. */
+static inline void dse_keep_roots(dse_component *m) {
+    dse_take_roots(m);
+    if (fabs(m->time - m->settled) >= m->refused) {
+        m->refused = 0.0;
+    }
+    m->settled = m->time;
+}
+
 /* The derivatives that stand in v; false if one is not finite. */
 static inline bool dse_get_slope(dse_component *m, double slope[]) {
     bool is_finite = true;
@@ -44,14 +67,25 @@ static inline bool dse_get_slope(dse_component *m, double slope[]) {
     return true;
 }
 
+/* The derivatives of what stands in v. */
+static inline bool dse_derive_at(dse_component *m) {
+    dse_put_roots(m);
+    const int code = model_derivatives(m);
+    if (code > 0) {
+        m->refused = fmax(m->refused, fabs(m->time - m->settled));
+    } else if (DSE_MAY_JUMP(m)) {
+        dse_take_roots(m); /* no way back: a step half on each branch would slide along the fold */
+    }
+    return code == 0 || dse_trouble(m, code, 0);
+}
+
 /* Make v that of *states* at *time*. */
 static inline bool dse_place(dse_component *m, double time, const double states[]) {
     m->time = time;
     dse_put_states(m, states);
     m->solver.past.evaluations++;
     m->solver.is_at_end = 0;
-    const int code = model_derivatives(m);
-    return code == 0 || dse_trouble(m, code, 0);
+    return dse_derive_at(m);
 }
 
 static inline bool dse_slope(dse_component *m, double time, const double states[], double slope[]) {

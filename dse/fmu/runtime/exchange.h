@@ -49,7 +49,7 @@ static bool dse_derive(struct dse_instance *instance, const char *function) {
     if (instance->at.is_stale != DSE_STALE_DERIVATIVES) {
         return true;
     }
-    if (!dse_take_over(instance, &is_new) || !dse_is_done(m, model_derivatives(m))) {
+    if (!dse_take_over(instance, &is_new) || !dse_derive_at(m)) {
         return dse_discard(instance, function);
     }
     instance->at.is_stale = DSE_STALE_OUTPUTS;
@@ -147,6 +147,7 @@ static bool dse_exchange_update(struct dse_instance *instance, const char *funct
     dse_get_states(m, before);
     const bool is_done = dse_take_over(instance, &is_new) && dse_is_done(m, model_derivatives(m))
                          && dse_event(m, dse_tell_check, dse_exchange_spare(m)) && dse_check_all(m, dse_tell_check);
+    dse_keep_roots(m);
     dse_get_states(m, after);
     news->has_ended = dse_has_ended(instance);
     news->has_new_states = DSE_STATES > 0 && memcmp(before, after, DSE_STATES * sizeof *before) != 0;
@@ -156,18 +157,19 @@ static bool dse_exchange_update(struct dse_instance *instance, const char *funct
     return is_done || dse_tell_trouble(instance, function) || news->has_ended;
 }
 
-/* A step of the importer's solver is done: the asserts. */
+/* A step of the importer's solver is done: where loops go on from, and the asserts. */
 static bool dse_exchange_completed(struct dse_instance *instance, const char *function, bool *has_ended) {
     *has_ended = false;
     if (!dse_is_exchange(instance, function, DSE_STEPPING)) {
         return false;
     }
-    if (DSE_CHECKS == 0) {
+    if (DSE_CHECKS + DSE_ROOTS == 0) {
         return true;
     }
     if (!dse_derive(instance, function)) {
         return false;
     }
+    dse_keep_roots(&instance->at.now);
     const bool is_done = dse_check_all(&instance->at.now, dse_tell_check);
     *has_ended = dse_has_ended(instance);
     return is_done || dse_tell_trouble(instance, function) || *has_ended;

@@ -42,6 +42,8 @@ static inline dse_answer dse_told_jacobian(dse_component *m, bool *is_told) {
     return DSE_DONE;
 }
 
+static inline void dse_settle(dse_component *m) { dse_keep_roots(m); }
+
 static inline dse_answer dse_refuse_singular(dse_component *m) {
     dse_forgive(m);
     return dse_answer_of(dse_trouble(m, DSE_SINGULAR, 0));
@@ -65,6 +67,7 @@ static bool dse_restart(dse_component *m) {
     s->end = m->time;
     s->has_step = s->has_event = 0;
     dse_get_states(m, s->to);
+    dse_keep_roots(m);
     return dse_see(m, s->at_end) && dse_get_slope(m, s->slope);
 }
 

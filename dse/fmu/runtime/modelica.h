@@ -9,6 +9,8 @@
  *               DSE_CLOCKS      sample(phase, period)
  *               DSE_PRE         discrete variables of which pre is used
  *               DSE_DISCRETES   discrete variables; may be left out if all are in DSE_PRE
+ *               DSE_ROOTS       unknowns of the nonlinear loops that derivatives and relations need;
+ *                               may be left out, and dse_root with it, if there are none
  *               DSE_CHECKS      asserts and terminates
  *               DSE_DATA        doubles of tables that are made from parameters: m->data
  *               DSE_LARGEST_SYSTEM     unknowns of the largest Newton or linear system
@@ -17,6 +19,7 @@
  *               Any size may be 0; an array then has one element that nobody looks at.
  *   #include "modelica.h"
  *   the data    static const uint32_t dse_state[], dse_derivative[];      places in v, one each a state
+ *               static const uint32_t dse_root[];                         of the loops' unknowns
  *               static const char *const dse_state_names[];
  *               static const uint32_t dse_discrete[];                     place in v of pre[k]
  *               static const char *const dse_failure[];    what is told when a function returns 1 + index
@@ -59,6 +62,11 @@
 
 #ifndef DSE_DISCRETES
 #define DSE_DISCRETES DSE_PRE
+#endif
+
+#ifndef DSE_ROOTS
+#define DSE_ROOTS 0
+static const uint32_t dse_root[] = {0};
 #endif
 
 #define DSE_AUTO_SOLVER 0
@@ -123,6 +131,9 @@ typedef struct {
     double v[DSE_ROOM(DSE_VALUES)]; /* first, so a slot's offset is 8 * place */
     double pre[DSE_ROOM(DSE_PRE)];
     double data[DSE_ROOM(DSE_DATA)];
+    double root[DSE_ROOM(DSE_ROOTS)]; /* as the last accepted point has them */
+    double settled;                   /* its time */
+    double refused;                   /* how far from it a point had no values; 0 once a step has come as far */
     double time;
     double continued; /* while homotopy is: its share of the actual expression */
     int64_t next_tick[DSE_ROOM(DSE_CLOCKS)];
@@ -145,6 +156,11 @@ typedef struct {
 
 typedef dse_component dse_problem;
 #define DSE_VALUES_OF(m) ((m)->v)
+/* Newton's method may only have started too far away: steps are made next to nothing before a jump is believed. */
+#define DSE_NO_DISTANCE 1e-6 /* of the one at which there were no values at first */
+#define DSE_MAY_JUMP(m)                                                                                                \
+    (DSE_ROOTS > 0 && (m)->refused > 0.0                                                                               \
+        && fabs((m)->time - (m)->settled) <= DSE_NO_DISTANCE * (m)->refused)
 #include "csolve/newton.h"
 
 #endif

@@ -15,7 +15,7 @@ from dse.modelica.emit.hoist import Hoisted
 from dse.modelica.emit.memory import MemoryLayout
 from dse.modelica.emit.variables import Causality, FmuVariable, Variability
 from dse.modelica.flat_model import Clock
-from dse.modelica.solved_model import Solved, targets
+from dse.modelica.solved_model import Solved, System, targets
 
 TOKEN_SIZE = 80
 """Bytes of the token in start.c, always, so that model.h need not know it; the rest is 0."""
@@ -34,6 +34,7 @@ def size_lines(solved: Solved, memory: MemoryLayout, lean: Hoisted, largest_syst
         "CLOCKS": len(solved.flat.clocks),
         "PRE": len(memory.pre),
         "DISCRETES": len(set(targets(solved.event)) - continuous),
+        "ROOTS": len(_roots(solved)),
         "CHECKS": len(solved.flat.checks),
         "DATA": lean.data_size,
         "LARGEST_SYSTEM": largest_system,
@@ -48,11 +49,18 @@ def table_lines(solved: Solved, memory: MemoryLayout, failures: Sequence[str]) -
     relations = [quoted(relation_text(relation)) for relation in solved.flat.relations]
     yield from table("static const uint32_t dse_state[]", [str(memory.places[state]) for state in solved.states])
     yield from table("static const uint32_t dse_derivative[]", [str(memory.places[symbol]) for symbol in derivatives])
+    yield from table("static const uint32_t dse_root[]", [str(memory.places[root]) for root in _roots(solved)])
     yield from table("static const char *const dse_state_names[]", [quoted(str(state)) for state in solved.states])
     yield from table("static const uint32_t dse_discrete[]", [str(memory.of(name)) for name in memory.pre])
     yield from table("static const char *const dse_relations[]", relations)
     yield from table("static const struct dse_clock dse_clocks[]", clocks, "{0, 0, 1}")
     yield from table("static const char *const dse_failure[]", [quoted(text) for text in failures])
+
+
+def _roots(solved: Solved) -> tuple[Symbol, ...]:
+    """The unknowns of Newton's method while the model is integrated."""
+    systems = (block for block in solved.derivatives if isinstance(block, System) and not block.is_linear)
+    return tuple(unknown for system in systems for unknown in system.unknowns)
 
 
 def _clock(clock: Clock) -> str:
