@@ -106,6 +106,8 @@ def _say(results: Results, summary: Summary, explored: Explored, following: str)
     if explored.extended:
         what += f"; the study was extended, its {explored.before} runs are kept"
     screen.print(f"{folder}: {what}", soft_wrap=True)
+    for what in results.definition.ignored[:_MOST_PROBLEMS]:
+        screen.print(f"  ignored: {plain(what)}", soft_wrap=True)
     for remark in explored.remarks:
         screen.print(f"  {plain(remark)}", soft_wrap=True)
     if summary.verdicts:

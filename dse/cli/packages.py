@@ -11,23 +11,21 @@ import typer
 
 from dse.cli.app import DONE, RUNS_FAILED
 from dse.cli.arguments import Output
-from dse.cli.terminal import console, plain, plain_table, print_json, print_table, say
+from dse.cli.terminal import console, plain, plain_table, print_json, print_table, say, say_some
 from dse.errors import raise_if_any
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
+    from collections.abc import Mapping
 
     import numpy as np
     from numpy.typing import NDArray
 
     from dse.domain.method import Method
-    from dse.errors import Problem
     from dse.interchange import PreparedPackage, ResolvedSystem
 
     Columns = Mapping[str, NDArray[np.float64]]
 
 SUFFIXES = (".ssp", ".ssd")
-_MOST_NOTES = 5
 _TIMEOUT = 600.0
 """Seconds a package's run may take, if nobody says it."""
 
@@ -163,14 +161,6 @@ def _word(words: type[W], text: str | None, option: str) -> W:
     if text not in known:
         raise typer.BadParameter(f"'{text}' is none of {', '.join(known)}", param_hint=option)
     return words(text)
-
-
-def say_some(kind: str, problems: Sequence[Problem]) -> None:
-    """The first of *problems*, each as a line that begins with *kind*, and how many there are besides."""
-    for problem in problems[:_MOST_NOTES]:
-        say(f"{kind}: {problem}", stderr=True)
-    if len(problems) > _MOST_NOTES:
-        say(f"{kind}: and {len(problems) - _MOST_NOTES} more", stderr=True)
 
 
 def _write(target: Path, time: NDArray[np.float64], columns: Columns, prepared: PreparedPackage) -> None:

@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from dse.cli.arguments import Output
-from dse.cli.terminal import plain_table, print_json, print_table, say
+from dse.cli.terminal import plain_table, print_json, print_table, say, say_some
 
 if TYPE_CHECKING:
     from rich.table import Table
@@ -20,9 +20,11 @@ _STYLES = {"": "", "pass": "green", "fail": "red", "not exercised": "yellow", "f
 
 def present_run(run: Run, output: Output, plot: Path | None) -> None:
     """Print the run for a person or for a program, and draw its figures if a file for them is given."""
+    ignored = run.definition.ignored
     if output is Output.JSON:
-        print_json(_data(run.noun))
+        print_json(_data(run.noun) | ({"ignored": list(ignored)} if ignored else {}))
     else:
+        say_some("ignored", ignored)
         _show(run)
     if plot is not None and not run.has_waveforms:
         say(f"{plot}: not drawn, the run has no waveforms", stderr=True)

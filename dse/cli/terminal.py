@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import sys
 import unicodedata
-from collections.abc import Collection
+from collections.abc import Collection, Sequence
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
@@ -13,6 +13,8 @@ if TYPE_CHECKING:
     from rich.table import Table
 
     from dse.errors import DseError
+
+_MOST_NOTES = 5
 
 
 def show_problems(error: DseError) -> None:
@@ -51,6 +53,14 @@ def console(*, stderr: bool = False) -> Console:
 def say(text: str, *, style: str | None = None, stderr: bool = False) -> None:
     """A line as it is, however narrow the terminal; control characters in it are shown as such."""
     console(stderr=stderr).print(plain(text), style=style, soft_wrap=True)
+
+
+def say_some(kind: str, told: Sequence[object]) -> None:
+    """The first of *told*, each as a line that begins with *kind*, and how many there are besides."""
+    for one in told[:_MOST_NOTES]:
+        say(f"{kind}: {one}", stderr=True)
+    if len(told) > _MOST_NOTES:
+        say(f"{kind}: and {len(told) - _MOST_NOTES} more", stderr=True)
 
 
 def plain_table(*headings: str, right: Collection[str] = (), header: bool = True) -> Table:

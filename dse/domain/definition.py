@@ -132,6 +132,8 @@ class DefinedConfiguration:
 class StudyDefinition:
     """A study with all that decides its results; *fmus* are the content hashes of its FMUs by name.
 
+    *ignored* is what of their archives was passed over, as ``dse check`` tells it.
+
     *explored* are the configurations that the sampler is over, in this order; after an extension *configurations* may
     hold others, of which there are runs.
     """
@@ -150,6 +152,7 @@ class StudyDefinition:
     explored: tuple[str, ...]
     figures: tuple[DefinedFigure, ...] = ()
     fmus: Mapping[str, str] = field(default_factory=dict)
+    ignored: tuple[str, ...] = ()
     keep_waveforms: str = ""
     dse: str = ""
 
@@ -184,7 +187,10 @@ class StudyDefinition:
         there = {configuration.id for configuration in later.configurations}
         gone = tuple(configuration for configuration in self.configurations if configuration.id not in there)
         return replace(
-            later, configurations=(*later.configurations, *gone), fmus=dict(sorted({**self.fmus, **later.fmus}.items()))
+            later,
+            configurations=(*later.configurations, *gone),
+            fmus=dict(sorted({**self.fmus, **later.fmus}.items())),
+            ignored=tuple(sorted({*self.ignored, *later.ignored})),
         )
 
     def samples_alike(self, other: StudyDefinition) -> bool:

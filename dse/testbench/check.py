@@ -95,7 +95,7 @@ def _first(space: DesignSpace) -> Configuration:
 
 def _component(component: Component) -> tuple[Problem, ...]:
     kind = kind_of(component)
-    return kind.check(component, component.source) if kind is not None else ()
+    return tuple(kind.check(component, component.source) or ()) if kind is not None else ()
 
 
 def _bench(workspace: Workspace, path: str) -> None:

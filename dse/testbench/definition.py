@@ -6,6 +6,7 @@ import json
 from collections.abc import Mapping
 from dataclasses import asdict, replace
 from fractions import Fraction
+from pathlib import Path
 
 from dse import __version__
 from dse.domain.bench import Figure, Metric, Requirement, Simulation, TestBench
@@ -28,6 +29,7 @@ from dse.domain.method import PLAIN
 from dse.domain.run import ERROR_BAR
 from dse.domain.study import Study
 from dse.domain.system import Element
+from dse.errors import Location
 from dse.space import alternatives, summed_properties
 from dse.testbench.prepared import PreparedBench
 from dse.units import Unit
@@ -53,6 +55,7 @@ def define(study: Study, prepared: Mapping[str, PreparedBench]) -> StudyDefiniti
         explored=tuple(prepared),
         figures=tuple(_figure(figure) for figure in bench.figures),
         fmus=_fmus(prepared),
+        ignored=_ignored(prepared),
         keep_waveforms=str(study.keep),
         dse=__version__,
     )
@@ -107,6 +110,23 @@ def _fmus(prepared: Mapping[str, PreparedBench]) -> dict[str, str]:
     return dict(
         sorted({e.model.identifier: e.model.content_hash for p in prepared.values() for e in p.system.elements}.items())
     )
+
+
+def _ignored(prepared: Mapping[str, PreparedBench]) -> tuple[str, ...]:
+    """What was passed over, in files named from the archive on: where that lies is no matter of the study."""
+    models = {e.model.archive: e.model for p in prepared.values() for e in p.system.elements if e.model.ignored}
+    found = {
+        str(replace(problem, where=problem.where and _inside_archive(problem.where, archive)))
+        for archive, model in models.items()
+        for problem in model.ignored
+    }
+    return tuple(sorted(found))
+
+
+def _inside_archive(where: Location, archive: Path) -> Location:
+    """*where* with its file as ``supplier.fmu/modelDescription.xml``."""
+    _, name, inner = where.file.rpartition(archive.name)
+    return replace(where, file=f"{name}{inner}")
 
 
 def _method(simulation: Simulation) -> Json:

@@ -9,9 +9,9 @@ import typer
 
 from dse.cli.app import app
 from dse.cli.arguments import Strict
-from dse.cli.packages import check_package, is_package, say_some
+from dse.cli.packages import check_package, is_package
 from dse.cli.status import status_line
-from dse.cli.terminal import say
+from dse.cli.terminal import say, say_some
 from dse.errors import Problem, raise_if_any
 
 

@@ -247,4 +247,5 @@ def _facts(folder: StudyFolder, table: RunTable, waveforms: str) -> tuple[tuple[
         ("dse", definition.dse),
     ]
     facts += [(f"FMU {name}", digest) for name, digest in definition.fmus.items()]
+    facts += [("ignored", told) for told in definition.ignored]
     return tuple((name, value) for name, value in facts if value)

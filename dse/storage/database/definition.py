@@ -41,9 +41,10 @@ def definition_from_json(data: Json) -> StudyDefinition:
 def fingerprint(definition: StudyDefinition) -> str:
     """SHA-256 of the definition in canonical JSON: studies with equal fingerprints ask for the same runs and results.
 
-    Which waveforms are kept does not matter: they can be added to a study later.
+    Which waveforms are kept does not matter: they can be added to a study later. Nor does what was ignored.
     """
-    decisive = {key: value for key, value in definition_to_json(definition).items() if key != "keep_waveforms"}
+    left_out = ("keep_waveforms", "ignored")
+    decisive = {key: value for key, value in definition_to_json(definition).items() if key not in left_out}
     text = json.dumps(decisive, sort_keys=True, separators=(",", ":"), ensure_ascii=False)
     return hashlib.sha256(text.encode()).hexdigest()
 
