@@ -7,6 +7,7 @@ from .component.kind import (
     SourceSection as SourceSection,
     kind_of as kind_of,
 )
+from .component.series import Column as Column, TableSection as TableSection, read_series as read_series
 from .design.exchangeable import misfits as misfits
 from .extensions import (
     EXECUTORS as EXECUTORS,

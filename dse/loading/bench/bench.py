@@ -13,6 +13,7 @@ from dse.errors import Location, Problems, closest, fail, raise_if_any
 from dse.expression import parse_expression
 from dse.formats import Entry
 from dse.loading.bench.candidates import Candidates, bench_candidates, outputs, settable, split_name, types_of
+from dse.loading.bench.inputs import InputSection, read_inputs
 from dse.loading.bench.method import SimulationSection
 from dse.loading.bench.simulation import read_simulation
 from dse.loading.design.connections import read_connections
@@ -70,6 +71,7 @@ class BenchFile(Section):
     test_components: dict[str, TestComponentSection] = {}
     connections: list[str] = []
     parameters: dict[str, Raw] = {}
+    inputs: dict[str, InputSection] = {}
     simulation: SimulationSection
     metrics: dict[str, str | MetricSection] = {}
     requirements: dict[str, RequirementSection] = {}
@@ -83,9 +85,12 @@ def read_bench(path: Path, find_component: FindComponent, find_design: FindDesig
     design = find_design(file.design, entry["design"].where)
     problems = Problems()
     parts = _test_components(entry["test_components"], file, find_component, design, problems)
-    components = bench_candidates(design, parts)
     # What the bench would say of a part that could not be read follows from that, and is not said.
     unread = set(file.test_components) - {part.name for part in parts}
+    fed = {name: section for name, section in file.inputs.items() if name.split(".")[0] not in unread}
+    made = read_inputs(entry, fed, file.simulation.stop, design, parts, inside, problems)
+    parts, fed_by = (*parts, *made.parts), made.connections
+    components = bench_candidates(design, parts)
     parameters: dict[str, Value] = {}
     for name, raw in file.parameters.items():
         if name.split(".")[0] not in unread:
@@ -115,7 +120,7 @@ def read_bench(path: Path, find_component: FindComponent, find_design: FindDesig
         file.testbench,
         design,
         parts,
-        connections,
+        (*connections, *fed_by),
         parameters,
         simulation,
         metrics,
