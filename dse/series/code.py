@@ -83,7 +83,7 @@ def _line(component: Component, samples: Samples, times: str, values: str) -> st
     """The statement that sets one output."""
     offset, gain = (_parameter(component, samples.port, name, neutral) for name, neutral in _NEUTRAL.items())
     outside, count = _OUTSIDE[samples.outside], len(samples.times)
-    largest = max(abs(samples.first), abs(samples.first + samples.times[-1]))
+    largest = max(abs(samples.first), abs(samples.first + float(samples.times[-1])))
     # A file's times are as exact as doubles of their size; a sample due now must not come a step later.
     place = f"place({offset} - {samples.first!r}, self->time, {largest!r}, {times}[{count - 1}], {outside})"
     value = f"{_LOOKUP[samples.interpolation]}({times}, {values}, {count}, {place})"
