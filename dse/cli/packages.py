@@ -53,8 +53,8 @@ def is_package(name: str) -> bool:
 
 def waveform_file(path: Path | None) -> Path | None:
     """Refuse a file that could not be written before anything is simulated for it."""
-    if path is not None and path.suffix.lower() not in (".csv", ".json"):
-        raise typer.BadParameter(f"'{path.name}' must end in .csv or .json")
+    if path is not None and path.suffix.lower() not in (".csv", ".json", ".parquet"):
+        raise typer.BadParameter(f"'{path.name}' must end in .csv, .json or .parquet")
     if path is not None and not path.parent.is_dir():
         raise typer.BadParameter(f"there is no folder '{path.parent}'")
     return path
@@ -67,7 +67,7 @@ def simulate_package(
 
     *strict*: what would be ignored is refused.
     """
-    from dse.api import simulate_package as simulated
+    from dse.api import Waveforms, simulate_package as simulated
     from dse.interchange import prepare_ssp
 
     with console(stderr=True).status("opening FMUs"):
@@ -87,12 +87,15 @@ def simulate_package(
     if run.waveforms is None:
         say(f"{path.name} failed to run: {run.problem}", style="bold red", stderr=True)
         raise typer.Exit(RUNS_FAILED)
-    time, columns = run.waveforms.time, run.waveforms.values
+    columns = run.waveforms.values
     if target is not None:
-        _write(target, time, columns, prepared)
-        say(f"{target}: {len(columns)} waveforms of {len(time)} points")
+        # As other tools do, the headings of CSV are the names alone.
+        is_csv = target.suffix.lower() == ".csv"
+        units = {} if is_csv else {signal.name: signal.unit for signal in prepared.resolved.signals}
+        Waveforms(run.waveforms, units).write(target, _about(prepared))
+        say(f"{target}: {len(columns)} waveforms of {len(run.waveforms.time)} points")
     elif output is Output.JSON:
-        print_json(_data(time, columns, prepared, whole=False))
+        print_json(_data(columns, prepared))
     else:
         _show(path, columns, prepared)
     if run.problem:
@@ -163,33 +166,14 @@ def _word(words: type[W], text: str | None, option: str) -> W:
     return words(text)
 
 
-def _write(target: Path, time: NDArray[np.float64], columns: Columns, prepared: PreparedPackage) -> None:
-    """Numbers in full: reading them gives the same bits."""
-    import csv
-    import json
-
-    from dse.scratch import written_whole
-
-    with written_whole(target) as aside, aside.open("w", encoding="utf-8", newline="") as file:
-        if target.suffix.lower() == ".json":
-            json.dump(_data(time, columns, prepared, whole=True), file, ensure_ascii=False, indent=1)
-            file.write("\n")
-        else:
-            writer = csv.writer(file, lineterminator="\n")
-            writer.writerow(["time", *columns])
-            writer.writerows(zip(*(map(repr, c.tolist()) for c in (time, *columns.values())), strict=True))
+def _data(columns: Columns, prepared: PreparedPackage) -> dict[str, object]:
+    """The run as data: where each waveform begins and ends."""
+    signals = {s.name: {"unit": s.unit, **_extremes(columns[s.name])} for s in prepared.resolved.signals}
+    return {**_about(prepared), "signals": signals}
 
 
-def _data(time: NDArray[np.float64], columns: Columns, prepared: PreparedPackage, *, whole: bool) -> dict[str, object]:
-    """The run as data: all waveforms if *whole*, else where each ends."""
+def _about(prepared: PreparedPackage) -> dict[str, object]:
     timing = prepared.timing
-    signals = {
-        signal.name: {
-            "unit": signal.unit,
-            **({"values": columns[signal.name].tolist()} if whole else _extremes(columns[signal.name])),
-        }
-        for signal in prepared.resolved.signals
-    }
     head: dict[str, object] = {
         "system": prepared.ssp.name,
         "variant": prepared.ssp.variant,
@@ -198,7 +182,7 @@ def _data(time: NDArray[np.float64], columns: Columns, prepared: PreparedPackage
     }
     if prepared.resolved.ignored:
         head["ignored"] = [str(problem) for problem in prepared.resolved.ignored]
-    return {**head, **({"time": time.tolist()} if whole else {}), "signals": signals}
+    return head
 
 
 def _extremes(values: NDArray[np.float64]) -> dict[str, float]:

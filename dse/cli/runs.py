@@ -35,6 +35,16 @@ def present_run(run: Run, output: Output, plot: Path | None) -> None:
         say(f"figures: {plot}")
 
 
+def write_run(run: Run, target: Path) -> None:
+    """Write the waveforms that the bench records, if the run has come to some."""
+    if not run.has_waveforms or not len(run.waveforms):
+        why = "the bench records nothing" if run.has_waveforms else "the run has no waveforms"
+        say(f"{target}: not written, {why}", stderr=True)
+        return
+    run.waveforms.write(target, {"bench": run.definition.bench.name, "configuration": run.configuration})
+    say(f"{target}: {len(run.waveforms)} waveforms of {len(run.waveforms.time)} points", stderr=True)
+
+
 def metric_table(run: nouns.Run, definition: StudyDefinition) -> Table:
     """Every metric in its unit, with its error bar if it was checked, and the requirements if there are any."""
     from rich.text import Text

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from typing import TYPE_CHECKING
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 from dse.api.showing import described
 from dse.api.showing.html import table
@@ -25,6 +26,7 @@ class Waveforms(Mapping[str, "NDArray[np.float64]"]):
     """Recorded variables by name, each an array over *time* (s), in SI; *units* names those units that are known."""
 
     def __init__(self, noun: nouns.Waveforms, units: Mapping[str, str]) -> None:
+        self._noun = noun
         self.time = noun.time
         self.units = {name: units[name] for name in noun.values if name in units}
         self._values = noun.values
@@ -45,6 +47,15 @@ class Waveforms(Mapping[str, "NDArray[np.float64]"]):
         frame = pd.DataFrame(dict(self._values), pd.Index(self.time, name="time"))
         frame.attrs["units"] = {"time": "s", **self.units}
         return frame
+
+    def write(self, target: str | Path, about: Mapping[str, Any] | None = None) -> None:
+        """Write them to a .csv, .json or .parquet file: SI, numbers in full, with the units that are known.
+
+        *about* are further keys for JSON. Raises DseError for another suffix, or if it cannot be written.
+        """
+        from dse.storage import write_waveform_file
+
+        write_waveform_file(Path(target), self._noun, self.units, about or {})
 
     def __repr__(self) -> str:
         return f"<Waveforms of {len(self.time)} points: {', '.join(self)}>"

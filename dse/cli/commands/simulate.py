@@ -32,7 +32,7 @@ Subject = Annotated[
 Waveforms = Annotated[
     Path | None,
     typer.Option(
-        "--output", "-o", metavar="FILE", callback=waveform_file, help="Write a package's waveforms (.csv or .json)."
+        "--output", "-o", metavar="FILE", callback=waveform_file, help="Write the waveforms (.csv, .json or .parquet)."
     ),
 ]
 Variant = Annotated[str | None, typer.Option("--variant", metavar="NAME", help="Which .ssd file of a package.")]
@@ -80,7 +80,7 @@ def simulate(
 
     Takes the first valid configuration unless --configuration names another.
 
-    Of a package, shows where each of its outputs begins and ends; --output writes the waveforms.
+    --output writes the waveforms. Of a package, shows where each of its outputs begins and ends.
     """
     wishes = Wishes(
         variant,
@@ -98,11 +98,11 @@ def simulate(
         meant = {"--configuration": configuration, "--plot": plot, "--fuse": fuse, "--gate": gate}
         _refuse({**meant, "--check-step": check_step, "--fmi": version != 2}, "bench")  # the default
         simulate_package(Path(bench), wishes, waveforms, output, sandbox=sandbox, strict=strict)
-    asked = {"--output": waveforms, "--variant": variant, "--stop": stop, "--step": step, "--record": record}
+    asked = {"--variant": variant, "--stop": stop, "--step": step, "--record": record}
     words = {"--algorithm": algorithm, "--coupling": coupling, "--extrapolation": extrapolation, "--timeout": timeout}
     _refuse({**asked, **words, "--tolerance": tolerance is not None, "--strict": strict}, "package")
     from dse.api import simulate_once
-    from dse.cli.runs import present_run
+    from dse.cli.runs import present_run, write_run
 
     tested = workspace_of(bench).bench(bench)
     with console(stderr=True).status("") as status:
@@ -117,6 +117,8 @@ def simulate(
             tell=status.update,
         )
     present_run(run, output, plot)
+    if waveforms is not None:
+        write_run(run, waveforms)
     failed = not run.is_done or (gate and "fail" in run.verdicts.values())
     raise typer.Exit(RUNS_FAILED if failed else DONE)
 
