@@ -237,7 +237,7 @@ def test_a_setting_changes_a_package_too(package, dse_in, simulated):
     [
         (["ramped.ssp", "--set", "drive.rat=4"], 1, "no 'drive.rat' to set\n    hint: did you mean 'drive.rate'?"),
         (["ramped.ssp", "--step", "0.3 s"], 1, "is not a whole number of steps"),
-        (["ramped.ssp", "-o", "out.txt"], 2, "must end in .csv or .json"),
+        (["ramped.ssp", "-o", "out.txt"], 2, "must end in .csv, .json or .parquet"),
         (["ramped.ssp", "--algorithm", "jakobi"], 2, "'jakobi' is none of jacobi, gauss_seidel"),
         (["ramped", "--stop", "1 s"], 2, "this is for a package"),
         (["ramped", "--tolerance", "1e-8"], 2, "this is for a package"),

@@ -59,4 +59,15 @@ def fmu() -> Files:
         return {**written("{kind: fmu, file: twice.fmu}"), "twice/twice.fmu": archive.read_bytes()}
 
 
-EXAMPLES: dict[str, Callable[[], Files]] = {"c": c, "fmu": fmu, "modelica": modelica}
+def time_series() -> Files:
+    return {
+        "interfaces.yaml": "interfaces: {profile: {outputs: {y: m}}}\n",
+        "twice/component.yaml": (
+            "component: twice\nimplements: profile\nsource: {kind: time_series, file: y.csv, columns: {y: y}}\n"
+            "parameters: {offset: {start: 0.25 s}, gain: {start: 2}}\n"
+        ),
+        "twice/y.csv": "t [s],y [km]\n0,0\n0.3,1\n2,-3\n",
+    }
+
+
+EXAMPLES: dict[str, Callable[[], Files]] = {"c": c, "fmu": fmu, "modelica": modelica, "time_series": time_series}

@@ -18,7 +18,7 @@ WAVEFORM_SUFFIXES = (".csv", ".json", ".parquet")
 def write_waveform_file(target: Path, waveforms: Waveforms, units: Mapping[str, str], about: Mapping[str, Any]) -> None:
     """Write time and values, in SI, to *target*, of one of `WAVEFORM_SUFFIXES`.
 
-    CSV: headings are ``name [unit]`` where *units* has one; without any, names alone. JSON: the keys of *about*, ``time`` and ``signals``, each
+    CSV: headings are ``name [unit]`` where *units* has one. JSON: the keys of *about*, ``time`` and ``signals``, each
     with its ``unit`` and ``values``. Parquet: float64 columns with the unit as the field's metadata ``unit``.
     Raises DseError for another suffix, or if *target* cannot be written.
     """
