@@ -39,14 +39,17 @@ class Place:
 
 
 def find_column(wanted: str | int, headings: Sequence[str], count: int, where: Location) -> Place:
-    """The column *wanted*: its number from 1, its heading, or that without or with another unit. Raises DseError."""
-    if isinstance(wanted, int):
-        if wanted > count:
-            raise fail(f"there is no column {wanted}: the file has {count}", where)
-        return Place(wanted - 1)
+    """The column *wanted*: its heading, also without its unit or with one stated, or its number from 1.
+
+    Raises DseError.
+    """
+    name, stated = split_unit(str(wanted))
+    if name.isdecimal() and (isinstance(wanted, int) or name not in _names(headings)):
+        if not 0 < int(name) <= count:
+            raise fail(f"there is no column {name}: the file has {count}", where)
+        return Place(int(name) - 1, stated)
     if not headings:
-        raise fail("the file has no headings", where, "give the number of the column, as 'column: 2'")
-    name, stated = split_unit(wanted)
+        raise fail("the file has no headings", where, "give the number of the column, as 'column: 2 [m/s]'")
     for names, text, unit in ((headings, wanted, ""), (headings, name, stated), (_names(headings), name, stated)):
         found = [index for index, heading in enumerate(names) if heading == text]
         if len(found) > 1:
@@ -54,7 +57,7 @@ def find_column(wanted: str | int, headings: Sequence[str], count: int, where: L
             raise fail(f"columns {numbers} are both '{text}'", where, "give the number of the one that is meant")
         if found:
             return Place(found[0], unit)
-    raise fail(f"there is no column '{wanted}'", where, closest(wanted, filter(None, headings)))
+    raise fail(f"there is no column '{wanted}'", where, closest(str(wanted), filter(None, headings)))
 
 
 def usual_time(headings: Sequence[str], where: Location) -> Place:

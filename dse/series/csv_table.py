@@ -94,10 +94,12 @@ def read_text_table(file: TableFile, where: Location) -> TextTable:
         for number, line in enumerate(_text(file, where).splitlines(), 1)
         if number > file.skip_lines and line.strip() and not line.lstrip().startswith(("#", "%", "//"))
     ]
+    stated = _STATED.fullmatch(numbered[0][1].strip()) if numbered else None
+    numbered = numbered[1:] if stated else numbered
     if not numbered:
         raise fail(f"{shown(file.path)} is empty", where)
     lines = [line for _, line in numbered]
-    separator = file.separator or _separator(file, lines[:_TRIED], where)
+    separator = file.separator or (stated[1] if stated else _separator(file, lines[:_TRIED], where))
     rows, places = [], []
     try:
         if separator == " ":
@@ -123,6 +125,9 @@ def read_text_table(file: TableFile, where: Location) -> TextTable:
         raise fail(f"{shown(file.path)} has no row below its headings", where)
     return TextTable(file, tuple(head) if is_headed else (), rows[first:], places[first:])
 
+
+_STATED = re.compile(r"sep=([,;|\t])", re.IGNORECASE)
+"""What a spreadsheet writes before the headings."""
 
 _TRIED = 50
 """Lines by which the separator is found out; all others have to agree with it."""
@@ -150,14 +155,11 @@ def _text(file: TableFile, where: Location) -> str:
 def _separator(file: TableFile, lines: Sequence[str], where: Location) -> str:
     """What stands between the cells of every one of *lines*; of two that do, the one that is no decimal comma."""
     for separator in ("\t", ";", "|", ","):
-        rows = [_stripped(row) for row in csv.reader(lines, delimiter=separator)]
-        counts = {len(row) for row in rows}
+        head, *rows = csv.reader(lines, delimiter=separator)
+        width = len(_stripped(head))
+        is_even = width > 1 and all(width in (len(row), len(_stripped(row))) for row in rows)
         # Decimal commas between blanks look like a table of their own: 0,1 2,5.
-        if (
-            len(counts) == 1
-            and max(counts) > 1
-            and not any(_TWO_NUMBERS.fullmatch(cell) for row in rows for cell in row)
-        ):
+        if is_even and not any(_TWO_NUMBERS.fullmatch(cell) for row in (head, *rows) for cell in row):
             return separator
     counts = {len(line.split()) for line in lines}
     if len(counts) == 1 and max(counts) > 1:

@@ -61,8 +61,9 @@ def _found(mdf: Any, wanted: str, group: int | None, where: Location) -> tuple[s
             if not places:
                 raise fail(f"the group {group} has no channel '{name}'", where)
             if len(places) > 1:
-                groups = ", ".join(str(place[0]) for place in places)
-                raise fail(f"several channels are called '{name}', in groups {groups}", where, "say 'group: …'")
+                groups = ", ".join(str(number) for number in sorted({place[0] for place in places}))
+                hint = "say 'group: …'" if "," in groups else "export it as CSV or Parquet, under another name"
+                raise fail(f"several channels are called '{name}', in the groups {groups}", where, hint)
             return name, stated, *places[0]
     raise fail(f"there is no channel '{wanted}'", where, closest(wanted, mdf.channels_db))
 

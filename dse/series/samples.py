@@ -25,6 +25,8 @@ MOST_SAMPLES = 400_000
 MOST_NUMBERS = 1_000_000
 """Of one component, times included."""
 
+_INCREASING = "times must increase; a jump is two rows a little apart, or 'interpolation: previous'"
+
 _LONGEST_RUN = 1e7
 """Seconds; no run is longer, so that a series that begins later counts from an epoch."""
 
@@ -129,7 +131,7 @@ def _samples(series: Series, type_: Type, tables: dict[TableFile, TextTable]) ->
         at = int(np.argmin(steps > 0))
         how = "stands still" if steps[at] == 0 else "goes back"
         what = f"the time {how}: {seconds[at + 1]:.12g} s after {seconds[at]:.12g} s"
-        raise fail(what, time.where(int(rows[at + 1])), "times must increase from row to row; write a jump as two rows")
+        raise fail(what, time.where(int(rows[at + 1])), _INCREASING)
     usual = Interpolation.LINEAR if type_.kind is Kind.REAL else Interpolation.PREVIOUS
     first = float(seconds[0])
     return Samples(series.port, type_, seconds - first, values, first, series.interpolation or usual, series.outside)
@@ -192,7 +194,7 @@ def _values(column: RawColumn, type_: Type, where: Location) -> NDArray[np.float
     if type_.kind is Kind.REAL:
         unit = unit_of(column, where)
         if unit is None and type_.unit.dimension:
-            hint = f"state it, as 'column: {column.heading} [{type_.unit}]'"
+            hint = f"state it, as 'column: {column.heading.removeprefix('column ')} [{type_.unit}]'"
             raise fail(f"nobody says in which unit '{column.heading}' is", where, hint)
         unit = unit or DIMENSIONLESS
         if unit.dimension != type_.unit.dimension or counts_otherwise(unit.symbol, type_.unit.symbol):
