@@ -34,7 +34,7 @@ def simulated(root: Path, **options) -> dse.Run:
     ("method", "distance"),
     [
         ("", HELD),
-        (", extrapolation: linear", EXTRAPOLATED),
+        pytest.param(", extrapolation: linear", EXTRAPOLATED, marks=pytest.mark.thorough),
         pytest.param(", algorithm: gauss_seidel", 3 * H**2 * N * (N + 1) / 2, marks=pytest.mark.thorough),
         pytest.param(", steps: {part: 25 ms}", HELD, marks=pytest.mark.thorough),
         pytest.param(", steps: {part: 400 ms}", 3 * 0.4**2 * 5 * 4 / 2, marks=pytest.mark.thorough),
@@ -98,6 +98,7 @@ def test_at_every_communication_point_the_part_sees_the_value_of_the_series_then
     assert waveforms["part.seen"].tolist() == [0, *expected[:-1]]  # what it was given at the beginning of its step
 
 
+@pytest.mark.thorough
 def test_between_samples_a_line_holds_and_outside_the_nearest_sample(tmp_path):
     run = simulated(lay_out(tmp_path, "file: lead.csv, column: v, offset: -0.25 s, gain: 2"))
     t = np.arange(21) * H
@@ -113,6 +114,7 @@ def test_a_run_is_given_another_offset_and_gain(tmp_path):
     assert np.allclose(run.waveforms["inputs.part.u"], expected, rtol=1e-14, atol=0)
 
 
+@pytest.mark.thorough
 def test_a_periodic_series_begins_anew_with_its_first_value(tmp_path):
     entry = "file: s.csv, column: v, interpolation: KIND, outside: periodic, offset: 0.3 s"
     sawtooth = "t,v [m/s]\n0.1,0\n0.4,3\n0.8,7\n"
