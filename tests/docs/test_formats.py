@@ -78,7 +78,7 @@ def dse(tmp_path_factory: pytest.TempPathFactory) -> Dse:
 def test_the_blocks_are_a_workspace_without_a_mistake(dse):
     done = dse("check")
     assert done.returncode == 0, done.stderr
-    assert done.stdout.startswith("ok: 3 interfaces, 4 components, 1 design space, 1 test bench, 1 study")
+    assert done.stdout.startswith("ok: 3 interfaces, 4 components, 1 design space, 2 test benches, 1 study")
 
 
 @pytest.mark.thorough
@@ -90,6 +90,15 @@ def test_the_bench_of_the_document_runs_and_gives_every_metric_and_verdict(dse):
     assert run["metrics"].keys() == {"rise", "speed_overshoot", "reached", "pushing", "work"}
     assert None not in run["metrics"].values()
     assert {judgement["verdict"] for judgement in run["requirements"].values()} == {"pass"}
+
+
+@pytest.mark.thorough
+def test_the_bench_that_is_fed_from_a_file_runs_and_its_waveforms_are_written(dse, tmp_path):
+    done = dse("simulate", "delivery", "-o", str(tmp_path / "wave.csv"))
+    assert done.returncode == 0, done.stderr
+    head, *rows = (tmp_path / "wave.csv").read_text(encoding="utf-8").splitlines()
+    assert head == "time,inputs.controller.set_speed [m/s],load.motion.speed [m/s]"
+    assert rows[120].startswith("12.0,2.0,")
 
 
 @pytest.mark.thorough

@@ -13,7 +13,7 @@ from dse.errors import Location, Problems, closest, fail, raise_if_any
 from dse.expression import parse_expression
 from dse.formats import Entry
 from dse.loading.bench.candidates import Candidates, bench_candidates, outputs, settable, split_name, types_of
-from dse.loading.bench.inputs import InputSection, read_inputs
+from dse.loading.bench.inputs import INPUTS, InputSection, read_inputs
 from dse.loading.bench.method import SimulationSection
 from dse.loading.bench.simulation import read_simulation
 from dse.loading.design.connections import read_connections
@@ -89,7 +89,8 @@ def read_bench(path: Path, find_component: FindComponent, find_design: FindDesig
     unread = set(file.test_components) - {part.name for part in parts}
     fed = {name: section for name, section in file.inputs.items() if name.split(".")[0] not in unread}
     made = read_inputs(entry, fed, file.simulation.stop, design, parts, inside, problems)
-    parts, fed_by = (*parts, *made.parts), made.connections
+    parts = (*parts, *made.parts)
+    unread |= {INPUTS} if file.inputs and not made.parts else set()
     components = bench_candidates(design, parts)
     parameters: dict[str, Value] = {}
     for name, raw in file.parameters.items():
@@ -120,7 +121,7 @@ def read_bench(path: Path, find_component: FindComponent, find_design: FindDesig
         file.testbench,
         design,
         parts,
-        (*connections, *fed_by),
+        (*connections, *made.connections),
         parameters,
         simulation,
         metrics,

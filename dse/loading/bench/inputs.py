@@ -23,7 +23,7 @@ from dse.units import DIMENSIONLESS
 if TYPE_CHECKING:
     from dse.formats import Entry
 
-PLACE = "inputs"
+INPUTS = "inputs"
 """The part of the bench that gives the values: ``inputs.world.lead.speed`` feeds ``world.lead.speed``."""
 
 _NAME = "inputs of the bench"
@@ -61,9 +61,9 @@ def read_inputs(
     """
     if not sections:
         return FedInputs()
-    entries = bench[PLACE]
-    if PLACE in (*design.root.parts, *(part.name for part in parts)):
-        problems.add(f"a part is called '{PLACE}', as what feeds inputs is", entries.key, "rename the part")
+    entries = bench[INPUTS]
+    if INPUTS in (*design.root.parts, *(part.name for part in parts)):
+        problems.add(f"a part is called '{INPUTS}', as what feeds inputs is", entries.key, "rename the part")
         return FedInputs()
     taken = _inputs(design, parts)
     ports: list[Port] = []
@@ -73,8 +73,8 @@ def read_inputs(
         entry = entries[name]
         with problems:
             ports.append(Port(name, Causality.OUTPUT, _type(name, taken, entry.key)))
-            series += read_series(entry, section, {name: (section.column, entry["column"])}, inside)
             parameters += _parameters(name, section, ports[-1].type, entry)
+            series += read_series(entry, section, {name: (section.column, entry["column"])}, inside)
     if len(series) < len(sections):
         return FedInputs()
     source = TimeSeriesSource(tuple(series), read_positive(bench["simulation"]["stop"], stop, "s", Problems()))
@@ -86,8 +86,8 @@ def read_inputs(
     if kind := kind_of(component):
         with problems:
             kind.check(component, source)
-    connections = tuple(Connection(f"{PLACE}.{name}", name, entries[name].key) for name in sections)
-    return FedInputs((TestComponent(PLACE, component, {}, entries.key),), connections)
+    connections = tuple(Connection(f"{INPUTS}.{name}", name, entries[name].key) for name in sections)
+    return FedInputs((TestComponent(INPUTS, component, {}, entries.key),), connections)
 
 
 def _inputs(design: DesignSpace, parts: Sequence[TestComponent]) -> dict[str, dict[str, list[Port]]]:
