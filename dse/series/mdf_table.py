@@ -29,7 +29,7 @@ def read_channel(series: Series) -> tuple[RawColumn, RawColumn]:
     if isinstance(series.column, int):
         raise fail("channels of MDF go by their names", where)
     try:
-        with MDF(path) as mdf:
+        with path.open("rb") as stream, MDF(stream) as mdf:
             name, stated, group, index = _found(mdf, series.column, series.file.group, where)
             signal = mdf.get(name, group=group, index=index, raw=True)
             if signal.conversion is not None and signal.conversion.conversion_type in _ALGEBRAIC[str(mdf.version)[0]]:
