@@ -89,9 +89,12 @@ _THOUSANDS = re.compile(r"[+-]?[1-9]\d{0,2}(?:,\d{3})+", re.ASCII)
 
 def read_text_table(file: TableFile, where: Location) -> TextTable:
     """The table in *file*. Raises DseError: it cannot be read, or how its columns are separated cannot be told."""
+    text = _text(file, where)
+    if text.count("\n") > _MOST_LINES:
+        raise fail(f"{shown(file.path)} has more than {_MOST_LINES:,} lines", where, "cut out what is used")
     numbered = [
         (number, line)
-        for number, line in enumerate(_text(file, where).splitlines(), 1)
+        for number, line in enumerate(text.splitlines(), 1)
         if number > file.skip_lines and line.strip() and not line.lstrip().startswith(("#", "%", "//"))
     ]
     stated = _STATED.fullmatch(numbered[0][1].strip()) if numbered else None
@@ -125,6 +128,8 @@ def read_text_table(file: TableFile, where: Location) -> TextTable:
         raise fail(f"{shown(file.path)} has no row below its headings", where)
     return TextTable(file, tuple(head) if is_headed else (), rows[first:], places[first:])
 
+
+_MOST_LINES = 1_000_000
 
 _STATED = re.compile(r"sep=([,;|\t])", re.IGNORECASE)
 """What a spreadsheet writes before the headings."""

@@ -170,6 +170,7 @@ def test_the_unit_of_a_frequency_is_not_taken_for_that_of_a_speed_of_rotation(tm
 
 
 def test_a_column_with_too_many_samples_is_refused(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
     monkeypatch.setattr("dse.series.samples.MOST_SAMPLES", 2)
     (tmp_path / "s.csv").write_text("t,v [m/s]\n0,0\n1,1\n2,1\n", encoding="utf-8")
     assert "has 3 samples, more than 2 | cut out" in refused(tmp_path / "s.csv")[1]
@@ -177,6 +178,10 @@ def test_a_column_with_too_many_samples_is_refused(tmp_path, monkeypatch):
     monkeypatch.setattr("dse.series.samples.MOST_NUMBERS", 5)
     with pytest.raises(DseError, match="component 'c' has 6 numbers in its series, more than 5"):
         read(tmp_path / "s.csv")
+    monkeypatch.setattr("dse.series.csv_table._MOST_LINES", 3)
+    assert refused(tmp_path / "s.csv")[1] == "s.csv has more than 3 lines | cut out what is used"
+    monkeypatch.setattr("dse.series.csv_table.LARGEST_FILE", 3)
+    assert refused(tmp_path / "s.csv")[1] == "s.csv is larger than 0 MB | cut out what is used"
 
 
 def test_a_parquet_file_has_units_with_its_fields_and_times_of_any_kind(tmp_path):
