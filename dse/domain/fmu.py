@@ -25,6 +25,33 @@ class FmiInterface(StrEnum):
         return self.name.lower()
 
 
+class ClockKind(StrEnum):
+    """When a clock ticks, as FMI spells it (intervalVariability)."""
+
+    CONSTANT = "constant"
+    FIXED = "fixed"
+    TUNABLE = "tunable"
+    CHANGING = "changing"
+    COUNTDOWN = "countdown"
+    TRIGGERED = "triggered"
+
+
+@dataclass(frozen=True, slots=True)
+class Timing:
+    """When a clock ticks (FMI 3.0.2, 2.2.8).
+
+    If *is_told*, tick n of a periodic clock is at ``(shift + n*interval)/resolution`` seconds, exactly if these are
+    whole numbers; else the FMU is asked. *has_fractions*: it may be asked for whole numbers.
+    """
+
+    kind: ClockKind
+    is_told: bool = False
+    interval: float = 0.0
+    shift: float = 0.0
+    resolution: float = 1.0
+    has_fractions: bool = False
+
+
 @dataclass(frozen=True, slots=True)
 class Variable:
     """One variable of an FMU: how it is addressed and typed.
@@ -41,8 +68,8 @@ class Variable:
 
     *alias_of* names the variable this is another name of (FMI 1 and 3; FMI 2 does not say, but of inputs it is known).
     *is_negated*: the value is the opposite of that behind the reference (FMI 1). *is_relative*: a difference, to which
-    a unit's offset does not apply. *is_clocked*: it belongs to a clock. *is_intermediate*: it may be used while a step
-    is computed (FMI 3).
+    a unit's offset does not apply. *is_intermediate*: it may be used while a step is computed (FMI 3). *clocks* are the
+    references of the clocks it belongs to, *timing* is there for a clock.
     """
 
     name: str
@@ -63,8 +90,14 @@ class Variable:
     alias_of: str = ""
     is_negated: bool = False
     is_relative: bool = False
-    is_clocked: bool = False
     is_intermediate: bool = False
+    clocks: tuple[int, ...] = ()
+    timing: Timing | None = None
+
+    @property
+    def is_timed(self) -> bool:
+        """Whether it is a clock that ticks by itself: the FMU says when."""
+        return self.timing is not None and self.causality == "input" and self.timing.kind is not ClockKind.TRIGGERED
 
     @property
     def size(self) -> int:
@@ -75,6 +108,11 @@ class Variable:
     def is_structural(self) -> bool:
         """Whether the variable is a parameter that sets sizes of arrays."""
         return self.causality == "structuralParameter"
+
+    @property
+    def is_clocked(self) -> bool:
+        """Whether it has a value to show or to take only while one of its clocks ticks."""
+        return bool(self.clocks)
 
     @property
     def labels(self) -> tuple[str, ...]:
@@ -114,6 +152,7 @@ class Capabilities:
     can_return_early: bool = False
     provides_intermediate_update: bool = False
     provides_directional_derivatives: bool = False
+    evaluates_discrete_states: bool = False
     once_per_process: bool = False
     needs_tool: bool = False
 
@@ -178,6 +217,11 @@ class FmuModel:
     title: str = ""
     prefix: str = ""
     ignored: tuple[Problem, ...] = field(default=(), compare=False)
+
+    @property
+    def ticks(self) -> bool:
+        """Whether its clocks can be simulated."""
+        return self.interface is FmiInterface.CO_SIMULATION and self.capabilities.has_event_mode
 
     def variable_of(self, label: str) -> Variable:
         """The variable called *label*, or the array one of whose values is (``name[2]``); KeyError if there is none."""

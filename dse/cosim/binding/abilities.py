@@ -21,6 +21,8 @@ class Ability(IntFlag):
     CAN_RETURN_EARLY = 16
     ASKS_BETWEEN = 32
     CAN_DIRECTIONAL = 64
+    TICKS = 128
+    """Its clocks are simulated; set where these are compiled."""
 
 
 _NEEDED = {

@@ -68,6 +68,12 @@ class Call(IntEnum):
     GET_NOMINALS = 41, "", "GetNominalsOfContinuousStates", "GetNominalsOfContinuousStates"
     GET_STATE_COUNT = 42, "", "", "GetNumberOfContinuousStates"
     GET_INDICATOR_COUNT = 43, "", "", "GetNumberOfEventIndicators"
+    GET_CLOCK = 44, "", "", "GetClock"
+    SET_CLOCK = 45, "", "", "SetClock"
+    GET_INTERVAL_DECIMAL = 46, "", "", "GetIntervalDecimal"
+    GET_INTERVAL_FRACTION = 47, "", "", "GetIntervalFraction"
+    GET_SHIFT_DECIMAL = 48, "", "", "GetShiftDecimal"
+    GET_SHIFT_FRACTION = 49, "", "", "GetShiftFraction"
     GET = 64
     SET = 96
 

@@ -57,6 +57,53 @@ class BondColumn(ctypes.Structure):
     _fields_: ClassVar[_Fields] = numbers("column", "bond")
 
 
+class Clock(ctypes.Structure):
+    """When a clock ticks, and whether it does now."""
+
+    _fields_: ClassVar[_Fields] = [
+        *numbers("element", "reference", "kind"),
+        *pointers("access", "get_interval", "get_shift"),
+        *numbers("has_fractions", "is_told"),
+        *reals("interval", "shift", "resolution"),
+        *pointers("sources"),
+        *numbers("n_sources"),
+        *reals("period", "first", "parts", "next"),
+        *numbers("ticks", "is_active", "is_set", "asked_at"),
+    ]
+
+
+class ClockStep(ctypes.Structure):
+    """What is done with a clock, or with a variable that belongs to clocks."""
+
+    _fields_: ClassVar[_Fields] = [
+        *numbers("act", "element", "clock"),
+        *pointers("clocks"),
+        *numbers("n_clocks"),
+        *pointers("sources"),
+        *numbers("n_sources", "is_message"),
+        ("operation", Operation),
+        *numbers("first", "n_values"),
+        *pointers("before"),
+        *numbers("stamp", "read_at"),
+    ]
+
+
+class ClockGroup(ctypes.Structure):
+    """Elements that stop together where clocks tick."""
+
+    _fields_: ClassVar[_Fields] = [
+        *pointers("elements"),
+        *numbers("n_elements", "leader"),
+        *pointers("clocks", "no_clocks", "steps", "no_steps"),
+    ]
+
+
+class Ticking(ctypes.Structure):
+    """An element in an instant."""
+
+    _fields_: ClassVar[_Fields] = numbers("in_events", "is_due", "news")
+
+
 class Plan(ctypes.Structure):
     """How a system is simulated."""
 
@@ -83,4 +130,9 @@ class Plan(ctypes.Structure):
         *numbers("n_compared"),
         *pointers("magnitudes", "coarse", "kept"),
         *numbers("reads_again", "k"),
+        *pointers("groups"),
+        *numbers("n_groups"),
+        *pointers("group_of", "clocks", "clock_steps", "ticking"),
+        *numbers("instant"),
+        *reals("spare"),
     ]

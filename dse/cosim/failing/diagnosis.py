@@ -9,7 +9,7 @@ from dse.cosim.binding import layout
 from dse.cosim.binding.calls import FATAL, Call, function_name
 from dse.cosim.failing import words
 from dse.cosim.failing.failure import RunFailed
-from dse.cosim.failing.master import OF_LOOPS, OF_OUTPUTS, of_loop, of_output
+from dse.cosim.failing.master import OF_CLOCKS, OF_LOOPS, OF_OUTPUTS, of_clock, of_loop, of_output
 from dse.cosim.failing.reason import StopReason
 from dse.cosim.tables.tables import Tables
 from dse.cosim.wiring.dependency import AlgebraicLoop
@@ -29,6 +29,8 @@ def diagnose(tables: Tables, loops: Sequence[AlgebraicLoop], step: float) -> Run
         return of_loop(reason, wiring, loops[failure.position], time, failure.value)
     if reason in OF_OUTPUTS:
         return of_output(reason, wiring, failure.position, time or 0.0, failure.value)
+    if reason in OF_CLOCKS:
+        return of_clock(reason, wiring, failure.progress.place.element, failure.position, time, failure.value)
     index = failure.progress.place.element
     if reason is StopReason.NOT_FINITE:
         index = wiring.owners[failure.position]

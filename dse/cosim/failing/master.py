@@ -1,9 +1,10 @@
-"""Why the master itself stops a run: loops without a solution, divergence, steps that become too short."""
+"""Why the master itself stops a run: loops without a solution, divergence, steps that become too short, clocks."""
 
 from __future__ import annotations
 
-from math import isfinite
+from math import isfinite, isnan
 
+from dse.cosim.binding.calls import MOST_EVENT_ITERATIONS
 from dse.cosim.failing.failure import RunFailed
 from dse.cosim.failing.reason import StopReason
 from dse.cosim.failing.words import moment
@@ -12,6 +13,7 @@ from dse.cosim.wiring.wiring import Wiring
 
 OF_LOOPS = frozenset({StopReason.NOT_SOLVED, StopReason.NEARLY_SINGULAR, StopReason.NOT_SETTLED})
 OF_OUTPUTS = frozenset({StopReason.DIVERGED, StopReason.STEP_TOO_SHORT, StopReason.ENDLESS_STEPS})
+OF_CLOCKS = frozenset({StopReason.ENDLESS_TICKS, StopReason.BAD_INTERVAL, StopReason.BETWEEN_POINTS})
 
 
 def of_loop(
@@ -50,3 +52,28 @@ def of_output(reason: StopReason, wiring: Wiring, position: int, time: float, va
         case _:
             what = f"{name} asks for more than {value:.0f} steps between two communication points, {moment(time)}"
     return RunFailed(wiring.system.elements[wiring.owners[position]].name, what, time=time)
+
+
+def of_clock(
+    reason: StopReason, wiring: Wiring, element: int, position: int, time: float | None, value: float
+) -> RunFailed:
+    """The clock number *position* (-1: none) does what it may not, or *element* cannot stop where it ticks."""
+    name = wiring.system.elements[element].name
+    clock = wiring.clocks.label(position, wiring.system) if position >= 0 else ""
+    at = "in the initialization" if time is None else moment(time)
+    match reason:
+        case StopReason.ENDLESS_TICKS if value:
+            what = f"{clock}: what ticks with it, and what belongs to that, does not settle {at}"
+        case StopReason.ENDLESS_TICKS:
+            what = f"{clock} ticks more than {MOST_EVENT_ITERATIONS} times {at}"
+        case StopReason.BAD_INTERVAL:
+            told = "no interval" if isnan(value) else f"{value:.10g} s"
+            what = f"{clock}: its FMU tells {told} for its ticks {at}"
+        case _:
+            why = f"{clock} ticks" if clock else "there is an event"
+            what = (
+                f"{name} takes only steps of one length, and {why} {moment(value)}, between two communication points; "
+                f"use a step that ends there"
+            )
+    owner = wiring.system.elements[wiring.clocks.clocks[position].element].name if position >= 0 else name
+    return RunFailed(name if reason is StopReason.BETWEEN_POINTS else owner, what, time=time)

@@ -30,6 +30,9 @@ class StopReason(IntEnum):
     MISLED = 20
     """FMUs' dependencies are not true, and there is no order that does without them yet."""
     ENDLESS_STEPS = 21
+    ENDLESS_TICKS = 22
+    BAD_INTERVAL = 23
+    BETWEEN_POINTS = 24
     NO_FUNCTION = 31
     CHATTERS = 32
     TOO_INACCURATE = 33

@@ -2,8 +2,7 @@
 #ifndef DSE_COSIM_COURSE_H
 #define DSE_COSIM_COURSE_H
 
-#include "floating.h"
-#include "walk.h"
+#include "clocks.h"
 
 #define NOTICED 1e-6 /* of an output's size: far above what FMUs that iterate inside leave, far below what a lie does */
 
@@ -123,6 +122,86 @@ static bool show(System *system, int64_t e, double time)
     return read_element(system, element, &element->outputs);
 }
 
+/* ---- elements that stop where clocks tick ---- */
+
+/* One call of fmi3DoStep from *time* to *target*, or as far as the element goes if it may end a step early. */
+static bool step_ticking(System *system, Element *element, double time, double step, double *target, double end)
+{
+    const double wanted = *target;
+    bool has_event;
+    double reached = time;
+    if (!step_once(system, element, &reached, step, wanted, &has_event))
+        return ends_at(system, end, end - time);
+    *target = reached;
+    ((Plan *)system->plan)->ticking[element->stepping.element].is_due |= has_event;
+    return !system->watches || keeps_floating_mode(system);
+}
+
+/* All to *target*, which is where the first of them stops if it returns early; to the *end* it is *rest* from here. */
+static bool step_together(System *system, const ClockGroup *group, double time, double rest, double *target, double end)
+{
+    const Clock *stopping;
+    next_stop(system, group, &stopping);
+    for (int64_t i = 0; i < group->n_elements && (*target > time || !i); i++) {
+        Element *element = &system->elements[group->elements[i]];
+        if (*target < end && !(element->abilities & CAN_VARY_STEP)) {
+            enter_call(system, group->elements[i], DO_STEP);
+            return fail_clock(system, BETWEEN_POINTS, stopping, *target);
+        }
+        if (!step_ticking(system, element, time, *target == end ? rest : *target - time, target, end))
+            return false;
+    }
+    return true;
+}
+
+/* As drive, for all of a group: each sub-step ends where the next clock ticks. */
+static bool drive_group(System *system, const ClockGroup *group, double time, double length, double end)
+{
+    const Plan *plan = system->plan;
+    int64_t standstill = 0;
+    for (int64_t i = 0; i < group->n_elements; i++) {
+        Element *element = &system->elements[group->elements[i]];
+        const Pace *pace = &plan->paces[group->elements[i]];
+        const int32_t *sources = plan->sources + pace->inputs.first;
+        if (plan->n_bonds)
+            note_used(system, &pace->inputs, time, length);
+        move_along(system, &pace->inputs, time, length);
+        if (plan->is_sequential && !are_finite(system, sources, pace->inputs.count))
+            return fail_not_finite(system, sources, pace->inputs.count);
+        system->now = time;
+        if (!write_element(system, element, &pace->inputs.groups) ||
+            (pace->has_slopes && !give_slopes(system, element, &pace->inputs.groups, time)))
+            return false;
+    }
+    for (double at = time; at < end;) {
+        const Clock *stopping;
+        const double began = at, next = next_stop(system, group, &stopping);
+        double target = next < end - plan->spare ? next : end;
+        system->now = at;
+        system->takes_end = target == end && plan->meeting.begin == plan->meeting.end;
+        if (!step_together(system, group, at, at == time ? length : end - at, &target, end))
+            return false;
+        at = target;
+        if (!(at > began)) {
+            if (!is_due(system, group, at + plan->spare))
+                return fail(system, STEP_CUT_SHORT, 0, 0, 0);
+            if (++standstill > MOST_EVENT_ITERATIONS)
+                return fail(system, ENDLESS_EVENTS, 0, 0, 0);
+        }
+        if (at < end && !pass_instants(system, group, at, false))
+            return false;
+    }
+    return true;
+}
+
+static bool show_group(System *system, const ClockGroup *group, double time)
+{
+    for (int64_t i = 0; i < group->n_elements; i++)
+        if (!show(system, group->elements[i], time))
+            return false;
+    return true;
+}
+
 /* ---- all elements ---- */
 
 /* From *time* to *end*, which is *length* later; elements whose own step is *every* times as long begin or end it
@@ -132,6 +211,13 @@ static bool advance(System *system, double time, double length, double end)
     const Plan *plan = system->plan;
     for (int64_t e = 0; e < system->n_elements; e++) {
         const int64_t every = plan->paces[e].every;
+        if (plan->n_groups && plan->group_of[e] >= 0) {
+            const ClockGroup *group = &plan->groups[plan->group_of[e]];
+            if (group->leader == e && (!drive_group(system, group, time, length, end) ||
+                                       (plan->is_sequential && !show_group(system, group, end))))
+                return false;
+            continue;
+        }
         if (plan->k % every == 0 && !drive(system, e, time, (double)every * length))
             return false;
         if (plan->is_sequential && (plan->k + 1) % every == 0 && !show(system, e, end))

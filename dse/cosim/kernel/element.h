@@ -163,7 +163,7 @@ static bool leave_initialization(System *system, int64_t e)
     if (element->exchange)
         return exchange_start(system, e);
     return call_plain(system, element, EXIT_INITIALIZATION, element->exit_initialization) &&
-           (!(element->abilities & HAS_EVENTS) || leave_event_mode(system, element));
+           (!(element->abilities & HAS_EVENTS) || element->abilities & TICKS || leave_event_mode(system, element));
 }
 
 static bool terminate_element(System *system, int64_t e)

@@ -14,24 +14,31 @@ static bool call_plain(System *system, const Element *element, int64_t call, Fmi
     return accept(system, ((FmiPlain)function)(element->instance));
 }
 
-/* In event mode: until nothing changes any more. */
+/* In event mode: one update. */
+static bool update_once(System *system, Element *element, bool *again)
+{
+    bool terminate = false, nominals = false, states = false, has_next = false;
+    double next = 0.0;
+    *again = false;
+    enter_call(system, element->stepping.element, UPDATE_DISCRETE_STATES);
+    const int status = ((Fmi3UpdateStates)element->update_discrete_states)(element->instance, again, &terminate,
+                                                                           &nominals, &states, &has_next, &next);
+    if (!accept(system, status))
+        return false;
+    if (terminate)
+        return fail(system, STEP_CUT_SHORT, 1, 0, NAN);
+    element->next_event = has_next ? next : INFINITY;
+    return true;
+}
+
+/* Until nothing changes any more. */
 static bool iterate_events(System *system, Element *element)
 {
-    for (int64_t i = 0; i < MOST_EVENT_ITERATIONS; i++) {
-        bool again = false, terminate = false, nominals = false, states = false, has_next = false;
-        double next = 0.0;
-        enter_call(system, element->stepping.element, UPDATE_DISCRETE_STATES);
-        const int status = ((Fmi3UpdateStates)element->update_discrete_states)(
-            element->instance, &again, &terminate, &nominals, &states, &has_next, &next);
-        if (!accept(system, status))
+    bool again = true;
+    for (int64_t i = 0; again && i < MOST_EVENT_ITERATIONS; i++)
+        if (!update_once(system, element, &again))
             return false;
-        if (terminate)
-            return fail(system, STEP_CUT_SHORT, 1, 0, NAN);
-        element->next_event = has_next ? next : INFINITY;
-        if (!again)
-            return true;
-    }
-    return fail(system, ENDLESS_EVENTS, 0, 0, 0);
+    return !again || fail(system, ENDLESS_EVENTS, 0, 0, 0);
 }
 
 static bool leave_event_mode(System *system, Element *element)

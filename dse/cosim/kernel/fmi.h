@@ -78,6 +78,16 @@ typedef void (*Fmi3Between)(void *, double time, bool set_requested, bool get_al
 typedef int (*Fmi3UpdateStates)(void *, bool *again, bool *terminate, bool *nominals_changed, bool *states_changed,
                                 bool *has_next_event, double *next_event);
 
+typedef int (*Fmi3Clocks)(void *, const uint32_t *, size_t, bool *);
+typedef int (*Fmi3GetInterval)(void *, const uint32_t *, size_t, double *intervals, int *qualifiers);
+typedef int (*Fmi3GetIntervalFraction)(void *, const uint32_t *, size_t, uint64_t *counters, uint64_t *resolutions,
+                                       int *qualifiers);
+typedef int (*Fmi3GetShift)(void *, const uint32_t *, size_t, double *shifts);
+typedef int (*Fmi3GetShiftFraction)(void *, const uint32_t *, size_t, uint64_t *counters, uint64_t *resolutions);
+
+/* What fmi3GetInterval… says of an interval. */
+enum { NOT_YET_KNOWN, UNCHANGED, CHANGED };
+
 typedef void *(*Fmi3Instantiate)(const char *name, const char *token, const char *resources, bool visible, bool logging,
                                  bool event_mode, bool early_return, const uint32_t *intermediate,
                                  size_t n_intermediate, void *environment, Fmi3Log, Fmi3Between);

@@ -147,7 +147,8 @@ int dse_run(System *system, const Request *request)
     begin(system);
     bind(system);
     system->progress->run++;
-    if (!start(system, request->stop) || !initialize(system) || !leave_all(system))
+    if (!start(system, request->stop) || !initialize(system) || !start_clocks(system, request->step) ||
+        !leave_all(system))
         return end(system, false);
     set_limits(system);
     return end(system, simulate_on(system, request) && within_limits(system) && terminate_all(system));

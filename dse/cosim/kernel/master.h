@@ -54,6 +54,12 @@ APART static bool simulate_by_plan(System *system, const Request *request)
     for (int64_t k = 0;; k++) {
         system->progress->step = plan->k = k;
         const double time = (double)k * request->step;
+        if (plan->n_groups && !tick_all(system, time)) {
+            /* An end that is asked for here is one of all: they have come to this row. */
+            if (!k || !is_asked_to_end(system))
+                return false;
+            system->has_ended = true;
+        }
         if (!meet(system, time, length))
             return false;
         record(system, request, k);

@@ -54,6 +54,54 @@ typedef struct {
     int64_t column, bond;
 } BondColumn;
 
+/* ---- clocks (FMI 3.0.2, 2.2.8) ---- */
+
+enum { CONSTANT, FIXED, TUNABLE, CHANGING, COUNTDOWN, TRIGGERED }; /* all but the last tick by themselves */
+
+typedef struct {
+    int64_t element, reference, kind;
+    FmiFunction access, get_interval, get_shift; /* get or set; the fraction's functions if it *has_fractions* */
+    int64_t has_fractions, is_told;
+    double interval, shift, resolution; /* if it is told: tick n is at (shift + n interval)/resolution */
+    const int64_t *sources;             /* the clocks it ticks with */
+    int64_t n_sources;
+    /* In a run: as above from its first tick or the last change on, the time of the next tick (infinite for never or
+     * not known) and the number of the last. */
+    double period, first, parts, next;
+    int64_t ticks;
+    /* In an instant: whether it is to tick, whether its element knows, and after which of the element's news it was
+     * asked. */
+    int64_t is_active, is_set, asked_at;
+} Clock;
+
+enum { POLL, TICK, SAMPLE, DELIVER };
+
+/* What is done in an instant with a clock or a variable that belongs to clocks. */
+typedef struct {
+    int64_t act, element, clock;
+    const int64_t *clocks; /* one of which must tick, if there are any */
+    int64_t n_clocks;
+    const int64_t *sources; /* DELIVER: the steps that sample what is given */
+    int64_t n_sources, is_message;
+    Operation operation;     /* SAMPLE: a read, DELIVER: a write */
+    int64_t first, n_values; /* SAMPLE: where among the values, and room for these */
+    double *before;
+    int64_t stamp, read_at; /* when in the instant it was done, SAMPLE: changed something, and was done; 0 for not yet */
+} ClockStep;
+
+/* Elements that stop together wherever one of their clocks ticks, in the order they step. */
+typedef struct {
+    const int64_t *elements;
+    int64_t n_elements, leader; /* the element in whose turn they are driven */
+    Clock *clocks, *no_clocks;
+    ClockStep *steps, *no_steps;
+} ClockGroup;
+
+/* An element with clocks: whether it is in event mode, has something to do there, and when it was given anything. */
+typedef struct {
+    int64_t in_events, is_due, news;
+} Ticking;
+
 typedef struct {
     Walk initial, meeting;
     Walk doubtful; /* reads of what was not right in the initial walk if an FMU's dependencies are not true */
@@ -92,6 +140,14 @@ typedef struct {
     double *kept;                /* n_values + n_past */
     int64_t reads_again;         /* after a rollback: texts are not among the values */
     int64_t k;                   /* communication point */
+    const ClockGroup *groups;
+    int64_t n_groups;
+    const int32_t *group_of; /* of each element, -1 for none */
+    Clock *clocks;
+    ClockStep *clock_steps;
+    Ticking *ticking;  /* of each element */
+    int64_t instant;   /* counts what is done in one */
+    double spare;      /* ticks this close to each other, in seconds, are one */
 } Plan;
 
 #endif

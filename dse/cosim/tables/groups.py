@@ -14,7 +14,7 @@ from dse.cosim.binding import layout
 from dse.cosim.binding.calls import AccessorType, Call, function_name
 from dse.cosim.binding.library import about, address
 from dse.cosim.tables.elements import KernelElements
-from dse.cosim.wiring.wiring import VariableGroup, has_event_mode
+from dse.cosim.wiring.wiring import VariableGroup
 from dse.domain.system import Conversion, Element
 
 VALUE_SIZE = ctypes.sizeof(ctypes.c_double)
@@ -133,7 +133,7 @@ class GroupMaker:
     def _given(self, index: int, group: VariableGroup, size: int) -> int | None:
         """Room for what a variable that is set in event mode was given last, and when, and to save that: one for all of
         its groups."""
-        if not group.is_discrete or not has_event_mode(self._elements.elements[index].model):
+        if not group.is_discrete or not self._elements.elements[index].model.ticks:
             return None
         key = index, group.variables[0].name
         if key not in self._given_rooms:

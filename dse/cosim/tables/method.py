@@ -12,9 +12,11 @@ from numpy.typing import NDArray
 
 from dse.cosim.binding import plan_layout as layout
 from dse.cosim.binding.layout import Group, Groups
+from dse.cosim.tables.clocks import CompiledClocks
 from dse.cosim.tables.tables import Tables
 from dse.cosim.wiring.border import Border, ElementPort
 from dse.cosim.wiring.check import OwnStep, extrapolation_of
+from dse.cosim.wiring.clocks import Act, ClockStep
 from dse.cosim.wiring.dependency import AlgebraicLoop, Read, Step, Write, doubtful_reads, order_of
 from dse.cosim.wiring.wiring import Wiring
 from dse.domain.fmu import Variable
@@ -45,10 +47,14 @@ class CompiledMethod:
         if method.coupling is not Coupling.NONE:
             orders.append(order_of(self._wiring, initially=False))
         doubtful = doubtful_reads(self._wiring)
-        everything = tuple(Write(e, tuple(ports)) for e, ports in enumerate(self._border.inputs))
+        everything = tuple(
+            Write(e, tuple(port for port in ports if not self._border.is_clocked(port)))
+            for e, ports in enumerate(self._border.inputs)
+        )
         # An order that believes no FMU writes every input once, too.
-        reserve = everything if doubtful else ()
+        reserve = tuple(Write(e, tuple(ports)) for e, ports in enumerate(self._border.inputs)) if doubtful else ()
         n_staged = sum(self._n_values(write) for order in (*orders, everything, reserve) for write in _writes(order))
+        n_staged += sum(step.variable.size for step in self._wiring.clocks.steps if step.act is Act.DELIVER)
         self._staged, self._slopes, self._used = (np.zeros(n_staged) for _ in range(3))
         self._sources, self._moves = (np.zeros(n_staged, np.int32) for _ in range(2))
         self._next = 0
@@ -72,6 +78,8 @@ class CompiledMethod:
         self._remember()
         if method.adaptive:
             self._adapt(method.adaptive)
+        self._clocks = CompiledClocks(tables, self._operation_at_tick)
+        self._clocks.enter(self.structure)
         tables.publish()
 
     def fit(self, steps: Sequence[OwnStep]) -> None:
@@ -96,12 +104,25 @@ class CompiledMethod:
             return layout.Operation(kind=SOLVE, loop=self._loop(step))
         names = [self._border.variable(port).name for port in step.ports]
         if isinstance(step, Read):
-            return layout.Operation(kind=READ, element=step.element, groups=self._tables.reading(step.element, names))
-        first, count = self._next, self._n_values(step)
-        groups, sources = self._tables.writing(step.element, names, self._staged, first, slopes)
+            return self._reading(step.element, names)
+        return self._writing(step.element, names, slopes)
+
+    def _operation_at_tick(self, step: ClockStep) -> layout.Operation:
+        act = self._reading if step.act is Act.SAMPLE else self._writing
+        return act(step.element, [step.variable.name])
+
+    def _reading(self, element: int, names: Sequence[str]) -> layout.Operation:
+        return layout.Operation(kind=READ, element=element, groups=self._tables.reading(element, names))
+
+    def _writing(
+        self, element: int, names: Sequence[str], slopes: NDArray[np.float64] | None = None
+    ) -> layout.Operation:
+        first = self._next
+        groups, sources = self._tables.writing(element, names, self._staged, first, slopes)
+        count = len(sources)
         self._sources[first : first + count] = sources
         self._next += count
-        return layout.Operation(kind=WRITE, element=step.element, groups=groups, first=first, count=count)
+        return layout.Operation(kind=WRITE, element=element, groups=groups, first=first, count=count)
 
     def _loop(self, loop: AlgebraicLoop) -> int:
         reals, others = (self._positions(ports) for ports in (loop.reals, loop.others))

@@ -37,11 +37,12 @@ class Tables:
         self._maker = GroupMaker(self.elements)
         self.labels = self._maker.labels
         indices = range(len(structures))
-        outputs = [self._outputs(index, wiring.outputs[index]) for index in indices]
-        text_outputs = [self._text_groups(index, wiring.text_outputs[index], Call.GET) for index in indices]
+        # What belongs to clocks is read and written with them.
+        outputs = [self._outputs(index, _free(wiring.outputs[index])) for index in indices]
+        text_outputs = [self._text_groups(index, _free(wiring.text_outputs[index]), Call.GET) for index in indices]
         self._stage([raw for part in outputs for group in part for raw in raw_values(group)])
         inputs = [self._inputs(index) for index in indices]
-        text_inputs = [self._text_groups(index, wiring.text_inputs[index], Call.SET) for index in indices]
+        text_inputs = [self._text_groups(index, _free(wiring.text_inputs[index]), Call.SET) for index in indices]
         together = self._maker.together
         for index, structure in enumerate(structures):
             structure.outputs = together(outputs[index], text_outputs[index])
@@ -133,7 +134,7 @@ class Tables:
         sources: list[int] = []
         self._spans: list[tuple[int, int]] = []
         self._ready: list[list[int | None]] = []
-        for element, part in zip(self.elements.elements, self.wiring.inputs, strict=True):
+        for element, part in zip(self.elements.elements, map(_free, self.wiring.inputs), strict=True):
             began = len(sources)
             ready = [in_place(group, raw, element.conversions) if self.plain else None for group in part]
             for group, where in zip(part, ready, strict=True):
@@ -147,7 +148,7 @@ class Tables:
     def _inputs(self, index: int) -> list[layout.Group]:
         groups = []
         position = self._spans[index][0]
-        for group, ready in zip(self.wiring.inputs[index], self._ready[index], strict=True):
+        for group, ready in zip(_free(self.wiring.inputs[index]), self._ready[index], strict=True):
             if ready is None:
                 groups.append(self._staged_group(index, group, self.staged, position, self.slopes))
                 position += len(group.positions)
@@ -181,6 +182,11 @@ class Tables:
     ) -> list[layout.TextGroup]:
         parts = [part for group in groups for part in parts_of(group, names, neighbours=False)]
         return self._text_groups(index, parts, verb)
+
+
+def _free(part: Sequence[VariableGroup]) -> list[VariableGroup]:
+    """What does not belong to clocks: these have steps of their own."""
+    return [group for group in part if not group.is_clocked]
 
 
 def _span(parts: Sequence[Sequence[VariableGroup]], index: int) -> tuple[int, int]:

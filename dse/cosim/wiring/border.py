@@ -27,7 +27,10 @@ class _Signal(NamedTuple):
 
 
 class Border:
-    """Every element's connected inputs and readable outputs, numbered as in *wiring*."""
+    """Every element's connected inputs and readable outputs, numbered as in *wiring*.
+
+    Strings and binaries that belong to clocks are not among them: they are messages of an instant.
+    """
 
     def __init__(self, wiring: Wiring) -> None:
         self._elements = wiring.system.elements
@@ -42,7 +45,9 @@ class Border:
         """Where each output lies in the table of values, and where each input is taken from; nowhere for texts."""
         self._owner = {(signal.is_text, at): port for port, signal in outputs.items() for at in signal.positions}
         self.sources = {
-            port: tuple(dict.fromkeys(self._owner[signal.is_text, at] for at in signal.positions))
+            port: tuple(
+                dict.fromkeys(self._owner[at] for n in signal.positions if (at := (signal.is_text, n)) in self._owner)
+            )
             for port, signal in inputs.items()
         }
         """For each input, the outputs it is taken from."""
@@ -54,6 +59,10 @@ class Border:
     def label(self, port: ElementPort) -> str:
         """``element.variable``."""
         return f"{self._elements[port.element].name}.{self.variable(port).name}"
+
+    def is_clocked(self, port: ElementPort) -> bool:
+        """Whether the variable is read or written only while a clock ticks, after the initialization."""
+        return self._signals[port].group.is_clocked
 
     @property
     def floating_outputs(self) -> list[ElementPort]:
@@ -89,5 +98,6 @@ def _numbered(
                 first = 0
                 for variable in group.variables:
                     positions = group.positions[first : first + variable.size]
-                    yield ElementPort(e, is_output, number), _Signal(variable, group, positions, is_text)
+                    if not (is_text and group.is_clocked):
+                        yield ElementPort(e, is_output, number), _Signal(variable, group, positions, is_text)
                     number, first = number + 1, first + variable.size

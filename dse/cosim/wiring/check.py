@@ -38,7 +38,7 @@ def check_wired(wiring: Wiring, method: Method) -> None:
         problems += _not_adaptive(wiring, method)
     if method.coupling is Coupling.PROPAGATE:
         problems += _loops(wiring)
-    raise_if_any([*problems, *_bad_bonds(wiring, method)])
+    raise_if_any([*problems, *_bad_for_clocks(wiring, method), *_bad_bonds(wiring, method)])
 
 
 def own_steps(system: SystemStructure, method: Method, *, stop: float, step: float) -> tuple[OwnStep, ...]:
@@ -118,6 +118,19 @@ def _not_adaptive(wiring: Wiring, method: Method) -> Iterable[Problem]:
             yield Problem(
                 f"{element.name}: an adaptive step varies, but {model.identifier} takes only steps of one length",
                 hint="use a fixed step",
+            )
+
+
+def _bad_for_clocks(wiring: Wiring, method: Method) -> Iterable[Problem]:
+    names = [wiring.system.elements[e].name for e in sorted(wiring.clocks.elements)]
+    if names and method.adaptive:
+        what = f"{', '.join(names)}: clocks that tick do not go together with an adaptive step"
+        yield Problem(what, hint="use a fixed step: where clocks tick, steps end anyway")
+    for name in names if method.steps else ():
+        if name in method.steps:
+            yield Problem(
+                f"{name}: a step of its own does not go together with clocks that tick",
+                hint="leave it out: where clocks tick, steps end anyway",
             )
 
 

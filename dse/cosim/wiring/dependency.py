@@ -118,11 +118,13 @@ def _graph(border: Border, wiring: Wiring, *, initially: bool, told: bool) -> Gr
     for e, element in enumerate(wiring.system.elements):
         model = element.model
         depends = (model.initially_depends if initially else model.depends) if told else {}
-        inputs = {border.variable(port).name: port for port in border.inputs[e]}
+        inputs = {
+            border.variable(port).name: port for port in border.inputs[e] if initially or not border.is_clocked(port)
+        }
         graph |= {port: [] for port in inputs.values()}
         for output in border.outputs[e]:
-            if initially and output not in wired:
-                continue  # nobody waits for it yet
+            if output not in wired if initially else border.is_clocked(output):
+                continue  # nobody waits for it yet, or clocks see to it
             graph[output] = []
             # An input that is read back, for those of its values that no wire ends at, depends on nothing.
             name = border.variable(output).name
@@ -130,8 +132,9 @@ def _graph(border: Border, wiring: Wiring, *, initially: bool, told: bool) -> Gr
             for name in dict.fromkeys(name for name in names if name in inputs):
                 graph[inputs[name]].append(output)
     for port, sources in border.sources.items():
-        for source in sources:
-            graph[source].append(port)
+        for source in sources if port in graph else ():
+            if source in graph:
+                graph[source].append(port)
     return graph
 
 

@@ -23,11 +23,28 @@ class Link:
 def links_of(system: SystemStructure) -> Mapping[str, Link]:
     """The source of every wired value by ``element.label`` of the input; wires between arrays count for each value."""
     outputs, inputs = _variables(system, of_inputs=False), _variables(system, of_inputs=True)
+    of_clocks = frozenset(clock_wires(system))
     return {
         target: Link(source, _transform_of(wire))
         for wire in system.wires
+        if wire not in of_clocks
         for source, target in _ends(wire, outputs, inputs)
     }
+
+
+def clock_wires(system: SystemStructure) -> tuple[Wire, ...]:
+    """The wires with a clock at either end: they carry no value."""
+    clocks = {
+        (element.name, variable.name)
+        for element in system.elements
+        for variable in element.model.variables.values()
+        if variable.timing
+    }
+    return tuple(
+        wire
+        for wire in system.wires
+        if {(wire.source, wire.source_variable), (wire.target, wire.target_variable)} & clocks
+    )
 
 
 def link_problems(system: SystemStructure, links: Mapping[str, Link]) -> list[Problem]:
@@ -54,8 +71,8 @@ def _unsupported(system: SystemStructure, links: Mapping[str, Link]) -> Iterable
 def _unwireable(element: Element, variable: Variable) -> str:
     if type_of(variable, element.model.version) is None and text_type_of(variable, element.model.version) is None:
         return f"variables of type {variable.fmi_type} cannot be wired"
-    if variable.is_clocked:
-        return "a variable that belongs to a clock cannot be wired"
+    if variable.is_clocked and not element.model.ticks:
+        return "a variable that belongs to a clock is supported for co-simulation with event mode only"
     return ""
 
 
@@ -80,7 +97,11 @@ def _loose_ends(system: SystemStructure, links: Mapping[str, Link]) -> Iterable[
             yield from _unlike(target, labels[target], link, known[link.source])
     for name, variable in sorted(inputs.items()):
         element = name[: -len(variable.name) - 1]
-        if variable.size and not any(f"{element}.{label}" in links for label in variable.labels):
+        if (
+            variable.size
+            and not variable.timing
+            and not any(f"{element}.{label}" in links for label in variable.labels)
+        ):
             yield Problem(f"{name}: no wire ends at this connected input")
 
 

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 from dse.cosim.binding.calls import AccessorType, text_type_of, type_of
+from dse.cosim.wiring.clocks import Clocks, clock_problems, clocks_of
 from dse.cosim.wiring.links import Link, link_problems, links_of
 from dse.domain.fmu import FmiInterface, FmuModel, Variable
 from dse.domain.system import Conversion, Element, SystemStructure
@@ -20,7 +21,8 @@ class VariableGroup:
     where in it inputs take their values from, and where starts lie in the table of start values. Outputs and starts
     lie one after another, group by group. Strings and binaries have a table of their own. *transforms* is what wires
     do to each value on its way to an input, () for nothing at all. *is_discrete* is set for inputs that an FMU with
-    events takes in event mode only, *moves* for those that may follow a slope within a step.
+    events takes in event mode only, *moves* for those that may follow a slope within a step. *is_clocked* is set
+    for one variable that is read or written only while a clock ticks.
     """
 
     type: AccessorType
@@ -29,6 +31,7 @@ class VariableGroup:
     is_discrete: bool = False
     moves: bool = False
     transforms: tuple[Conversion | None, ...] = ()
+    is_clocked: bool = False
 
     @property
     def labels(self) -> tuple[str, ...]:
@@ -58,6 +61,7 @@ class Wiring:
     texts: tuple[str, ...] = ()
     text_outputs: tuple[tuple[VariableGroup, ...], ...] = ()
     text_inputs: tuple[tuple[VariableGroup, ...], ...] = ()
+    clocks: Clocks = field(default_factory=Clocks)
 
     def record(self, names: Sequence[str]) -> tuple[int, ...]:
         """Positions of the outputs called *names*; DseError naming those that are none."""
@@ -78,7 +82,7 @@ class Wiring:
 def wire_up(system: SystemStructure) -> Wiring:
     """Number all outputs of *system* and find every input's source; DseError for what cannot be simulated."""
     links = links_of(system)
-    raise_if_any(link_problems(system, links))
+    raise_if_any([*link_problems(system, links), *clock_problems(system)])
     values, outputs = _numbered(system, links, texts=False)
     texts, text_outputs = _numbered(system, links, texts=True)
     at = {name: position for position, name in enumerate(values)}
@@ -93,6 +97,7 @@ def wire_up(system: SystemStructure) -> Wiring:
         texts,
         text_outputs,
         tuple(_sources(element, links, text_at, texts=True) for element in system.elements),
+        clocks_of(system, links),
     )
 
 
@@ -100,16 +105,17 @@ def groups_by_type(element: Element, variables: Iterable[Variable], *, texts: bo
     """Numbers (or texts) among *variables*, as few groups as their accessors, events and slopes allow; no positions."""
     kind_of = text_type_of if texts else type_of
     model = element.model
-    parts: dict[tuple[AccessorType, bool, bool, int], list[Variable]] = {}
+    parts: dict[tuple[AccessorType, bool, bool, int, bool], list[Variable]] = {}
     for number, variable in enumerate(variables):
         kind = kind_of(variable, model.version)
         if kind is not None and variable.size:
-            waits = _knows_events(model) and is_discrete_input(variable, model)
-            moves = _knows_events(model) and moves_within_steps(variable, model)
+            ticks = variable.is_clocked and model.ticks
+            waits = _knows_events(model) and is_discrete_input(variable, model) and not ticks
+            moves = _knows_events(model) and moves_within_steps(variable, model) and not ticks
             # What is set in events is set one by one: only what has changed.
-            alone = number if waits and has_event_mode(model) else 0
-            parts.setdefault((kind, waits, moves, alone), []).append(variable)
-    return [VariableGroup(key[0], tuple(parts[key]), (), *key[1:3]) for key in sorted(parts)]
+            alone = number if ticks or (waits and model.ticks) else 0
+            parts.setdefault((kind, waits, moves, alone, ticks), []).append(variable)
+    return [VariableGroup(key[0], tuple(parts[key]), (), *key[1:3], is_clocked=key[4]) for key in sorted(parts)]
 
 
 def is_discrete_input(variable: Variable, model: FmuModel) -> bool:
@@ -125,11 +131,6 @@ def moves_within_steps(variable: Variable, model: FmuModel) -> bool:
         return False
     is_co_simulation = model.version > 2 and model.interface is FmiInterface.CO_SIMULATION  # FMI 3
     return variable.is_intermediate or not is_co_simulation
-
-
-def has_event_mode(model: FmuModel) -> bool:
-    """Whether *model* is simulated with the event mode of FMI 3 co-simulation."""
-    return model.capabilities.has_event_mode and model.interface is FmiInterface.CO_SIMULATION
 
 
 def _knows_events(model: FmuModel) -> bool:

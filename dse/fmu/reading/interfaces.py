@@ -35,6 +35,7 @@ _CAPABILITIES: Mapping[int, Mapping[str, str]] = {
         **_EVERY_VERSION,
         "can_save_state": "canGetAndSetFMUState",
         "has_event_mode": "hasEventMode",
+        "evaluates_discrete_states": "providesEvaluateDiscreteStates",
         "can_return_early": "mightReturnEarlyFromDoStep",
         "provides_intermediate_update": "providesIntermediateUpdate",
         "provides_directional_derivatives": "providesDirectionalDerivatives",

@@ -9,6 +9,7 @@ from math import prod
 from dse.domain.component import Kind
 from dse.domain.fmu import Variable
 from dse.errors import Problem
+from dse.fmu.reading.clocks import read_clocks, read_timing
 from dse.fmu.reading.declared_types import NUMBER_RANGES, DeclaredType, inherited, said_of_values
 from dse.fmu.reading.dimensions import Sizes, read_shape, sizes_told
 from dse.fmu.reading.starts import read_start
@@ -132,8 +133,9 @@ def _listed(
         nominal=told.nominal,
         description=element.get("description"),
         is_relative=bool(told.is_relative),
-        is_clocked=bool(element.get("clocks").strip()),
         is_intermediate=element.flag("intermediateUpdate", problems),
+        clocks=read_clocks(element, problems),
+        timing=read_timing(element, subject, problems) if fmi_type == "Clock" else None,
     )
     if len(problems) == before and len(start) not in (0, 1, variable.size):
         of = f"{variable.size} elements" if shape else "a single one"

@@ -88,8 +88,6 @@ _FITTING = {
 def _require_kinds(source: Form, target: Form) -> None:
     if source.kind != target.kind and (source.kind, target.kind) not in _FITTING:
         raise ConversionError(f"types differ: {source.kind} and {target.kind}")
-    if source.kind == "Clock":
-        raise ConversionError("clocks cannot be connected in this version")
 
 
 def _units(source: NamedUnit | None, target: NamedUnit | None) -> Carry:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from math import prod
 
 from dse.domain.component import Kind
 from dse.domain.fmu import FmuModel, Variable
@@ -222,7 +223,11 @@ class _Assembly:
         target_label = label_of(target, route.target_indices, last.where)
         ends = (source, route.source_indices), (target, route.target_indices)
         start, end = (() if indices else variable.shape for variable, indices in ends)
-        if start != end:
+        if start != end and prod(start) == prod(end) == 1:
+            # Some tools give a single value a dimension of one.
+            source_label = source_label if route.source_indices else source.labels[0]
+            target_label = target_label if route.target_indices else target.labels[0]
+        elif start != end:
             shapes = [" x ".join(map(str, shape)) or "one value" for shape in (start, end)]
             raise fail(f"{last}: shapes differ: {shapes[0]} and {shapes[1]}", last.where)
         way = carried(self._network, route)
