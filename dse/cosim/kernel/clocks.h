@@ -112,6 +112,10 @@ static bool start_clocks(System *system, double step)
         for (Clock *clock = group->clocks; clock < group->no_clocks; clock++)
             if (!start_clock(system, clock))
                 return false;
+        /* Before its clock ticks for the first time a value is what the initialization makes it. */
+        for (const ClockStep *at = group->steps; at < group->no_steps; at++)
+            if (at->act == SAMPLE && !at->is_message && !read_some(system, &at->operation.groups))
+                return false;
         /* They come out of the initialization in event mode, and the first update is due. */
         for (int64_t i = 0; i < group->n_elements; i++)
             plan->ticking[group->elements[i]] = (Ticking){1, 1, 0};
@@ -328,12 +332,12 @@ static bool update_all(System *system, const ClockGroup *group, double time)
     return true;
 }
 
-static const Clock *one_due(const ClockGroup *group, double until)
+static const Clock *first_active(const ClockGroup *group)
 {
     const Clock *clock = group->clocks;
-    while (clock < group->no_clocks - 1 && !(clock->next <= until))
+    while (clock < group->no_clocks && !clock->is_active)
         clock++;
-    return clock;
+    return clock < group->no_clocks ? clock : NULL;
 }
 
 /* All instants at *time*; at a communication point the elements *show* what comes out. */
@@ -342,8 +346,10 @@ static bool pass_instants(System *system, const ClockGroup *group, double time, 
     const Plan *plan = system->plan;
     system->now = time;
     for (int64_t i = 0; begin_instant(system, group, time + plan->spare); i++) {
-        if (i == MOST_EVENT_ITERATIONS)
-            return fail_clock(system, ENDLESS_TICKS, one_due(group, time + plan->spare), 0.0);
+        if (i == MOST_EVENT_ITERATIONS) {
+            const Clock *clock = first_active(group);
+            return clock ? fail_clock(system, ENDLESS_TICKS, clock, 0.0) : fail(system, ENDLESS_EVENTS, 0, 0, 0);
+        }
         if (!settle(system, group) || !update_all(system, group, time))
             return false;
     }
