@@ -74,7 +74,8 @@ def _vecu(tx_clock: str) -> list[str]:
         _message("Tx_Data", 4, "output", 1),
         _message("Rx_Data", 5, "input", 2),
         *(_real(name, 10 + n, "output") for n, name in enumerate(numbers)),
-        *(_real(name, 20 + n, "parameter") for n, name in enumerate(("id", "period", "offset"))),
+        *(_real(name, 20 + 2 * n, "parameter") for n, name in enumerate(("id", "offset"))),
+        _real("period", 21, "parameter", 'start="1"'),
         _real("burst", 23, "parameter", 'start="1"'),
         _real("discards", 24, "parameter"),
     ]

@@ -332,12 +332,17 @@ static bool update_all(System *system, const ClockGroup *group, double time)
     return true;
 }
 
-static const Clock *first_active(const ClockGroup *group)
+/* There is no end of instants: a clock goes on ticking, or an FMU wants another update each time. */
+RARE static bool fail_endless(System *system, const ClockGroup *group)
 {
-    const Clock *clock = group->clocks;
-    while (clock < group->no_clocks && !clock->is_active)
-        clock++;
-    return clock < group->no_clocks ? clock : NULL;
+    for (const Clock *clock = group->clocks; clock < group->no_clocks; clock++)
+        if (clock->is_active)
+            return fail_clock(system, ENDLESS_TICKS, clock, 0.0);
+    int64_t i = 0;
+    while (!((Plan *)system->plan)->ticking[group->elements[i]].is_due)
+        i++;
+    enter_call(system, group->elements[i], UPDATE_DISCRETE_STATES);
+    return fail(system, ENDLESS_EVENTS, 0, 0, 0);
 }
 
 /* All instants at *time*; at a communication point the elements *show* what comes out. */
@@ -346,10 +351,8 @@ static bool pass_instants(System *system, const ClockGroup *group, double time, 
     const Plan *plan = system->plan;
     system->now = time;
     for (int64_t i = 0; begin_instant(system, group, time + plan->spare); i++) {
-        if (i == MOST_EVENT_ITERATIONS) {
-            const Clock *clock = first_active(group);
-            return clock ? fail_clock(system, ENDLESS_TICKS, clock, 0.0) : fail(system, ENDLESS_EVENTS, 0, 0, 0);
-        }
+        if (i == MOST_EVENT_ITERATIONS)
+            return fail_endless(system, group);
         if (!settle(system, group) || !update_all(system, group, time))
             return false;
     }

@@ -91,13 +91,14 @@ def drive_of(model: FmuModel) -> Drive:
 
 
 def driven(model: FmuModel) -> tuple[Variable, ...]:
-    """The inputs that take numbers."""
-    return tuple(v for v in model.variables.values() if v.causality == "input" and v.kind is not None)
+    """The inputs that take numbers, but for those that take them while a clock ticks: here none does."""
+    variables = model.variables.values()
+    return tuple(v for v in variables if v.causality == "input" and v.kind is not None and not v.is_clocked)
 
 
 def watched(model: FmuModel) -> tuple[Variable, ...]:
-    """The outputs that are compared: all but clocks."""
-    return tuple(v for v in model.variables.values() if v.causality == "output" and v.fmi_type != "Clock")
+    """The outputs that are compared: all but clocks and what belongs to them."""
+    return tuple(v for v in model.variables.values() if v.causality == "output" and not (v.timing or v.is_clocked))
 
 
 def start_of(variable: Variable, index: int = 0) -> float:

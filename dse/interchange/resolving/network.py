@@ -151,16 +151,23 @@ def _hop(scope: _Scope, connection: SspConnection) -> Hop:
     if start_gives is None and end_gives is None:
         what = f"{connection}: both ends may give and take, so nothing says which way values go"
         raise fail(what, connection.where, "make one of them an input or an output")
-    if start_gives == end_gives:
+    # A clock that ticks by itself is an input, and gives its ticks to others all the same (FMI-LS-BUS 1.0, 4.2.4).
+    start_ticks, end_ticks = (_is_timed(scope.network, node) for node, _, _ in ends)
+    if start_gives == end_gives and (start_gives or start_ticks == end_ticks):
         both = "give values" if start_gives else "take values"
         raise fail(f"{connection}: both ends {both}", connection.where, "connect an output to an input")
-    if not (start_gives or end_gives is False):
+    if end_ticks if start_gives == end_gives else not (start_gives or end_gives is False):
         ends.reverse()
     (source, _, source_indices), (target, _, target_indices) = ends
     if _is_late(scope.network, source, target):
         what = f"{connection}: a calculated parameter that sets a parameter is not supported"
         raise fail(what, connection.where, "give the parameter a value")
     return Hop(source, target, connection, source_indices, target_indices)
+
+
+def _is_timed(network: Network, node: Endpoint) -> bool:
+    variable = network.variable(node)
+    return variable is not None and variable.is_timed
 
 
 def _placed(scope: _Scope, connection: SspConnection, end: End) -> tuple[Endpoint, bool | None]:

@@ -24,6 +24,7 @@ static void take(Model *m, uint32_t r, double value) { N(m, r) = value; }
 
 static void begin(Model *m) {
     N(m, BURST) = N(m, BURST) ? N(m, BURST) : 1;
+    N(m, PERIOD) = N(m, PERIOD) ? N(m, PERIOD) : 1;
     put(&m->tx, CONFIGURATION, 4), put(&m->tx, 13, 4), put(&m->tx, BAUDRATE, 1), put(&m->tx, 100000, 4);
     put(&m->tx, CONFIGURATION, 4), put(&m->tx, 10, 4), put(&m->tx, LOST_BEHAVIOR, 1);
     put(&m->tx, N(m, DISCARDS) ? DISCARD_AND_NOTIFY : BUFFER_AND_RETRANSMIT, 1);

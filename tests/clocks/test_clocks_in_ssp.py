@@ -1,0 +1,85 @@
+"""SSP packages of FMUs with clocks: simulated, checked, imported; what does not fit is told at its line."""
+
+from __future__ import annotations
+
+import csv
+from pathlib import Path
+
+import pytest
+from command_line import run_dse
+from ssp_packages import (
+    binding,
+    bindings,
+    component,
+    connection,
+    connections,
+    description,
+    elements,
+    pack,
+    parameter_set,
+)
+
+from clocks.fmus import Workshop
+
+CHANNEL = ("output Tx_Data", "input Rx_Data", "input Rx_Clock", "output received", "output last_id", "output malformed")
+
+
+@pytest.fixture(scope="module")
+def cache(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return tmp_path_factory.mktemp("cache")
+
+
+def package(folder: Path, workshop: Workshop, *wires: tuple[str, str], timed: bool = False) -> Path:
+    """Two virtual ECUs a and b, called 17 and 18, and these connections besides those of the data."""
+    channel = [*CHANNEL, f"{'input' if timed else 'output'} Tx_Clock"]
+    said = [
+        component(name, *channel, source="resources/vecu.fmu", more=bindings(binding(parameter_set(*values))))
+        for name, values in (
+            ("a", ("id Real 17", "period Real 0.3", "offset Real 0.3")),
+            ("b", ("id Real 18", "period Real 0.2", "offset Real 0.2")),
+        )
+    ]
+    data = (("a.Tx_Data", "b.Rx_Data"), ("b.Tx_Data", "a.Rx_Data"))
+    text = description(elements(*said) + connections(*(connection(*ends) for ends in (*data, *wires))))
+    fmu = workshop.vecu(timed=timed).read_bytes()
+    return pack(folder / "can.ssp", {"SystemStructure.ssd": text, "resources/vecu.fmu": fmu})
+
+
+CLOCKS = ("a.Tx_Clock", "b.Rx_Clock"), ("b.Tx_Clock", "a.Rx_Clock")
+
+
+@pytest.mark.parametrize("timed", [False, True], ids=["triggered", "countdown"])
+@pytest.mark.parametrize("wires", [CLOCKS, ()], ids=["clocks connected", "data alone"])
+def test_virtual_ecus_exchange_can_frames(tmp_path, workshop, cache, timed, wires):
+    path = package(tmp_path, workshop, *wires, timed=timed)
+    done = run_dse(tmp_path, "check", str(path), cache=cache)
+    assert (done.returncode, done.stdout) == (0, "ok: 2 FMUs, 6 outputs\n")
+    done = run_dse(tmp_path, "simulate", str(path), "--stop", "1", "--step", "0.1", "-o", "wave.csv", cache=cache)
+    assert done.returncode == 0, done.stderr
+    with (tmp_path / "wave.csv").open(encoding="utf-8") as file:
+        last = list(csv.DictReader(file))[-1]
+    found = {name.split(" ", 1)[0]: float(value) for name, value in last.items()}
+    assert (found["a.received"], found["a.last_id"], found["a.malformed"]) == (5, 18, 0)
+    assert (found["b.received"], found["b.last_id"], found["b.malformed"]) == (3, 17, 0)
+
+
+def test_what_no_tick_can_go_over_is_told_where_it_is_connected(tmp_path, workshop, cache):
+    path = package(tmp_path, workshop, ("a.Tx_Clock", "b.received"))
+    done = run_dse(tmp_path, "check", str(path), cache=cache)
+    assert done.returncode == 1
+    assert "a.Tx_Clock - b.received: both ends give values" in done.stderr
+    path = package(tmp_path, workshop, ("a.received", "b.Rx_Clock"))
+    done = run_dse(tmp_path, "check", str(path), cache=cache)
+    assert done.returncode == 1
+    assert "a.received - b.Rx_Clock: types differ: real and Clock" in done.stderr
+    path = package(tmp_path, workshop, ("a.Rx_Clock", "b.Rx_Clock"))
+    done = run_dse(tmp_path, "check", str(path), cache=cache)
+    assert done.returncode == 1
+    assert "a.Rx_Clock - b.Rx_Clock: both ends take values" in done.stderr
+
+
+@pytest.mark.thorough
+def test_a_probe_does_not_touch_what_belongs_to_clocks(tmp_path, workshop, cache):
+    done = run_dse(tmp_path, "probe", str(workshop.vecu()), "--format", "json", cache=cache)
+    assert done.returncode == 0, done.stderr
+    assert '"runs": "yes"' in done.stdout
