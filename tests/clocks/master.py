@@ -36,7 +36,7 @@ class Part:
         self.said = {clock.get("name", ""): clock.attrib for clock in root.iter("Clock")}
         self.needs = {u.variable.name: [d.name for d in u.dependencies or ()] for u in described.outputs}
         identifier = described.coSimulation.modelIdentifier
-        self.fmu = FMU3Slave(guid="{}", unzipDirectory=self.folder, modelIdentifier=identifier, instanceName=name)
+        self.fmu = FMU3Slave(guid=described.instantiationToken, unzipDirectory=self.folder, modelIdentifier=identifier, instanceName=name)
         self.fmu.instantiate(eventModeUsed=True, earlyReturnAllowed=early)
         self.next: dict[str, float] = {}
         self.ticks: dict[str, tuple[int, float, float, float]] = {}

@@ -124,10 +124,11 @@ class Instance(Handle):
         self._call(Call.DO_STEP, start, types, time, step, not may_roll_back, *flags)
         if ended.value:
             raise self.cut_short(min(reached.value, target), ended=True)
-        if early.value and not self.able & Ability.CAN_RETURN_EARLY:
+        is_early = early.value and not (event.value and reached.value >= target - 1e-9 * step)
+        if is_early and not self.able & Ability.CAN_RETURN_EARLY:
             raise self.cut_short(start, ended=False)
         is_event = event.value and bool(self.able & Ability.HAS_EVENTS)
-        return (reached.value if early.value and reached.value < target else target), is_event
+        return (reached.value if is_early and reached.value < target else target), is_event
 
     def cut_short(self, time: float, *, ended: bool) -> RunFailed:
         """The failure of a step that was not made to its end."""

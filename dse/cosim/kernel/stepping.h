@@ -131,6 +131,8 @@ static bool step_once(System *system, Element *element, double *time, double ste
         return false; /* the failure is filled in */
     if (!is_good(status))
         return fail_status(system, status);
+    /* Some say that they return early with an event at the very end. */
+    early_return = early_return && !(*has_event && reached >= target - NEARLY * step);
     *has_event = *has_event && element->abilities & HAS_EVENTS;
     if (terminate)
         return fail(system, STEP_CUT_SHORT, 1, 0, reached < target ? reached : target);

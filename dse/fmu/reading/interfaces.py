@@ -79,6 +79,9 @@ def choose_interface(
         needs = _needs_completed_step(element, version, problems)
         capabilities = replace(capabilities, can_handle_variable_step=True)
         return ChosenInterface(kind, element, identifier, capabilities, needs_completed_step=needs)
+    if version == 3 and element.flag("canReturnEarlyAfterIntermediateUpdate", problems):
+        # It says that it can when it is asked to; some then do so without being asked, too.
+        capabilities = replace(capabilities, can_return_early=True)
     step = _positive(element, "fixedInternalStepSize", problems) or experiment.step
     fixed_step = None if capabilities.can_handle_variable_step else step
     return ChosenInterface(kind, element, identifier, capabilities, fixed_step)
