@@ -36,7 +36,9 @@ class Part:
         self.said = {clock.get("name", ""): clock.attrib for clock in root.iter("Clock")}
         self.needs = {u.variable.name: [d.name for d in u.dependencies or ()] for u in described.outputs}
         identifier = described.coSimulation.modelIdentifier
-        self.fmu = FMU3Slave(guid=described.instantiationToken, unzipDirectory=self.folder, modelIdentifier=identifier, instanceName=name)
+        self.fmu = FMU3Slave(
+            guid=described.instantiationToken, unzipDirectory=self.folder, modelIdentifier=identifier, instanceName=name
+        )
         self.fmu.instantiate(eventModeUsed=True, earlyReturnAllowed=early)
         self.next: dict[str, float] = {}
         self.ticks: dict[str, tuple[int, float, float, float]] = {}
@@ -57,7 +59,7 @@ class Part:
     def interval(self, name: str) -> tuple[int, float, float]:
         """The qualifier, the interval and in how many parts of a second it is given."""
         reference, qualifier = (ctypes.c_uint32 * 1)(*self.reference(name)), (ctypes.c_int * 1)()
-        if self.variables[name].supportsFraction:
+        if self.said[name].get("supportsFraction") == "true":
             counter, resolution = (ctypes.c_uint64 * 1)(), (ctypes.c_uint64 * 1)()
             self.fmu.fmi3GetIntervalFraction(self.fmu.component, reference, 1, counter, resolution, qualifier)
             return qualifier[0], float(counter[0]), float(resolution[0])
@@ -67,7 +69,7 @@ class Part:
 
     def shift(self, name: str) -> float:
         reference = (ctypes.c_uint32 * 1)(*self.reference(name))
-        if self.variables[name].supportsFraction:
+        if self.said[name].get("supportsFraction") == "true":
             counter, resolution = (ctypes.c_uint64 * 1)(), (ctypes.c_uint64 * 1)()
             self.fmu.fmi3GetShiftFraction(self.fmu.component, reference, 1, counter, resolution)
             return float(counter[0])
@@ -141,6 +143,7 @@ class ClockMaster:
                     self.rings.setdefault((name, clock), []).extend(
                         (other, c) for c in self.parts[other].clocked[output]
                     )
+        self.groups = self._grouped()
         self.values: dict[Port, float] = {}
         for label, value in start.items():
             name, variable = _port(label)
@@ -155,6 +158,18 @@ class ClockMaster:
         for part in self.parts.values():
             part.fmu.freeInstance()
             shutil.rmtree(part.folder, ignore_errors=True)
+
+    def _grouped(self) -> list[list[Part]]:
+        """Parts that ticks, or what belongs to clocks, go between; each group in the order in which it steps."""
+        number = {name: n for n, name in enumerate(self.parts)}
+        clocked = [(a, b) for b, a in self.source.items() if self._clocks(a) and self._clocks(b)]
+        for a, b in [*clocked, *((a, b) for b, sources in self.rings.items() for a in sources)]:
+            one, other = number[a[0]], number[b[0]]
+            number = {name: one if n == other else n for name, n in number.items()}
+        return [[part for part in self.order if number[part.name] == n] for n in dict.fromkeys(number.values())]
+
+    def _clocks(self, port: Port) -> list[str]:
+        return self.parts[port[0]].clocked[port[1]]
 
     def _is_clock(self, port: Port) -> bool:
         return bool(self.parts[port[0]].variables[port[1]].type == "Clock")
@@ -181,57 +196,61 @@ class ClockMaster:
         rows = []
         for k in range(round(stop / step) + 1):
             self._show()
-            if self._is_due(k * step):
-                self._give()
-                self._instants(k * step)
-                self._show()
+            due = [group for group in self.groups if self._is_due(group, k * step)]
+            for group in due:
+                self._give(group)
+                self._instants(group, k * step)
+                self._show(group)
             rows.append([self.values[port] for port in ports])
             if k < round(stop / step):
                 self._give()
-                self._go(k * step, (k + 1) * step, step)
+                for group in self.groups:
+                    self._go(group, k * step, (k + 1) * step, step)
         return np.array(rows)
 
-    def _show(self) -> None:
-        self.values |= {(name, v): self.parts[name].number(v) for name, v in self.free}
+    def _show(self, group: Sequence[Part] = ()) -> None:
+        shown = group or self.order
+        self.values |= {(name, v): self.parts[name].number(v) for name, v in self.free if self.parts[name] in shown}
 
-    def _give(self) -> None:
+    def _give(self, group: Sequence[Part] = ()) -> None:
         """Inputs that belong to no clock; discrete ones, too: these FMUs take them in any mode."""
         for (name, v), a in self.source.items():
-            if self._is_number(a) and not self.parts[name].clocked[v]:
+            is_asked = not group or self.parts[name] in group
+            if is_asked and self._is_number(a) and not self.parts[name].clocked[v]:
                 self.parts[name].fmu.setFloat64(self.parts[name].reference(v), [self.values[a]])
 
-    def _is_due(self, time: float) -> bool:
+    def _is_due(self, group: Sequence[Part], time: float) -> bool:
         until = time + self.spare
-        return any(p.is_due or any(t <= until for t in p.next.values()) for p in self.parts.values())
+        return any(p.is_due or any(t <= until for t in p.next.values()) for p in group)
 
-    def _go(self, time: float, end: float, length: float) -> None:
+    def _go(self, group: Sequence[Part], time: float, end: float, length: float) -> None:
         at = time
         while at < end:
-            coming = min((t for part in self.parts.values() for t in part.next.values()), default=math.inf)
+            coming = min((t for part in group for t in part.next.values()), default=math.inf)
             target = coming if coming < end - self.spare else end
-            for part in self.order:
-                whole = target == end
-                event, _, early, reached = part.fmu.doStep(
-                    at, (length if at == time else end - at) if whole else target - at
-                )
+            for part in group:
+                step = target - at
+                if target == end:
+                    step = length if at == time else end - at
+                event, _, early, reached = part.fmu.doStep(at, step)
                 part.is_due |= event
-                target = reached if early else target
+                target = reached if early and reached < target - 1e-9 * step else target
             at = target
             if at < end:
-                self._instants(at)
+                self._instants(group, at)
 
-    def _instants(self, time: float) -> None:
+    def _instants(self, group: Sequence[Part], time: float) -> None:
         for _ in range(100):
-            for part in self.parts.values():
+            for part in group:
                 part.active = set()
                 for name in [n for n, t in part.next.items() if t <= time + self.spare]:
                     part.tick(name)
                     part.active.add(name)
                     part.is_due = True
-            if not any(part.is_due for part in self.parts.values()):
+            if not any(part.is_due for part in group):
                 break
-            self._one_instant(time)
-        for part in self.parts.values():
+            self._one_instant(group, time)
+        for part in group:
             if part.in_events:
                 part.fmu.enterStepMode()
                 part.in_events = False
@@ -242,15 +261,15 @@ class ClockMaster:
             part.in_events = True
         part.is_due = True
 
-    def _one_instant(self, time: float) -> None:
-        for part in self.parts.values():
+    def _one_instant(self, group: Sequence[Part], time: float) -> None:
+        for part in group:
             if part.is_due:
                 self._enter(part)
                 for name in part.active:
                     part.fmu.setClock(part.reference(name), [True])
         ticking = None
-        while ticking != (ticking := {(p.name, c) for p in self.parts.values() for c in p.active}):
-            for part in self.parts.values():
+        while ticking != (ticking := {(p.name, c) for p in group for c in p.active}):
+            for part in group:
                 for name, v in part.variables.items():
                     if v.type != "Clock" or name in part.active:
                         continue
@@ -262,12 +281,14 @@ class ClockMaster:
                         part.fmu.setClock(part.reference(name), [True])
         self.fetched: dict[Port, bytes | float] = {}
         self.given: set[Port] = set()
+        names = {part.name for part in group}
         for port in self.source:
-            self._deliver(port)
+            if port[0] in names:
+                self._deliver(port)
         for port in self.kept:
-            if self._ticks(port):
+            if port[0] in names and self._ticks(port):
                 self._fetch(port)
-        for part in self.parts.values():
+        for part in group:
             if part.is_due:
                 part.is_due = bool(part.fmu.updateDiscreteStates()[0])
                 part.ask(time)
