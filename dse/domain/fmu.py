@@ -223,6 +223,17 @@ class FmuModel:
         """Whether its clocks can be simulated."""
         return self.interface is FmiInterface.CO_SIMULATION and self.capabilities.has_event_mode
 
+    def lets_tick(self, variable: Variable) -> bool:
+        """Whether *variable* belongs to clocks of its border that are simulated: those at least that there are."""
+        return (
+            variable.is_clocked
+            and self.ticks
+            and any(
+                clock.timing and clock.causality in ("input", "output") and clock.reference in variable.clocks
+                for clock in self.variables.values()
+            )
+        )
+
     def variable_of(self, label: str) -> Variable:
         """The variable called *label*, or the array one of whose values is (``name[2]``); KeyError if there is none."""
         return self.variables.get(label) or self.variables[label.rpartition("[")[0]]

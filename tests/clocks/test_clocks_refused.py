@@ -148,6 +148,14 @@ def test_descriptions_that_say_no_time(workshop: Workshop):
         assert message in str(error.value)
 
 
+def test_a_variable_of_a_clock_that_is_not_there_belongs_to_none(workshop: Workshop):
+    model = ticker(workshop, CONSTANT)
+    y = replace(model.variables["y"], clocks=(99,))
+    model = replace(model, variables={**model.variables, "y": y})
+    with Simulator(system_of({"a": model}, (), {}, RECORD), RECORD) as simulator:
+        assert simulator.run(stop=1.0, step=0.25)[:, 1].tolist() == [0, 0.25, 0.5, 0.75, 1.0]
+
+
 def test_an_fmu_for_scheduled_execution_only(workshop: Workshop):
     text = description("ticker", []).replace("<CoSimulation", "<ScheduledExecution")
     with pytest.raises(DseError, match="the FMU is for scheduled execution only, which is not supported"):

@@ -160,13 +160,13 @@ class _Maker:
     def _clocked_wires(self) -> Iterator[tuple[int, Variable, int, Variable]]:
         """Inputs that belong to clocks, and outputs that do so, too, from which they are taken."""
         for e, element in enumerate(self._elements):
-            for variable in element.inputs if element.model.ticks else ():
-                for label in variable.labels if variable.is_clocked else ():
+            for variable in element.inputs:
+                for label in variable.labels if element.model.lets_tick(variable) else ():
                     link = self._links.get(f"{element.name}.{label}")
                     if link is None or link.source not in self._owners:
                         continue
                     source, output = self._owners[link.source]
-                    if output.is_clocked and self._elements[source].model.ticks:
+                    if self._elements[source].model.lets_tick(output):
                         yield e, variable, source, output
 
     def _sources(self, number: int, wired: Iterable[tuple[int, int]]) -> tuple[int, ...]:

@@ -109,7 +109,7 @@ def groups_by_type(element: Element, variables: Iterable[Variable], *, texts: bo
     for number, variable in enumerate(variables):
         kind = kind_of(variable, model.version)
         if kind is not None and variable.size:
-            ticks = variable.is_clocked and model.ticks
+            ticks = model.lets_tick(variable)
             waits = _knows_events(model) and is_discrete_input(variable, model) and not ticks
             moves = _knows_events(model) and moves_within_steps(variable, model) and not ticks
             # What is set in events is set one by one: only what has changed.
