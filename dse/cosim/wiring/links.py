@@ -63,14 +63,12 @@ def _unsupported(system: SystemStructure, links: Mapping[str, Link]) -> Iterable
             if any(f"{element.name}.{label}" in ends for label in variable.labels) and (
                 why := _unwireable(element, variable)
             ):
-                yield Problem(
-                    f"{name}: {why}", hint="wire real, integer, Boolean, enumeration, string or binary variables"
-                )
+                yield Problem(f"{name}: {why}")
 
 
 def _unwireable(element: Element, variable: Variable) -> str:
     if type_of(variable, element.model.version) is None and text_type_of(variable, element.model.version) is None:
-        return f"variables of type {variable.fmi_type} cannot be wired"
+        return f"variables of type {variable.fmi_type} cannot be wired, only numbers, truth values and texts"
     if variable.is_clocked and not element.model.ticks:
         return "a variable that belongs to a clock is supported for co-simulation with event mode only"
     return ""

@@ -6,7 +6,8 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
 from dse.cosim.binding.calls import AccessorType, text_type_of, type_of
-from dse.cosim.wiring.clocks import Clocks, clock_problems, clocks_of
+from dse.cosim.wiring.clock_problems import clock_problems
+from dse.cosim.wiring.clocks import Clocks, clocks_of
 from dse.cosim.wiring.links import Link, link_problems, links_of
 from dse.domain.fmu import FmiInterface, FmuModel, Variable
 from dse.domain.system import Conversion, Element, SystemStructure
