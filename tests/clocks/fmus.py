@@ -54,6 +54,7 @@ def _ticker(timing: str) -> list[str]:
         ),
         _real("parts", 26, "parameter", 'start="1"'),
         _real("bias", 27, "parameter"),
+        _real("hasty", 31, "parameter"),
     ]
 
 

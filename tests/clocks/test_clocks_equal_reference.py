@@ -90,6 +90,15 @@ def test_an_fmu_that_tells_others_may_stop_where_it_has_to(workshop: Workshop):
     assert rows[1:, 2] == pytest.approx([0.45, 0.85])
 
 
+def test_an_event_at_the_end_of_a_step_is_no_early_return(workshop: Workshop):
+    fmus = {"b": workshop.ticker(mightReturnEarlyFromDoStep="false"), "a": workshop.ticker()}
+    start = {"a.mode": ALONE_MODE, "a.delay": 0.2, "a.hasty": 1.0, "a.period": 9.0, "a.kind": 4.0, "b.period": 9.0}
+    # Two that tell each other: none may stop before the other.
+    wires = ["a.bell -> b.ring", "b.bell -> a.ring"]
+    rows = same_bits(workshop, fmus, wires, start, ["b.rings", "a.y"], step=0.5)
+    assert rows[:, 0].tolist() == [0, 1, 2]
+
+
 def test_intervals_that_change_and_updates_that_are_repeated(workshop: Workshop):
     for mode in (SPEEDS_UP, AGAIN):
         start = start_of("a", "tunable", 0.1, mode=mode) | {"a.u": 1.0}

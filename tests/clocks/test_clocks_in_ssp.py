@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import json
 from pathlib import Path
 
 import pytest
@@ -77,6 +78,26 @@ def test_what_no_tick_can_go_over_is_told_where_it_is_connected(tmp_path, worksh
     done = run_dse(tmp_path, "check", str(path), cache=cache)
     assert done.returncode == 1
     assert "a.Rx_Clock - b.Rx_Clock: both ends take values" in done.stderr
+
+
+@pytest.mark.thorough
+def test_clocks_tick_in_a_workspace_without_ports_of_their_own(tmp_path, workshop, cache):
+    said = [
+        component(n, "output sum", "output count", "output rings", "input u", "input v", source="resources/t.fmu")
+        for n in "ab"
+    ]
+    wired = connections(connection("a.count", "b.v"), connection("b.count", "a.u"))
+    fmu = workshop.ticker('intervalVariability="constant" intervalDecimal="0.3"').read_bytes()
+    files = {"SystemStructure.ssd": description(elements(*said) + wired), "resources/t.fmu": fmu}
+    path = pack(tmp_path / "ticks.ssp", files)
+    done = run_dse(tmp_path, "import", "ssp", str(path), "work", "--stop", "1", "--step", "0.1", cache=cache)
+    assert done.returncode == 0, done.stderr
+    (bench,) = (tmp_path / "work" / "testbenches").iterdir()
+    done = run_dse(tmp_path / "work", "simulate", str(bench), "--format", "json", cache=cache)
+    assert done.returncode == 0, done.stderr
+    found = json.loads(done.stdout)["metrics"]
+    # Ticks at 0, 0.3, 0.6 and 0.9 s: a adds what b has counted in the same instant, b is told each time.
+    assert (found["a_sum_at_the_end"], found["b_count_at_the_end"], found["b_rings_at_the_end"]) == (10, 4, 4)
 
 
 @pytest.mark.thorough

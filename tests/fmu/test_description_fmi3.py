@@ -7,7 +7,7 @@ from fmu.descriptions import FMI_3 as TEXT
 from hypothesis import HealthCheck, given, settings, strategies as st
 
 from dse.domain.component import Kind
-from dse.domain.fmu import Exchange, FmiInterface
+from dse.domain.fmu import ClockKind, Exchange, FmiInterface, Timing
 
 
 def test_every_type_is_read_by_its_own_functions(described):
@@ -33,7 +33,8 @@ def test_every_type_is_read_by_its_own_functions(described):
         "z": ("Float64", Kind.REAL, "continuous", ()),
     }
     assert variables["e"].items == {"off": 0, "far": 5_000_000_000}
-    assert [name for name, v in variables.items() if v.is_clocked] == ["sampled"]
+    assert [(name, v.clocks) for name, v in variables.items() if v.is_clocked] == [("sampled", (12,))]
+    assert variables["tick"].timing == Timing(ClockKind.TRIGGERED)
     assert [name for name, v in variables.items() if v.is_intermediate] == ["u", "other u"]
 
 
@@ -63,6 +64,14 @@ def test_dependencies_name_every_alias(described):
     found = described(TEXT)
     assert found.depends == {"x": (), "y": (), "i": ("u", "other u")}
     assert found.initially_depends == {"x": (), "y": (), "i": ("b", "e")}
+
+
+def test_an_fmu_that_can_return_early_when_asked_may_do_so(described):
+    text = TEXT.replace("mightReturnEarlyFromDoStep", "canReturnEarlyAfterIntermediateUpdate")
+    assert described(text).capabilities.can_return_early
+    assert not described(
+        text.replace('IntermediateUpdate="true"', 'IntermediateUpdate="false"', 1)
+    ).capabilities.can_return_early
 
 
 def test_capabilities_are_told_in_both_interfaces(described):

@@ -204,6 +204,7 @@ EXPORT int fmi3GetIntervalFraction(void *m, const uint32_t *r, size_t n, uint64_
 
 #define SHIFT 22 /* the parameter, in the same parts of a second as the interval */
 #define PARTS 26
+#define HASTY 31 /* says that it returns early with an event at the end of a step, too */
 
 EXPORT int fmi3GetShiftDecimal(void *m, const uint32_t *r, size_t n, double *shifts) {
     for (size_t i = 0; i < n; i++) {
@@ -243,7 +244,7 @@ EXPORT int fmi3DoStep(void *m, double time, double step, bool no_rollback, bool 
         return wrong(m, "fmi3DoStep", 0);
     *has_event = *ends = false;
     *reached = COMMON(m)->time = go(m, time + step, has_event);
-    *early = *reached < time + step;
+    *early = *reached < time + step || (*has_event && COMMON(m)->numbers[HASTY]);
     return OK;
 }
 

@@ -561,6 +561,14 @@ def test_whole_arrays_and_single_values_are_connected(tmp_path):
     ]
 
 
+def test_an_array_of_one_value_and_a_single_value_are_connected(tmp_path):
+    one = variable("one", "input", shape=(1, 1), sized_by=("", ""))
+    fmus = {"source": ARRAYS["source"], "sink": model("sink", one)}
+    said = elements(component("source", "output z"), component("sink", "input one"))
+    text = description(said + connections(connection("source.z", "sink.one")), version="2.0")
+    assert wires(resolved(tmp_path, text, fmus)) == [("source.z", "sink.one[1,1]")]
+
+
 def test_values_of_an_array_that_nothing_arrives_at_keep_what_they_are_given(tmp_path):
     given = bindings(binding(parameter_set("u[1] Real 4", "u[2] Real 5", "u[3] Real 6", "w Real 7")))
     inner = [component("source", "output y", "output z"), component("sink", "input u", "input w", more=given)]
