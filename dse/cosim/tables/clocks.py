@@ -91,12 +91,12 @@ class CompiledClocks:
         )
         if step.act in (Act.SAMPLE, Act.DELIVER):
             made.operation = self._operation(step)
-        if step.act is Act.SAMPLE and not step.is_message:
+        if step.act is Act.SAMPLE:
             name = self._tables.wiring.system.elements[step.element].name
-            room = np.zeros(max(1, step.variable.size))
+            made.n_values = 0 if step.is_message else step.variable.size
+            made.first = self._at[f"{name}.{step.variable.labels[0]}"] if made.n_values else 0
+            room = np.zeros(max(1, made.n_values))
             self._kept.append(room)
-            made.n_values = step.variable.size
-            made.first = self._at[f"{name}.{step.variable.labels[0]}"] if step.variable.size else 0
             made.before = int(room.ctypes.data)
         return made
 
