@@ -38,7 +38,7 @@ def prepare_study(
     say: Say = lambda _: None,
     sandboxed: bool = False,
 ) -> PreparedStudy:
-    """Choose the configurations and prepare them, see `prepare_bench`. Raises DseError with everything that is wrong."""
+    """Choose the configurations and prepare them, see `prepare_bench`. Raises DseError with all that is wrong."""
     configurations = selected(study.bench.design, study.selection, study.where)
     benches = prepare_bench(study.bench, configurations, version=version, cache=cache, say=say, sandboxed=sandboxed)
     require_variables(study, {name: bench.settings for name, bench in benches.items()})

@@ -67,7 +67,7 @@ class Part:
         if self.model not in INPUTS:
             kinds["u"] = 'causality="local" variability="continuous" initial="calculated"><Real/>'
         if not self.exchange or self.discrete:
-            kinds = {name: text.replace(' derivative="2"', "").replace(' derivative="3"', "") for name, text in kinds.items()}
+            kinds["der(x)"] = kinds["der(v)"] = kinds["der(x)"].replace(' derivative="2"', "")
         variables = "".join(
             f'<ScalarVariable name="{name}" valueReference="{number}" {kinds[name]}</ScalarVariable>'
             for number, name in enumerate(NAMES)
@@ -77,7 +77,8 @@ class Part:
         exchange = '<ModelExchange modelIdentifier="solver"/>' if self.exchange else ""
         tolerance = f' tolerance="{self.tolerance!r}"' if self.tolerance else ""
         return (
-            '<?xml version="1.0" encoding="UTF-8"?>\n<fmiModelDescription fmiVersion="2.0" modelName="solver" guid="one" '
+            '<?xml version="1.0" encoding="UTF-8"?>\n'
+            '<fmiModelDescription fmiVersion="2.0" modelName="solver" guid="one" '
             f'numberOfEventIndicators="0">{exchange}'
             '<CoSimulation modelIdentifier="solver" canHandleVariableCommunicationStepSize="true"/>'
             f'<DefaultExperiment startTime="0" stopTime="3"{tolerance}/>'
@@ -95,14 +96,21 @@ def solutions() -> dict[str, Callable[[NDArray[np.float64]], NDArray[np.float64]
         return np.exp(-d * t) * (np.cos(w * t) + d / w * np.sin(w * t))
 
     def ball(t: NDArray[np.float64]) -> NDArray[np.float64]:
-        fall = math.sqrt(2 / 9.81)
-        begin, speed, x = np.zeros_like(t), np.zeros_like(t), 1.0 - 9.81 / 2 * t**2
-        at, up = fall, 0.7 * 9.81 * fall
-        while at < t.max() and up > 1e-9:
+        # Between two bounces v' = -9.81 - v / 2; where they are is found by halving.
+        def fallen(since: NDArray[np.float64], x: float, v: float) -> NDArray[np.float64]:
+            return x + (v + 19.62) * 2 * (1 - np.exp(-since / 2)) - 19.62 * since
+
+        x, at, height, speed = np.zeros_like(t), 0.0, 1.0, 0.0
+        while at < t[-1]:
             later = t >= at
-            x = np.where(later, up * (t - at) - 9.81 / 2 * (t - at) ** 2, x)
-            at, up = at + 2 * up / 9.81, 0.7 * up
-        return np.where(t < at, x, 0.0)
+            x[later] = fallen(t[later] - at, height, speed)
+            low, high = 1e-6 if height else 2 * math.log1p(speed / 19.62), 4.0  # from its highest point on
+            for _ in range(80):
+                middle = (low + high) / 2
+                low, high = (middle, high) if fallen(np.float64(middle), height, speed) > 0 else (low, middle)
+            speed = 0.9 * (19.62 - (speed + 19.62) * math.exp(-low / 2))
+            at, height = at + low, 0.0
+        return x
 
     return {
         "DECAY": lambda t: np.exp(-t),

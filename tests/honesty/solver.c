@@ -74,7 +74,7 @@ static void rates(double k, double t, const double x[2], double u, double d[2])
     d[0] = 3.0 * k * x[0] * (1.0 - x[0]);
 #elif MODEL == BALL
     d[0] = x[1];
-    d[1] = -9.81 * k;
+    d[1] = -9.81 * k - x[1] / 2;
 #elif MODEL == MASS
     d[0] = x[1];
     d[1] = k * u;
@@ -95,7 +95,7 @@ static void bounce(double x[2])
 #if MODEL == BALL
     if (x[0] <= 0.0 && x[1] < 0.0) {
         x[0] = 0.0;
-        x[1] *= -0.7;
+        x[1] *= -0.9;
     }
 #endif
     (void)x;
@@ -175,7 +175,7 @@ static void adaptively(Part *p, double from, double to, double x[2], double tole
             step = high;
             pair(p, t, step, x, y, tolerance);
             y[0] = 0.0;
-            y[1] *= -0.7;
+            y[1] *= -0.9;
         }
 #endif
         h = next_width(step, error);

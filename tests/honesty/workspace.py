@@ -8,7 +8,7 @@ from dse.domain.run import Run, RunRequest
 from dse.loading.workspace import Workspace
 from dse.testbench.runner import Runner
 from dse.testbench.study import bench_study, prepare_study
-from honesty.cases import C_HELD, C_MASS, MODELICA, STOP, Case
+from honesty.cases import C_MASS, MODELICA, STOP, Case
 from honesty.parts import INPUTS, Part
 
 
@@ -43,8 +43,7 @@ def lay_out(case: Case, folder: Path) -> Workspace:
             texts[f"{home}/component.yaml"] = f"{head}source: {{kind: fmu, file: {file.name}{part.says}}}\n"
         elif part.startswith("c "):
             head += "source: {kind: c, files: [plant.c], struct: plant}\nparameters: {k: {start: 1}}\n"
-            held = "self->n" in part
-            text = (C_HELD if held else C_MASS).replace("WAY", part[2:])
+            text = C_MASS.replace("WAY", part[2:])
             texts |= {f"{home}/component.yaml": head, f"{home}/plant.h": text.split("#ifdef")[0]}
             texts[f"{home}/plant.c"] = '#include "plant.h"\n' + text.split("#ifdef BODY")[1].replace("#endif", "")
         else:
