@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import json
+import math
 from collections.abc import Callable, Mapping
 from dataclasses import asdict, replace
 from pathlib import Path
 from typing import Any
 
-from dse.cache import cache_folder, content_key, keep_content
+from dse.cache import cache_folder, content_key, keep_content, try_to_put
 from dse.cosim import PROBE_VERSION, ProbeLimits, probe_numerics
 from dse.domain.bench import Simulation
 from dse.domain.component import Component
@@ -53,7 +54,7 @@ def numerics_of(
     def kept(name: str) -> FmuNumerics:
         element, step, is_ours = asked[name]
         return numerics_of_element(
-            element, step, simulation.stop, is_ours=is_ours, cache=cache, sandboxed=sandboxed, say=say
+            element, (step, simulation.stop), is_ours=is_ours, cache=cache, sandboxed=sandboxed, say=say
         )
 
     return found | in_parallel(asked, kept)
@@ -61,23 +62,21 @@ def numerics_of(
 
 def numerics_of_element(
     element: Element,
-    step: float,
-    stop: float,
+    times: tuple[float, float] | None = None,
     *,
     is_ours: bool = False,
     limits: ProbeLimits | None = None,
+    again: bool = False,
     cache: Path | None = None,
     sandboxed: bool = False,
     say: Say = lambda _: None,
 ) -> FmuNumerics:
-    """What `probe_numerics` finds, or found before of the same: kept in the cache by everything that decides it."""
+    """What `probe_numerics` finds, or found before of the same unless *again*: kept in the cache by what decides it."""
 
     def make() -> bytes:
         say(f"finding out how exact {element.model.identifier} is")
         exchange = None if is_ours else exchange_of(element.model, cache=cache)
-        found = probe_numerics(
-            element, step, stop, exchange=exchange, is_ours=is_ours, limits=limits, sandboxed=sandboxed
-        )
+        found = probe_numerics(element, times, exchange=exchange, is_ours=is_ours, limits=limits, sandboxed=sandboxed)
         return json.dumps(asdict(found), indent=1, sort_keys=True).encode()
 
     model = element.model
@@ -87,10 +86,22 @@ def numerics_of_element(
         this_platform().name,
         *(sorted(v.name for v in e) for e in (element.inputs, element.outputs)),
     )
-    decides = (PROBE_VERSION, platform, str(model.interface), model.experiment.tolerance, step, stop, is_ours)
+    decides = (PROBE_VERSION, platform, str(model.interface), model.experiment.tolerance, times, is_ours)
     given = sorted(element.start.items()), sorted((name, repr(text)) for name, text in element.texts.items())
     key = content_key([("numerics", json.dumps([decides, inputs, outputs, given]).encode())])
-    return _read(keep_content(cache_folder(cache) / "facts" / f"{model.content_hash[:32]}-{key[:32]}.json", make))
+    file = cache_folder(cache) / "numerics" / f"{model.content_hash[:32]}-{key[:32]}.json"
+    if not again:
+        return _read(keep_content(file, make))
+    content = make()
+    try_to_put(file, content)
+    return _read(content)
+
+
+def numerics_as_data(numerics: FmuNumerics) -> dict[str, Any]:
+    """*numerics* as JSON data; what there is none of is null."""
+    data = asdict(numerics)
+    data |= {name: None for name, value in data.items() if isinstance(value, float) and math.isnan(value)}
+    return data | {"changes": {str(lever): change for lever, change in numerics.changes.items()}}
 
 
 def exchange_of(model: FmuModel, *, cache: Path | None = None) -> FmuModel | None:

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 from math import inf, isfinite, nan
 
 from dse.cosim.probing.child import Experiment, ExperimentOutcome, ProbeLimits, attempt
-from dse.cosim.probing.drive import Drive, driven
+from dse.cosim.probing.drive import Drive, drive_of, driven
 from dse.cosim.probing.refining import (
     digest_of_run,
     exchanged,
@@ -29,20 +29,22 @@ _STRENGTHS = (1.0, 0.05, 0.0)
 
 def probe_numerics(
     element: Element,
-    step: float,
-    stop: float,
+    times: tuple[float, float] | None = None,
     *,
     exchange: FmuModel | None = None,
     is_ours: bool = False,
     limits: ProbeLimits | None = None,
     sandboxed: bool = False,
 ) -> FmuNumerics:
-    """What makes *element* more exact than it is in steps of *step* until *stop* (seconds). Takes a second or two.
+    """What makes *element* more exact than it is. Takes a second or two; never raises for what an FMU does.
 
-    Its start values hold; connected inputs are given one of the usual variation. *exchange* is the same FMU for model
-    exchange, if *element* is for co-simulation and it has both. One that *is_ours* is made of a step function without
-    hidden steps, by its contract: what nothing changes is exact. Never raises for what an FMU does.
+    *times* are its step and when to stop, in seconds; without, they are those of its default experiment. Its start
+    values hold; connected inputs are given one of the usual variation. *exchange* is the same FMU for model exchange,
+    if *element* is for co-simulation and it has both. One that *is_ours* is made of a step function without hidden
+    steps, by its contract: what nothing changes is exact.
     """
+    drive = drive_of(element.model)
+    step, stop = times or (drive.step, drive.stop)
     return _Numerics(element, step, stop, exchange, is_ours, limits or ProbeLimits(), sandboxed).found()
 
 
@@ -62,9 +64,9 @@ class _Numerics:
         for strength in _STRENGTHS if driven(self.element.model) else _STRENGTHS[-1:]:
             element = _driven(self.element, Drive(self.step, steps, strength, seed=1))
             outcome = self._attempt(shorter_steps, element, self.step, steps, _HALVINGS)
-            if not outcome.failure:
-                break
-        else:
+            if not outcome.failure or outcome.hung:
+                break  # waiting once is enough
+        if outcome.failure:
             return FmuNumerics(self.step, unknown=f"by itself it {_said(outcome.failure)}")
         digests, by_step, grid, is_moving = outcome.result
         by_step = Settling(*by_step)
@@ -122,8 +124,9 @@ class _Numerics:
         described = self.exchange if self.exchange is not None else model
         if described.exchange is not None and not described.exchange.n_states:
             return "it has no continuous states"
-        if all(v.kind is None or v.variability in ("discrete", "constant", "fixed") for v in self.element.outputs):
-            return "its outputs are discrete"
+        # Some tools call everything discrete: that outputs stand still between samples has to be seen as well.
+        if isfinite(grid) and all(v.kind is None or v.variability == "discrete" for v in self.element.outputs):
+            return f"its outputs are discrete, and change every {grid:.3g} s"
         if not by_step.reacts and self.is_ours and not isfinite(grid):
             return "no step makes it compute anything else"
         if not by_step.reacts and not is_moving and driven(model):
