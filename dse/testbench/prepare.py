@@ -13,7 +13,6 @@ from dse.domain.component import Component, Kind, Type
 from dse.domain.design import Configuration, split_path, walk
 from dse.domain.fmu import FmuModel
 from dse.domain.method import BONDS
-from dse.domain.numerics import Lever
 from dse.domain.system import SystemStructure
 from dse.errors import DseError, Location, Problem, raise_if_any
 from dse.fmu import build_all, in_parallel, open_component
@@ -21,10 +20,8 @@ from dse.metrics import MetricProgram, compile_metrics
 from dse.system import assemble, wiring_problems
 from dse.testbench.facts import facts_of, is_thread_safe
 from dse.testbench.method import method_of, signal_name
-from dse.testbench.numerics import Say, exchange_of, numerics_of
 from dse.testbench.prepared import PreparedBench, Recording
 from dse.testbench.timing import sampling_problems, stepping_problems
-from dse.testbench.variations import checks_of
 from dse.testbench.wired import WiredBench, wire_bench
 from dse.units import parse_unit
 
@@ -43,28 +40,18 @@ class CheckedBench:
 
 
 def prepare_bench(
-    bench: TestBench,
-    configurations: Iterable[Configuration],
-    *,
-    version: int = 2,
-    cache: Path | None = None,
-    say: Say = lambda _: None,
-    sandboxed: bool = False,
+    bench: TestBench, configurations: Iterable[Configuration], *, version: int = 2, cache: Path | None = None
 ) -> dict[str, PreparedBench]:
     """Make every configuration ready to run on *bench*, by configuration id. Raises DseError with all problems.
 
-    No FMU is built before all is right that can be told without. For error bars, FMUs are tried that are not known yet,
-    *sandboxed* or not; *say* is told of each.
+    No FMU is built before all is right that can be told without.
     """
     require_kernel()
     checked = _each({c.id: c for c in configurations}, lambda configuration: check_bench(bench, configuration))
     components = {c.name: c for one in checked.values() for c in one.wired.parts.values()}
     archives = build_all(components.values(), version=version, cache=cache)
     models = in_parallel(archives, lambda name: open_component(components[name], archives[name], cache=cache))
-    return _each(
-        _each(checked, lambda one: _prepared(one, models, cache)),
-        lambda prepared: _with_checks(prepared, checked[prepared.configuration.id], cache, say, sandboxed=sandboxed),
-    )
+    return _each(checked, lambda one: _prepared(one, models, cache))
 
 
 def check_bench(bench: TestBench, configuration: Configuration) -> CheckedBench:
@@ -129,22 +116,6 @@ def _prepared(checked: CheckedBench, models: Mapping[str, FmuModel], cache: Path
         settings=wired.settings,
     )
     return with_facts(prepared, parts, simulation.where, cache=cache)
-
-
-def _with_checks(
-    prepared: PreparedBench, checked: CheckedBench, cache: Path | None, say: Say, *, sandboxed: bool
-) -> PreparedBench:
-    """*prepared* with what its error bars are made of, if it is to have some."""
-    if not prepared.simulation.check_step:
-        return prepared
-    system, simulation, parts = prepared.system, prepared.simulation, checked.wired.parts
-    numerics = numerics_of(system, simulation, parts, cache=cache, say=say, sandboxed=sandboxed)
-    told = [e for e in system.elements if Lever.EXCHANGE in numerics[e.name].changes]
-    exchanges = {e.name: other for e in told if (other := exchange_of(e.model, cache=cache)) is not None}
-    sources = dict(zip(prepared.recording.columns, prepared.recording.variables, strict=True))
-    return replace(
-        prepared, checks=checks_of(system, simulation, numerics, exchanges, prepared.facts, prepared.program, sources)
-    )
 
 
 def _crowded(system: SystemStructure) -> list[Problem]:

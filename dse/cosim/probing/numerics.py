@@ -94,7 +94,7 @@ class _Numerics:
             if tolerance.settles:
                 changes[Lever.TOLERANCE] = tolerance.change
                 told = tighter(element.model)[tolerance.at - 1]
-        if self.exchange is not None:
+        if self.exchange is not None and not _is_discrete(self.exchange):
             apart = self._attempt(exchanged, element, self.exchange, self.step, steps)
             if not apart.failure and apart.result is not None:
                 changes[Lever.EXCHANGE] = apart.result
@@ -121,8 +121,7 @@ class _Numerics:
 
     def _exact(self, by_step: Settling, grid: float, *, is_moving: bool) -> str:
         model = self.element.model
-        described = self.exchange if self.exchange is not None else model
-        if described.exchange is not None and not described.exchange.n_states:
+        if _is_discrete(model if self.exchange is None else self.exchange):
             return "it has no continuous states"
         # Some tools call everything discrete: that outputs stand still between samples has to be seen as well.
         if isfinite(grid) and all(v.kind is None or v.variability == "discrete" for v in self.element.outputs):
@@ -136,10 +135,10 @@ class _Numerics:
         return ""
 
     def _unknown(self, found: FmuNumerics, by_step: Settling, grid: float, *, is_moving: bool) -> str:
-        if by_step.reacts:
-            return f"its outputs change by {found.floor:.1g} of their range with each shorter step, and do not settle"
         if isfinite(grid):
             return f"it makes steps of about {grid:.3g} s inside, whatever it is asked for"
+        if by_step.reacts:
+            return f"its outputs change by {found.floor:.1g} of their range with each shorter step, and do not settle"
         if not is_moving:
             return "its outputs do not move by themselves, so that nothing shows how it computes them"
         return "neither other steps nor another tolerance make it compute anything else"
@@ -155,6 +154,10 @@ class _Numerics:
     def _attempt(self, experiment: Experiment, *arguments: object) -> ExperimentOutcome:
         given = (self.element.model, *arguments) if experiment is forgets else arguments
         return attempt(experiment, *given, limits=self.limits, sandboxed=self.sandboxed)
+
+
+def _is_discrete(model: FmuModel) -> bool:
+    return model.exchange is not None and not model.exchange.n_states
 
 
 def _driven(element: Element, drive: Drive) -> Element:
