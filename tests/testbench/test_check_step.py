@@ -11,9 +11,9 @@ import pytest
 from dse.domain.method import Adaptive, Method
 from dse.domain.run import Outcome, RunRequest
 from dse.loading.workspace import Workspace
-from dse.testbench.variations import scaled
 from dse.testbench.runner import Runner
 from dse.testbench.study import bench_study, prepare_study
+from dse.testbench.variations import scaled
 
 FILES = {
     "components/interfaces.yaml": """\
