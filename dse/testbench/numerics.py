@@ -6,6 +6,7 @@ import json
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import asdict, replace
+from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
@@ -46,6 +47,8 @@ def numerics_of(
         step = simulation.method.steps.get(element.name, simulation.step)
         if source is not None and source.sample_time is not None:
             found[element.name] = FmuNumerics(step, exact=f"it samples every {source.sample_time:g} s")
+        elif not any(variable.kind is not None for variable in element.outputs):
+            found[element.name] = FmuNumerics(step, exact="no number of it is used")
         elif source is not None and source.is_exact:
             found[element.name] = FmuNumerics(step, exact=_SAYS_SO)
         else:
@@ -108,12 +111,20 @@ def exchange_of(model: FmuModel, *, cache: Path | None = None) -> FmuModel | Non
     """The same FMU for model exchange, if *model* is for co-simulation and it has both and a library of each."""
     if model.interface is FmiInterface.MODEL_EXCHANGE:
         return None
-    try:
-        exchange = open_fmu(model.archive, cache=cache, interface=FmiInterface.MODEL_EXCHANGE)
-    except DseError:
-        return None  # co-simulation only: nothing is wrong with that
+    exchange = _opened(model.archive, model.content_hash, cache)
+    if exchange is None:
+        return None
     experiment = replace(exchange.experiment, tolerance=model.experiment.tolerance)
     return replace(exchange, variables=model.variables, experiment=experiment)
+
+
+@lru_cache(maxsize=100)
+def _opened(archive: Path, _: str, cache: Path | None) -> FmuModel | None:
+    """The FMU of that content for model exchange; asked for by every configuration that has it."""
+    try:
+        return open_fmu(archive, cache=cache, interface=FmiInterface.MODEL_EXCHANGE)
+    except DseError:
+        return None  # co-simulation only: nothing is wrong with that
 
 
 def _read(content: bytes) -> FmuNumerics:

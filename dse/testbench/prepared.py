@@ -65,8 +65,8 @@ class PreparedBench:
 
     @property
     def timeout(self) -> float:
-        """Seconds a single run may take."""
-        return self.simulation.timeout
+        """Seconds a single run may take, with those that it is compared with."""
+        return self.simulation.timeout * (1.0 + sum(variation.cost for variation in self.checks.variations))
 
     @property
     def memory(self) -> float:

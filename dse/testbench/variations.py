@@ -17,12 +17,16 @@ from dse.metrics import MetricProgram
 
 @dataclass(frozen=True, slots=True)
 class Variation:
-    """A run of *system* by *method* whose step is the bench's times *step*; *what* it does otherwise, in words."""
+    """A run of *system* by *method* whose step is the bench's times *step*; *what* it does otherwise, in words.
+
+    *cost* is how many times as long as the bench's own run it may well take.
+    """
 
     what: str
     system: SystemStructure
     method: Method
     step: float = 1.0
+    cost: float = 1.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -52,7 +56,7 @@ def checks_of(
         return Checks((), dict.fromkeys(program.metrics, why))
     unknown = {name: known.unknown for name, known in numerics.items() if known.unknown}
     if any(variation.step > 1.0 and simulation.steps % 2 for variation in steps):
-        longer = "shows its error in longer steps only, and the bench makes an odd number of them"
+        longer = "shows its error in longer steps only, and the bench makes an odd number"
         unknown |= {name: longer for name, known in numerics.items() if Lever.DOUBLED in known.changes}
         variations = tuple(variation for variation in variations if variation.step <= 1.0)
     unmeasured: dict[str, str] = {}
@@ -91,7 +95,7 @@ def scaled(method: Method, factor: float) -> Method:
 
 
 def _half(system: SystemStructure, simulation: Simulation) -> Variation:
-    return Variation("with half the step", system, scaled(simulation.method, 0.5), 0.5)
+    return Variation("with half the step", system, scaled(simulation.method, 0.5), 0.5, 2.0)
 
 
 def _twice(system: SystemStructure, simulation: Simulation) -> Variation:
@@ -107,6 +111,7 @@ def _refined(
     """The run in which parts compute by themselves as finely as shows their errors; None if half the step does that."""
     steps = dict(simulation.method.steps)
     elements = []
+    cost = 2.0 * max((known.divisor for known in numerics.values()), default=0) + 2.0  # tolerances cost some, too
     for element in system.elements:
         known, own = numerics[element.name], _step_of(element, simulation)
         if Lever.EXCHANGE in known.changes:
@@ -121,9 +126,10 @@ def _refined(
     what = "with what parts do inside made finer"
     refined = replace(system, elements=tuple(elements))
     if simulation.method.adaptive is None:
-        return Variation(what, refined, replace(simulation.method, steps=steps))
+        return Variation(what, refined, replace(simulation.method, steps=steps), cost=cost)
     # Adaptive steps leave parts no steps of their own: all have to make the shortest.
-    return Variation(what, refined, simulation.method, min((s / simulation.step for s in steps.values()), default=1.0))
+    shortest = min((step / simulation.step for step in steps.values()), default=1.0)
+    return Variation(what, refined, simulation.method, shortest, cost)
 
 
 def _told(element: Element, tolerance: float) -> Element:

@@ -121,7 +121,7 @@ def _run(element: Element, step: float, steps: int) -> NDArray[np.float64]:
 
 
 def _digest(table: NDArray[np.float64]) -> bytes:
-    return blake2b(table.tobytes(), digest_size=16).digest()
+    return blake2b((table + 0.0).tobytes(), digest_size=16).digest()  # -0.0 is 0.0
 
 
 def _plain(settling: Settling) -> tuple[float, ...]:

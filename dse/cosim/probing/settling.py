@@ -77,9 +77,11 @@ def moves(table: NDArray[np.float64]) -> bool:
 
 
 def grid_of(table: NDArray[np.float64], step: float) -> float:
-    """How long outputs stand still between two changes in rows *step* seconds apart, if they do; else infinite."""
+    """How long outputs stand still from change to change, in rows *step* seconds apart; infinite without such a grid."""
     changes = np.flatnonzero((np.diff(table, axis=0) != 0.0).any(axis=1))
     if len(changes) < 3 or len(changes) > 0.6 * (len(table) - 1):
         return inf
-    gap = float(np.median(np.diff(changes)))
-    return gap * step if gap >= 2.0 else inf
+    gaps = np.diff(changes)
+    gap = float(np.median(gaps))
+    is_regular = np.mean(np.abs(gaps - gap) <= 1.0) >= 0.9  # what changes when something happens has no grid
+    return gap * step if gap >= 2.0 and is_regular else inf
