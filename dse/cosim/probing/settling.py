@@ -77,7 +77,7 @@ def moves(table: NDArray[np.float64]) -> bool:
 
 
 def grid_of(table: NDArray[np.float64], step: float) -> float:
-    """How long outputs stand still from change to change, in rows *step* seconds apart; infinite without such a grid."""
+    """How long outputs stand still from change to change, in rows *step* seconds apart; infinite without a grid."""
     changes = np.flatnonzero((np.diff(table, axis=0) != 0.0).any(axis=1))
     if len(changes) < 3 or len(changes) > 0.6 * (len(table) - 1):
         return inf
