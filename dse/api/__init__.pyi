@@ -5,7 +5,9 @@ from .probing import (
     facts_as_data as facts_as_data,
     known_facts as known_facts,
     model_of as model_of,
+    numerics_as_data as numerics_as_data,
     probe_fmu as probe_fmu,
+    probe_numerics as probe_numerics,
 )
 from .showing.described import metric_rows as metric_rows, requirement_labels as requirement_labels
 from .showing.progress import progress_bar as progress_bar

@@ -7,22 +7,32 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from dse.cosim import ProbeLimits, probe
+from dse.domain.system import Element
 from dse.fmu import build, open_component, open_fmu, this_platform
 from dse.loading import Workspace
-from dse.testbench import consequences, facts_as_data, keep_facts, known_facts
+from dse.testbench import (
+    consequences,
+    facts_as_data,
+    keep_facts,
+    known_facts,
+    numerics_as_data,
+    numerics_of_element,
+)
 
 if TYPE_CHECKING:
     from dse.domain.facts import FmuFacts, Question
     from dse.domain.fmu import FmuModel
+    from dse.domain.numerics import FmuNumerics
 
-__all__ = ["consequences", "facts_as_data", "known_facts", "model_of", "probe_fmu"]
+__all__ = [
+    "consequences", "facts_as_data", "known_facts", "model_of", "numerics_as_data", "probe_fmu", "probe_numerics",
+]  # fmt: skip
 
 
 def model_of(name: str, *, version: int = 2) -> FmuModel:
     """The FMU in the file *name*, or that of the component called so in the workspace here. Raises DseError."""
-    path = Path(name)
-    if path.suffix.lower() == ".fmu" or path.is_file():
-        return open_fmu(path)
+    if _is_file(name):
+        return open_fmu(Path(name))
     component = Workspace.around(Path()).component(name)
     return open_component(component, build(component, version=version))
 
@@ -32,3 +42,21 @@ def probe_fmu(model: FmuModel, *, timeout: float, tell: Callable[[Question], Non
     facts = probe(model, this_platform().name, limits=ProbeLimits(time=timeout), tell=tell, sandboxed=sandbox)
     keep_facts(facts)
     return facts
+
+
+def probe_numerics(
+    name: str, model: FmuModel, *, timeout: float, again: bool = False, sandbox: bool = False
+) -> FmuNumerics:
+    """How exact *model* is, which `model_of` found by *name*: tried in its default experiment, or known from before."""
+    outputs = tuple(v for v in model.variables.values() if v.causality == "output" and v.kind is not None)
+    is_ours = False
+    if not _is_file(name):
+        source = Workspace.around(Path()).component(name).source
+        is_ours = source is not None and not source.is_finished
+    element = Element(model.identifier, model, (), outputs, {})
+    limits = ProbeLimits(time=timeout)
+    return numerics_of_element(element, is_ours=is_ours, limits=limits, again=again, sandboxed=sandbox)
+
+
+def _is_file(name: str) -> bool:
+    return Path(name).suffix.lower() == ".fmu" or Path(name).is_file()

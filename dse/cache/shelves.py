@@ -52,6 +52,7 @@ SHELVES = (
     Shelf("checked", "Modelica models found right"),
     Shelf("statics", "C components searched for static variables"),
     Shelf("facts", "what was found out about FMUs by dse probe"),
+    Shelf("numerics", "how exact FMUs were found to be"),
     Shelf("ssp", "SSP packages, unpacked"),
     Shelf("runs", "runs that were simulated", Path.is_dir),  # what is damaged in it is found when it is read
     Shelf("received", "FMUs that other machines sent"),

@@ -60,7 +60,11 @@ Plot = Annotated[
 ]
 FmiVersion = Annotated[int, typer.Option("--fmi", min=2, max=3, help="FMI version of the FMUs that are built.")]
 CheckStep = Annotated[
-    bool, typer.Option("--check-step", help="Simulate with half the step as well; what that changes is the error bar.")
+    bool,
+    typer.Option(
+        "--check-step",
+        help="Simulate with half the step and other numerics as well; what that changes is the error bar.",
+    ),
 ]
 Fuse = Annotated[
     bool, typer.Option("--fuse", help="Compile each configuration into one library first: same results, faster runs.")

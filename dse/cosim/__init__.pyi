@@ -1,6 +1,7 @@
 from .failing.progress import describe_progress as describe_progress
 from .feasibility import require_kernel as require_kernel, simulation_problems as simulation_problems
 from .probing.child import ProbeLimits as ProbeLimits
+from .probing.numerics import probe_numerics as probe_numerics
 from .probing.probe import PROBE_VERSION as PROBE_VERSION, probe as probe
 from .simulator import RunFailed as RunFailed, Simulator as Simulator
 from .wear import most_runs as most_runs

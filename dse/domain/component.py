@@ -142,6 +142,11 @@ class Source:
         return None
 
     @property
+    def is_exact(self) -> bool:
+        """Whether somebody vouches for its results having no error of their own."""
+        return False
+
+    @property
     def interface(self) -> tuple[str, Location | None] | None:
         """How its FMU is to be simulated, as FMI spells it, and where that is said; None for the usual way."""
         return None

@@ -13,7 +13,7 @@ from dse.domain.bench import Judgement
 from dse.domain.component import Value
 
 ERROR_BAR = ".error"
-"""What a metric's name ends in that is another's error bar: how much that one changes with half the step."""
+"""What a metric's name ends in that is another's error bar: how much that one changes where the numerics do."""
 
 
 class Outcome(StrEnum):

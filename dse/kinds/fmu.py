@@ -9,7 +9,7 @@ from dse.domain.component import Component, Source
 from dse.domain.fmu import FmiInterface
 from dse.errors import Location, Problem, closest, fail
 from dse.formats import shown
-from dse.loading import ComponentKind, SourcePlace, SourceSection
+from dse.loading import ComponentKind, Plain, SourcePlace, SourceSection
 
 
 class FmuSection(SourceSection):
@@ -17,6 +17,8 @@ class FmuSection(SourceSection):
 
     file: str | None = None
     interface: str | None = None
+    sampled: Plain | None = None
+    exact: bool = False
 
 
 _INTERFACES = {interface.word: interface for interface in FmiInterface}
@@ -24,7 +26,10 @@ _INTERFACES = {interface.word: interface for interface in FmiInterface}
 
 @dataclass(frozen=True, slots=True)
 class FmuSource(Source):
-    """A finished FMU, untouched; *asked* is the interface it is to be simulated by, *asked_at* where that is said."""
+    """A finished FMU, untouched; *asked* is the interface it is to be simulated by, *asked_at* where that is said.
+
+    Its results have no error of their own if it is *sampled* every so many seconds, or *exact*: the user vouches.
+    """
 
     kind = "fmu"
     label = "FMU"
@@ -34,6 +39,18 @@ class FmuSource(Source):
     file: Path
     asked: FmiInterface | None = None
     asked_at: Location | None = field(default=None, compare=False)
+    sampled: float | None = None
+    exact: bool = False
+
+    @property
+    def sample_time(self) -> float | None:
+        """What it is *sampled* by."""
+        return self.sampled
+
+    @property
+    def is_exact(self) -> bool:
+        """What is said."""
+        return self.exact
 
     @property
     def interface(self) -> tuple[str, Location | None] | None:
@@ -51,13 +68,18 @@ class FmuKind(ComponentKind[FmuSection, FmuSource]):
         if section.file is None:
             raise place.missing("file", "file: my_part.fmu")
         file = place.existing(place.path(section.file, "file"), "file")
+        sampled = None
+        if section.sampled is not None:
+            sampled = place.number(section.sampled, "s", "sampled")
+            if sampled <= 0:
+                raise fail(f"the sample time must be positive, not {section.sampled}", place.at("sampled"))
         if section.interface is None:
-            return FmuSource(file)
+            return FmuSource(file, sampled=sampled, exact=section.exact)
         where = place.at("interface")
         if section.interface not in _INTERFACES:
             what = f"'{section.interface}' is none of {', '.join(_INTERFACES)}"
             raise fail(what, where, closest(section.interface, _INTERFACES))
-        return FmuSource(file, _INTERFACES[section.interface], where)
+        return FmuSource(file, _INTERFACES[section.interface], where, sampled, section.exact)
 
     def build(self, component: Component, source: FmuSource, *, version: int, cache: Path | None) -> Path:
         """The archive itself. Raises DseError if it is gone."""

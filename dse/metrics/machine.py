@@ -62,6 +62,14 @@ class MetricProgram:
     checks: tuple[Check, ...]
     size: int
 
+    def signals_of(self, metric: str) -> frozenset[str]:
+        """The waveforms that *metric* is computed from."""
+        wanted = {self.metrics[metric]}
+        for instruction in reversed(self.instructions):
+            if instruction.target in wanted:
+                wanted.update(instruction.arguments)
+        return frozenset(name for name in self.signals if self.inputs[name] in wanted)
+
     def evaluate(
         self,
         time: NDArray[np.float64],

@@ -29,8 +29,9 @@ from dse.domain.fmu import FmuModel
 from dse.domain.system import Element
 from dse.metrics import MetricProgram
 from dse.testbench.prepared import PreparedBench
+from dse.testbench.variations import Variation
 
-_CODE = ("cosim", "csolve", "metrics", "testbench/runner.py", "testbench/halved.py")
+_CODE = ("cosim", "csolve", "metrics", "testbench/runner.py", "testbench/comparing.py")
 """What of dse makes a run's numbers from FMUs, which hold their own code."""
 
 _KERNEL = "cosim/_kernel.so"
@@ -97,12 +98,19 @@ def _key(prepared: PreparedBench) -> str:
         "times": (simulation.stop, simulation.step, simulation.record_every, simulation.check_step),
         "method": asdict(simulation.method),
         "tolerance": simulation.tolerance,
+        "compared": [_variation(variation) for variation in prepared.checks.variations],
+        "unmeasured": prepared.checks.unmeasured,
         "columns": sorted(zip(recording.columns, recording.variables, strict=True)),
         "kept": sorted(recording.kept),
         "measures": _measures(prepared.program),
         "requirements": sorted(requirement.name for requirement in prepared.requirements),
     }
     return content_key([("decides", json.dumps(decides, sort_keys=True, default=_plain).encode())])
+
+
+def _variation(variation: Variation) -> dict[str, Any]:
+    parts = [(e.name, str(e.model.interface), e.model.experiment.tolerance) for e in variation.system.elements]
+    return {"what": variation.what, "step": variation.step, "method": asdict(variation.method), "parts": parts}
 
 
 def _element(element: Element) -> dict[str, Any]:

@@ -13,6 +13,7 @@ from dse.domain.facts import FmuFacts
 from dse.domain.fused import FusedLibrary
 from dse.domain.system import SystemStructure
 from dse.metrics import MetricProgram
+from dse.testbench.variations import Checks
 
 
 @dataclass(frozen=True, slots=True)
@@ -42,7 +43,7 @@ class PreparedBench:
 
     *simulation* is the bench's, its method in names of the system. *settings* is everything a point may set. *facts*
     tells what is known of elements; *thread_safe*, that all are known to bear being simulated several times at once in
-    threads. *fused* is the library made of the whole system, if there is one.
+    threads. *fused* is the library made of the whole system, if there is one. *checks* are what error bars are made of.
     """
 
     configuration: Configuration
@@ -55,6 +56,7 @@ class PreparedBench:
     facts: Mapping[str, FmuFacts] = field(default_factory=dict)
     thread_safe: bool = False
     fused: FusedLibrary | None = None
+    checks: Checks = field(default_factory=Checks)
 
     @property
     def constants(self) -> dict[str, float]:
@@ -63,8 +65,8 @@ class PreparedBench:
 
     @property
     def timeout(self) -> float:
-        """Seconds a single run may take."""
-        return self.simulation.timeout
+        """Seconds a single run may take, with those that it is compared with."""
+        return self.simulation.timeout * (1.0 + sum(variation.cost for variation in self.checks.variations))
 
     @property
     def memory(self) -> float:
@@ -75,8 +77,8 @@ class PreparedBench:
     def most_runs(self) -> int | None:
         """How many runs one process may make; None for any number."""
         most = most_runs(self.system, self.facts)
-        # A run that is made again with half the step needs twice the instances.
-        return most if most is None or not self.simulation.check_step else max(1, most // 2)
+        # A run that is compared with others needs instances for each of them.
+        return None if most is None else max(1, most // (1 + len(self.checks.variations)))
 
     def describe_progress(self, block: bytes) -> str:
         """The FMU, call and time a dead or hanging worker was at."""

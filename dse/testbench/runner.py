@@ -12,7 +12,7 @@ from dse.cosim import RunFailed, Simulator
 from dse.domain.component import as_number
 from dse.domain.run import Outcome, Run, RunRequest, Waveforms
 from dse.metrics import judge_failed
-from dse.testbench.halved import Halved
+from dse.testbench.comparing import Comparison
 from dse.testbench.prepared import PreparedBench
 
 
@@ -31,7 +31,7 @@ class Runner(AbstractContextManager["Runner"]):
         )
         simulation = prepared.simulation
         self._time: NDArray[np.float64] = np.arange(simulation.steps + 1, dtype=np.float64) * simulation.step
-        self._halved = Halved(prepared, self._simulator, progress) if simulation.check_step else None
+        self._comparison = Comparison(prepared, self._simulator, progress) if simulation.check_step else None
         self._constants = prepared.constants
         self._columns = prepared.recording.columns
         # Both are used for every run: to get memory anew costs as much as what is done with it.
@@ -41,8 +41,8 @@ class Runner(AbstractContextManager["Runner"]):
     @property
     def runs_left(self) -> int | None:
         """How many more runs this process may make of the configuration; None for any number."""
-        left = self._simulator.runs_left
-        return left if left is None or self._halved is None else (left + 1) // 2
+        left, each = self._simulator.runs_left, 1 + len(self.prepared.checks.variations)
+        return left if left is None else (left + each - 1) // each
 
     def run(self, request: RunRequest, *, keep: bool) -> Run:
         """Simulate *request*; a run that fails is a result, not an exception. Waveforms come only with *keep*."""
@@ -64,16 +64,16 @@ class Runner(AbstractContextManager["Runner"]):
         columns = dict(zip(self._columns, rows, strict=True))
         metrics, judgements = prepared.program.evaluate(time, columns, constants)
         problem = "" if is_whole else f"ended early: {self._simulator.ended}"
-        if self._halved is not None:
-            bars, unknown = self._halved.error_bars(metrics, constants, start)
+        if self._comparison is not None:
+            bars, unknown = self._comparison.error_bars(metrics, constants, start)
             metrics, problem = {**metrics, **bars}, "; ".join(filter(None, (problem, unknown)))
         waveforms = self._waveforms(time, columns) if keep else None
         return Run(request, Outcome.DONE, metrics, judgements, problem, waveforms)
 
     def close(self) -> None:
         """Free the FMU instances."""
-        if self._halved is not None:
-            self._halved.close()
+        if self._comparison is not None:
+            self._comparison.close()
         self._simulator.close()
 
     def __exit__(self, *_: object) -> None:

@@ -15,6 +15,8 @@ from dse.domain.study import Keep, Selection, Study
 from dse.errors import DseError, Location, Problem, raise_if_any
 from dse.loading import Raw, read_setting
 from dse.testbench.definition import define
+from dse.testbench.error_bars import with_error_bars
+from dse.testbench.numerics import Say
 from dse.testbench.prepare import prepare_bench
 from dse.testbench.prepared import PreparedBench, Setting
 from dse.testbench.select import selected
@@ -29,10 +31,26 @@ class PreparedStudy:
     definition: StudyDefinition
 
 
-def prepare_study(study: Study, *, version: int = 2, cache: Path | None = None) -> PreparedStudy:
-    """Choose the configurations, build FMUs, assemble systems. Raises DseError with everything that is wrong."""
+def prepare_study(
+    study: Study,
+    *,
+    version: int = 2,
+    cache: Path | None = None,
+    say: Say = lambda _: None,
+    sandboxed: bool = False,
+) -> PreparedStudy:
+    """Choose the configurations, build FMUs, assemble systems. Raises DseError with everything that is wrong.
+
+    *say* and *sandboxed* are for `with_error_bars`.
+    """
     configurations = selected(study.bench.design, study.selection, study.where)
-    benches = prepare_bench(study.bench, configurations, version=version, cache=cache)
+    test_parts = {part.name: part.component for part in study.bench.test_components}
+    benches = {
+        name: with_error_bars(
+            prepared, {**prepared.configuration.parts, **test_parts}, cache=cache, say=say, sandboxed=sandboxed
+        )
+        for name, prepared in prepare_bench(study.bench, configurations, version=version, cache=cache).items()
+    }
     require_variables(study, {name: bench.settings for name, bench in benches.items()})
     return PreparedStudy(study, benches, define(study, benches))
 

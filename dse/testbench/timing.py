@@ -30,7 +30,7 @@ def stepping_problems(
 ) -> Iterator[Problem]:
     """FMUs whose step, their own or the bench's, is no whole multiple of what they can do.
 
-    With ``check_step`` the same is asked of half the step.
+    With ``check_step`` the same is asked of half the step, or of twice the step until the end.
     """
     for path, component in parts.items():
         fixed = models[component.name].fixed_step
@@ -41,6 +41,8 @@ def stepping_problems(
             what = f"{path} ({component.name}) steps by {fixed:g} s, and {step:g} s is no multiple of that"
             hint = f"step: {fixed:g} s, or for this part alone steps: {{{path}: {fixed:g} s}}"
             yield Problem(what, simulation.where, hint)
-        elif simulation.check_step and not is_multiple(step / 2, fixed):
-            what = f"{path} ({component.name}) steps by {fixed:g} s, so it cannot be checked with half the step"
-            yield Problem(what, simulation.where, "leave out check_step, or double the step")
+        elif simulation.check_step and not is_multiple(step / 2, fixed) and simulation.steps % 2:
+            what = (
+                f"{path} ({component.name}) steps by {fixed:g} s: half the step is none, and twice the step ends late"
+            )
+            yield Problem(what, simulation.where, "leave out check_step, or let 'stop' be an even number of steps")

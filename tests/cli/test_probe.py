@@ -58,6 +58,7 @@ def test_the_answers_are_shown_with_what_follows_from_them(tmp_path: Path):
     assert lines[0].endswith("FMI 2, CoSimulation, 20 steps of 0.01 s")
     assert any(line.split()[:5] == ["reset", "equals", "fresh", "no", "y"] for line in lines)
     assert "  → is made anew before every run, never reset" in lines
+    assert any(line.split()[:7] == ["its", "own", "error", "can", "be", "measured", "no"] for line in lines)
 
 
 @pytest.mark.thorough
@@ -69,6 +70,9 @@ def test_what_was_found_is_taken_from_the_cache_until_it_is_asked_for_again(tmp_
     (facts,) = first
     assert facts["answers"]["resets"] == "yes"
     assert facts["reasons"] == {}
+    assert (facts["numerics"]["changes"], facts["numerics"]["inner_step"]) == ({}, None)
+    assert facts["numerics"]["unknown"].startswith("neither other steps nor another tolerance")
+    assert len(list((tmp_path / "cache" / "numerics").glob("*.json"))) == 1
     (file,) = (tmp_path / "cache" / "facts").glob("*.json")
     put_file(file, file.read_bytes().replace(b'"resets": "yes"', b'"resets": "no"'))
     assert json.loads(probe(tmp_path, str(fmu), "--format", "json").stdout)[0]["answers"]["resets"] == "no"

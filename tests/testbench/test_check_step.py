@@ -11,9 +11,9 @@ import pytest
 from dse.domain.method import Adaptive, Method
 from dse.domain.run import Outcome, RunRequest
 from dse.loading.workspace import Workspace
-from dse.testbench.halved import finer
 from dse.testbench.runner import Runner
 from dse.testbench.study import bench_study, prepare_study
+from dse.testbench.variations import scaled
 
 FILES = {
     "components/interfaces.yaml": """\
@@ -145,7 +145,7 @@ def test_without_the_check_nothing_is_added(bench):
 
 
 def test_steps_of_parts_are_halved_too():
-    assert finer(Method(steps={"a": 0.5, "b": 2.0})).steps == {"a": 0.25, "b": 1.0}
+    assert scaled(Method(steps={"a": 0.5, "b": 2.0}), 0.5).steps == {"a": 0.25, "b": 1.0}
 
 
 def test_the_error_bar_of_adaptive_steps_is_of_the_size_of_the_error(bench):

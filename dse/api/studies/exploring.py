@@ -73,11 +73,13 @@ class ExploreOptions:
         return folder / self.shard.folder if self.shard else folder
 
 
-def ready(study: Study, fmi: int = 2, *, fuse: bool = False, tell: Tell | None = None) -> PreparedStudy:
+def ready(
+    study: Study, fmi: int = 2, *, fuse: bool = False, sandbox: bool = False, tell: Tell | None = None
+) -> PreparedStudy:
     """*study* with all that has to be built for it. Raises DseError."""
     say = tell or (lambda _: None)
     say("building FMUs, assembling configurations")
-    planned = prepare_study(study, version=fmi)
+    planned = prepare_study(study, version=fmi, say=say, sandboxed=sandbox)
     if not fuse:
         return planned
     say("fusing configurations")
@@ -104,7 +106,7 @@ def explore_into(
         raise fail(what, study.where, "leave out --shard; 'executor: dask' has other machines make its runs")
     executor = executor_of(study, options)
     folder = options.folder(folder)
-    planned = ready(study, options.fmi, fuse=options.fuse, tell=tell)
+    planned = ready(study, options.fmi, fuse=options.fuse, sandbox=options.sandbox, tell=tell)
     known = known_runs(planned, reads=not (options.fresh or options.retry_failed))
     if options.fresh:
         StudyFolder.discard(folder)
@@ -136,7 +138,7 @@ def plan_into(study: Study, folder: Path, options: ExploreOptions, *, tell: Tell
 
     Raises DseError as exploring would.
     """
-    planned = ready(study, options.fmi, fuse=options.fuse, tell=tell)
+    planned = ready(study, options.fmi, fuse=options.fuse, sandbox=options.sandbox, tell=tell)
     executor_of(study, options)
     return plan(
         planned,
@@ -166,7 +168,7 @@ def alone(
     study: Study, fmi: int, *, fuse: bool = False, sandbox: bool = False, tell: Tell | None = None
 ) -> tuple[Run, PreparedStudy]:
     """The single run of *study*, made in a process of its own, with waveforms; and what it was made from."""
-    planned = ready(study, fmi, fuse=fuse, tell=tell)
+    planned = ready(study, fmi, fuse=fuse, sandbox=sandbox, tell=tell)
     ((name, prepared),) = planned.benches.items()
     if tell:
         tell("simulating")

@@ -17,6 +17,7 @@ if TYPE_CHECKING:
 
     from dse.domain.facts import FmuFacts, Question
     from dse.domain.fmu import FmuModel
+    from dse.domain.numerics import FmuNumerics
 
 _TITLES = {
     "runs": "runs its default experiment",
@@ -51,15 +52,15 @@ def probe(
     """Find out what an FMU really does.
 
     Is a reset FMU like a fresh one, a second instance like the first, a restored state the one that was saved? Does it
-    bear threads, uneven steps, thousands of instances? What does a step cost? Every experiment has a process of its
-    own, so an FMU may crash or hang.
+    bear threads, uneven steps, thousands of instances? What does a step cost, and how exact is it? Every experiment has
+    a process of its own, so an FMU may crash or hang.
 
     What was found is kept in the cache, and all simulations act on it: an FMU that lies about its reset is never reset.
     """
-    from dse.api import facts_as_data, known_facts, model_of, probe_fmu
+    from dse.api import facts_as_data, known_facts, model_of, numerics_as_data, probe_fmu, probe_numerics
     from dse.domain.facts import Answer, Question
 
-    found: list[FmuFacts] = []
+    found: list[tuple[FmuFacts, FmuNumerics]] = []
     for name in names:
         model = model_of(name, version=version)
         facts = None if again else known_facts(model)
@@ -70,16 +71,21 @@ def probe(
                     status.update(plain(f"probing {name}: {_TITLES[str(question)]}?"))  # noqa: B023  # called at once
 
                 facts = probe_fmu(model, timeout=timeout, tell=tell, sandbox=sandbox)
-        found.append(facts)
+        with console(stderr=True).status(plain(f"probing {name}: how exact is it?")):
+            numerics = probe_numerics(name, model, timeout=timeout, again=again, sandbox=sandbox)
+        found.append((facts, numerics))
         if output is Output.TABLE:
-            _show(name, model, facts)
+            _show(name, model, facts, numerics)
     if output is Output.JSON:
-        print_json([{"fmu": name, **facts_as_data(facts)} for name, facts in zip(names, found, strict=True)])
-    failed = any(facts.answer(Question.RUNS) is not Answer.YES for facts in found)
+        print_json([
+            {"fmu": name, **facts_as_data(facts), "numerics": numerics_as_data(numerics)}
+            for name, (facts, numerics) in zip(names, found, strict=True)
+        ])  # fmt: skip
+    failed = any(facts.answer(Question.RUNS) is not Answer.YES for facts, _ in found)
     raise typer.Exit(RUNS_FAILED if failed else DONE)
 
 
-def _show(name: str, model: FmuModel, facts: FmuFacts) -> None:
+def _show(name: str, model: FmuModel, facts: FmuFacts, numerics: FmuNumerics) -> None:
     from rich.text import Text
 
     from dse.api import consequences
@@ -98,6 +104,8 @@ def _show(name: str, model: FmuModel, facts: FmuFacts) -> None:
         table.add_row(f"  {_TITLES[str(question)]}", Text(str(answer), style), plain(_detail(facts, question)))
     for what, number in _measured(facts):
         table.add_row(f"  {what}", "", number)
+    for what, said, detail in _exactness(numerics):
+        table.add_row(f"  {what}", Text(said, _STYLES.get(said, "")), plain(detail))
     print_table(table)
     for line in consequences(facts):
         say(f"  → {line}")
@@ -118,6 +126,17 @@ def _measured(facts: FmuFacts) -> Iterator[tuple[str, str]]:
         yield "an instance takes", size_text(facts.memory)
     if not math.isnan(facts.run_growth):
         yield "a run leaves behind", size_text(facts.run_growth)
+
+
+def _exactness(numerics: FmuNumerics) -> Iterator[tuple[str, str, str]]:
+    for lever, change in numerics.changes.items():
+        yield f"answers to {lever}", "yes", f"by {change:.1g} of the outputs' range"
+    if not math.isnan(numerics.inner_step):
+        yield "steps inside by about", "", _time(numerics.inner_step)
+    if numerics.exact:
+        yield "its own error", "", f"none: {numerics.exact}"
+    else:
+        yield "its own error can be measured", "no" if numerics.unknown else "yes", numerics.unknown
 
 
 def _time(seconds: float) -> str:

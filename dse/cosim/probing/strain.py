@@ -9,11 +9,11 @@ from math import nan
 import psutil
 
 from dse.cosim.failing.failure import RunFailed
-from dse.cosim.probing.drive import Drive, watched
+from dse.cosim.probing.alone import alone, element_of
+from dse.cosim.probing.drive import Drive
 from dse.cosim.probing.journal import Journal
 from dse.cosim.simulator import Simulator
 from dse.domain.fmu import FmuModel
-from dse.domain.system import Element, SystemStructure
 
 MOST_INSTANCES = 2000
 _WARM_UP = 50
@@ -93,11 +93,5 @@ def _waveforms(model: FmuModel, drive: Drive) -> bytes:
 
 
 def _alone(model: FmuModel, drive: Drive) -> Simulator:
-    """The FMU alone, on fresh instances only; its inputs keep the values the drive begins with."""
-    outputs = tuple(variable for variable in watched(model) if variable.kind is not None)
-    start = {**drive.parameters(model), **drive.inputs(model, 0)}
-    system = SystemStructure("probe", (Element("fmu", model, (), outputs, start),), ())
-    record = [f"fmu.{label}" for variable in outputs for label in variable.labels]
-    simulator = Simulator(system, record)
-    simulator.reset_is_trusted = False
-    return simulator
+    """The FMU alone; its inputs keep the values the drive begins with."""
+    return alone(element_of(model, {**drive.parameters(model), **drive.inputs(model, 0)}))
