@@ -42,7 +42,7 @@ class Variable:
 class MetricColumn:
     """A metric; *values* holds one number per run in the unit shown, NaN where it is undefined.
 
-    *error* is what each changes with half the step, if the study checked that.
+    *error* has the error bars, NaN where none can be measured, if the study made some.
     """
 
     name: str

@@ -12,7 +12,7 @@ export interface Column {
 }
 
 export interface Metric extends Column {
-  /** What each value changes with half the step; null if that was not checked. */
+  /** Error bars, NaN where none can be measured; null if the study made none. */
   error: Float64Array | null;
 }
 
