@@ -7,11 +7,12 @@ from dataclasses import dataclass, field
 from enum import StrEnum
 from pathlib import Path
 
+from dse.domain.labels import is_part, wholes
 from dse.errors import Location
 from dse.units import DIMENSIONLESS, Quantity, Unit, counts_otherwise
 
 Value = float | int | bool | str
-"""A value of a port or parameter: SI number, truth value, the name of an enumeration item, or a text."""
+"""A value of a port or parameter: SI number, truth value, an enumeration item's name, a text, or hexadecimal digits."""
 
 
 class Causality(StrEnum):
@@ -29,23 +30,31 @@ class Kind(StrEnum):
     BOOLEAN = "bool"
     ENUMERATION = "enum"
     TEXT = "string"
-    """Of parameters only; a text is the same for all runs of a study."""
+    """Of a parameter it is the same for all runs of a study."""
+    BINARY = "binary"
+    """Bytes; of ports only."""
+
+    @property
+    def is_number(self) -> bool:
+        """Whether values are numbers to the master: these can be recorded and measured."""
+        return self not in (Kind.TEXT, Kind.BINARY)
 
 
 @dataclass(frozen=True, slots=True)
 class Type:
-    """Type of a port or parameter; *items* name an enumeration's values 0, 1, …"""
+    """Type of a port or parameter; *items* name an enumeration's values 0, 1, …; *media* says what is in a binary."""
 
     kind: Kind
     unit: Unit = DIMENSIONLESS
     items: tuple[str, ...] = ()
+    media: str = ""
 
     def __str__(self) -> str:
         if self.kind is Kind.ENUMERATION:
             return f"enum[{', '.join(self.items)}]"
         if self.kind is Kind.REAL:
             return str(self.unit) or "1"
-        return str(self.kind)
+        return f"{self.kind}[{self.media}]" if self.media else str(self.kind)
 
 
 def same_signal(source: Type, target: Type) -> str:
@@ -58,6 +67,8 @@ def same_signal(source: Type, target: Type) -> str:
         return f"units differ: {source} and {target}"
     if source.kind is Kind.REAL and counts_otherwise(source.unit.symbol, target.unit.symbol):
         return f"units differ by 2 pi: {source} and {target}"
+    if source.media and target.media and source.media != target.media:
+        return f"what is in the binaries differs: {source.media} and {target.media}"
     return ""
 
 
@@ -70,7 +81,7 @@ def as_number(value: Value, type_: Type) -> float:
 
 @dataclass(frozen=True, slots=True)
 class Port:
-    """One signal. A dotted name belongs to a group of ports: ``target.gap``."""
+    """One signal. A dotted name belongs to a group of ports, one with indices to an array: ``targets[2].gap``."""
 
     name: str
     causality: Causality
@@ -84,14 +95,18 @@ class Interface:
     name: str
     ports: tuple[Port, ...]
     where: Location | None = None
+    _by_name: Mapping[str, Port] = field(default_factory=dict, init=False, repr=False, compare=False)
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "_by_name", {port.name: port for port in reversed(self.ports)})
 
     def port(self, name: str) -> Port | None:
         """The port called *name*, or None."""
-        return next((port for port in self.ports if port.name == name), None)
+        return self._by_name.get(name)
 
     def group(self, prefix: str) -> tuple[Port, ...]:
-        """The port called *prefix* or, if it names a group, the group's ports, in order."""
-        return tuple(p for p in self.ports if p.name == prefix or p.name.startswith(prefix + "."))
+        """The port called *prefix* or, if it names a group or an array, all ports in it, in order."""
+        return tuple(port for port in self.ports if is_part(port.name, prefix))
 
 
 NO_INTERFACE = Interface("", ())
@@ -224,7 +239,7 @@ class UnsupportedSource(Source):
 
 @dataclass(frozen=True, slots=True)
 class Component:
-    """One part that can be chosen. *names* maps a port or parameter to the variable of its FMU where they differ.
+    """One part that can be chosen. *names* maps a port, group, array or parameter to what its FMU calls it.
 
     Without a *source* it can be counted and listed, not simulated; only then its interface may be `NO_INTERFACE`.
     """
@@ -244,4 +259,7 @@ class Component:
 
     def variable(self, name: str) -> str:
         """Name of the FMU variable behind the port or parameter *name*."""
-        return self.names.get(name, name)
+        if name in self.names or not self.names:
+            return self.names.get(name, name)
+        whole = next((whole for whole in wholes(name) if whole in self.names), "")
+        return self.names[whole] + name[len(whole) :] if whole else name

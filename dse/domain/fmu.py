@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from enum import StrEnum
-from itertools import product
 from math import prod
 from pathlib import Path
 
 from dse.domain.component import Kind
+from dse.domain.labels import element_names
 from dse.errors import Problem
 
 
@@ -117,10 +117,7 @@ class Variable:
     @property
     def labels(self) -> tuple[str, ...]:
         """A name for each value, row by row: the variable's own, or ``name[2]``, ``name[1,3]``, counted from 1."""
-        if not self.shape:
-            return (self.name,)
-        ranges = (range(1, size + 1) for size in self.shape)
-        return tuple(f"{self.name}[{','.join(map(str, index))}]" for index in product(*ranges))
+        return tuple(element_names(self.name, self.shape))
 
 
 @dataclass(frozen=True, slots=True)

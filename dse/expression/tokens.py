@@ -79,7 +79,8 @@ _BEYOND = "beyond the range of numbers"
 _NUMBER = re.compile(r"(?:\d+(?:\.\d+)?|\.\d+)(?:[eE][+-]?\d{1,3}(?!\d))?", re.ASCII)
 _WORD = r"(?:%|°?[^\W\d_]+)(?:\^-?[0-9]+(?:\.[0-9]+)?|[0-9]+)?"
 _UNIT = re.compile(rf"(?:1/)?{_WORD}(?:[.*/]{_WORD})*")
-_NAME = re.compile(r"[^\W\d]\w*(?:\.[^\W\d]\w*)*")
+_STEP = r"[^\W\d]\w*(?:\[ *[0-9]+(?: *, *[0-9]+)* *\])?"
+_NAME = re.compile(rf"{_STEP}(?:\.{_STEP})*")
 _WHOLE_WORD = re.compile(r"[\w./]*")
 _SYMBOL = re.compile(r"<=|>=|==|!=|[-+*/^<>()\[\],=]")
 _UNIT_ADVICE = "a word after a number is its unit; to calculate, write 2 * x with blanks around the operator"
@@ -119,7 +120,7 @@ def _token(text: str, position: int, where: Origin) -> Token:
         return _number(text, match, where)
     if match := _NAME.match(text, position):
         kind = TokenKind.KEYWORD if match[0] in KEYWORDS else TokenKind.NAME
-        return Token(kind, match[0], match.span())
+        return Token(kind, match[0].replace(" ", ""), match.span())
     if match := _SYMBOL.match(text, position):
         return Token(TokenKind.SYMBOL, match[0], match.span())
     sign = text[position]

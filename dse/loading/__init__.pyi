@@ -1,5 +1,5 @@
-from .bench.bench import read_setting as read_setting
 from .bench.method import is_multiple as is_multiple
+from .bench.settings import read_setting as read_setting
 from .component.kind import (
     KINDS as KINDS,
     ComponentKind as ComponentKind,

@@ -12,7 +12,7 @@ from dse.domain.component import Component, Interface
 from dse.errors import Location, Problems, closest, fail, raise_if_any
 from dse.formats import remember, shown
 from dse.loading.component.component import read_collection, read_component
-from dse.loading.component.interfaces import read_interfaces
+from dse.loading.component.interfaces import read_interfaces, read_types
 from dse.loading.paths import find_root
 
 if TYPE_CHECKING:
@@ -60,9 +60,11 @@ class Workspace:
         """Every interface of the workspace, by name."""
         found: dict[str, Interface] = {}
         problems = Problems()
-        for path in self._components_yaml.get("interfaces.yaml", []):
+        paths = self._components_yaml.get("interfaces.yaml", [])
+        types = read_types(paths, self.root)
+        for path in paths:
             with problems:
-                for name, interface in read_interfaces(path, self.root).items():
+                for name, interface in read_interfaces(path, self.root, types).items():
                     if name in found:
                         hint = f"see {found[name].where}"
                         problems.add(f"interface '{name}' is defined twice", interface.where, hint)

@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 from dse.domain.component import Causality, Component, Kind, Parameter, Port, Type, Value, as_number, same_signal
 from dse.domain.design import Connection
 from dse.domain.fmu import FmuModel, Variable
+from dse.domain.labels import array_of
 from dse.domain.system import Conversion, Element, SystemStructure, Wire
 from dse.errors import DseError, Location, Problem, raise_if_any
 from dse.system.binding import IDENTITY, Binding, bind
@@ -59,7 +60,24 @@ def assemble(name: str, wired: WiredParts, models: Mapping[str, FmuModel], outpu
         ends = (ports[end] for end in (connection.source, connection.target))
         (source, given), (target, taken) = ((part, wired.parts[part].variable(port.name)) for part, port in ends)
         wires.append(Wire(source, given, target, taken))
+    wires = _with_arrays(wires, elements)
     return SystemStructure(name, tuple(elements[part] for part in along_the_flow(tuple(elements), wires)), tuple(wires))
+
+
+def _with_arrays(wires: list[Wire], elements: Mapping[str, Element]) -> list[Wire]:
+    """*wires* with one in place of those between all values of two arrays, each to its like."""
+    found: dict[tuple[str, str, str, str], list[Wire]] = {}
+    for wire in wires:
+        arrays = array_of(wire.source_variable), array_of(wire.target_variable)
+        ends = arrays if all(arrays) else (wire.source_variable, wire.target_variable)
+        found.setdefault((wire.source, ends[0], wire.target, ends[1]), []).append(wire)
+    for (source, given, target, taken), group in found.items():
+        start, end = (elements[e].model.variables.get(array) for e, array in ((source, given), (target, taken)))
+        if start is None or end is None or not start.shape or start.shape != end.shape:
+            continue
+        if [(w.source_variable, w.target_variable) for w in group] == list(zip(start.labels, end.labels, strict=True)):
+            group[:] = [Wire(source, given, target, taken)]
+    return [wire for group in found.values() for wire in group]
 
 
 def wiring_problems(wired: WiredParts) -> Iterator[Problem]:
@@ -99,10 +117,14 @@ def _loose(part: str, component: Component, ends: list[str], where: Location | N
     if len(ends) == 1:
         what = f"input {ends[0]} ({component.name}) is neither connected nor given a value"
     else:
-        names = ", ".join(end.removeprefix(f"{part}.") for end in ends)
+        names = ", ".join(end.removeprefix(f"{part}.") for end in ends[:_MOST_LISTED])
+        names += f" and {len(ends) - _MOST_LISTED} more" if len(ends) > _MOST_LISTED else ""
         what = f"{len(ends)} inputs of {part} ({component.name}) are neither connected nor given a value: {names}"
         hint = f"for each, {hint}"
     return Problem(what, where or component.where, hint)
+
+
+_MOST_LISTED = 12
 
 
 def _element(
@@ -173,8 +195,8 @@ class _Gathered:
 
     def give(self, bound: Binding, type_: Type, value: Value) -> None:
         """Note the start *value*."""
-        if type_.kind is Kind.TEXT:
-            self.texts[bound.label] = str(value)
+        if not type_.kind.is_number:
+            self.texts[bound.label] = str(value) if type_.kind is Kind.TEXT else bytes.fromhex(str(value))
             return
         number = as_number(value, type_)
         items = bound.variable.items

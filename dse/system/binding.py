@@ -101,8 +101,8 @@ def _missing(component: Component, name: str, label: str, model: FmuModel, causa
 
 def _fits(variable: Variable, type_: Type) -> bool:
     """Whether the variable takes values of the type; an enumeration and an integer do by the numbers of the items."""
-    if type_.kind is Kind.TEXT:
-        return variable.fmi_type == "String"
+    if not type_.kind.is_number:
+        return variable.fmi_type == ("String" if type_.kind is Kind.TEXT else "Binary")
     return variable.kind is type_.kind or {variable.kind, type_.kind} == {Kind.ENUMERATION, Kind.INTEGER}
 
 

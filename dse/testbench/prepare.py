@@ -12,6 +12,7 @@ from dse.domain.bench import Simulation, TestBench
 from dse.domain.component import Component, Kind, Type
 from dse.domain.design import Configuration, split_path, walk
 from dse.domain.fmu import FmuModel
+from dse.domain.labels import is_part, tightened
 from dse.domain.method import BONDS
 from dse.domain.system import SystemStructure
 from dse.errors import DseError, Location, Problem, raise_if_any
@@ -69,8 +70,15 @@ def check_bench(bench: TestBench, configuration: Configuration) -> CheckedBench:
         raise DseError(*problems, *error.problems) from error
     raise_if_any(problems)
     shown = [name for figure in bench.figures for name in (figure.current, figure.target) if name]
-    kept = tuple(dict.fromkeys(name for name in (*simulation.record, *shown) if name in signals))
+    recorded = (label for name in simulation.record for label in _labels(name, (*wired.signals, *energies)))
+    kept = tuple(dict.fromkeys((*recorded, *(name for name in shown if name in signals))))
     return CheckedBench(wired, simulation, program, kept)
+
+
+def _labels(name: str, signals: Iterable[str]) -> list[str]:
+    """The *signals* that ``record: [name]`` means: the one called so, or all of the group or array."""
+    name = tightened(name)
+    return [signal for signal in signals if is_part(signal, name)]
 
 
 def with_facts(
@@ -138,7 +146,7 @@ def _record_problems(wired: WiredBench, signals: frozenset[str]) -> list[Problem
     parts, simulation = wired.parts, wired.bench.simulation
     places = {path for path, _ in walk(wired.bench.design.root)} | set(parts)
     for name in simulation.record:
-        if name in signals or name.startswith(f"{BONDS}."):
+        if _labels(name, signals) or name.startswith(f"{BONDS}."):
             continue
         standing = split_path(name, places)
         if standing is None:

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 from dse.domain.bench import TestBench
-from dse.domain.component import Causality, Component, Kind, Type, Value, as_number
+from dse.domain.component import Causality, Component, Type, Value, as_number
 from dse.domain.design import Configuration, split_path
 from dse.space import architecture_outputs, wire
 from dse.system import WiredParts
@@ -25,13 +25,15 @@ class WiredBench(WiredParts):
     def signals(self) -> dict[str, Type]:
         """The waveforms a metric may use: outputs of components, and of the architectures before them."""
         found = {end: port.type for end, (_, port) in self.ports.items() if port.causality is Causality.OUTPUT}
-        return found | {face: found[source] for face, source in self.faces.items()}
+        found |= {face: found[source] for face, source in self.faces.items()}
+        return {end: type_ for end, type_ in found.items() if type_.kind.is_number}
 
     @property
     def types(self) -> dict[str, Type]:
         """Every name a metric may use: the signals, and what keeps one value for a run."""
         connected = self.connected
         loose = {end: port.type for end, (_, port) in self.ports.items() if end not in connected}
+        loose = {end: type_ for end, type_ in loose.items() if type_.kind.is_number}
         return loose | {name: setting.type for name, setting in self.settings.items()} | self.signals
 
     @property
@@ -40,10 +42,11 @@ class WiredBench(WiredParts):
         values, connected = self.values, self.connected
         found: dict[str, Setting] = {}
         for path, component in self.parts.items():
-            starts = {p.name: (p.type, p.start) for p in component.parameters if p.type.kind is not Kind.TEXT}
+            starts = {p.name: (p.type, p.start) for p in component.parameters if p.type.kind.is_number}
             for port in component.interface.ports:
                 name = f"{path}.{port.name}"
-                if port.causality is Causality.INPUT and name not in connected and name in values:
+                is_loose = port.causality is Causality.INPUT and name not in connected and name in values
+                if is_loose and port.type.kind.is_number:
                     starts[port.name] = port.type, values[name]
             for own, (type_, start) in starts.items():
                 name = f"{path}.{own}"
@@ -74,6 +77,6 @@ def _values(bench: TestBench, parts: Mapping[str, Component]) -> dict[str, Value
     values = {f"{p.name}.{name}": value for p in bench.test_components for name, value in p.parameters.items()}
     for name, value in bench.parameters.items():
         split = split_path(name, parts)
-        if split and (parts[split[0]].parameter(split[1]) or parts[split[0]].interface.port(split[1])):
+        if split and (parts[split[0]].interface.port(split[1]) or parts[split[0]].parameter(split[1])):
             values[name] = value
     return values

@@ -114,7 +114,7 @@ def _problems(
     if "" in unmet:  # without the struct, nothing else can be told
         return [unmet[""]]
     if unmet:
-        return list(unmet.values())
+        return list(dict.fromkeys(unmet.values()))
     return [Problem(f"component '{component.name}': {_said(d)}", component.where) for d in error.diagnostics]
 
 

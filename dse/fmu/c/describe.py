@@ -7,6 +7,7 @@ import xml.etree.ElementTree as ET
 from collections.abc import Iterable
 from dataclasses import dataclass
 from fractions import Fraction
+from math import prod
 
 from dse.domain.component import Kind, Type
 from dse.fmu.c.slots import Role, Slot
@@ -131,16 +132,22 @@ def _add_types(root: ET.Element, slots: tuple[Slot, ...], version: int) -> None:
 
 def _add_variables(root: ET.Element, subject: Subject, version: int) -> None:
     variables = ET.SubElement(root, "ModelVariables")
-    for slot in subject.slots:
+    slots = subject.slots if version == 2 else _whole(subject.slots)
+    for slot in slots:
         common, typed = _common(slot, is_sampled=subject.period is not None), _typed(slot)
         if version == 2:
             ET.SubElement(ET.SubElement(variables, "ScalarVariable", common), _TYPES_2[slot.type.kind], typed)
-        else:
-            ET.SubElement(variables, _TYPES_3[slot.type.kind], {**common, **typed})
+            continue
+        if slot.shape:
+            common["name"] = slot.array
+            typed |= _of_array(subject.slots[slot.reference : slot.reference + prod(slot.shape)])
+        variable = ET.SubElement(variables, _TYPES_3[slot.type.kind], {**common, **typed})
+        for size in slot.shape:
+            ET.SubElement(variable, "Dimension", start=str(size))
     if version == 3:
         _add_time(variables, subject.slots)
     structure = ET.SubElement(root, "ModelStructure")
-    outputs = [slot for slot in subject.slots if slot.role is Role.OUTPUT]
+    outputs = [slot for slot in slots if slot.role is Role.OUTPUT]
     for name in ("Output", "InitialUnknown") if outputs else ():
         group = ET.SubElement(structure, f"{name}s") if version == 2 else structure
         for slot in outputs:
@@ -150,6 +157,22 @@ def _add_variables(root: ET.Element, subject: Subject, version: int) -> None:
                 unknown = ET.SubElement(group, name, valueReference=str(slot.reference))
             if name == "Output":
                 unknown.set("dependencies", "")
+
+
+def _whole(slots: tuple[Slot, ...]) -> list[Slot]:
+    """The slots without those that lie in an array behind its first."""
+    found, end = [], 0
+    for slot in slots:
+        if slot.reference >= end:
+            found.append(slot)
+            end = slot.reference + prod(slot.shape)
+    return found
+
+
+def _of_array(slots: tuple[Slot, ...]) -> dict[str, str]:
+    """Attributes that hold for all values of an array: their starts."""
+    starts = [_number(slot.type, slot.start) for slot in slots if slot.start is not None]
+    return {"start": " ".join(starts)} if starts else {}
 
 
 def _add_time(variables: ET.Element, slots: tuple[Slot, ...]) -> None:

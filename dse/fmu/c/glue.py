@@ -6,8 +6,10 @@ the problem is told in the user's words, whatever the compiler says.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import re
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from math import prod
 from pathlib import Path
 
 from dse.domain.component import CSource, Kind
@@ -44,8 +46,8 @@ def glue(source: CSource, slots: tuple[Slot, ...], header: str, token: str) -> G
         f"end the struct with `}} {source.struct};` after `typedef struct {{`",
     )
     _add_functions(page, source)
-    for slot in slots:
-        _demand_member(page, slot)
+    for alike in _alike(slots):
+        _demand_member(page, alike)
     _add_table(page, slots)
     _add_behaviour(page, source, slots)
     page.add(f'#define DSE_TOKEN "{token}"', "#endif")
@@ -95,7 +97,35 @@ _C_TYPES = {
 }
 
 
-def _demand_member(page: _Page, slot: Slot) -> None:
+def _alike(slots: tuple[Slot, ...]) -> list[list[Slot]]:
+    """The slots whose members differ in indices only, and so are of one type."""
+    found: dict[str, list[Slot]] = {}
+    for slot in slots:
+        found.setdefault(re.sub(r"\d+", "", slot.member) if "[" in slot.member else slot.member, []).append(slot)
+    return list(found.values())
+
+
+def _demand_arrays(page: _Page, slots: Sequence[Slot]) -> None:
+    """That every array on the way to the members is one, of the right size."""
+    indices = [re.findall(r"\[(\d+)\]", slot.member) for slot in slots]
+    whole = ""
+    pieces = slots[0].member.split("[0]")
+    for piece, places in zip(pieces, zip(*indices, strict=True), strict=False):
+        whole += piece
+        size = max(map(int, places)) + 1
+        page.demand(
+            slots[0].member,
+            f'_Static_assert(DSE_IS_ARRAY({whole}, {size}), "");',
+            f"struct {page.struct} has no array '{whole}' of {size}",
+            f"declare it in {page.header.name}, with [{size}]",
+        )
+        whole += "[0]"
+
+
+def _demand_member(page: _Page, slots: Sequence[Slot]) -> None:
+    """What the C must have for *slots*, whose members differ in indices only."""
+    slot = slots[0]
+    _demand_arrays(page, slots)
     simple, accepted = _C_TYPES[slot.type.kind]
     page.demand(
         slot.member,
@@ -109,7 +139,7 @@ def _demand_member(page: _Page, slot: Slot) -> None:
         f"struct {page.struct}: '{slot.member}' is not {accepted}, as {slot.source} ({slot.type.kind}) needs",
         f"declare it as {simple}",
     )
-    for number in _extremes(slot):
+    for number in sorted({number for one in slots for number in _extremes(one)}):
         page.demand(
             slot.member,
             f'_Static_assert(DSE_FITS({slot.member}, {_literal(slot, number)}), "");',
@@ -132,8 +162,15 @@ def _add_table(page: _Page, slots: tuple[Slot, ...]) -> None:
     # C knows no empty array: a component without ports gets a row that no reference reaches.
     page.add(f"#define DSE_SLOT_COUNT {len(slots)}u", "static const struct dse_slot dse_slots[] = {")
     rows = slot_rows(slots)
-    page.add(*(f"    DSE_SLOT({row.member}, DSE_{row.kind}, DSE_{row.settable}, {row.items})," for row in rows))
-    page.add(*(() if slots else ("    {0, DSE_NO_TYPE, 0, 0, 0},",)), "};")
+    counts = [prod(slot.shape) for slot in slots]
+    page.add(
+        *(
+            f"    DSE_SLOT({row.member}, DSE_{row.kind}, DSE_{row.settable}, {row.items}, {count}),"
+            for row, count in zip(rows, counts, strict=True)
+        )
+    )
+    page.add(*(() if slots else ("    {0, DSE_NO_TYPE, 0, 0, 0, 1},",)), "};")
+    page.add(*(("#define DSE_HAS_ARRAYS",) if any(slot.shape for slot in slots) else ()))
     page.add("static const char *const dse_names[] = {")
     page.add(*(f'    "{slot.name}",' for slot in slots), *(() if slots else ('    "",',)), "};")
 

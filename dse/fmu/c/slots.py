@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from enum import StrEnum
 
 from dse.domain.component import Causality, Component, Kind, Parameter, Port, Type, Value
+from dse.domain.labels import Shape, array_of, c_member, element_names, shapes
 from dse.errors import Location, Problem, raise_if_any
 from dse.units import coherent
 
@@ -27,6 +28,7 @@ class Slot:
 
     Numbers are in the unit of *type*: a port's own, a parameter's coherent SI unit. *start* is absent from
     outputs; an enumeration's is the number of the item. *source* is the port or parameter in words, for messages.
+    The values of an array are slots one after another; the first has the array's *shape*.
     """
 
     name: str
@@ -41,6 +43,12 @@ class Slot:
     is_tunable: bool = True
     title: str = ""
     where: Location | None = None
+    shape: Shape = ()
+
+    @property
+    def array(self) -> str:
+        """The name of the array it is a value of, "" for none."""
+        return array_of(self.name)
 
 
 def slots(component: Component) -> tuple[Slot, ...]:
@@ -55,15 +63,31 @@ def slots(component: Component) -> tuple[Slot, ...]:
         *(_parameter(component, parameter) for parameter in component.parameters),
     ]
     raise_if_any(_problems(component, found))
-    return tuple(replace(slot, reference=reference) for reference, slot in enumerate(found))
+    firsts = _firsts(found)
+    return tuple(
+        replace(slot, reference=reference, shape=firsts.get(slot.name, ())) for reference, slot in enumerate(found)
+    )
+
+
+def _firsts(found: Sequence[Slot]) -> dict[str, Shape]:
+    """The first value of every array that is there whole and in order, with the array's shape."""
+    members: dict[str, list[str]] = {}
+    for slot in found:
+        if slot.array:
+            members.setdefault(slot.array, []).append(slot.name)
+    sizes = {array: shapes(name.removeprefix(array) for name in names)[""] for array, names in members.items()}
+    return {
+        names[0]: sizes[array] for array, names in members.items() if names == list(element_names(array, sizes[array]))
+    }
 
 
 def _port(component: Component, port: Port) -> Slot:
-    name = component.variable(port.name)
+    name, source, where = component.variable(port.name), f"{port.causality} '{port.name}'", component.where
+    member = c_member(name)
     if port.causality is Causality.OUTPUT:
-        return Slot(name, 0, Role.OUTPUT, f"out.{name}", port.type, f"output '{port.name}'", where=component.where)
+        return Slot(name, 0, Role.OUTPUT, f"out.{member}", port.type, source, where=where)
     start: float | bool = False if port.type.kind is Kind.BOOLEAN else 0
-    return Slot(name, 0, Role.INPUT, f"in.{name}", port.type, f"input '{port.name}'", start, where=component.where)
+    return Slot(name, 0, Role.INPUT, f"in.{member}", port.type, source, start, where=where)
 
 
 def _parameter(component: Component, parameter: Parameter) -> Slot:
@@ -72,7 +96,7 @@ def _parameter(component: Component, parameter: Parameter) -> Slot:
         name=name,
         reference=0,
         role=Role.PARAMETER,
-        member=f"par.{name}",
+        member=f"par.{c_member(name)}",
         type=Type(parameter.type.kind, coherent(parameter.type.unit), parameter.type.items),
         source=f"parameter '{parameter.name}'",
         start=_number(parameter.type, parameter.start),
@@ -122,4 +146,5 @@ def _problems(component: Component, found: Iterable[Slot]) -> Iterable[Problem]:
             yield Problem(what, slot.where, "rename one, or tell them apart under 'map'")
 
 
-_C_PATH = re.compile(r"[A-Za-z_]\w*(\.[A-Za-z_]\w*)*", re.ASCII)
+_STEP = r"[A-Za-z_]\w*(\[[1-9][0-9]*(,[1-9][0-9]*)*\])?"
+_C_PATH = re.compile(rf"{_STEP}(\.{_STEP})*", re.ASCII)

@@ -4,6 +4,9 @@
 #include "model.h"
 /* In FMI 3.0 time is a variable; it comes after the component's own. */
 #define DSE_TIME DSE_SLOT_COUNT
+#ifdef DSE_HAS_ARRAYS
+#define DSE_ARRAYS
+#endif
 #include "value.h"
 
 /* Functions that only refuse do not look at their arguments. */
@@ -141,9 +144,12 @@ DSE_EXPORT fmi3Status fmi3SetFloat64(fmi3Instance c, const fmi3ValueReference re
         type values[], size_t value_count) {                                                                           \
         bool is_ok = dse_begin_get(c, DSE_HERE);                                                                       \
         for (size_t k = 0; is_ok && k < count; k++) {                                                                  \
-            int64_t value = 0;                                                                                         \
-            is_ok = dse_get_whole(c, DSE_HERE, references[k], kinds, lowest, highest, &value);                         \
-            values[k] = (type)value;                                                                                   \
+            const uint32_t end = references[k] + DSE_COUNT(references[k]);                                             \
+            for (uint32_t reference = references[k]; is_ok && reference != end; reference++) {                         \
+                int64_t value = 0;                                                                                     \
+                is_ok = dse_get_whole(c, DSE_HERE, reference, kinds, lowest, highest, &value);                         \
+                *values++ = (type)value;                                                                               \
+            }                                                                                                          \
         }                                                                                                              \
         return STATUS(is_ok);                                                                                          \
     }                                                                                                                  \
@@ -151,7 +157,10 @@ DSE_EXPORT fmi3Status fmi3SetFloat64(fmi3Instance c, const fmi3ValueReference re
         const type values[], size_t value_count) {                                                                     \
         bool is_ok = dse_begin_set(c, DSE_HERE);                                                                       \
         for (size_t k = 0; is_ok && k < count; k++) {                                                                  \
-            is_ok = dse_set_whole(c, DSE_HERE, references[k], kinds, (int64_t)values[k]);                              \
+            const uint32_t end = references[k] + DSE_COUNT(references[k]);                                             \
+            for (uint32_t reference = references[k]; is_ok && reference != end; reference++) {                         \
+                is_ok = dse_set_whole(c, DSE_HERE, reference, kinds, (int64_t)*values++);                              \
+            }                                                                                                          \
         }                                                                                                              \
         return STATUS(is_ok);                                                                                          \
     }

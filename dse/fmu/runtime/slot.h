@@ -48,6 +48,7 @@ struct dse_slot {
     uint8_t kind;
     uint8_t settable;
     int32_t items; /* of an enumeration: its values are 0 … items - 1 */
+    uint32_t count; /* of the values of the array whose first value this is, for FMI 3.0; else 1 */
 };
 
 /* The bounds are compile-time constants on every compiler; a plain char is signed on some machines only. */
@@ -100,7 +101,13 @@ struct dse_slot {
 #define DSE_FITS(member, value)                                                                                        \
     (DSE_LOWEST(DSE_TYPE_OF(member)) <= (value) && (value) <= DSE_HIGHEST(DSE_TYPE_OF(member)))
 
-#define DSE_SLOT(member, kind, settable, items)                                                                        \
-    { offsetof(dse_component, member), DSE_TYPE_OF(member), kind, settable, items }
+/* Whether *member* is an array, and of so many elements. */
+#define DSE_IS_ARRAY(member, size)                                                                                     \
+    (sizeof(((dse_component *)0)->member) == (size) * sizeof(((dse_component *)0)->member[0])                          \
+        && !__builtin_types_compatible_p(__typeof__(((dse_component *)0)->member),                                     \
+            __typeof__(&((dse_component *)0)->member[0])))
+
+#define DSE_SLOT(member, kind, settable, items, count)                                                                 \
+    { offsetof(dse_component, member), DSE_TYPE_OF(member), kind, settable, items, count }
 
 #endif

@@ -18,6 +18,13 @@
 #define DSE_HAS_ENDED(instance) false
 #endif
 
+/* How many values a reference stands for: in FMI 3.0 those of an array, which are slots one after another. */
+#ifdef DSE_ARRAYS
+#define DSE_COUNT(reference) ((reference) < DSE_SLOT_COUNT ? dse_slots[reference].count : 1u)
+#else
+#define DSE_COUNT(reference) 1u
+#endif
+
 static inline const char *dse_source(const struct dse_instance *instance, const struct dse_slot *slot) {
     return (DSE_IS_SET(slot) ? (const char *)&instance->at.start : (const char *)&instance->at.now) + slot->offset;
 }
@@ -143,14 +150,16 @@ static inline bool dse_get_reals(
     struct dse_instance *instance, const char *function, const uint32_t references[], size_t count, double values[]) {
     bool is_ok = dse_begin_get(instance, function);
     for (size_t k = 0; is_ok && k < count; k++) {
-        const uint32_t reference = references[k];
-        if (reference < DSE_SLOT_COUNT && dse_slots[reference].type == DSE_F64) {
-            memcpy(&values[k], dse_source(instance, &dse_slots[reference]), sizeof values[k]);
+        const uint32_t end = references[k] + DSE_COUNT(references[k]);
+        for (uint32_t reference = references[k]; is_ok && reference != end; reference++, values++) {
+            if (reference < DSE_SLOT_COUNT && dse_slots[reference].type == DSE_F64) {
+                memcpy(values, dse_source(instance, &dse_slots[reference]), sizeof *values);
 #ifdef DSE_MODEL
-            is_ok = values[k] == values[k] || dse_refuse_nan(instance, function, reference);
+                is_ok = *values == *values || dse_refuse_nan(instance, function, reference);
 #endif
-        } else {
-            is_ok = dse_get_float(instance, function, reference, &values[k]);
+            } else {
+                is_ok = dse_get_float(instance, function, reference, values);
+            }
         }
     }
     return is_ok;
@@ -160,12 +169,14 @@ static inline bool dse_set_reals(struct dse_instance *instance, const char *func
     size_t count, const double values[]) {
     bool is_ok = dse_begin_set(instance, function);
     for (size_t k = 0; is_ok && k < count; k++) {
-        const uint32_t reference = references[k];
-        const struct dse_slot *slot = &dse_slots[reference < DSE_SLOT_COUNT ? reference : 0];
-        if (reference < DSE_SLOT_COUNT && slot->type == DSE_F64 && (slot->settable & instance->at.state)) {
-            memcpy(dse_target(instance, slot), &values[k], sizeof values[k]);
-        } else {
-            is_ok = dse_set_float(instance, function, reference, values[k]);
+        const uint32_t end = references[k] + DSE_COUNT(references[k]);
+        for (uint32_t reference = references[k]; is_ok && reference != end; reference++, values++) {
+            const struct dse_slot *slot = &dse_slots[reference < DSE_SLOT_COUNT ? reference : 0];
+            if (reference < DSE_SLOT_COUNT && slot->type == DSE_F64 && (slot->settable & instance->at.state)) {
+                memcpy(dse_target(instance, slot), values, sizeof *values);
+            } else {
+                is_ok = dse_set_float(instance, function, reference, *values);
+            }
         }
     }
     return is_ok;

@@ -196,6 +196,8 @@ def _value(start: str, type_: Type, unit: Unit, variable: Variable) -> Value:
             if abs(si) > LARGEST:
                 raise _LeftOut("its start value is beyond the range of numbers")
             return float(si)
+        case Kind.BINARY:
+            return start.lower()
 
 
 def _real(text: str) -> float:

@@ -6,22 +6,24 @@ from collections.abc import Callable
 from pathlib import Path
 
 from dse.domain.bench import Figure, Metric, Requirement, TestBench, TestComponent
-from dse.domain.component import Component, Value
+from dse.domain.component import Value
 from dse.domain.design import DesignSpace
+from dse.domain.labels import is_part
 from dse.domain.method import BONDS
-from dse.errors import Location, Problems, closest, fail, raise_if_any
+from dse.errors import Location, Problem, Problems, closest, fail, raise_if_any
 from dse.expression import parse_expression
 from dse.formats import Entry
-from dse.loading.bench.candidates import Candidates, bench_candidates, outputs, settable, split_name, types_of
+from dse.loading.bench.candidates import Candidates, bench_candidates, outputs, split_name, types_of
 from dse.loading.bench.inputs import INPUTS, InputSection, read_inputs
 from dse.loading.bench.method import SimulationSection
+from dse.loading.bench.settings import read_settings
 from dse.loading.bench.simulation import read_simulation
 from dse.loading.design.connections import read_connections
 from dse.loading.design.tree import FindComponent
 from dse.loading.include import read_document
 from dse.loading.names import check_name
 from dse.loading.sections import Plain, Section, read_section
-from dse.loading.values import Raw, read_quantity, read_unit, read_value
+from dse.loading.values import Elements, Raw, read_quantity, read_unit
 from dse.units import DIMENSIONLESS, Unit
 
 FindDesign = Callable[[str, Location], DesignSpace]
@@ -32,7 +34,7 @@ class TestComponentSection(Section):
     """A part of the bench."""
 
     component: str
-    parameters: dict[str, Raw] = {}
+    parameters: dict[str, Raw | Elements] = {}
 
 
 class MetricSection(Section):
@@ -70,7 +72,7 @@ class BenchFile(Section):
     design: str
     test_components: dict[str, TestComponentSection] = {}
     connections: list[str] = []
-    parameters: dict[str, Raw] = {}
+    parameters: dict[str, Raw | Elements] = {}
     inputs: dict[str, InputSection] = {}
     simulation: SimulationSection
     metrics: dict[str, str | MetricSection] = {}
@@ -97,7 +99,10 @@ def read_bench(path: Path, find_component: FindComponent, find_design: FindDesig
         if name.split(".")[0] not in unread:
             given = entry["parameters"][name]
             with problems:
-                parameters[name] = read_setting(name, raw, components, given.key, given.where)
+                found = read_settings(name, raw, components, given)
+                twice = [f"'{label}' is given a value twice" for label in found if label in parameters]
+                raise_if_any(Problem(what, given.key, "remove one") for what in twice[:1])
+                parameters |= found
     simulation = read_simulation(entry["simulation"], file.simulation, None if unread else components, problems)
     bonds = {f"{BONDS}.{name}" for name in file.simulation.bonds}
     for number, name in enumerate(file.simulation.record):
@@ -132,36 +137,15 @@ def read_bench(path: Path, find_component: FindComponent, find_design: FindDesig
     )
 
 
-def read_setting(name: str, raw: Raw, components: Candidates, key: Location, where: Location) -> Value:
-    """The value *raw* for ``part.parameter`` (or an input): SI, checked against type and range. Raises DseError."""
-    found = settable(name, components, key)
-    values = {read_value(raw, type_, where) for _, type_ in found}
-    if len(values) > 1:
-        raise fail(f"'{raw}' means different values in the alternatives of '{name}'", where, "add a unit")
-    (value,) = values
-    port = split_name(name, components, key)[1]
-    for component, _ in found:
-        _check_range(component, port, value, where)
-    return value
-
-
-def _check_range(component: Component, port: str, value: Value, where: Location) -> None:
-    """Raise DseError if *value* (SI) is outside the range of the component's parameter."""
-    parameter = component.parameter(port)
-    if parameter is None or isinstance(value, str | bool):
-        return
-    low, high, unit = parameter.minimum, parameter.maximum, parameter.type.unit
-    if (low is not None and value < low) or (high is not None and value > high):
-        shown = " … ".join("∞" if bound is None else f"{unit.from_si(bound):g}" for bound in (low, high))
-        what = f"{port} = {unit.from_si(value):g} is outside its range {shown} {unit}".rstrip()
-        raise fail(what, where, f"the range is set by component {component.name}")
-
-
 def _check_output(name: str, components: Candidates, where: Location) -> None:
     """Raise DseError if *name* cannot be an entry of ``record``."""
     place, port = split_name(name, components, where)
     known = outputs(components[place])
-    if port not in known:
+    texts = [label for label, type_ in known.items() if label == port and not type_.kind.is_number]
+    if texts:
+        what = f"cannot record '{name}': waveforms are numbers, it is a {known[port].kind}"
+        raise fail(what, where, "let a component make a number of it")
+    if not any(is_part(label, port) for label in known):
         raise fail(f"cannot record '{name}': no such output", where, closest(port, known))
 
 
@@ -180,8 +164,8 @@ def _test_components(
             for parameter, raw in section.parameters.items():
                 given = entry["parameters"][parameter]
                 with problems:
-                    whole = f"{name}.{parameter}"
-                    values[parameter] = read_setting(whole, raw, {name: (component,)}, given.key, given.where)
+                    found = read_settings(f"{name}.{parameter}", raw, {name: (component,)}, given)
+                    values |= {label.removeprefix(f"{name}."): value for label, value in found.items()}
             parts.append(TestComponent(name, component, values, entry.key))
     return tuple(parts)
 

@@ -2,25 +2,36 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
 from dse.domain.component import NO_INTERFACE, Component, Interface, Kind, Parameter, Source, Type
-from dse.errors import DseError, Problems, closest, fail, raise_if_any
+from dse.domain.labels import element_names, wholes
+from dse.errors import DseError, Location, Problems, closest, fail, raise_if_any
 from dse.formats import Entry
+from dse.loading.component.interfaces import MOST_VALUES
 from dse.loading.component.kind import read_source
 from dse.loading.include import read_document
 from dse.loading.names import check_choice, check_member, check_name
 from dse.loading.sections import Plain, Section, read_section
-from dse.loading.values import Raw, read_number, read_quantity, read_type, read_unit, read_value
+from dse.loading.values import (
+    Elements,
+    Raw,
+    read_elements,
+    read_number,
+    read_quantity,
+    read_type,
+    read_unit,
+    read_value,
+)
 from dse.units import DIMENSIONLESS, Quantity
 
 
 class ParameterSection(Section):
     """One parameter of a component."""
 
-    start: Raw
+    start: Raw | Elements
     min: Plain | None = None
     max: Plain | None = None
     unit: str | None = None
@@ -68,6 +79,7 @@ def read_component(path: Path, interfaces: Mapping[str, Interface], inside: Path
     parameters = _parameters(entry, file, interface, problems)
     properties = _properties(entry, file, problems)
     known = {port.name for port in interface.ports} | set(file.parameters)
+    known |= {whole for port in interface.ports for whole in wholes(port.name)}
     for name in file.map:
         if name not in known:
             what = f"'{name}' is neither a port of {interface.name or 'an interface'} nor a parameter"
@@ -121,10 +133,10 @@ def _interface(
 
 
 def _parameters(entry: Entry, section: FactsSection, interface: Interface, problems: Problems) -> tuple[Parameter, ...]:
-    found = []
+    found: list[Parameter] = []
     for name, written in section.parameters.items():
         with problems:
-            found.append(_parameter(entry["parameters"][name], written, interface))
+            found += _parameter(entry["parameters"][name], written, interface)
     return tuple(found)
 
 
@@ -139,16 +151,20 @@ def _properties(entry: Entry, section: FactsSection, problems: Problems) -> dict
     return found
 
 
-def _parameter(entry: Entry, section: ParameterSection, interface: Interface) -> Parameter:
+def _parameter(entry: Entry, section: ParameterSection, interface: Interface) -> Iterator[Parameter]:
+    """The parameter, or one for each value of the array that it is."""
     name, where = entry.name, entry.key
     problems = Problems()
     for part in name.split("."):
         check_member(part, where, problems)
-    if interface.port(name):
+    if interface.group(name):
         problems.add(f"'{name}' is a port of {interface.name} already", where, "rename it")
     raise_if_any(problems)
-    type_ = _parameter_type(entry, section)
-    start = read_value(section.start, type_, entry["start"].where)
+    shape, starts = read_elements(section.start, entry["start"])
+    if len(starts) > MOST_VALUES:
+        what = f"'{name}' has {len(starts):,} values"
+        raise fail(what, entry["start"].where, f"at most {MOST_VALUES:,} are supported")
+    type_ = _parameter_type(entry, section, starts[0])
     bounds: list[float | None] = []
     for key, raw in (("min", section.min), ("max", section.max)):
         if raw is not None and type_.kind not in (Kind.REAL, Kind.INTEGER):
@@ -157,16 +173,20 @@ def _parameter(entry: Entry, section: ParameterSection, interface: Interface) ->
     low, high = bounds
     if low is not None and high is not None and low > high:
         raise fail(f"the range of '{name}' is empty: min {section.min} > max {section.max}", entry["min"].where)
-    if isinstance(start, float | int) and ((low is not None and start < low) or (high is not None and start > high)):
-        what = f"start of '{name}' is outside its range {section.min} … {section.max}"
-        raise fail(what, entry["start"].where, "widen min and max or change start")
-    return Parameter(name, type_, start, low, high, section.tunable, section.title, where)
+    for label, (raw, place) in zip(element_names(name, shape), starts, strict=True):
+        start = read_value(raw, type_, place)
+        number = start if isinstance(start, float | int) else None
+        if number is not None and not ((low is None or low <= number) and (high is None or number <= high)):
+            what = f"start of '{label}' is outside its range {section.min} … {section.max}"
+            raise fail(what, place, "widen min and max or change start")
+        yield Parameter(label, type_, start, low, high, section.tunable, section.title, where)
 
 
 _TYPES = {"int": Kind.INTEGER, "bool": Kind.BOOLEAN, "real": Kind.REAL, "string": Kind.TEXT}
 
 
-def _parameter_type(entry: Entry, section: ParameterSection) -> Type:
+def _parameter_type(entry: Entry, section: ParameterSection, first: tuple[Raw, Location]) -> Type:
+    start, start_at = first
     if section.enum is not None:
         return read_type(f"enum[{', '.join(section.enum)}]", entry["enum"].where)
     if section.type is not None:
@@ -174,11 +194,12 @@ def _parameter_type(entry: Entry, section: ParameterSection) -> Type:
             raise fail(f"unknown type '{section.type}'", entry["type"].where, "int, bool, real or string")
         if section.type != "real":
             return Type(_TYPES[section.type])
-    if isinstance(section.start, bool):
+    if isinstance(start, bool):
         return Type(Kind.BOOLEAN)
     if section.unit is not None:
         return Type(Kind.REAL, read_unit(section.unit, entry["unit"].where))
-    for key, raw in (("start", section.start), ("min", section.min), ("max", section.max)):
+    bounds = ((section.min, entry["min"].where), (section.max, entry["max"].where))
+    for raw, where in ((start, start_at), *bounds):
         if isinstance(raw, str):
-            return Type(Kind.REAL, read_quantity(raw, entry[key].where).unit)
+            return Type(Kind.REAL, read_quantity(raw, where).unit)
     return Type(Kind.REAL, DIMENSIONLESS)

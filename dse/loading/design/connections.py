@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import re
+
 from dse.domain.design import Connection
+from dse.domain.labels import tightened
 from dse.errors import Location, Problems
 from dse.formats import Entry
 from dse.loading.design.passages import part, written
@@ -15,7 +18,7 @@ def read_connections(entry: Entry, connections: object, problems: Problems) -> t
         return ()
     found = []
     for number, text in enumerate(connections):
-        ends = [end.strip() for end in text.split("->")] if isinstance(text, str) else []
+        ends = [tightened(end.strip()) for end in text.split("->")] if isinstance(text, str) else []
         if len(ends) == 2 and all(_is_path(end) for end in ends):
             found.append(Connection(ends[0], ends[1], entry[number].where, _ends(entry[number], text)))
         else:
@@ -33,4 +36,7 @@ def _ends(entry: Entry, text: str) -> tuple[Location, Location]:
 
 
 def _is_path(text: str) -> bool:
-    return all(step.isidentifier() for step in text.split("."))
+    return all(_INDICES.sub("", step).isidentifier() for step in text.split("."))
+
+
+_INDICES = re.compile(r"\[[0-9]+(,[0-9]+)*\]$")

@@ -13,6 +13,7 @@ from dataclasses import dataclass
 
 from dse.domain.component import NO_INTERFACE, Causality, Interface, Port
 from dse.domain.design import Alternative, Compound, Connection, DesignSpace, Node, Optional, Part
+from dse.domain.labels import shapes, spelled
 from dse.errors import DseError, Problem, closest, fail, raise_if_any
 from dse.space.decisions import Choices
 
@@ -127,6 +128,7 @@ def port_pairs(connection: Connection, scope: PlacedPart) -> list[tuple[PortOf, 
     source, target = _end(connection, connection.source, scope), _end(connection, connection.target, scope)
     if source is None or target is None:
         return []
+    _check_shapes(connection, source, target)
     forth: list[tuple[PortOf, PortOf]] = []
     back: list[tuple[PortOf, PortOf]] = []
     bare: list[str] = []
@@ -149,11 +151,24 @@ def port_pairs(connection: Connection, scope: PlacedPart) -> list[tuple[PortOf, 
         raise fail(f"{connection}: no signal goes this way", where, _backwards(source, target))
     if bare:
         raise fail(
-            f"{connection}: nothing is given to {', '.join(bare)}",
+            f"{connection}: nothing is given to {_listed(bare)}",
             connection.place(connection.target),
             f"{connection.source} has {_names(source)}, {connection.target} has {_names(target)}",
         )
     return forth + back
+
+
+def _check_shapes(connection: Connection, source: _End, target: _End) -> None:
+    """Raise DseError if an array is connected to one of another shape, or to a single value."""
+    if not any("[" in name for name in (*source.ports, *target.ports)):
+        return
+    given, taken = shapes(source.ports), shapes(target.ports)
+    for name, shape in given.items():
+        if shape != taken.get(name, shape):
+            what = f"{connection}: shapes differ: {connection.source}{name.replace('[]', '')} is {spelled(shape)}"
+            what = f"{what}, {connection.target}{name.replace('[]', '')} is {spelled(taken[name])}"
+            hint = "arrays of equal shape can be connected, and single values: sensor.ranges[2] -> controller.gap"
+            raise fail(what, connection.place(connection.target), hint)
 
 
 def two_sources(target: PortOf, first: Connection, second: Connection) -> Problem:
@@ -249,4 +264,12 @@ def _backwards(source: _End, target: _End) -> str:
 
 
 def _names(end: _End) -> str:
-    return ", ".join(f"{name.removeprefix('.') or port.name} ({port.causality})" for name, port in end.ports.items())
+    return _listed([f"{name.removeprefix('.') or port.name} ({port.causality})" for name, port in end.ports.items()])
+
+
+def _listed(names: Sequence[str]) -> str:
+    few = ", ".join(names[:_MOST_LISTED])
+    return few if len(names) <= _MOST_LISTED else f"{few} and {len(names) - _MOST_LISTED} more"
+
+
+_MOST_LISTED = 12
