@@ -67,9 +67,26 @@ def same_signal(source: Type, target: Type) -> str:
         return f"units differ: {source} and {target}"
     if source.kind is Kind.REAL and counts_otherwise(source.unit.symbol, target.unit.symbol):
         return f"units differ by 2 pi: {source} and {target}"
-    if source.media and target.media and source.media != target.media:
-        return f"what is in the binaries differs: {source.media} and {target.media}"
+    if not same_media(source.media, target.media):
+        return f"the binaries differ in what they hold: {source.media} and {target.media}"
     return ""
+
+
+def same_media(one: str, other: str) -> bool:
+    """Whether two media types (RFC 2045) do not contradict each other; what only one of them says is free."""
+    if not one or not other or _OCTETS in (one, other):
+        return True
+    (first, mine), (second, theirs) = (_media(text) for text in (one, other))
+    return first == second and all(theirs.get(name, value) == value for name, value in mine.items())
+
+
+_OCTETS = "application/octet-stream"
+
+
+def _media(text: str) -> tuple[str, dict[str, str]]:
+    word, *parameters = (part.strip() for part in text.split(";"))
+    pairs = (parameter.partition("=") for parameter in parameters)
+    return word.lower(), {name.strip().lower(): value.strip() for name, _, value in pairs}
 
 
 def as_number(value: Value, type_: Type) -> float:

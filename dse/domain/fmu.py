@@ -69,7 +69,10 @@ class Variable:
     *alias_of* names the variable this is another name of (FMI 1 and 3; FMI 2 does not say, but of inputs it is known).
     *is_negated*: the value is the opposite of that behind the reference (FMI 1). *is_relative*: a difference, to which
     a unit's offset does not apply. *is_intermediate*: it may be used while a step is computed (FMI 3). *clocks* are the
-    references of the clocks it belongs to, *timing* is there for a clock.
+    references of the clocks it belongs to, *timing* is there for a clock. *media* says what is in a binary.
+
+    *integers*: a binary of FMI 2, which has none, as the OSI Sensor Model Packaging (OSMP) passes it: the names and
+    references of the integers for the lower and the upper half of its address, and for its size.
     """
 
     name: str
@@ -93,6 +96,13 @@ class Variable:
     is_intermediate: bool = False
     clocks: tuple[int, ...] = ()
     timing: Timing | None = None
+    media: str = ""
+    integers: tuple[tuple[str, int], ...] = ()
+
+    @property
+    def references(self) -> tuple[int, ...]:
+        """The value references that its accessor is called with."""
+        return tuple(reference for _, reference in self.integers) or (self.reference,)
 
     @property
     def is_timed(self) -> bool:
@@ -230,6 +240,11 @@ class FmuModel:
                 for clock in self.variables.values()
             )
         )
+
+    @property
+    def pointers(self) -> frozenset[str]:
+        """The integers that are parts of binaries: addresses, which mean nothing to anybody else."""
+        return frozenset(name for variable in self.variables.values() for name, _ in variable.integers)
 
     def variable_of(self, label: str) -> Variable:
         """The variable called *label*, or the array one of whose values is (``name[2]``); KeyError if there is none."""

@@ -10,6 +10,7 @@ from fractions import Fraction
 from typing import Any
 
 from dse.domain.component import Kind, Parameter
+from dse.domain.labels import Shape, array_of, element_names, shapes
 from dse.errors import Location, fail
 from dse.units import Unit
 
@@ -47,11 +48,15 @@ def write_flow(data: Mapping[str, str]) -> str:
     return f"{{{', '.join(f'{write_name(key)}: {value}' for key, value in data.items())}}}"
 
 
-def write_parameter(parameter: Parameter) -> str:
-    """A parameter as one mapping. Raises DseError for a value that its unit cannot say."""
+def write_parameter(parameter: Parameter, *others: Parameter) -> str:
+    """A parameter as one mapping; with *others* an array, whose values they are. Raises DseError as `write_value`."""
     unit, where = parameter.type.unit, parameter.where
     stated = {"start": parameter.start, "min": parameter.minimum, "max": parameter.maximum}
     entries = {key: write_value(value, unit, where) for key, value in stated.items() if value is not None}
+    array = array_of(parameter.name)
+    if array:
+        starts = {one.name: write_value(one.start, unit, where) for one in (parameter, *others)}
+        entries["start"] = _nested(array, shapes(starts)[array], starts)
     match parameter.type.kind:
         case Kind.ENUMERATION:
             entries["enum"] = f"[{', '.join(map(write_name, parameter.type.items))}]"
@@ -64,6 +69,14 @@ def write_parameter(parameter: Parameter) -> str:
     if parameter.title:
         entries["title"] = write_text(parameter.title)
     return write_flow(entries)
+
+
+def _nested(array: str, shape: Shape, texts: Mapping[str, str]) -> str:
+    """The *texts* of an array's values as lists of lists."""
+    rows = [texts[label] for label in element_names(array, shape)]
+    for size in reversed(shape):
+        rows = [f"[{', '.join(rows[at : at + size])}]" for at in range(0, len(rows), size)]
+    return rows[0]
 
 
 def write_value(value: float | int | bool | str, unit: Unit, where: Location | None) -> str:

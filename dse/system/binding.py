@@ -6,7 +6,7 @@ from contextlib import suppress
 from dataclasses import dataclass
 from fractions import Fraction
 
-from dse.domain.component import Component, Kind, Type
+from dse.domain.component import Component, Kind, Type, same_media
 from dse.domain.fmu import FmuModel, UnitDefinition, Variable
 from dse.domain.system import Conversion
 from dse.errors import DseError, Location, Problem, closest, fail
@@ -40,6 +40,13 @@ def bind(component: Component, name: str, type_: Type, model: FmuModel, causalit
     if variable.causality not in causalities:
         found = variable.causality or "local"
         raise fail(f"'{label}' in the FMU of {component.name} is {found}, not {causalities[0]}", where)
+    if label in model.pointers:
+        whole = next(v.name for v in model.variables.values() if any(label == name for name, _ in v.integers))
+        what = f"'{label}' in the FMU of {component.name} is a part of the binary '{whole}'"
+        raise fail(what, where, f"give the port the type binary and map it: 'map: {{{name}: {whole}}}'")
+    if not same_media(variable.media, type_.media):
+        what = f"'{label}' in the FMU of {component.name} holds {variable.media}, not {type_.media}"
+        raise fail(what, where, "map another binary, or change the port's type")
     if not _fits(variable, type_):
         found = str(variable.kind or variable.fmi_type.lower())
         raise fail(f"'{label}' in the FMU of {component.name} is {found}, not {type_}", where)

@@ -104,6 +104,8 @@ class AccessorType(IntEnum):
     STRING = 12, "String", ctypes.c_void_p
     BINARY = 13, "Binary", ctypes.c_void_p
     FMI1_BOOLEAN = 14, "", ctypes.c_int8
+    OSMP = 15, "", ctypes.c_void_p
+    """A binary of FMI 2, passed as three integers."""
 
     @property
     def size(self) -> int:
@@ -123,7 +125,12 @@ class AccessorType(IntEnum):
     @property
     def is_text(self) -> bool:
         """Whether it is a string or binary."""
-        return self in (AccessorType.STRING, AccessorType.BINARY)
+        return self is AccessorType.STRING or self.is_binary
+
+    @property
+    def is_binary(self) -> bool:
+        """Whether it is a binary, however it is passed."""
+        return self in (AccessorType.BINARY, AccessorType.OSMP)
 
 
 EXACT_INTEGER = 2**53
@@ -132,7 +139,7 @@ EXACT_INTEGER = 2**53
 _FMI1_AND_2 = {"Real": AccessorType.FLOAT64, "Integer": AccessorType.INT32, "String": AccessorType.STRING}
 _FMI_TYPES: Mapping[int, Mapping[str, AccessorType]] = {
     1: {**_FMI1_AND_2, "Boolean": AccessorType.FMI1_BOOLEAN},
-    2: {**_FMI1_AND_2, "Boolean": AccessorType.FMI2_BOOLEAN},
+    2: {**_FMI1_AND_2, "Boolean": AccessorType.FMI2_BOOLEAN, "Binary": AccessorType.OSMP},
     3: {known.fmi_type: known for known in AccessorType if known.fmi_type},
 }
 _ACCESSORS: Mapping[int, Mapping[int, str]] = {
@@ -173,6 +180,7 @@ def function_name(call: int, version: int) -> str:
     for access in (Call.SET, Call.GET):
         if call >= access:
             fmi_type = _ACCESSORS[version].get(call - access)
+            fmi_type = "Integer" if version == 2 and fmi_type == "Binary" else fmi_type  # OSMP
             return f"{prefix}{access.name.title()}{fmi_type}" if fmi_type else ""
     name = Call(call).names[version - 1] if call in set(Call) else ""
     return f"{prefix}{name}" if name else ""

@@ -76,6 +76,8 @@ class Text(ctypes.Structure):
         ("size", ctypes.c_size_t),
         ("room", ctypes.c_size_t),
         ("print", ctypes.c_uint64),
+        *pointers("before"),
+        ("room_before", ctypes.c_size_t),
     ]
 
 

@@ -17,7 +17,7 @@
 /* How a group of variables is passed, as its accessor has it. Every number is a double in the table of values. */
 enum {
     FLOAT64, FLOAT32, INT8, UINT8, INT16, UINT16, INT32, UINT32, INT64, UINT64, BOOLEAN, FMI2_BOOLEAN, STRING, BINARY,
-    FMI1_BOOLEAN
+    FMI1_BOOLEAN, OSMP /* a binary in FMI 2: integers for the halves of its address and for its size */
 };
 
 /* The FMI function that is being called; GET and SET have the group's type added. */
@@ -106,6 +106,8 @@ typedef struct {
     char *bytes;
     size_t size, room; /* room is 0 if the bytes are somebody else's */
     uint64_t print;    /* of the bytes: tells in one comparison whether they are others */
+    char *before;      /* the text before it: who was given its address may still hand it on */
+    size_t room_before;
 } Text;
 
 /* Strings or binaries of one element that one accessor call reads or writes. */

@@ -122,7 +122,7 @@ class GroupMaker:
             access = address(model, self._elements.library(index), function_name(call, model.version))
         return {
             "access": access,
-            "references": self._array(np.array([variable.reference for variable in group.variables], np.uint32)),
+            "references": self._array(np.array([r for v in group.variables for r in v.references], np.uint32)),
             "count": len(group.variables),
             "version": model.version,
             "type": group.type,

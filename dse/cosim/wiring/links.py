@@ -142,11 +142,15 @@ def _text_types(system: SystemStructure, *, of_inputs: bool) -> Mapping[str, Acc
 
 
 def _unlike(target: str, kind: AccessorType | None, link: Link, source_kind: AccessorType | None) -> Iterable[Problem]:
-    if kind is not source_kind:
-        words = ["a number" if k is None else f"a {k.name.lower()}" for k in (source_kind, kind)]
+    if kind is not source_kind and not (kind and source_kind and kind.is_binary and source_kind.is_binary):
+        words = ["a number" if k is None else _word(k) for k in (source_kind, kind)]
         yield Problem(f"{link.source} -> {target}: {words[0]} cannot be wired to {words[1]}")
     elif kind is not None and link.transform is not None:
-        yield Problem(f"{link.source} -> {target}: a {kind.name.lower()} takes no factor, offset or items")
+        yield Problem(f"{link.source} -> {target}: {_word(kind)} takes no factor, offset or items")
+
+
+def _word(kind: AccessorType) -> str:
+    return "a binary" if kind.is_binary else "a string"
 
 
 def _transform_of(wire: Wire) -> Conversion | None:

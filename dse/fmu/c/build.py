@@ -48,9 +48,10 @@ def build_c(component: Component, source: CSource, *, version: int, cache: Path 
 
 
 _RUNTIME = Path(__file__).parents[1] / "runtime"
+_COMMON_FILES = ("slot.h", "instance.h", "c_component.h", "c_component_texts.h", "value.h")
 _RUNTIME_FILES = {
-    2: ("slot.h", "instance.h", "c_component.h", "value.h", "fmi2_abi.h", "fmi2.c"),
-    3: ("slot.h", "instance.h", "c_component.h", "value.h", "fmi3_abi.h", "fmi3_refused.h", "fmi3.c"),
+    2: (*_COMMON_FILES, "c_component_osmp.h", "fmi2_abi.h", "fmi2.c"),
+    3: (*_COMMON_FILES, "fmi3_abi.h", "fmi3_refused.h", "fmi3.c"),
 }
 
 

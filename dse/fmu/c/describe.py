@@ -7,6 +7,7 @@ import xml.etree.ElementTree as ET
 from collections.abc import Iterable
 from dataclasses import dataclass
 from fractions import Fraction
+from itertools import accumulate, pairwise
 from math import prod
 
 from dse.domain.component import Kind, Type
@@ -135,7 +136,11 @@ def _add_variables(root: ET.Element, subject: Subject, version: int) -> None:
     slots = subject.slots if version == 2 else _whole(subject.slots)
     for slot in slots:
         common, typed = _common(slot, is_sampled=subject.period is not None), _typed(slot)
+        if version == 2 and slot.type.kind is Kind.BINARY:
+            _add_osmp(variables, slot, common, subject.slots)
+            continue
         if version == 2:
+            typed |= {"start": ""} if slot.type.kind is Kind.TEXT and slot.start is not None else {}
             ET.SubElement(ET.SubElement(variables, "ScalarVariable", common), _TYPES_2[slot.type.kind], typed)
             continue
         if slot.shape:
@@ -144,19 +149,42 @@ def _add_variables(root: ET.Element, subject: Subject, version: int) -> None:
         variable = ET.SubElement(variables, _TYPES_3[slot.type.kind], {**common, **typed})
         for size in slot.shape:
             ET.SubElement(variable, "Dimension", start=str(size))
+        if not slot.type.kind.is_number and slot.start is not None:
+            ET.SubElement(variable, "Start", value="")
     if version == 3:
         _add_time(variables, subject.slots)
     structure = ET.SubElement(root, "ModelStructure")
     outputs = [slot for slot in slots if slot.role is Role.OUTPUT]
+    ends = list(accumulate(len(OSMP) if slot.type.kind is Kind.BINARY else 1 for slot in slots))
+    positions = dict(zip((slot.name for slot in slots), pairwise([1, *(end + 1 for end in ends)]), strict=True))
     for name in ("Output", "InitialUnknown") if outputs else ():
         group = ET.SubElement(structure, f"{name}s") if version == 2 else structure
         for slot in outputs:
             if version == 2:
-                unknown = ET.SubElement(group, "Unknown", index=str(slot.reference + 1))
+                at = range(*positions[slot.name])
+                unknowns = [ET.SubElement(group, "Unknown", index=str(index)) for index in at]
             else:
-                unknown = ET.SubElement(group, name, valueReference=str(slot.reference))
-            if name == "Output":
+                unknowns = [ET.SubElement(group, name, valueReference=str(slot.reference))]
+            for unknown in unknowns if name == "Output" else ():
                 unknown.set("dependencies", "")
+
+
+def _add_osmp(variables: ET.Element, slot: Slot, common: dict[str, str], slots: tuple[Slot, ...]) -> None:
+    """The integers of a binary by the OSI Sensor Model Packaging; their references come after those of all *slots*."""
+    number = [other.reference for other in slots if other.type.kind is Kind.BINARY].index(slot.reference)
+    for part, role in enumerate(OSMP):
+        own = {"name": f"{slot.name}.{role}", "valueReference": str(len(slots) + len(OSMP) * number + part)}
+        variable = ET.SubElement(variables, "ScalarVariable", {**common, **own})
+        ET.SubElement(variable, "Integer", {"start": "0"} if slot.start is not None else {})
+        annotations = ET.SubElement(variable, "Annotations")
+        tool = ET.SubElement(annotations, "Tool", {"name": "net.pmsf.osmp", "xmlns:osmp": _OSMP_SPACE})
+        said = ET.SubElement(tool, "osmp:osmp-binary-variable", name=slot.name, role=role)
+        said.set("mime-type", slot.type.media or "application/octet-stream")
+
+
+OSMP = ("base.lo", "base.hi", "size")
+"""What the integers of a binary are called behind its name."""
+_OSMP_SPACE = "http://xsd.pmsf.net/OSISensorModelPackaging"
 
 
 def _whole(slots: tuple[Slot, ...]) -> list[Slot]:
@@ -195,8 +223,9 @@ _TYPES_2 = {
     Kind.INTEGER: "Integer",
     Kind.BOOLEAN: "Boolean",
     Kind.ENUMERATION: "Enumeration",
+    Kind.TEXT: "String",
 }
-_TYPES_3 = {**_TYPES_2, Kind.REAL: "Float64", Kind.INTEGER: "Int32"}
+_TYPES_3 = {**_TYPES_2, Kind.REAL: "Float64", Kind.INTEGER: "Int32", Kind.BINARY: "Binary"}
 
 
 def _common(slot: Slot, *, is_sampled: bool) -> dict[str, str]:
@@ -219,6 +248,8 @@ def _typed(slot: Slot) -> dict[str, str]:
     attributes: dict[str, str] = {}
     if slot.type.kind is Kind.ENUMERATION:
         attributes["declaredType"] = str(slot.type)
+    if not slot.type.kind.is_number:
+        return {"mimeType": slot.type.media} if slot.type.media else attributes
     if _has_unit(slot):
         attributes["unit"] = slot.type.unit.symbol
     for name, number in (("min", slot.minimum), ("max", slot.maximum), ("start", slot.start)):

@@ -49,6 +49,7 @@ def glue(source: CSource, slots: tuple[Slot, ...], header: str, token: str) -> G
     for alike in _alike(slots):
         _demand_member(page, alike)
     _add_table(page, slots)
+    _add_binaries(page, slots)
     _add_behaviour(page, source, slots)
     page.add(f'#define DSE_TOKEN "{token}"', "#endif")
     return Glue("\n".join(page.lines) + "\n", page.demands)
@@ -94,6 +95,11 @@ _C_TYPES = {
     Kind.INTEGER: ("int32_t", "an integer type"),
     Kind.BOOLEAN: ("bool", "bool or an integer type"),
     Kind.ENUMERATION: ("int", "an enum or an integer type"),
+    Kind.TEXT: ("char[64], or as long as it has to be", "an array of char"),
+    Kind.BINARY: (
+        "struct { size_t size; uint8_t data[4096]; }, or as long as it has to be",
+        "a struct of 'size', a size_t, and 'data', an array of uint8_t",
+    ),
 }
 
 
@@ -162,17 +168,32 @@ def _add_table(page: _Page, slots: tuple[Slot, ...]) -> None:
     # C knows no empty array: a component without ports gets a row that no reference reaches.
     page.add(f"#define DSE_SLOT_COUNT {len(slots)}u", "static const struct dse_slot dse_slots[] = {")
     rows = slot_rows(slots)
-    counts = [prod(slot.shape) for slot in slots]
-    page.add(
-        *(
-            f"    DSE_SLOT({row.member}, DSE_{row.kind}, DSE_{row.settable}, {row.items}, {count}),"
-            for row, count in zip(rows, counts, strict=True)
-        )
-    )
-    page.add(*(() if slots else ("    {0, DSE_NO_TYPE, 0, 0, 0, 1},",)), "};")
+    page.add(*(f"    {_row(row, prod(slot.shape))}," for row, slot in zip(rows, slots, strict=True)))
+    page.add(*(() if slots else ("    {0, DSE_NO_TYPE, 0, 0, 0, 1, 0, 0},",)), "};")
     page.add(*(("#define DSE_HAS_ARRAYS",) if any(slot.shape for slot in slots) else ()))
     page.add("static const char *const dse_names[] = {")
     page.add(*(f'    "{slot.name}",' for slot in slots), *(() if slots else ('    "",',)), "};")
+
+
+def _row(row: Row, count: int) -> str:
+    if row.kind in (Kind.TEXT.name, Kind.BINARY.name):
+        return f"DSE_{row.kind}_SLOT({row.member}, DSE_{row.settable}, {count})"
+    return f"DSE_SLOT({row.member}, DSE_{row.kind}, DSE_{row.settable}, {row.items}, {count})"
+
+
+def _add_binaries(page: _Page, slots: tuple[Slot, ...]) -> None:
+    """The slots that are binaries, and a room for what they hold."""
+    if any(not slot.type.kind.is_number for slot in slots):
+        page.add("#define DSE_HAS_TEXTS")
+    found = [slot for slot in slots if slot.type.kind is Kind.BINARY]
+    if not found:
+        return
+    page.add(f"#define DSE_BINARIES {len(found)}u")
+    page.add(f"static const uint32_t dse_binaries[] = {{{', '.join(str(slot.reference) for slot in found)}}};")
+    rooms = (f"    char b{n}[sizeof(((dse_component *)0)->{slot.member}.data)];" for n, slot in enumerate(found))
+    page.add("struct dse_binary_room {", *rooms, "};")
+    places = ", ".join(f"offsetof(struct dse_binary_room, b{n})" for n in range(len(found)))
+    page.add(f"static const size_t dse_binary_places[] = {{{places}}};")
 
 
 def _settable(slot: Slot) -> str:

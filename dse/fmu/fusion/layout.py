@@ -11,6 +11,7 @@ from dse.fmu.fusion.sources import OwnSources
 from dse.fmu.slot_table import Row
 
 _MARK = b"dse struct layout"
+_NOT_FUSED = ("TEXT", "BINARY")
 
 
 @dataclass(frozen=True, slots=True)
@@ -68,7 +69,9 @@ def layout_unit(sources: OwnSources) -> str:
     mark = ", ".join(f"{byte}" for byte in _MARK)
     numbers = [f"offsetof(struct dse_instance, at.{member})" for member in ("now", "start", "is_changed")]
     for row in sources.rows:
-        if sources.is_model:
+        if row.kind in _NOT_FUSED:
+            numbers += ["0", "0"]
+        elif sources.is_model:
             numbers += [f"8u * {row.member}u", f"DSE_TYPE_OF_{row.kind}"]
         else:
             numbers += [f"offsetof(dse_component, {row.member})", f"DSE_TYPE_OF({row.member})"]
@@ -101,6 +104,7 @@ def read_layout(sources: OwnSources, made: bytes) -> InstanceLayout:
     places = []
     for index, row in enumerate(sources.rows):
         offset, c_type = number(3 + 2 * index), _C_TYPES[number(4 + 2 * index)]
+        c_type = CType("") if row.kind in _NOT_FUSED else c_type
         if c_type is None:
             raise LookupError(f"'{row.member}' is of no type that has a number")
         # What can be set while stepping waits in a model's *start* until its next step (value.h).

@@ -15,6 +15,7 @@ from dse.errors import DseError, Location, Problem, fail
 from dse.fmu.reading.declared_types import read_types
 from dse.fmu.reading.interfaces import choose_interface, read_experiment
 from dse.fmu.reading.model_structure import catalog, direct_dependencies, read_exchange, read_structure
+from dse.fmu.reading.osmp import binaries, dependencies
 from dse.fmu.reading.units import read_units
 from dse.fmu.reading.variables import Listed, read_variables
 from dse.formats import XmlElement, read_xml_file, shortened, shown
@@ -84,6 +85,7 @@ def read_description(folder: Path, name: str | None = None, *, interface: FmiInt
     _raise_some(problems, file)
     variables = catalog(listed, version)
     structure = direct_dependencies(listed) if version == 1 else read_structure(root, variables)
+    osmp = tuple(binaries(listed)) if version == 2 else ()
     exchange = None
     if offered.interface is FmiInterface.MODEL_EXCHANGE:
         needs = offered.needs_completed_step
@@ -93,13 +95,13 @@ def read_description(folder: Path, name: str | None = None, *, interface: FmiInt
         version=version,
         identifier=offered.identifier,
         token=token,
-        variables={v.name: v for v in (one.variable for one in listed if one is not None) if v.name not in doubled},
+        variables={v.name: v for v in (*(one.variable for one in listed if one), *osmp) if v.name not in doubled},
         capabilities=offered.capabilities,
         fixed_step=offered.fixed_step,
         interface=offered.interface,
         exchange=exchange,
-        depends=structure.depends,
-        initially_depends=structure.initially_depends,
+        depends=dependencies(osmp, structure.depends),
+        initially_depends=dependencies(osmp, structure.initially_depends),
         units=units,
         experiment=experiment,
         title=root.get("description") or root.get("modelName"),

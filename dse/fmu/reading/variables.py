@@ -136,6 +136,7 @@ def _listed(
         is_intermediate=element.flag("intermediateUpdate", problems),
         clocks=read_clocks(element, problems),
         timing=read_timing(element, subject, problems) if fmi_type == "Clock" else None,
+        media=" ".join(typed.get("mimeType").split()) if fmi_type == "Binary" else "",
     )
     if len(problems) == before and len(start) not in (0, 1, variable.size):
         of = f"{variable.size} elements" if shape else "a single one"

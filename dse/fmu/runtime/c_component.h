@@ -4,9 +4,19 @@
 #define DSE_C_COMPONENT_H
 
 #include "instance.h"
+#ifdef DSE_OSMP
+#include "c_component_osmp.h"
+#define DSE_TAKE_BINARIES(instance, function) dse_take_binaries(instance, function)
+#else
+#define DSE_TAKE_BINARIES(instance, function) true
+#endif
 
 static DSE_APART bool dse_refresh(struct dse_instance *instance, const char *function) {
     (void)function;
+    if (!DSE_TAKE_BINARIES(instance, function)) {
+        return false;
+    }
+    DSE_CHANGED(instance);
     memcpy(&instance->at.now, &instance->at.start, sizeof instance->at.now);
     dse_component_init(&instance->at.now);
     instance->at.is_stale = 0;
@@ -14,8 +24,8 @@ static DSE_APART bool dse_refresh(struct dse_instance *instance, const char *fun
 }
 
 static bool dse_exit_initialization(struct dse_instance *instance, const char *function) {
-    if (instance->at.is_stale) {
-        (void)dse_refresh(instance, function);
+    if (instance->at.is_stale && !dse_refresh(instance, function)) {
+        return false;
     }
     instance->at.state = DSE_STEPPING;
     return true;
@@ -26,9 +36,11 @@ static bool dse_exit_initialization(struct dse_instance *instance, const char *f
  * to spare, so that an importer whose clock drifts by rounding neither loses nor doubles one. */
 static inline bool dse_do_step(struct dse_instance *instance, const char *function, double time, double step) {
     struct dse_snapshot *at;
-    if (DSE_UNLIKELY(!dse_is_step_possible(instance, function, time, step))) {
+    if (DSE_UNLIKELY(!dse_is_step_possible(instance, function, time, step))
+        || !DSE_TAKE_BINARIES(instance, function)) {
         return false;
     }
+    DSE_CHANGED(instance);
     at = &instance->at;
 #ifdef DSE_PERIOD
     const double end = (time - at->start_time) + step - 1e-4 * DSE_PERIOD;

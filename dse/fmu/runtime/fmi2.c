@@ -1,6 +1,13 @@
 /* The functions of FMI 2.0 over one component: co-simulation, and of a model from Modelica model exchange too. */
 #include "fmi2_abi.h"
+#include "model.h"
+#ifdef DSE_BINARIES
+#define DSE_OSMP
+#endif
 #include "value.h"
+#ifdef DSE_HAS_TEXTS
+#include "c_component_texts.h"
+#endif
 
 /* Most functions that only refuse do not look at their arguments. */
 #pragma GCC diagnostic ignored "-Wunused-parameter"
@@ -127,13 +134,26 @@ DSE_EXPORT fmi2Status fmi2SetReal(
     return STATUS(dse_set_reals(c, DSE_HERE, references, count, values));
 }
 
+#ifdef DSE_OSMP
+#define GET_WHOLE(c, function, reference, kinds, value)                                                                \
+    (dse_is_osmp(reference, kinds) ? dse_get_osmp(c, function, reference, value)                                       \
+                                   : dse_get_whole(c, function, reference, kinds, INT_MIN, INT_MAX, value))
+#define SET_WHOLE(c, function, reference, kinds, value)                                                                \
+    (dse_is_osmp(reference, kinds) ? dse_set_osmp(c, function, reference, value)                                       \
+                                   : dse_set_whole(c, function, reference, kinds, value))
+#else
+#define GET_WHOLE(c, function, reference, kinds, value)                                                                \
+    dse_get_whole(c, function, reference, kinds, INT_MIN, INT_MAX, value)
+#define SET_WHOLE(c, function, reference, kinds, value) dse_set_whole(c, function, reference, kinds, value)
+#endif
+
 #define WHOLE(name, type, kinds)                                                                                       \
     DSE_EXPORT fmi2Status fmi2Get##name(                                                                               \
         fmi2Component c, const fmi2ValueReference references[], size_t count, type values[]) {                         \
         bool is_ok = dse_begin_get(c, DSE_HERE);                                                                       \
         for (size_t k = 0; is_ok && k < count; k++) {                                                                  \
             int64_t value = 0;                                                                                         \
-            is_ok = dse_get_whole(c, DSE_HERE, references[k], kinds, INT_MIN, INT_MAX, &value);                        \
+            is_ok = GET_WHOLE(c, DSE_HERE, references[k], kinds, &value);                                              \
             values[k] = (type)value;                                                                                   \
         }                                                                                                              \
         return STATUS(is_ok);                                                                                          \
@@ -142,7 +162,7 @@ DSE_EXPORT fmi2Status fmi2SetReal(
         fmi2Component c, const fmi2ValueReference references[], size_t count, const type values[]) {                   \
         bool is_ok = dse_begin_set(c, DSE_HERE);                                                                       \
         for (size_t k = 0; is_ok && k < count; k++) {                                                                  \
-            is_ok = dse_set_whole(c, DSE_HERE, references[k], kinds, values[k]);                                       \
+            is_ok = SET_WHOLE(c, DSE_HERE, references[k], kinds, values[k]);                                           \
         }                                                                                                              \
         return STATUS(is_ok);                                                                                          \
     }
@@ -150,6 +170,25 @@ DSE_EXPORT fmi2Status fmi2SetReal(
 WHOLE(Integer, fmi2Integer, DSE_INTEGER | DSE_ENUMERATION)
 WHOLE(Boolean, fmi2Boolean, DSE_BOOLEAN)
 
+#ifdef DSE_HAS_TEXTS
+DSE_EXPORT fmi2Status fmi2GetString(
+    fmi2Component c, const fmi2ValueReference references[], size_t count, fmi2String values[]) {
+    bool is_ok = dse_begin_get(c, DSE_HERE);
+    for (size_t k = 0; is_ok && k < count; k++) {
+        is_ok = dse_get_text(c, DSE_HERE, references[k], &values[k]);
+    }
+    return STATUS(is_ok);
+}
+
+DSE_EXPORT fmi2Status fmi2SetString(
+    fmi2Component c, const fmi2ValueReference references[], size_t count, const fmi2String values[]) {
+    bool is_ok = dse_begin_set(c, DSE_HERE);
+    for (size_t k = 0; is_ok && k < count; k++) {
+        is_ok = dse_set_text(c, DSE_HERE, references[k], values[k]);
+    }
+    return STATUS(is_ok);
+}
+#else
 DSE_EXPORT fmi2Status fmi2GetString(
     fmi2Component c, const fmi2ValueReference references[], size_t count, fmi2String values[]) {
     REFUSE(c, "there are no strings");
@@ -159,11 +198,17 @@ DSE_EXPORT fmi2Status fmi2SetString(
     fmi2Component c, const fmi2ValueReference references[], size_t count, const fmi2String values[]) {
     REFUSE(c, "there are no strings");
 }
+#endif
 
 /* Saved states */
 
 DSE_EXPORT fmi2Status fmi2GetFMUstate(fmi2Component c, fmi2FMUstate *state) {
     struct dse_instance *instance = c;
+#ifdef DSE_OSMP
+    if (instance && !dse_take_binaries(c, DSE_HERE)) {
+        return fmi2Error;
+    }
+#endif
     return STATUS(dse_is_allowed(c, DSE_HERE, DSE_ANY_STATE) && dse_keep(c, DSE_HERE, &instance->at, state));
 }
 

@@ -169,6 +169,42 @@ WHOLE(Int32, fmi3Int32, DSE_INTEGER, INT32_MIN, INT32_MAX)
 WHOLE(Int64, fmi3Int64, DSE_ENUMERATION, INT64_MIN, INT64_MAX)
 WHOLE(Boolean, fmi3Boolean, DSE_BOOLEAN, INT64_MIN, INT64_MAX)
 
+#ifdef DSE_HAS_TEXTS
+#include "c_component_texts.h"
+
+/* *action* for each value, called *reference* and counted by *at*. */
+#define EACH_TEXT(begin, action)                                                                                       \
+    bool is_ok = begin(c, DSE_HERE);                                                                                   \
+    size_t at = 0;                                                                                                     \
+    for (size_t k = 0; is_ok && k < count; k++) {                                                                      \
+        const uint32_t end = references[k] + DSE_COUNT(references[k]);                                                 \
+        for (uint32_t reference = references[k]; is_ok && reference != end; reference++, at++) {                       \
+            is_ok = action;                                                                                            \
+        }                                                                                                              \
+    }                                                                                                                  \
+    return STATUS(is_ok)
+
+DSE_EXPORT fmi3Status fmi3GetString(fmi3Instance c, const fmi3ValueReference references[], size_t count,
+    fmi3String values[], size_t value_count) {
+    EACH_TEXT(dse_begin_get, dse_get_text(c, DSE_HERE, reference, &values[at]));
+}
+
+DSE_EXPORT fmi3Status fmi3SetString(fmi3Instance c, const fmi3ValueReference references[], size_t count,
+    const fmi3String values[], size_t value_count) {
+    EACH_TEXT(dse_begin_set, dse_set_text(c, DSE_HERE, reference, values[at]));
+}
+
+DSE_EXPORT fmi3Status fmi3GetBinary(fmi3Instance c, const fmi3ValueReference references[], size_t count,
+    size_t sizes[], fmi3Binary values[], size_t value_count) {
+    EACH_TEXT(dse_begin_get, dse_get_bytes(c, DSE_HERE, reference, &values[at], &sizes[at]));
+}
+
+DSE_EXPORT fmi3Status fmi3SetBinary(fmi3Instance c, const fmi3ValueReference references[], size_t count,
+    const size_t sizes[], const fmi3Binary values[], size_t value_count) {
+    EACH_TEXT(dse_begin_set, dse_set_bytes(c, DSE_HERE, reference, values[at], sizes[at]));
+}
+#endif
+
 /* For accessors of types that no variable has: whoever asks for one is told what it is. */
 static bool has_none(struct dse_instance *instance, const char *function, const uint32_t references[], size_t count) {
     return dse_is_allowed(instance, function, DSE_ANY_STATE)

@@ -1,5 +1,5 @@
-/* FMI 3.0 asks every FMU to export every function. These are refused with a message: this FMU has no strings, no
- * clocks, no structural parameters, no scheduled execution; without a model from Modelica no events and no model
+/* FMI 3.0 asks every FMU to export every function. These are refused with a message: this FMU has no clocks, no
+ * strings that a component written in C does not have, no structural parameters, no scheduled execution; without a model from Modelica no events and no model
  * exchange either. Included by fmi3.c.
  */
 #ifdef DSE_MODEL
@@ -15,11 +15,13 @@ DSE_EXPORT fmi3Instance fmi3InstantiateScheduledExecution(fmi3String name, fmi3S
     return create(DSE_HERE, name, token, environment, logger, DSE_NO_SCHEDULE);
 }
 
+#ifndef DSE_HAS_TEXTS
 REFUSED(fmi3GetString, "there are no strings", REFERENCES, fmi3String values[], size_t value_count)
 REFUSED(fmi3SetString, "there are no strings", REFERENCES, const fmi3String values[], size_t value_count)
 REFUSED(fmi3GetBinary, "there are no binaries", REFERENCES, size_t sizes[], fmi3Binary values[], size_t value_count)
 REFUSED(fmi3SetBinary, "there are no binaries", REFERENCES, const size_t sizes[], const fmi3Binary values[],
     size_t value_count)
+#endif
 REFUSED(fmi3GetClock, "there are no clocks", REFERENCES, fmi3Clock values[])
 REFUSED(fmi3SetClock, "there are no clocks", REFERENCES, const fmi3Clock values[])
 REFUSED(fmi3GetIntervalDecimal, "there are no clocks", REFERENCES, fmi3Float64 intervals[],

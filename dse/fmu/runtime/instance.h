@@ -56,6 +56,18 @@ struct dse_snapshot {
     dse_component now;
 };
 
+#ifdef DSE_OSMP
+/* Binaries as FMI 2.0 can pass them, see c_component_osmp.h. Nothing of it belongs to a saved state. */
+struct dse_osmp {
+    int32_t told[DSE_BINARIES][3];
+    bool is_told[DSE_BINARIES];
+    bool is_shown;
+    unsigned char side;
+    size_t sizes[2][DSE_BINARIES];
+    struct dse_binary_room shown[2];
+};
+#endif
+
 struct dse_instance {
     struct dse_snapshot at;
     void (*tell)(struct dse_instance *instance, int is_warning, const char *message);
@@ -63,7 +75,17 @@ struct dse_instance {
     void *environment;
     char *name;
     bool is_exchange; /* the importer has the solver */
+#ifdef DSE_OSMP
+    struct dse_osmp osmp; /* last: what lies before it is the same without */
+#endif
 };
+
+/* To be called when outputs may have changed. */
+#ifdef DSE_OSMP
+#define DSE_CHANGED(instance) ((instance)->osmp.is_shown = false)
+#else
+#define DSE_CHANGED(instance) ((void)0)
+#endif
 
 static const char *dse_state_name(uint32_t state) {
     switch (state) {
@@ -102,6 +124,10 @@ static inline bool dse_is_allowed(struct dse_instance *instance, const char *fun
 
 static void dse_rewind(struct dse_instance *instance) {
     memset(&instance->at, 0, sizeof instance->at);
+#ifdef DSE_OSMP
+    memset(instance->osmp.is_told, 0, sizeof instance->osmp.is_told);
+#endif
+    DSE_CHANGED(instance);
     instance->at.state = DSE_INSTANTIATED;
 #ifdef DSE_MODEL
     memcpy(instance->at.start.v, dse_starts, DSE_VALUES * sizeof *dse_starts);
@@ -188,6 +214,7 @@ static bool dse_restore(struct dse_instance *instance, const char *function, con
         return dse_refuse(instance, function, "no saved state given");
     }
     memcpy(&instance->at, state, sizeof instance->at);
+    DSE_CHANGED(instance);
     return true;
 }
 

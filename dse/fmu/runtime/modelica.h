@@ -88,7 +88,7 @@ struct dse_clock {
 /* kind: REAL, INTEGER, BOOLEAN or ENUMERATION. role: INPUT, TUNABLE, FIXED (a parameter that is not tunable, or the
  * start of a state) or OUTPUT (whatever cannot be set). */
 #define DSE_VALUE(place, kind, role, items)                                                                            \
-    { 8u * (place), DSE_TYPE_OF_##kind, DSE_##kind, DSE_##role, items, 1 }
+    { 8u * (place), DSE_TYPE_OF_##kind, DSE_##kind, DSE_##role, items, 1, 0, 0 }
 #define DSE_TYPE_OF_REAL DSE_F64
 #define DSE_TYPE_OF_INTEGER DSE_WHOLE
 #define DSE_TYPE_OF_BOOLEAN DSE_WHOLE

@@ -28,7 +28,7 @@ enum {
 };
 
 /* What the variable is to the outside; the values are bits, so that an accessor can serve two kinds. */
-enum { DSE_REAL = 1, DSE_INTEGER = 2, DSE_BOOLEAN = 4, DSE_ENUMERATION = 8 };
+enum { DSE_REAL = 1, DSE_INTEGER = 2, DSE_BOOLEAN = 4, DSE_ENUMERATION = 8, DSE_TEXT = 16, DSE_BINARY = 32 };
 
 /* Where an instance stands in its life; the values are bits, so that a set of states is a number. */
 enum { DSE_INSTANTIATED = 1, DSE_INITIALIZING = 2, DSE_STEPPING = 4, DSE_TERMINATED = 8 };
@@ -49,6 +49,8 @@ struct dse_slot {
     uint8_t settable;
     int32_t items; /* of an enumeration: its values are 0 … items - 1 */
     uint32_t count; /* of the values of the array whose first value this is, for FMI 3.0; else 1 */
+    uint32_t capacity; /* bytes of a text, with the zero at its end, or of a binary, whose size_t lies at *size_at* */
+    uint32_t size_at;
 };
 
 /* The bounds are compile-time constants on every compiler; a plain char is signed on some machines only. */
@@ -108,6 +110,21 @@ struct dse_slot {
             __typeof__(&((dse_component *)0)->member[0])))
 
 #define DSE_SLOT(member, kind, settable, items, count)                                                                 \
-    { offsetof(dse_component, member), DSE_TYPE_OF(member), kind, settable, items, count }
+    { offsetof(dse_component, member), DSE_TYPE_OF(member), kind, settable, items, count, 0, 0 }
+
+/* A text is an array of char, a binary a struct of *data*, an array of uint8_t, and *size*, a size_t. */
+#define DSE_IS_ARRAY_OF(member, type)                                                                                  \
+    (__builtin_types_compatible_p(__typeof__(&((dse_component *)0)->member[0]), type *)                                \
+        && !__builtin_types_compatible_p(__typeof__(((dse_component *)0)->member), type *))
+#define DSE_IS_TEXT(member) DSE_IS_ARRAY_OF(member, char)
+#define DSE_IS_BINARY(member)                                                                                          \
+    (DSE_IS_ARRAY_OF(member.data, uint8_t)                                                                             \
+        && __builtin_types_compatible_p(__typeof__(((dse_component *)0)->member.size), size_t))
+#define DSE_TEXT_SLOT(member, settable, count)                                                                         \
+    { offsetof(dse_component, member), DSE_NO_TYPE, DSE_TEXT, settable, 0, count,                                      \
+        sizeof(((dse_component *)0)->member), 0 }
+#define DSE_BINARY_SLOT(member, settable, count)                                                                       \
+    { offsetof(dse_component, member.data), DSE_NO_TYPE, DSE_BINARY, settable, 0, count,                               \
+        sizeof(((dse_component *)0)->member.data), offsetof(dse_component, member.size) }
 
 #endif

@@ -38,6 +38,8 @@ static const char *dse_kind_name(int kinds) {
     return kinds & DSE_REAL      ? "real"
            : kinds & DSE_INTEGER ? "integer"
            : kinds & DSE_BOOLEAN ? "Boolean"
+           : kinds & DSE_TEXT    ? "string"
+           : kinds & DSE_BINARY  ? "binary"
                                  : "enumeration";
 }
 

@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 from dse.domain.component import Component, Interface, Value
+from dse.domain.labels import array_of
 from dse.errors import Location, Problem, raise_if_any
 from dse.fmu import open_fmu
 from dse.formats import shown, write_value
@@ -64,8 +65,11 @@ def import_component(
         texts[target / "interfaces.yaml"] = write_interfaces([component.interface])
     write_new(texts, {target / f"{own}.fmu": file})
     told = (*offered.told, *(f"ignored: {problem}" for problem in model.ignored))
-    starts = (_start(component, port, value) for port, value in offered.starts.items())
-    return ImportedComponent(component, path, has_own, tuple(starts), offered.left_out, told)
+    starts: dict[str, list[str]] = {}
+    for port, value in offered.starts.items():
+        starts.setdefault(array_of(port) or port, []).append(_start(component, port, value))
+    shown_starts = (f"{port}: {_together(values)}" for port, values in starts.items())
+    return ImportedComponent(component, path, has_own, tuple(shown_starts), offered.left_out, told)
 
 
 def name_of(file: Path) -> str:
@@ -77,7 +81,12 @@ def name_of(file: Path) -> str:
 def _start(component: Component, name: str, value: Value) -> str:
     port = component.interface.port(name)
     unit = port.type.unit if port is not None else DIMENSIONLESS
-    return f"{name}: {write_value(value, unit, None)} {unit}".rstrip()
+    return f"{write_value(value, unit, None)} {unit}".rstrip()
+
+
+def _together(values: list[str]) -> str:
+    """Those of an array in a list, or once if they are equal."""
+    return values[0] if len(set(values)) == 1 else f"[{', '.join(values)}]"
 
 
 def _interfaces(folder: Path) -> dict[str, Interface]:

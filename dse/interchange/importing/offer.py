@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
 
-from dse.domain.component import Causality, Component, Interface, Kind, Parameter, Port, Source, Type, Value
+from dse.domain.component import Causality, Component, Interface, Kind, Parameter, Port, Source, Type, Value, same_media
 from dse.domain.fmu import FmuModel, Variable
+from dse.domain.labels import array_of
+from dse.domain.outline import IrregularError, Outlined, outline
 from dse.errors import DseError
 from dse.expression import KEYWORDS
 from dse.formats import flag_of, real_of, whole_of
@@ -18,7 +20,7 @@ from dse.loading import is_identifier
 from dse.system import unit_of
 from dse.units import DIMENSIONLESS, LARGEST, LARGEST_WHOLE, Unit, UnitError, coherent, parse_unit
 
-MOST_VALUES = 64
+MOST_VALUES = 4096
 """Arrays with more values than that are left out."""
 
 _PARAMETERS = frozenset({"parameter", "structuralParameter"})
@@ -45,16 +47,18 @@ def offer(name: str, model: FmuModel, source: Source) -> Offer:
     Names that the language does not know are changed to near ones; the component's map has the FMU's. Ports are in
     coherent SI units, parameters in the FMU's own. Second names of one variable (aliases) are passed over.
     """
-    taken: set[str] = set()
-    names: dict[str, str] = {}
+    found: list[_Found] = []
     left_out: list[str] = []
     told: list[str] = []
     ports: list[Port] = []
     starts: dict[str, Value] = {}
     parameters: list[Parameter] = []
+    pointers = model.pointers
     for variable in model.variables.values():
         is_parameter = variable.causality in _PARAMETERS
         if variable.alias_of or not (is_parameter or variable.causality in ("input", "output")):
+            continue
+        if variable.name in pointers:
             continue
         try:
             unit = _unit(name, variable, model)
@@ -66,19 +70,20 @@ def offer(name: str, model: FmuModel, source: Source) -> Offer:
         if variable.items and type_.kind is Kind.INTEGER:
             items = ", ".join(f"{number} ({item})" for item, number in variable.items.items())
             told.append(f"{variable.name}: an int, as its items cannot be names: {items}")
-        for label, value in zip(variable.labels, values, strict=True):
-            own = numbered(_name(label), lambda free: _collides(free, taken))
-            taken.add(own)
-            if own != label:
-                names[own] = label
-            if is_parameter:
-                parameters.append(_parameter(own, variable, type_, unit, value))
-            else:
-                ports.append(Port(own, Causality(variable.causality), type_))
-                if variable.causality == "input":
-                    starts[own] = value
+        pairs = zip(variable.labels, values, strict=True)
+        found += (_Found(label, variable, type_, unit, value) for label, value in pairs)
+    own_names = _own_names(found)
+    for one in found:
+        own, causality = own_names[one.label], one.variable.causality
+        if causality in _PARAMETERS:
+            parameters.append(_parameter(own, one.variable, one.type, one.unit, one.value))
+        else:
+            ports.append(Port(own, Causality(causality), one.type))
+            if causality == "input":
+                starts[own] = one.value
     inputs_first = sorted(ports, key=lambda port: port.causality is Causality.OUTPUT)
     interface = Interface(name, tuple(inputs_first))
+    names = _map((own, label) for label, own in own_names.items())
     component = Component(name, interface, model.title, source, tuple(parameters), names=names)
     return Offer(component, starts, tuple(left_out), tuple(told))
 
@@ -95,9 +100,9 @@ def implementing(offered: Offer, interfaces: Iterable[Interface]) -> Offer:
     if not found:
         return offered
     interface, fit = min(found, key=lambda entry: (-len(entry[0].ports), entry[0].name))
-    names = {port: component.variable(own) for port, own in fit.items() if component.variable(own) != port}
     free = [parameter for parameter in component.parameters if interface.port(parameter.name) is None]
-    names |= {p.name: component.names[p.name] for p in free if p.name in component.names}
+    names = _map((port, component.variable(own)) for port, own in fit.items())
+    names |= _map((parameter.name, component.variable(parameter.name)) for parameter in free)
     known = {own: port for port, own in fit.items()}
     unused = [component.variable(port.name) for port in component.interface.ports if port.name not in known]
     hidden = [component.variable(parameter.name) for parameter in component.parameters if parameter not in free]
@@ -132,8 +137,10 @@ def _type(variable: Variable, unit: Unit, *, is_parameter: bool) -> Type:
     if variable.size > MOST_VALUES:
         raise _LeftOut(f"an array of {variable.size} values")
     if variable.kind is None:
-        if is_parameter and variable.fmi_type == "String" and not variable.shape:
+        if variable.fmi_type == "String" and not (is_parameter and variable.shape):
             return Type(Kind.TEXT)
+        if variable.fmi_type == "Binary" and not is_parameter:
+            return Type(Kind.BINARY, media=variable.media)
         raise _LeftOut(f"of type {variable.fmi_type}")
     if variable.kind is Kind.ENUMERATION:
         items = tuple(variable.items)
@@ -210,6 +217,69 @@ def _si(value: float, unit: Unit) -> Fraction:
     return Fraction(repr(value)) * unit.factor + unit.offset
 
 
+@dataclass(frozen=True, slots=True)
+class _Found:
+    """A value of the FMU that becomes a port or parameter."""
+
+    label: str
+    variable: Variable
+    type: Type
+    unit: Unit
+    value: Value
+
+    @property
+    def kind(self) -> str:
+        """What values of one array have in common."""
+        v = self.variable
+        told = (v.minimum, v.maximum, v.variability, v.description) if v.causality in _PARAMETERS else ()
+        return f"{v.causality} {self.type} {told}"
+
+
+def _own_names(found: Iterable[_Found]) -> dict[str, str]:
+    """What a component calls each value, by label: arrays stay arrays, if they are there whole and can be named."""
+    roots: dict[str, list[_Found]] = {}
+    for one in found:
+        roots.setdefault(one.label.partition("[")[0], []).append(one)
+    taken: set[str] = set()
+    names: dict[str, str] = {}
+    for root, several in roots.items():
+        labels = [one.label for one in several]
+        parts = {root: labels} if _is_array(root, several) else {label: [label] for label in labels}
+        for whole, members in parts.items():
+            own = numbered(_name(whole), lambda free: _collides(free, taken))
+            taken.add(own)
+            names |= {label: own + label.removeprefix(whole) for label in members}
+    return names
+
+
+def _is_array(root: str, found: Sequence[_Found]) -> bool:
+    """Whether these values, whose names begin with *root*, can be the array of that name."""
+    if len(found) < 2 and not found[0].variable.shape:
+        return False
+    try:
+        (whole,) = outline((f"x{one.label.removeprefix(root)}", one.kind) for one in found).values()
+    except IrregularError:
+        return False
+    is_port = found[0].variable.causality not in _PARAMETERS
+    return bool(whole.shape) and (is_port or not whole.members) and _can_be_named(whole)
+
+
+def _can_be_named(whole: Outlined) -> bool:
+    return all(is_identifier(n) and n not in KEYWORDS and _can_be_named(member) for n, member in whole.members)
+
+
+def _map(pairs: Iterable[tuple[str, str]]) -> dict[str, str]:
+    """The component's map of own names to labels: those of an array by the array's name."""
+    found: dict[str, str] = {}
+    for own, label in pairs:
+        array, other = array_of(own), array_of(label)
+        is_alike = array and other and own.removeprefix(array) == label.removeprefix(other)
+        mine, theirs = (array, other) if is_alike else (own, label)
+        if mine != theirs:
+            found[mine] = theirs
+    return found
+
+
 def _name(label: str) -> str:
     """*label* as a dotted path of names: what no name can hold becomes an underscore."""
     return ".".join(_step(step) for step in label.split("."))
@@ -248,7 +318,7 @@ def _fit(component: Component, interface: Interface) -> dict[str, str] | None:
 
 
 def _spelling(name: str) -> str:
-    return re.sub(r"[^a-z0-9]", "", name.lower())
+    return re.sub(r"[^a-z0-9\[\],]", "", name.lower())
 
 
 def _is_like(own: Port, wanted: Port) -> bool:
@@ -256,4 +326,6 @@ def _is_like(own: Port, wanted: Port) -> bool:
         return False
     if own.type.kind is Kind.ENUMERATION:
         return set(wanted.type.items) <= set(own.type.items)
+    if not same_media(own.type.media, wanted.type.media):
+        return False
     return own.type.kind is not Kind.REAL or own.type.unit.dimension == wanted.type.unit.dimension

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
@@ -111,16 +112,31 @@ def connect(parts: Parts) -> tuple[Connection, ...]:
             given, taken = f"{wire.source}.{wire.source_variable}", f"{wire.target}.{wire.target_variable}"
             what = f"{_text(wire)}: '{given if start is None else taken}' cannot be a port of a workspace"
             where = parts.where(wire.target, wire.target_variable)
-            problems.append(Problem(what, where, "ports are numbers, truth values and items of enumerations"))
+            problems.append(Problem(what, where, "clocks cannot be ports"))
         else:
             ends.append((wire, (parts.kinds[wire.source], start), (parts.kinds[wire.target], end)))
     raise_if_any(problems)
     _agree(parts.catalogue, [(start, end) for _, start, end in ends])
     raise_if_any(problem for wire, start, end in ends for problem in _misfits(parts, wire, start, end))
-    return tuple(
-        Connection(f"{parts.names[wire.source]}.{start}", f"{parts.names[wire.target]}.{end}")
-        for wire, (_, start), (_, end) in ends
-    )
+    return tuple(_together(parts, [(wire, start, end) for wire, (_, start), (_, end) in ends]))
+
+
+def _together(parts: Parts, ends: list[tuple[Wire, str, str]]) -> Iterator[Connection]:
+    """The connections, those between all values of two arrays (of structures, too) as one."""
+    groups: dict[tuple[str, str, str, str], list[tuple[str, str]]] = {}
+    for wire, start, end in ends:
+        roots = start.partition("[")[0], end.partition("[")[0]
+        is_alike = roots != (start, end) and start.removeprefix(roots[0]) == end.removeprefix(roots[1])
+        given, taken = roots if is_alike else (start, end)
+        groups.setdefault((wire.source, given, wire.target, taken), []).append((start, end))
+    for (source, given, target, taken), pairs in groups.items():
+        names = parts.names[source], parts.names[target]
+        sides = [parts.component(source).interface.group(given), parts.component(target).interface.group(taken)]
+        whole = [{port.name for port in side} for side in sides]
+        if len(pairs) > 1 and whole == [{start for start, _ in pairs}, {end for _, end in pairs}]:
+            yield Connection(f"{names[0]}.{given}", f"{names[1]}.{taken}")
+        else:
+            yield from (Connection(f"{names[0]}.{start}", f"{names[1]}.{end}") for start, end in pairs)
 
 
 def _agree(catalogue: Catalogue, ends: list[tuple[_PortOf, _PortOf]]) -> None:
@@ -154,8 +170,13 @@ def _unit(catalogue: Catalogue, end: _PortOf) -> str:
 
 def _retype(catalogue: Catalogue, end: _PortOf, type_: Type) -> None:
     component = catalogue.components[end[0]]
-    ports = tuple(Port(p.name, p.causality, type_) if p.name == end[1] else p for p in component.interface.ports)
+    alike = {port.name for port in component.interface.ports if _INDEX.sub("", port.name) == _INDEX.sub("", end[1])}
+    ports = tuple(Port(p.name, p.causality, type_) if p.name in alike else p for p in component.interface.ports)
     catalogue.components[end[0]] = replace(component, interface=replace(component.interface, ports=ports))
+
+
+_INDEX = re.compile(r"(?<=[\[,])\d+")
+"""Values of one array differ in these only; they have one type."""
 
 
 def _misfits(parts: Parts, wire: Wire, start: _PortOf, end: _PortOf) -> Iterator[Problem]:

@@ -47,7 +47,9 @@ def _loose(element: Element, component: Component) -> dict[str, float | str | by
     connected = {label for variable in element.inputs for label in variable.labels}
     inputs = [port for port in component.interface.ports if port.causality is Causality.INPUT]
     labels = [label for port in inputs if (label := component.variable(port.name)) not in connected]
-    return {label: starts(element.model.variable_of(label)).get(label, 0.0) for label in labels}
+    nothing: dict[str, float | str | bytes] = {"String": "", "Binary": b""}
+    variables = {label: element.model.variable_of(label) for label in labels}
+    return {label: starts(v).get(label, nothing.get(v.fmi_type, 0.0)) for label, v in variables.items()}
 
 
 def _outside(parts: Parts, component: Component, own: str, type_: Type, value: float | str | bytes) -> Value:

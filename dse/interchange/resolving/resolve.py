@@ -13,6 +13,7 @@ from dse.errors import DseError, Location, Problem, closest, fail, raise_if_any
 from dse.interchange.resolving.carry import ConversionError
 from dse.interchange.resolving.matching import connector_problems, interface_problems, of_fmu
 from dse.interchange.resolving.network import Endpoint, Models, Network, Way, network_of
+from dse.interchange.resolving.osmp import with_binaries
 from dse.interchange.resolving.routes import Route, carried, forms_along, label_of, routes_to
 from dse.interchange.resolving.signals import Signal, signals_of
 from dse.interchange.resolving.values import TYPED, Settled, assignments, named, settle
@@ -75,6 +76,7 @@ def system_of(
     elements = {names[way]: draft.element(names[way]) for way, draft in assembly.drafts.items()}
     order = along_the_flow(list(elements), assembly.wires)
     structure = SystemStructure(ssp.name, tuple(elements[name] for name in order), tuple(assembly.wires))
+    structure = with_binaries(structure)
     places = {
         f"{names[way]}.{label}": at for way, draft in assembly.drafts.items() for label, at in draft.places.items()
     }

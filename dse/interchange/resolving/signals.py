@@ -43,9 +43,12 @@ def signals_of(network: Network, record: Sequence[str], problems: list[Problem])
 
 
 def _inner(network: Network) -> Iterator[Signal]:
+    pointers = {way: model.pointers for way, model in network.models.items()}
     for node, connector in network.connectors.items():
         variable = network.variable(node)
-        if variable is not None and connector.gives and connector.kind != "constant":
+        if variable is None or variable.name in pointers[node.way]:
+            continue
+        if connector.gives and connector.kind != "constant":
             yield from _of_variable(network, node, variable, variable.labels)
 
 

@@ -12,6 +12,7 @@ from dse.errors import fail
 from dse.formats import pack_zip
 from dse.interchange.names import each_named, numbered
 from dse.interchange.reading.common import OWN_ANNOTATION, SSC, SSD, SSV
+from dse.interchange.resolving.osmp import without_binaries
 from dse.interchange.structure import ExperimentSettings
 from dse.interchange.writing.connections import add_connection
 from dse.interchange.writing.type_definitions import Definitions, add_connector, needs_version_2
@@ -29,6 +30,7 @@ def write_ssp(target: Path, name: str, system: SystemStructure, experiment: Expe
     written that differ from the FMU's own. Raises DseError if *target* or an FMU cannot be read or written, or for what
     SSP cannot say.
     """
+    system = without_binaries(system)
     archives = _archives(system)
     contents: dict[str, bytes] = {}
     for element in system.elements:
