@@ -74,13 +74,14 @@ def same_signal(source: Type, target: Type) -> str:
 
 def same_media(one: str, other: str) -> bool:
     """Whether two media types (RFC 2045) do not contradict each other; what only one of them says is free."""
-    if not one or not other or _OCTETS in (one, other):
+    if not one or not other or OCTETS in (one, other):
         return True
     (first, mine), (second, theirs) = (_media(text) for text in (one, other))
     return first == second and all(theirs.get(name, value) == value for name, value in mine.items())
 
 
-_OCTETS = "application/octet-stream"
+OCTETS = "application/octet-stream"
+"""The media type that says nothing."""
 
 
 def _media(text: str) -> tuple[str, dict[str, str]]:

@@ -41,20 +41,23 @@ def array_of(label: str) -> str:
 
 
 def shapes(labels: Iterable[str]) -> dict[str, Shape]:
-    """The shape of every array among *labels*, and of what stands alone, by name; of inner ones ``objects[].pose``."""
+    """The shape of every array among *labels*, and of groups and single values, by name; inner ones ``objects[].pose``.
+
+    The name of what all labels are parts of is "".
+    """
     found: dict[str, Shape] = {}
     for label in labels:
         name = ""
-        pieces = _INDICES.split(label)
-        for text, written in zip(pieces[::2], pieces[1::2], strict=False):
+        for text, written in _PIECES.findall(label):
             name += text
-            indices = tuple(map(int, written.split(",")))
+            shape = tuple(map(int, written.split(","))) if written else ()
             known = found.get(name, ())
-            found[name] = tuple(map(max, indices, known)) if len(known) == len(indices) else indices
-            name += "[]"
-        if pieces[-1] or len(pieces) == 1:
-            found.setdefault(name + pieces[-1], ())
+            found[name] = tuple(map(max, shape, known)) if len(known) == len(shape) else max(known, shape, key=len)
+            name += "[]" if shape else ""
     return found
+
+
+_PIECES = re.compile(r"((?:^|\.)[^.\[]*)(?:\[(\d+(?:,\d+)*)\])?", re.ASCII)
 
 
 def c_member(label: str) -> str:

@@ -52,6 +52,11 @@ VARIABLES = {
         **dict.fromkeys(("bytes", "taken"), ("Binary", "Binary")),
         "events": WHOLE,
     },
+    "osmp": {
+        **dict.fromkeys(("mode", "size"), REAL),
+        **dict.fromkeys(("in.base.lo", "in.base.hi", "in.size", "out.base.lo", "out.base.hi", "out.size"), WHOLE),
+        "y": REAL,
+    },
     "faulty": {"mode": WHOLE, "at": REAL, "y": REAL, "n": ("Integer", "Int64"), "u": REAL},
 }
 INPUTS = {"speaker": {"given", "taken"}, "stepper": {"u"}, "eventful": {"u", "d"}}

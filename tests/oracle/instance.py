@@ -234,13 +234,19 @@ class Instance(Handle):
         if kind is AccessorType.BINARY:
             types = (POINTER(c_uint32), c_size_t, c_void_p, c_void_p, c_size_t)
             self.call(name, time, types, (c_uint32 * 1)(variable.reference), 1, byref(sizes), byref(pointers), n)
+        elif kind is AccessorType.OSMP:
+            told = (c_int32 * 3)()
+            name = "fmi2GetInteger"
+            self.call(name, time, _OSMP, (c_uint32 * 3)(*variable.references), 3, told)
+            lower, upper, size = (number % 2**32 for number in told)
+            pointers[0], sizes[0] = upper << 32 | lower, size
         else:
             self._access(Call.GET + AccessorType.STRING, variable, pointers, time)
         found = []
         for label, pointer, size in zip(variable.labels, pointers, sizes, strict=True):
             if pointer is None and (kind is AccessorType.STRING or size):
                 raise self.failure(name, time, of_value(StopReason.NO_TEXT, f"{self.name}.{label}", time))
-            text = b"" if pointer is None else _bytes_at(pointer, size if kind is AccessorType.BINARY else None)
+            text = b"" if pointer is None else _bytes_at(pointer, None if kind is AccessorType.STRING else size)
             if text is None:
                 raise self.failure(name, time, of_value(StopReason.LONG_TEXT, f"{self.name}.{label}", time))
             found.append(text)
@@ -255,6 +261,13 @@ class Instance(Handle):
             sizes = (c_size_t * n)(*map(len, texts))
             reference = (c_uint32 * 1)(variable.reference)
             self.call(self.accessor("Set", variable), time, types, reference, 1, byref(sizes), byref(values), n)
+        elif variable.integers:
+            # Whatever was given stays where it is, so that nobody can find it gone.
+            (text,) = texts
+            self._given = [*getattr(self, "_given", []), ctypes.create_string_buffer(text, len(text) + 1)]
+            at = ctypes.addressof(self._given[-1]) if text else 0
+            told = (c_int32 * 3)(*(ctypes.c_int32(part).value for part in (at, at >> 32, len(text))))
+            self.call("fmi2SetInteger", time, _OSMP, (c_uint32 * 3)(*variable.references), 3, told)
         else:
             self._access(Call.SET + AccessorType.STRING, variable, values, time)
 
@@ -272,9 +285,14 @@ class Instance(Handle):
         return kind
 
 
+_OSMP = (POINTER(c_uint32), c_size_t, c_void_p)
+
+
 def _bytes_at(pointer: int, size: int | None) -> bytes | None:
     """The *size* bytes there, or those up to a zero; None if they are too many."""
-    text = ctypes.string_at(pointer) if size is None else ctypes.string_at(pointer, min(size, LONGEST_TEXT + 1))
+    if size is not None and size > LONGEST_TEXT:
+        return None
+    text = ctypes.string_at(pointer) if size is None else ctypes.string_at(pointer, size)
     return None if len(text) > LONGEST_TEXT else text
 
 

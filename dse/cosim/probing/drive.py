@@ -91,14 +91,15 @@ def drive_of(model: FmuModel) -> Drive:
 
 
 def driven(model: FmuModel) -> tuple[Variable, ...]:
-    """The inputs that take numbers, but for those that take them while a clock ticks: here none does."""
-    variables = model.variables.values()
-    return tuple(v for v in variables if v.causality == "input" and v.kind is not None and not v.is_clocked)
+    """The inputs that take numbers, but for addresses, and what is taken while a clock ticks: here none does."""
+    inputs = (v for v in model.variables.values() if v.causality == "input" and v.kind is not None)
+    return tuple(v for v in inputs if not v.is_clocked and v.name not in model.pointers)
 
 
 def watched(model: FmuModel) -> tuple[Variable, ...]:
-    """The outputs that are compared: all but clocks and what belongs to them."""
-    return tuple(v for v in model.variables.values() if v.causality == "output" and not (v.timing or v.is_clocked))
+    """The outputs that are compared: all but clocks and what belongs to them; of binaries what they hold."""
+    outputs = (v for v in model.variables.values() if v.causality == "output" and v.name not in model.pointers)
+    return tuple(v for v in outputs if not (v.timing or v.is_clocked))
 
 
 def start_of(variable: Variable, index: int = 0) -> float:

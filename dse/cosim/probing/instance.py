@@ -75,15 +75,21 @@ class FmuInstance:
     def texts(self, variable: Variable, time: float | None) -> list[bytes]:
         """The strings (encoded in UTF-8) or binaries of *variable*."""
         pointers, sizes = (c_void_p * variable.size)(), (c_size_t * variable.size)()
-        is_binary = self._type(variable) is AccessorType.BINARY
-        self._access(Call.GET, variable, pointers, time, sizes if is_binary else None)
+        is_binary = self._type(variable).is_binary
+        if variable.integers:
+            told = (c_int32 * len(variable.integers))()
+            self._access(Call.GET, variable, told, time)
+            lower, upper, size = (number % 2**32 for number in told)
+            pointers[0], sizes[0] = upper << 32 | lower, size
+        else:
+            self._access(Call.GET, variable, pointers, time, sizes if is_binary else None)
         found = []
         for label, pointer, size in zip(variable.labels, pointers, sizes, strict=True):
             if pointer is None and (size or not is_binary):
                 raise self._bad_value(StopReason.NO_TEXT, Call.GET, variable, label, time)
-            length = min(size, LONGEST_TEXT + 1) if is_binary else -1
-            text = b"" if pointer is None else ctypes.string_at(pointer, length)
-            if len(text) > LONGEST_TEXT:
+            is_long = is_binary and size > LONGEST_TEXT
+            text = b"" if pointer is None or is_long else ctypes.string_at(pointer, size if is_binary else -1)
+            if is_long or len(text) > LONGEST_TEXT:
                 raise self._bad_value(StopReason.LONG_TEXT, Call.GET, variable, label, time)
             found.append(text)
         return found
@@ -113,7 +119,8 @@ class FmuInstance:
         # FMI 1 and 2 are not told how many values.
         counted = (c_size_t(len(room)),) if self.model.version == 3 else ()
         before = () if sizes is None else (byref(sizes),)
-        arguments = (byref(c_uint32(variable.reference)), c_size_t(1), *before, byref(room), *counted)
+        references = (c_uint32 * len(variable.references))(*variable.references)
+        arguments = (byref(references), c_size_t(len(references)), *before, byref(room), *counted)
         self.call(verb + self._type(variable), time, *arguments)
 
     def _type(self, variable: Variable) -> AccessorType:

@@ -119,12 +119,13 @@ def _demand_arrays(page: _Page, slots: Sequence[Slot]) -> None:
     for piece, places in zip(pieces, zip(*indices, strict=True), strict=False):
         whole += piece
         size = max(map(int, places)) + 1
-        page.demand(
-            slots[0].member,
-            f'_Static_assert(DSE_IS_ARRAY({whole}, {size}), "");',
-            f"struct {page.struct} has no array '{whole}' of {size}",
-            f"declare it in {page.header.name}, with [{size}]",
-        )
+        for condition in (f"sizeof(((dse_component *)0)->{whole}[0]) > 0", f"DSE_IS_ARRAY({whole}, {size})"):
+            page.demand(
+                slots[0].member,
+                f'_Static_assert({condition}, "");',
+                f"struct {page.struct} has no array '{whole}' of {size}",
+                f"declare it in {page.header.name}, with [{size}]",
+            )
         whole += "[0]"
 
 
@@ -139,12 +140,17 @@ def _demand_member(page: _Page, slots: Sequence[Slot]) -> None:
         f"struct {page.struct} has no member '{slot.member}' for {slot.source}",
         f"declare it in {page.header.name}, as {simple}",
     )
-    page.demand(
-        slot.member,
-        f'_Static_assert(DSE_IS_{slot.type.kind.name}({slot.member}), "");',
-        f"struct {page.struct}: '{slot.member}' is not {accepted}, as {slot.source} ({slot.type.kind}) needs",
-        f"declare it as {simple}",
-    )
+    conditions = [f"DSE_IS_{slot.type.kind.name}({slot.member})"]
+    if slot.type.kind is Kind.BINARY:
+        parts = (f"sizeof(((dse_component *)0)->{slot.member}.{part})" for part in ("size", "data[0]"))
+        conditions.insert(0, " + ".join(parts))
+    for condition in conditions:
+        page.demand(
+            slot.member,
+            f'_Static_assert({condition}, "");',
+            f"struct {page.struct}: '{slot.member}' is not {accepted}, as {slot.source} ({slot.type.kind}) needs",
+            f"declare it as {simple}",
+        )
     for number in sorted({number for one in slots for number in _extremes(one)}):
         page.demand(
             slot.member,

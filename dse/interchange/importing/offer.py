@@ -8,7 +8,19 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
 
-from dse.domain.component import Causality, Component, Interface, Kind, Parameter, Port, Source, Type, Value, same_media
+from dse.domain.component import (
+    OCTETS,
+    Causality,
+    Component,
+    Interface,
+    Kind,
+    Parameter,
+    Port,
+    Source,
+    Type,
+    Value,
+    same_media,
+)
 from dse.domain.fmu import FmuModel, Variable
 from dse.domain.labels import array_of
 from dse.domain.outline import IrregularError, Outlined, outline
@@ -140,7 +152,7 @@ def _type(variable: Variable, unit: Unit, *, is_parameter: bool) -> Type:
         if variable.fmi_type == "String" and not (is_parameter and variable.shape):
             return Type(Kind.TEXT)
         if variable.fmi_type == "Binary" and not is_parameter:
-            return Type(Kind.BINARY, media=variable.media)
+            return Type(Kind.BINARY, media="" if variable.media == OCTETS else variable.media)
         raise _LeftOut(f"of type {variable.fmi_type}")
     if variable.kind is Kind.ENUMERATION:
         items = tuple(variable.items)
