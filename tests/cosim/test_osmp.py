@@ -1,4 +1,4 @@
-"""Binaries of FMI 2 (OSMP): copied by the master between FMUs of any version, and never followed where that is unsafe."""
+"""Binaries of FMI 2 (OSMP): copied by the master between FMUs of any version, and not followed to nowhere."""
 
 from __future__ import annotations
 

@@ -48,7 +48,9 @@ SOURCE = c_part(
     """,
     head=head(300),
 )
-MODEL = c_part("model", "struct { bytes view; } in; struct { bytes data; } out;", "s->out.data = s->in.view;", head=head(512))
+MODEL = c_part(
+    "model", "struct { bytes view; } in; struct { bytes data; } out;", "s->out.data = s->in.view;", head=head(512)
+)
 SINK = c_part(
     "sink",
     "struct { bytes view; char name[40]; } in; struct { int32_t size, sum, letters; } out;",
@@ -85,7 +87,9 @@ def test_every_byte_arrives_through_a_part_between(root: Path, version: int) -> 
 
 
 @pytest.mark.parametrize(("built", "bench_version"), [(2, 2), (2, 3), (3, 2), (3, 3)])
-def test_a_sensor_model_of_others_takes_the_place_of_ours_by_one_line(root: Path, built: int, bench_version: int) -> None:
+def test_a_sensor_model_of_others_takes_the_place_of_ours_by_one_line(
+    root: Path, built: int, bench_version: int
+) -> None:
     before = columns(root)
     archive = build(Workspace(root).component("model"), version=built)
     shutil.rmtree(root / "components/model")
@@ -127,7 +131,9 @@ def test_a_binary_that_is_too_large_for_its_part_ends_the_run_by_name(root: Path
 @pytest.mark.parametrize("version", [2, 3])
 def test_what_a_part_says_it_has_beyond_its_room_is_not_read(root: Path, version: int) -> None:
     code = root / "components/source/source.c"
-    text = code.read_text(encoding="utf-8").replace("s->k * 37 % 300);", "s->k * 37 % 300); if (s->k == 3) s->out.view.size = 301;")
+    text = code.read_text(encoding="utf-8").replace(
+        "s->k * 37 % 300);", "s->k * 37 % 300); if (s->k == 3) s->out.view.size = 301;"
+    )
     code.write_text(text.replace("i < s->out.view.size", "i < s->out.view.size && i < 300"), encoding="utf-8")
     made = run(root, version=version)
     assert made.outcome is Outcome.FAILED
@@ -166,14 +172,19 @@ def told(root: Path) -> str:
 
 
 def test_binaries_that_hold_different_things_are_not_connected(root: Path) -> None:
-    text = INTERFACES.replace('inputs: {view: "binary[application/x-open-simulation-interface; type=SensorView]"}', 'inputs: {view: "binary[application/x-open-simulation-interface; type=GroundTruth]"}')
+    text = INTERFACES.replace(
+        'inputs: {view: "binary[application/x-open-simulation-interface; type=SensorView]"}',
+        'inputs: {view: "binary[application/x-open-simulation-interface; type=GroundTruth]"}',
+    )
     assert text != INTERFACES
     write(root, {"components/interfaces.yaml": text})
     assert "source.view -> model.view: the binaries differ in what they hold" in told(root)
 
 
 def test_a_media_type_without_parameters_fits_one_with_them(root: Path) -> None:
-    text = INTERFACES.replace("outputs: {data: binary}", 'outputs: {data: "binary[application/x-open-simulation-interface]"}')
+    text = INTERFACES.replace(
+        "outputs: {data: binary}", 'outputs: {data: "binary[application/x-open-simulation-interface]"}'
+    )
     text = text.replace("sink: {inputs: {view: binary", f'sink: {{inputs: {{view: "{MEDIA}"')
     write(root, {"components/interfaces.yaml": text})
     assert told(root) == ""

@@ -12,6 +12,7 @@ from command_line import run_dse
 from reference_fmus import MODELS, build
 
 from dse.domain.component import Causality, Kind
+from dse.domain.labels import array_of
 from dse.errors import DseError
 from dse.interchange.importing.component import import_component, name_of
 from dse.loading.workspace import Workspace
@@ -48,16 +49,20 @@ def test_the_component_reads_back_as_it_was_offered(tmp_path):
     assert read.title == imported.component.title
 
 
-def test_what_no_port_can_carry_is_told(tmp_path):
+def test_strings_and_binaries_are_ports(tmp_path):
     imported = import_component(build("Feedthrough", 3, "CoSimulation", tmp_path), tmp_path / "w")
-    assert "Binary_input: of type Binary" in imported.left_out
-    assert "String_output: of type String" in imported.left_out
+    assert imported.left_out == ()
+    types = {port.name: str(port.type) for port in imported.component.interface.ports}
+    assert (types["Binary_input"], types["String_output"]) == ("binary", "string")
     assert [p.name for p in imported.component.parameters if p.type.kind is Kind.TEXT] == ["text_parameter"]
 
 
-def test_values_of_arrays_are_ports_of_their_own(tmp_path):
+def test_arrays_are_arrays_of_ports(tmp_path):
     imported = import_component(build("Feedthrough", 3, "CoSimulation", tmp_path), tmp_path / "w")
-    assert imported.component.names["Float64_array_input_2_3"] == "Float64_array_input[2,3]"
+    assert "Float64_array_input[2,3]" in {port.name for port in imported.component.interface.ports}
+    assert "Float64_array_input" not in imported.component.names
+    written = (imported.path.parent / "interfaces.yaml").read_text(encoding="utf-8")
+    assert 'Float64_array_input: "1[' in written
 
 
 def test_a_second_fmu_with_the_same_ports_implements_the_same_interface(tmp_path):
@@ -89,7 +94,8 @@ def test_an_interface_without_inputs_of_the_fmu_is_not_taken(tmp_path):
     inputs = [p.name for p in imported.component.interface.ports if p.causality is Causality.INPUT]
     assert "Float64_continuous_input" in inputs
     assert not set(inputs) & {p.name for p in imported.component.parameters}
-    assert [start.partition(":")[0] for start in imported.starts] == inputs
+    wholes = dict.fromkeys(array_of(name) or name for name in inputs)
+    assert [start.partition(":")[0] for start in imported.starts] == list(wholes)
 
 
 def test_nothing_is_overwritten(tmp_path):

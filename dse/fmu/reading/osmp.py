@@ -14,17 +14,18 @@ from dse.formats import XmlElement
 
 _ROLES = ("base.lo", "base.hi", "size")
 _TOOL = "net.pmsf.osmp"
+_CAUSALITIES = ("input", "output", "parameter", "calculatedParameter")
 
 
 def binaries(listed: Sequence[Listed | None]) -> Iterator[Variable]:
-    """The binaries that integers among the inputs and outputs of FMI 2 stand for.
+    """The binaries that integers of FMI 2 stand for: inputs, outputs and parameters.
 
     They are told by OSMP's annotations, else by the three names.
     """
     found: dict[str, dict[str, Variable]] = {}
     media: dict[str, str] = {}
     for one in listed:
-        if one is None or one.variable.fmi_type != "Integer" or one.variable.causality not in ("input", "output"):
+        if one is None or one.variable.fmi_type != "Integer" or one.variable.causality not in _CAUSALITIES:
             continue
         for name, role, told in (*_annotated(one.element), *_named(one.variable.name)):
             found.setdefault(name, {}).setdefault(role, one.variable)
