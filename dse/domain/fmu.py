@@ -224,6 +224,12 @@ class FmuModel:
     title: str = ""
     prefix: str = ""
     ignored: tuple[Problem, ...] = field(default=(), compare=False)
+    pointers: frozenset[str] = field(default=frozenset(), init=False, compare=False)
+    """The integers that are parts of binaries: addresses, which mean nothing to anybody else."""
+
+    def __post_init__(self) -> None:
+        names = frozenset(name for variable in self.variables.values() for name, _ in variable.integers)
+        object.__setattr__(self, "pointers", names)
 
     @property
     def ticks(self) -> bool:
@@ -240,11 +246,6 @@ class FmuModel:
                 for clock in self.variables.values()
             )
         )
-
-    @property
-    def pointers(self) -> frozenset[str]:
-        """The integers that are parts of binaries: addresses, which mean nothing to anybody else."""
-        return frozenset(name for variable in self.variables.values() for name, _ in variable.integers)
 
     def variable_of(self, label: str) -> Variable:
         """The variable called *label*, or the array one of whose values is (``name[2]``); KeyError if there is none."""
