@@ -126,7 +126,9 @@ def _element(element: Element) -> dict[str, Any]:
 
 def _told(text: str | bytes) -> object:
     """What a text tells an FMU: of a file its content, wherever it lies."""
-    if isinstance(text, bytes) or not Path(text).is_absolute():
+    if isinstance(text, bytes):
+        return ("bytes", text.hex())
+    if not Path(text).is_absolute():
         return text
     try:
         return ("file", sha256(Path(text).read_bytes()).hexdigest())

@@ -98,7 +98,8 @@ def _configuration(prepared: PreparedBench, space: DesignSpace) -> DefinedConfig
 def _inside(element: Element) -> Json:
     """Texts an element is given, and how its numbers are converted."""
     conversions = {name: asdict(conversion) for name, conversion in sorted(element.conversions.items())}
-    return _plain({"texts": dict(sorted(element.texts.items())), "conversions": conversions})
+    texts = {name: text.hex() if isinstance(text, bytes) else text for name, text in sorted(element.texts.items())}
+    return _plain({"texts": texts, "conversions": conversions})
 
 
 def _plain(data: object) -> Json:

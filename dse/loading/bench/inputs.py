@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -79,9 +80,9 @@ def read_inputs(
         return FedInputs()
     source = TimeSeriesSource(tuple(series), read_positive(bench["simulation"]["stop"], stop, "s", Problems()))
     interface = Interface(_NAME, tuple(ports), entries.key)
-    # Parts may be called as words of C.
+    # Parts may be called as words of C, and a single value of an array is no array.
     dotted = [*(port.name for port in ports), *(parameter.name for parameter in parameters)]
-    names = {name: name.replace(".", "_") for name in dotted if not all(map(is_identifier, name.split(".")))}
+    names = {name: re.sub(r"\W+", "_", name) for name in dotted if not all(map(is_identifier, name.split(".")))}
     component = Component(_NAME, interface, "Time series", source, tuple(parameters), names=names, where=entries.key)
     if kind := kind_of(component):
         with problems:
@@ -114,6 +115,8 @@ def _type(name: str, taken: Mapping[str, Mapping[str, Sequence[Port]]], where: L
     first, *others = ports[split[1]]
     if first.causality is not Causality.INPUT:
         raise fail(f"'{name}' is an output", where, closest(split[1], known))
+    if not first.type.kind.is_number:
+        raise fail(f"'{name}' is a {first.type.kind}: columns of files hold numbers", where, "connect it instead")
     for other in others:
         if difference := same_signal(first.type, other.type):
             raise fail(f"'{name}' is not the same in all alternatives: {difference}", where)
