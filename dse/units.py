@@ -29,6 +29,7 @@ EUR = [currency]
 operation = [operation] = op
 TOPS = 1e12 * operation / second
 GOPS = 1e9 * operation / second
+@alias ohm = Ohm
 """
 
 _MISREAD = {"Nm": "N.m", "kNm": "kN.m", "Ws": "W.s", "Wh/km": "W.h/km", "kg*m/s2": "kg.m/s2"}
@@ -184,10 +185,10 @@ _OTHER_SYMBOLS = {"currency": "EUR", "operation": "op"}
 def parse_unit(text: str) -> Unit:
     """Read a unit as FMI, Modelica or people write it: ``m/s2``, ``N.m``, ``km/h``, ``%``, ``EUR``.
 
-    The empty string and ``1`` are the plain number. Raises UnitError.
+    The empty string, ``1`` and ``-`` are the plain number. Raises UnitError.
     """
     text = text.strip()
-    if text in ("", "1"):
+    if text in ("", "1", "-"):
         return DIMENSIONLESS
     if _TOO_LARGE.search(text) or len(_GROUP_POWER.findall(text)) > 1:
         raise UnitError(f"unknown unit '{text}'")

@@ -96,7 +96,9 @@ def passed_over(archive: Path, where: Location) -> tuple[Problem, ...]:
     with zipfile.ZipFile(archive) as opened:
         entries = opened.infolist()
     told = [reason for _, reason in _left_out(entries)]
-    told += [_reserved(entry.filename) for entry in entries if _is_reserved(entry.filename)]
+    told += [_reserved(_name(entry)) for entry in entries if _is_reserved(_name(entry))]
+    odd = [entry.orig_filename for entry in entries if "\\" in entry.orig_filename]
+    told += [f"paths are written with backslashes, as '{name}'" for name in odd[:1]]
     return tuple(Problem(reason, where) for reason in dict.fromkeys(told))
 
 
@@ -104,7 +106,7 @@ def _left_out(entries: list[zipfile.ZipInfo]) -> Iterator[tuple[zipfile.ZipInfo,
     """Entries that nothing needs, each with the reason; ``extra/`` is for other programs."""
     files: set[str] = set()
     for entry in entries:
-        name = entry.orig_filename
+        name = _name(entry)
         key = str(PurePosixPath(name)).casefold()
         if name == "./":
             yield entry, "the entry './' is no file"
@@ -112,6 +114,11 @@ def _left_out(entries: list[zipfile.ZipInfo]) -> Iterator[tuple[zipfile.ZipInfo,
             yield entry, f"the path '{name}' is there twice, the first is taken"
         elif not name.endswith("/"):
             files.add(key)
+
+
+def _name(entry: zipfile.ZipInfo) -> str:
+    """The path as a zip file has to spell it; some programs on Windows write backslashes."""
+    return entry.orig_filename.replace("\\", "/")
 
 
 def _is_reserved(name: str) -> bool:
@@ -132,10 +139,10 @@ def _dangers(entries: list[zipfile.ZipInfo], what: str) -> Iterator[str]:
     files: set[str] = set()
     folders: set[str] = set()
     for entry in entries:
-        name = entry.orig_filename
+        name = _name(entry)
         path, is_folder = PurePosixPath(name), name.endswith("/")  # not `is_dir`, which fails where there is no name
         key, parents = str(path).casefold(), {str(parent).casefold() for parent in path.parents} - {"."}
-        if "\\" in name or "\0" in name:
+        if "\0" in name:
             yield f"the path {name!r} holds a character that is not portable"
         elif name.startswith("/") or re.match(r"[A-Za-z]:", name):
             yield f"the path '{name}' is absolute"
@@ -162,8 +169,8 @@ def _dangers(entries: list[zipfile.ZipInfo], what: str) -> Iterator[str]:
 
 
 def _extract(opened: zipfile.ZipFile, entry: zipfile.ZipInfo, folder: Path, where: Location) -> None:
-    target = folder.joinpath(*PurePosixPath(entry.filename).parts)
-    if entry.is_dir():
+    target = folder.joinpath(*PurePosixPath(_name(entry)).parts)
+    if _name(entry).endswith("/"):
         target.mkdir(parents=True, exist_ok=True)
         return
     target.parent.mkdir(parents=True, exist_ok=True)

@@ -150,7 +150,9 @@ def test_a_damaged_entry_is_told(workshop, cache, refused, tmp_path):
         ("/var/evil.txt", "is absolute"),
         ("C:/evil.txt", "is absolute"),
         ("c:evil.txt", "is absolute"),
-        ("resources\\..\\..\\evil.txt", "a character that is not portable"),
+        ("resources\\..\\..\\evil.txt", "leads out of the FMU"),
+        ("\\evil.txt", "is absolute"),
+        ("C:\\evil.txt", "is absolute"),
     ],
 )
 def test_a_path_that_leads_out_is_refused_and_nothing_is_written(maker, refused, tmp_path, name, reason):
@@ -159,6 +161,13 @@ def test_a_path_that_leads_out_is_refused_and_nothing_is_written(maker, refused,
     assert what.startswith("refused as unsafe: ")
     assert reason in what
     assert not list(tmp_path.rglob("evil*"))
+
+
+def test_paths_with_backslashes_are_those_with_slashes(maker, tmp_path):
+    maker.extra["extra\\org.example\\notes.txt"] = b"written on Windows"
+    model = open_fmu(maker.make(FMI_2), cache=tmp_path / "cache")
+    assert (model.folder / "extra" / "org.example" / "notes.txt").read_bytes() == b"written on Windows"
+    assert [p.what for p in model.ignored] == ["paths are written with backslashes, as 'extra\\org.example\\notes.txt'"]
 
 
 def test_a_link_in_the_archive_is_refused(maker, refused):

@@ -242,6 +242,13 @@ def test_what_is_no_whole_number_is_refused_at_once(raw):
         read_value(raw, Type(Kind.INTEGER), Location("here"))
 
 
+def test_units_that_fmus_spell_in_their_own_way():
+    # Modelica writes Ohm; a dash is how some tools say that there is none.
+    assert parse_unit("kOhm").to_si(2.0) == 2000.0 * parse_unit("V/A").to_si(1.0)
+    assert parse_unit("kOhm").dimension == parse_unit("V/A").dimension
+    assert parse_unit("-") == parse_unit("1")
+
+
 def test_conversion_to_a_unit_of_display_overflows_to_infinity():
     assert parse_unit("nm").from_si(-1e300) == -math.inf
     assert parse_unit("km").to_si(1e308) == math.inf
