@@ -19,11 +19,12 @@ DSE = Path(dse.__file__).parent
 MAY_INCLUDE: Mapping[str, frozenset[str]] = {
     "csolve": frozenset(),
     "fmu/runtime": frozenset({"csolve"}),
+    "fmu/bridge": frozenset(),
     "cosim/kernel": frozenset({"csolve"}),
 }
 """By folder, the other folders it may include; one that is not here may hold no C."""
 
-GENERATED = {"model.h": ("slot.h", "arithmetic.h", "modelica.h")}
+GENERATED = {"model.h": ("slot.h", "arithmetic.h", "modelica.h"), "wine.h": ()}
 """Written for each component, beside the runtime."""
 
 INCOMPLETE = frozenset({
