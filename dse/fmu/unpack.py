@@ -82,7 +82,8 @@ def _library(
     platform = this_platform()
     for path in _libraries(folder, description):
         return path, Host(), ()
-    for_windows, unused = windows_library(folder, description), ()
+    unused: tuple[Problem, ...] = ()
+    for_windows = windows_library(folder, description)
     if has_recipe(folder, description):
         try:
             return build_from_sources(folder, description, where.file, cache), Host(), ()

@@ -49,17 +49,14 @@ def bridge_to(library: Path, description: Description, where: Location, cache: P
     What wine needs is made once, and kept in the cache. Raises DseError located at *where* that says what is missing,
     be it wine or a compiler for Windows.
     """
-    wine = _find_wine()
+    wine = find_wine()
     if not wine:
         what = f"the FMU has no library for {this_platform().name}, only for Windows, and there is no wine to run it"
         hint = "run: apt install wine64 (and pip install 'dse-workbench[toolchain]'), or export it for this platform"
         raise fail(what, where, hint)
-    version = _version_of(wine)
-    prefix = keep_living_folder(
-        cache_folder(cache).absolute() / "wine" / content_key([("wine", version.encode())]), _filler(wine)
-    )
+    prefix = folder_of_windows(wine, cache)
     try:
-        made = with_compiler(cache, lambda compiler: _compiled(compiler, version, cache))
+        made = with_compiler(cache, lambda compiler: _compiled(compiler, _version_of(wine), cache))
     except CompilationError as error:
         raise fail(f"the bridge to wine does not compile: {error.diagnostics[0].message}", where) from error
     place = PurePosixPath(library.absolute())
@@ -71,8 +68,15 @@ def bridge_to(library: Path, description: Description, where: Location, cache: P
     return bridge, Host(command, _settings(prefix))
 
 
-def _find_wine() -> str:
+def find_wine() -> str:
+    """The path of wine, "" if there is none."""
     return next((path for name in _WINES if (path := shutil.which(name))), "")
+
+
+def folder_of_windows(wine: str, cache: Path | None) -> Path:
+    """The folder in which *wine* has its Windows, never the user's own; made unless it is in the cache."""
+    version = content_key([("wine", _version_of(wine).encode())])
+    return keep_living_folder(cache_folder(cache).absolute() / "wine" / version, _filler(wine))
 
 
 @once
