@@ -79,14 +79,15 @@ def _hosted(bridge: _Bridge, model: FmuModel) -> _Bridge:
     opening.restype = ctypes.c_int64
     error = opening(_texts(model.host.command), _texts(f"{name}={value}" for name, value in environment.items()))
     if error > 0:
-        known = "it, or one that it needs, is not there" if error == _NOT_FOUND else "see Windows' system error codes"
-        raise OSError(f"error {error} of Windows ({known})")
+        missing = bytes((ctypes.c_char * _LONGEST_NAME).in_dll(bridge, "dse_bridge_missing").value)
+        why = f"it needs {missing.decode('ascii', 'replace')}, which is not there" if missing else "no library"
+        raise OSError(f"{why} (error {error} of Windows)")
     if error < 0:
         raise OSError(f"wine ended before it was there (exit code {-1 - error})")
     return bridge
 
 
-_NOT_FOUND = 126
+_LONGEST_NAME = 260
 
 
 def _texts(texts: Iterable[str]) -> Any:

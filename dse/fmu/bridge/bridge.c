@@ -49,6 +49,7 @@ static uint8_t *added(Room *room, size_t size)
 static int to_host = -1, from_host = -1, life = -1; /* which stays open as long as this process wants the host */
 static pid_t warden;
 static uint8_t exported[N_FUNCTIONS];
+OFFERED char dse_bridge_missing[LONGEST_NAME]; /* a library that the FMU's needs and that is not there, or "" */
 static pthread_mutex_t calling; /* recursive: from within an intermediate update the FMU is called, too */
 
 static const char *const names[] = {
@@ -199,7 +200,7 @@ OFFERED int64_t dse_bridge_open(char *const *command, char *const *environment)
         return came_to = -1 - ended();
     if (head.kind == CRASHED)
         crash(signal_of(head.value));
-    if (!receive(exported, sizeof exported))
+    if (!receive(exported, sizeof exported) || !receive(dse_bridge_missing, sizeof dse_bridge_missing))
         return came_to = -1 - ended();
     return came_to = (int64_t)head.value;
 }

@@ -40,6 +40,9 @@ typedef struct {
 
 enum { NO_TEXT = -1 }; /* in the place of a text's size */
 
+/* Behind READY: which functions the library has, and the name of a library that it needs and that is not there. */
+enum { LONGEST_NAME = 260 };
+
 #define ROUNDED(size) (((size) + 7) & ~(uint64_t)7)
 
 #endif

@@ -253,6 +253,26 @@ static void keep_pipes(void)
     SetStdHandle(STD_OUTPUT_HANDLE, error);
 }
 
+/* The first of the libraries that *path* needs that cannot be loaded, "" if none. */
+static void find_missing(const wchar_t *path, char *missing)
+{
+    wchar_t folder[32768] = L"";
+    const uint8_t *image = (const uint8_t *)LoadLibraryExW(path, NULL, DONT_RESOLVE_DLL_REFERENCES);
+    if (!image)
+        return;
+    wcsncpy(folder, path, 32767);
+    *wcsrchr(folder, L'\\') = 0;
+    SetDllDirectoryW(folder);
+    const IMAGE_NT_HEADERS *head = (const IMAGE_NT_HEADERS *)(image + ((const IMAGE_DOS_HEADER *)image)->e_lfanew);
+    const DWORD imports = head->OptionalHeader.DataDirectory[IMAGE_DIRECTORY_ENTRY_IMPORT].VirtualAddress;
+    const IMAGE_IMPORT_DESCRIPTOR *needed = (const IMAGE_IMPORT_DESCRIPTOR *)(image + imports);
+    for (; imports && needed->Name; needed++)
+        if (!LoadLibraryA((const char *)image + needed->Name)) {
+            strncpy(missing, (const char *)image + needed->Name, LONGEST_NAME - 1);
+            return;
+        }
+}
+
 int wmain(int n, wchar_t **arguments)
 {
     InitializeCriticalSection(&sending);
@@ -262,12 +282,15 @@ int wmain(int n, wchar_t **arguments)
     HMODULE library = n == 2 ? LoadLibraryExW(arguments[1], NULL, LOAD_WITH_ALTERED_SEARCH_PATH) : NULL;
     const DWORD error = library ? 0 : GetLastError();
     Room room = {0};
-    uint8_t *has = (uint8_t *)with_room(&room, sizeof(Head) + N_FUNCTIONS) + sizeof(Head);
+    uint8_t *has = (uint8_t *)with_room(&room, sizeof(Head) + N_FUNCTIONS + LONGEST_NAME) + sizeof(Head);
+    memset(has, 0, N_FUNCTIONS + LONGEST_NAME);
+    if (error == ERROR_MOD_NOT_FOUND)
+        find_missing(arguments[1], (char *)has + N_FUNCTIONS);
     for (int i = 0; i < N_FUNCTIONS; i++) {
         functions[i] = library ? GetProcAddress(library, names[i]) : NULL;
         has[i] = functions[i] != NULL;
     }
-    send_frame(&room, READY, 0, error, N_FUNCTIONS);
+    send_frame(&room, READY, 0, error, N_FUNCTIONS + LONGEST_NAME);
     free(room.bytes);
     if (library)
         serve();
