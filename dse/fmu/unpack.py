@@ -92,7 +92,7 @@ def _library(
                 raise
             unused = error.problems
     if for_windows:
-        return *bridge_to(for_windows, description, where, cache), unused
+        return *bridge_to(for_windows, description.identifier, where, cache), unused
     raise fail(
         f"the FMU has no library '{description.identifier}{platform.suffix}' for this platform, {platform.name}; "
         f"{_held(folder, description)}",

@@ -43,8 +43,8 @@ def needed_for_wine(folder: Path, description: Description) -> str:
     return f", or for {_WINDOWS.short_name} (wine is used for 64-bit libraries of its modelIdentifier only)"
 
 
-def bridge_to(library: Path, description: Description, where: Location, cache: Path | None) -> tuple[Path, Host]:
-    """The bridge to *library* for Windows, and the host to be started for it.
+def bridge_to(library: Path, identifier: str, where: Location, cache: Path | None) -> tuple[Path, Host]:
+    """The bridge to *library* for Windows, which the FMU calls *identifier*, and the host to be started for it.
 
     What wine needs is made once, and kept in the cache. Raises DseError located at *where* that says what is missing,
     be it wine or a compiler for Windows.
@@ -60,7 +60,7 @@ def bridge_to(library: Path, description: Description, where: Location, cache: P
     except CompilationError as error:
         raise fail(f"the bridge to wine does not compile: {error.diagnostics[0].message}", where) from error
     place = PurePosixPath(library.absolute())
-    name, content = f"{description.identifier}.so", (made / "bridge.so").read_bytes()
+    name, content = f"{identifier}.so", (made / "bridge.so").read_bytes()
     # A library of its own for each: the system loads the same one only once, and each has one host.
     key = content_key([("bridge", content), ("library", os.fsencode(place))])
     bridge = keep_files(cache_folder(cache) / "bridges" / key, lambda: {name: content}) / name

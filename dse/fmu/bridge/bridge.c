@@ -424,7 +424,7 @@ static int pack(const char *parameters, const uint64_t *given, Call *call, Outpu
             if (given[i])
                 link_at(at, TO_DATA);
         } else if (strchr("LGlm", *p)) {
-            call->parameters[i] = number;
+            call->parameters[i] = *p == 'G' || given[i] ? number : 0;
             if (*p != 'G' && given[i])
                 link_at(at, *p == 'L' ? TO_CALLBACKS : *p == 'l' ? TO_LOGGER : TO_BETWEEN);
         } else if (*p != '>')
