@@ -24,13 +24,14 @@ MAY_INCLUDE: Mapping[str, frozenset[str]] = {
 }
 """By folder, the other folders it may include; one that is not here may hold no C."""
 
-GENERATED = {"model.h": ("slot.h", "arithmetic.h", "modelica.h"), "wine.h": ()}
+GENERATED = {"model.h": ("slot.h", "arithmetic.h", "modelica.h")}
 """Written for each component, beside the runtime."""
 
 INCOMPLETE = frozenset({
     "modelica.h",  # needs the sizes that model.h defines before it
     "fmi2_exchange.h", "fmi3_exchange.h", "fmi3_refused.h", "fused_part.h",  # ends of a unit: further functions
     "c_component.h",  # needs a model.h of a component in C
+    "host.c",  # is for Windows
 })  # fmt: skip
 """What cannot stand alone; nor can the solvers, which ask things of whoever includes them."""
 

@@ -89,7 +89,8 @@ def _compiled(compiler: Compiler, version: str, cache: Path | None) -> Path:
     """The folder with the bridge and the host."""
     windows = find_windows_compiler()
     files = {path.name: path.read_bytes() for path in sorted(_SOURCES.glob("*.[ch]"))}
-    files["wine.h"] = f'#define WINE "{re.sub(r"[^ -!#-[^-~]", "", version)}"\n'.encode()
+    told = re.sub(r"[^\w .~()-]", "", version, flags=re.ASCII)
+    files["bridge.c"] = f'#define WINE "{told}"\n'.encode() + files["bridge.c"]
     identity = repr((compiler.identity, options(compiler), windows.identity))
     return keep_files(
         cache_folder(cache) / "bridges" / content_key([*files.items(), ("build", identity.encode())]),

@@ -34,7 +34,8 @@
     FMI3_ACCESS(F, Int8, "1") FMI3_ACCESS(F, UInt8, "1") FMI3_ACCESS(F, Boolean, "1") FMI3_ACCESS(F, String, "s") \
     F(fmi3GetBinary, "i<4ci>8f>xfi") F(fmi3SetBinary, "i<4ci<8f<xfi") \
     F(fmi3GetClock, "i<4ci>1c") F(fmi3SetClock, "i<4ci<1c") \
-    F(fmi3GetIntervalDecimal, "i<4ci>8c>4c") F(fmi3SetIntervalDecimal, "i<4ci<8c") F(fmi3GetShiftDecimal, "i<4ci>8c") \
+    F(fmi3GetIntervalDecimal, "i<4ci>8c>4c") F(fmi3SetIntervalDecimal, "i<4ci<8c") \
+    F(fmi3GetShiftDecimal, "i<4ci>8c") F(fmi3GetIntervalFraction, "i<4ci>8c>8c>4c") F(fmi3GetShiftFraction, "i<4ci>8c>8c") \
     F(fmi3GetFMUState, "i>8-") F(fmi3SetFMUState, "ii") F(fmi3FreeFMUState, "i>8-") \
     F(fmi3SerializedFMUStateSize, "ii>8-") F(fmi3SerializeFMUState, "ii>1di") F(fmi3DeserializeFMUState, "i<1ci>8-") \
     F(fmi3GetDirectionalDerivative, "i<4ci<4ei<8gi>8ii") \
