@@ -8,12 +8,17 @@ import sys
 import sysconfig
 import tempfile
 import threading
+import time
 from collections.abc import Iterator
 from contextlib import contextmanager, nullcontext, suppress
 from multiprocessing import current_process, get_start_method, resource_tracker, set_start_method
 from multiprocessing.process import BaseProcess
 from pathlib import Path
 from types import ModuleType
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    import psutil
 
 _SAFE, _BY_US = "PYTHONSAFEPATH", "while dse starts"
 
@@ -29,6 +34,35 @@ def start_process(process: BaseProcess, log: Path | None = None) -> None:
     """
     with unburdened(), _somewhere(), _signals_waiting(), _printing_to(log) if log else nullcontext():
         process.start()
+
+
+class Family:
+    """The process with the number *pid*, and all that it and its children have started: that is looked up now and then.
+
+    An FMU may have a process of its own do its work.
+    """
+
+    def __init__(self, pid: int) -> None:
+        import psutil
+
+        self._first = psutil.Process(pid)
+        self._others: list[psutil.Process] = []
+        self._looked = -_LOOK_EVERY
+
+    def resident(self) -> int:
+        """Bytes of memory they hold together. Raises psutil.Error if the first is no more."""
+        import psutil
+
+        total = int(self._first.memory_info().rss)
+        if time.monotonic() - self._looked >= _LOOK_EVERY:
+            self._looked, self._others = time.monotonic(), self._first.children(recursive=True)
+        for other in self._others:
+            with suppress(psutil.Error):
+                total += other.memory_info().rss
+        return total
+
+
+_LOOK_EVERY = 1.0
 
 
 @contextmanager

@@ -102,6 +102,7 @@ class Sandbox:
         home = self.folders[0].absolute()
         os.environ["TMPDIR"] = tempfile.tempdir = str(home)
         os.chdir(home)
+        _moved_in.append(self)
 
     def _start(self, process: BaseProcess, files: Iterable[Path]) -> None:
         ruleset = self._ruleset(files)
@@ -133,6 +134,14 @@ class Sandbox:
                 raise fail("is a link: in a sandbox only folders can be written", Location(str(folder)))
             _allow(ruleset, folder, (reading | _WRITE | _REMOVE | _MAKE | _MOVE | _TRUNCATE) & known)
         return ruleset
+
+
+_moved_in: list[Sandbox] = []
+
+
+def is_inside() -> bool:
+    """Whether this process is in a sandbox, and has moved in."""
+    return bool(_moved_in)
 
 
 def enforced() -> str:

@@ -6,7 +6,9 @@ import os
 import signal
 import sys
 import threading
+import warnings
 from collections import Counter
+from pathlib import Path
 
 import compile_cache
 import pytest
@@ -43,6 +45,22 @@ def pytest_configure(config: pytest.Config) -> None:
     """Keep what the C compiler makes in pytest's cache (``pytest --cache-clear`` empties it)."""
     if hasattr(config, "cache"):
         compile_cache.use(config.cache.mkdir("compiled"))
+
+
+@pytest.fixture(scope="session")
+def wine_cache(request: pytest.FixtureRequest) -> Path:
+    """A cache folder of dse that is kept between runs, as wine's folder of Windows is large and takes its time."""
+    from dse.cache import CacheWarning
+    from dse.fmu.windows import find_wine, folder_of_windows
+
+    wine = find_wine()
+    if not wine:
+        pytest.skip("there is no wine on this machine")
+    cache = Path(request.config.cache.mkdir("wine"))
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", CacheWarning)
+        folder_of_windows(wine, cache)
+    return cache
 
 
 @pytest.hookimpl(tryfirst=True)  # before tests are chosen by their marks

@@ -19,6 +19,7 @@ DSE = Path(dse.__file__).parent
 MAY_INCLUDE: Mapping[str, frozenset[str]] = {
     "csolve": frozenset(),
     "fmu/runtime": frozenset({"csolve"}),
+    "fmu/bridge": frozenset(),
     "cosim/kernel": frozenset({"csolve"}),
 }
 """By folder, the other folders it may include; one that is not here may hold no C."""
@@ -30,6 +31,7 @@ INCOMPLETE = frozenset({
     "modelica.h",  # needs the sizes that model.h defines before it
     "fmi2_exchange.h", "fmi3_exchange.h", "fmi3_refused.h", "fused_part.h",  # ends of a unit: further functions
     "c_component.h",  # needs a model.h of a component in C
+    "host.c",  # is for Windows
 })  # fmt: skip
 """What cannot stand alone; nor can the solvers, which ask things of whoever includes them."""
 

@@ -5,6 +5,7 @@ from .entries import (
     keep_file as keep_file,
     keep_files as keep_files,
     keep_folder as keep_folder,
+    keep_living_folder as keep_living_folder,
     put_file as put_file,
     read_entry as read_entry,
     recent_entries as recent_entries,

@@ -20,7 +20,7 @@ from dse.errors import DseError
 
 
 class CacheWarning(UserWarning):
-    """An entry of the cache is not what was kept, and has to be made again."""
+    """An entry of the cache has to be made, for it is not what was kept, or takes its time."""
 
 
 class State(Enum):
@@ -52,6 +52,20 @@ def keep_files(target: Path, make: Callable[[], Mapping[str, bytes]]) -> Path:
 def keep_folder(target: Path, fill: Callable[[Path], None]) -> Path:
     """The folder *target*, filled by *fill* unless it is there. DseError as above, also if *fill* cannot write."""
     return target if _is_whole(target) else _put_folder(target, fill)
+
+
+def keep_living_folder(target: Path, fill: Callable[[Path], None]) -> Path:
+    """As `keep_folder`, but what uses the folder may change it: it is whole if it is there."""
+    if not target.is_dir():
+        with aside(target.parent) as made:
+            (made / "entry").mkdir()
+            fill(made / "entry")
+            try:
+                (made / "entry").replace(target)
+            except OSError:
+                if not target.is_dir():  # another process was first
+                    raise
+    return target
 
 
 def keep_content(target: Path, make: Callable[[], bytes]) -> bytes:

@@ -43,6 +43,8 @@ SHELVES = (
     Shelf("built", "FMUs made of components"),
     Shelf("unpacked", "FMUs, unpacked"),
     Shelf("compiled", "libraries of FMUs that came as sources"),
+    Shelf("bridges", "bridges to libraries for Windows"),
+    Shelf("wine", "folders of Windows, made by wine", Path.is_dir),
     Shelf("fused", "fused configurations"),
     Shelf("fused/parts", "components of fused configurations"),
     Shelf("fused/names", "names in the C of fused components"),

@@ -195,6 +195,17 @@ class Experiment:
 
 
 @dataclass(frozen=True, slots=True)
+class Host:
+    """The process an FMU's library is in, if that is of another system: how it is started, () if there is none.
+
+    *settings* are variables of its environment besides those of ours.
+    """
+
+    command: tuple[str, ...] = ()
+    settings: Mapping[str, str] = field(default_factory=dict)
+
+
+@dataclass(frozen=True, slots=True)
 class FmuModel:
     """An unpacked FMU for this platform.
 
@@ -202,7 +213,8 @@ class FmuModel:
     the inputs (and, for *initially*, also parameters) it depends on directly, by name; an output that is missing there
     depends on all of them. *units* are the FMU's own definitions by the names its variables use. *fixed_step* is set
     if steps must be whole multiples of it (seconds). *prefix* is what stands before the names of the FMI functions in
-    the library (FMI 1.0: the identifier if it is ""). *ignored* is what of the archive was passed over.
+    the library (FMI 1.0: the identifier if it is ""). Where there is a *host*, *library* is a bridge to it.
+    *ignored* is what of the archive was passed over.
     """
 
     archive: Path
@@ -223,6 +235,7 @@ class FmuModel:
     experiment: Experiment = field(default_factory=Experiment)
     title: str = ""
     prefix: str = ""
+    host: Host = field(default_factory=Host)
     ignored: tuple[Problem, ...] = field(default=(), compare=False)
     pointers: frozenset[str] = field(default=frozenset(), init=False, compare=False)
     """The integers that are parts of binaries: addresses, which mean nothing to anybody else."""

@@ -7,12 +7,13 @@ from pathlib import Path
 
 from dse.cache import cache_folder, keep_folder
 from dse.domain.component import Component
-from dse.domain.fmu import FmiInterface, FmuModel
+from dse.domain.fmu import FmiInterface, FmuModel, Host
 from dse.errors import DseError, Location, Problem, fail
 from dse.fmu.reading.build_description import has_recipe
 from dse.fmu.reading.description import Description, read_description
 from dse.fmu.source_build import build_from_sources
 from dse.fmu.toolchain.platforms import this_platform
+from dse.fmu.windows import bridge_to, needed_for_wine, windows_library
 from dse.formats import digest_of, passed_over, shown, unpack_zip
 
 
@@ -30,13 +31,13 @@ def open_fmu(archive: Path, *, cache: Path | None = None, interface: FmiInterfac
     target = cache_folder(cache) / "unpacked" / digest[:32]
     folder = keep_folder(target, lambda aside: unpack_zip(archive, aside, where, "FMU"))
     description = read_description(folder, where.file, interface=interface)
-    if interface is None and not (_libraries(folder, description) or has_recipe(folder, description)):
+    if interface is None and not _is_here(folder, description):
         description = _of_exchange(folder, where) or description
     # What is told of an FMU has the names it has in a model.
     told = {f.name: getattr(description, f.name) for f in fields(FmuModel) if hasattr(description, f.name)}
-    told["ignored"] = (*passed_over(archive, where), *description.ignored)
-    library = _library(folder, description, where, cache)
-    return FmuModel(archive=archive, folder=folder, library=library, content_hash=digest, **told)
+    library, host, unused = _library(folder, description, where, cache)
+    told["ignored"] = (*passed_over(archive, where), *description.ignored, *unused)
+    return FmuModel(archive=archive, folder=folder, library=library, host=host, content_hash=digest, **told)
 
 
 def open_component(component: Component, archive: Path, *, cache: Path | None = None) -> FmuModel:
@@ -61,7 +62,12 @@ def _of_exchange(folder: Path, where: Location) -> Description | None:
         description = read_description(folder, where.file, interface=FmiInterface.MODEL_EXCHANGE)
     except DseError:
         return None
-    return description if _libraries(folder, description) else None
+    return description if _is_here(folder, description) else None
+
+
+def _is_here(folder: Path, description: Description) -> bool:
+    here = _libraries(folder, description) or has_recipe(folder, description)
+    return bool(here or windows_library(folder, description))
 
 
 def _libraries(folder: Path, description: Description) -> list[Path]:
@@ -69,17 +75,29 @@ def _libraries(folder: Path, description: Description) -> list[Path]:
     return [path for path in paths if path.is_file()]
 
 
-def _library(folder: Path, description: Description, where: Location, cache: Path | None) -> Path:
+def _library(
+    folder: Path, description: Description, where: Location, cache: Path | None
+) -> tuple[Path, Host, tuple[Problem, ...]]:
+    """The library, the host that it needs, and what is wrong with the sources that it is used instead of."""
     platform = this_platform()
     for path in _libraries(folder, description):
-        return path
+        return path, Host(), ()
+    unused: tuple[Problem, ...] = ()
+    for_windows = windows_library(folder, description)
     if has_recipe(folder, description):
-        return build_from_sources(folder, description, where.file, cache)
+        try:
+            return build_from_sources(folder, description, where.file, cache), Host(), ()
+        except DseError as error:
+            if not for_windows:
+                raise
+            unused = error.problems
+    if for_windows:
+        return *bridge_to(for_windows, description.identifier, where, cache), unused
     raise fail(
         f"the FMU has no library '{description.identifier}{platform.suffix}' for this platform, {platform.name}; "
         f"{_held(folder, description)}",
         where,
-        "export it for this platform, or with its sources",
+        f"export it for this platform, or with its sources{needed_for_wine(folder, description)}",
     )
 
 

@@ -9,9 +9,11 @@ from pathlib import Path
 import pytest
 
 from dse.domain.component import Kind
-from dse.domain.fmu import Capabilities, FmuModel, Variable
+from dse.domain.fmu import Capabilities, FmuModel, Host, Variable
 from dse.domain.system import Element, SystemStructure, Wire
-from dse.fmu.toolchain.compiler import find_compiler
+from dse.errors import Location
+from dse.fmu.toolchain.compiler import find_compiler, find_windows_compiler
+from dse.fmu.windows import bridge_to
 
 SOURCES = Path(__file__).parent / "fmus"
 
@@ -65,17 +67,25 @@ OUTPUTS = {"y", "count", "odd", "n", "steps", "sum", "seen", "events", "updates"
 
 @dataclass(frozen=True)
 class Shelf:
-    """Compiles the FMUs in fmus/ when they are first asked for, and builds systems of them."""
+    """Compiles the FMUs in fmus/ when they are first asked for, and builds systems of them.
+
+    With *wine*, a cache folder, they are for Windows, behind a bridge.
+    """
 
     folder: Path
+    wine: Path | None = None
 
     def fmu(self, name: str, version: int = 2, *flags: str) -> FmuModel:
+        if self.wine and version == 1:
+            pytest.skip("wine is not used for FMI 1.0")
         key = "_".join([name, f"fmi{version}", *(flag.strip("-") for flag in flags)])
-        library = self.folder / f"{key}{'.dll' if sys.platform == 'win32' else '.so'}"
+        is_dll = self.wine is not None or sys.platform == "win32"
+        library, host = self.folder / f"{key}{'.dll' if is_dll else '.so'}", Host()
         if not library.exists():
-            fpic = [] if sys.platform == "win32" else ["-fPIC"]
+            fpic = [] if is_dll else ["-fPIC"]
             source = str(SOURCES / f"{name}.c")
-            command = [*find_compiler().command, "-std=c11", "-O1", "-ffp-contract=off", "-Wall", "-Werror"]
+            compiler = find_windows_compiler() if self.wine else find_compiler()
+            command = [*compiler.command, "-std=c11", "-O1", "-ffp-contract=off", "-Wall", "-Werror"]
             subprocess.run(
                 [
                     *command,
@@ -91,6 +101,8 @@ class Shelf:
                 ],
                 check=True,
             )
+        if self.wine:
+            library, host = bridge_to(library, name, Location(name), self.wine)
         return FmuModel(
             archive=library,
             folder=self.folder,
@@ -99,6 +111,7 @@ class Shelf:
             identifier=name,
             token="the token",  # noqa: S106  # FMI's word for an identity
             variables={v.name: v for v in variables(name, version)},
+            host=host,
             capabilities=Capabilities(can_handle_variable_step=True, once_per_process="-DONCE" in flags),
         )
 
@@ -146,9 +159,20 @@ def causality(name: str, variable: str) -> str:
     return "output" if variable in OUTPUTS else "parameter"
 
 
+OF_WINDOWS = {"test_events", "test_steps", "test_texts"}
+"""What is tested through wine, too."""
+
+
+def pytest_generate_tests(metafunc: pytest.Metafunc) -> None:
+    if "shelf" in metafunc.fixturenames and metafunc.module.__name__.rpartition(".")[2] in OF_WINDOWS:
+        places = ["here", pytest.param("wine", marks=pytest.mark.thorough)]
+        metafunc.parametrize("shelf", places, indirect=True, scope="session")
+
+
 @pytest.fixture(scope="session")
-def shelf(tmp_path_factory: pytest.TempPathFactory) -> Shelf:
-    return Shelf(tmp_path_factory.mktemp("fmus"))
+def shelf(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Shelf:
+    is_of_windows = getattr(request, "param", "here") == "wine"
+    return Shelf(tmp_path_factory.mktemp("fmus"), request.getfixturevalue("wine_cache") if is_of_windows else None)
 
 
 @pytest.fixture

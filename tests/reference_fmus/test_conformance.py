@@ -16,6 +16,7 @@ from dse.domain.method import Coupling, Method
 from dse.errors import DseError
 from dse.fmu.unpack import open_fmu
 from reference_fmus import MODELS, build
+from reference_fmus.build import WINDOWS
 from reference_fmus.cases import ALL, CASES, INTERFACES, Case, matrices, names_of
 from reference_fmus.systems import system_of
 
@@ -34,12 +35,21 @@ WHOLES = {  # the values next to the ends of each type's range; of 64 bits, what
 }
 
 
-@pytest.fixture
-def opened(reference_folder: Path) -> Open:
-    """Opens a reference FMU as the program does."""
-    return lambda name, version, interface: open_fmu(
-        build(name, version, interface, reference_folder), cache=reference_folder / "cache"
-    )
+@pytest.fixture(params=["here", pytest.param("wine", marks=pytest.mark.thorough)])
+def opened(request: pytest.FixtureRequest, reference_folder: Path) -> Open:
+    """Opens a reference FMU as the program does: of this platform, or of Windows."""
+    if request.param == "here":
+        return lambda name, version, interface: open_fmu(
+            build(name, version, interface, reference_folder), cache=reference_folder / "cache"
+        )
+    cache, folder = request.getfixturevalue("wine_cache"), reference_folder / "windows"
+
+    def of_windows(name: str, version: int, interface: str) -> FmuModel:
+        if version == 1:
+            pytest.skip("wine is not used for FMI 1.0")
+        return open_fmu(build(name, version, interface, folder, WINDOWS), cache=cache)
+
+    return of_windows
 
 
 def recorded(case: Case) -> list[str]:

@@ -8,15 +8,17 @@
 #include <fenv.h>
 #include <locale.h>
 #include <math.h>
-#include <pthread.h>
 #include <signal.h>
 #include <stdbool.h>
 #include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/mman.h>
 #include <unistd.h>
+#ifndef _WIN32
+#include <pthread.h>
+#include <sys/mman.h>
+#endif
 
 enum { U, Y, BITES, GAIN, TEXT, TEXT_IN };
 
@@ -26,7 +28,9 @@ typedef struct {
     const fmi2CallbackFunctions *functions;
     fmi2ComponentEnvironment environment;
     fmi2CallbackLogger log;
+#ifndef _WIN32
     pthread_t thread;
+#endif
     bool has_thread;
     volatile bool done;
 } Animal;

@@ -10,6 +10,8 @@ from reference_fmus.build import HEADERS, compile_c, library_path, token_of, wri
 from reference_fmus.declared import Declared, ReferenceModel
 from reference_fmus.describe import description
 
+from dse.fmu.toolchain.platforms import Platform, this_platform
+
 MODEL = ReferenceModel(
     "animal",
     (
@@ -176,14 +178,14 @@ ANIMALS: Mapping[str, Animal] = {
 }
 
 
-def build_animal(animal: Animal, folder: Path, name: str) -> Path:
-    """``NAME.fmu`` in *folder*."""
+def build_animal(animal: Animal, folder: Path, name: str, platform: Platform | None = None) -> Path:
+    """``NAME.fmu`` in *folder*, with a library for *platform* or this one."""
     token = token_of(MODEL, 2)
     work = folder / f"{name}_files"
     work.mkdir(parents=True)
     bite = [animal.before, *(f"#define AT_{at.upper()} {code}" for at, code in animal.at.items())]
     (work / "bite.h").write_text("\n".join(bite) + "\n", encoding="utf-8")
-    library = work / "animal.so"
+    library = work / f"animal{(platform or this_platform()).suffix}"
     known = "another one" if name == "wrong_guid" else token
     include = [f"-I{work}", f"-I{HEADERS}", f'-DTOKEN="{known}"', "-D_DEFAULT_SOURCE", "-pthread"]
     compile_c([*include, *animal.flags, str(Path(__file__).parent / "animal.c")], library)
@@ -193,6 +195,6 @@ def build_animal(animal: Animal, folder: Path, name: str) -> Path:
         xml = xml.replace("<CoSimulation ", '<CoSimulation needsExecutionTool="true" ')
     files = {
         "modelDescription.xml": xml.encode(),
-        str(library_path(2, "animal")): content,
+        str(library_path(2, "animal", platform)): content,
     }
     return write_archive(folder / f"{name}.fmu", files)

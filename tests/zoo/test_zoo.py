@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import pytest
+from reference_fmus.build import WINDOWS
 
 from dse.domain.run import Outcome, Run, Waveforms
 from dse.exploration.executors.local import Local
@@ -17,7 +18,7 @@ from dse.exploration.loop import Explored, explore
 from dse.storage.folder import StudyFolder
 from dse.testbench.runner import make_runner
 from dse.testbench.study import prepare_study
-from zoo.animals import ANIMALS
+from zoo.animals import ANIMALS, build_animal
 from zoo.workspace import lay_out
 
 pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="signals, and what C libraries call things")
@@ -48,8 +49,8 @@ class Visit:
     files: set[str]
 
 
-def visit(folder: Path, chosen: Sequence[str]) -> Visit:
-    study = lay_out(folder / "work", chosen).study("zoo")
+def visit(folder: Path, chosen: Sequence[str], archives: Mapping[str, Path] | None = None) -> Visit:
+    study = lay_out(folder / "work", [] if archives else chosen, archives).study("zoo")
     planned = prepare_study(study, cache=folder / "cache")
     animals = {name: bench.system.element("head").model.archive.stem for name, bench in planned.benches.items()}
     desk, here = folder / "desk", Path.cwd()
@@ -97,7 +98,38 @@ def changes(run: Run, waveforms: Waveforms | None, tame: Run, expected: Waveform
 def test_each_animal_gets_a_row_that_says_what_it_did_and_changes_no_other_run(
     chosen: Sequence[str], tmp_path: Path
 ) -> None:
-    study = visit(tmp_path, chosen)
+    judge(visit(tmp_path, chosen), chosen)
+
+
+OF_WINDOWS = [
+    "tame",
+    "crashes",
+    "exits",
+    "hangs",
+    "leaks",
+    "hangs_in_instantiate",
+    "refuses_to_be",
+    "needs_a_tool",
+    "wrong_guid",
+    "lacks_a_function",
+    "returns_an_error",
+    "returns_fatal",
+    "discards",
+    "returns_garbage",
+    "fails_in_initialization",
+    "returns_nan",
+]
+"""Those that do on Windows what they do here."""
+
+
+@pytest.mark.thorough
+def test_animals_of_windows_get_the_same_rows_through_wine(tmp_path: Path, wine_cache: Path) -> None:
+    (tmp_path / "cache").symlink_to(wine_cache)
+    archives = {name: build_animal(ANIMALS[name], tmp_path / "built", name, WINDOWS) for name in OF_WINDOWS}
+    judge(visit(tmp_path, OF_WINDOWS, archives), OF_WINDOWS)
+
+
+def judge(study: Visit, chosen: Sequence[str]) -> None:
     tame, tame_waveforms = study.runs["tame"], study.waveforms["tame"]
     for run in tame:
         # y(t) = gain (t + u), u as it was a step of 0.1 s before; head and tail both count from 0.

@@ -7,15 +7,17 @@ import filecmp
 import os
 import sys
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 from dse.cosim.binding.calls import FUNCTIONS, Call, function_name
 from dse.domain.fmu import FmiInterface, FmuModel
 from dse.domain.system import SystemStructure
 from dse.errors import DseError, FreshProcessNeeded, Problem, fail, raise_if_any
+from dse.sandbox import is_inside
 
 _ALWAYS = frozenset({
     Call.INSTANTIATE, Call.FREE_INSTANCE, Call.RESET, Call.SETUP_EXPERIMENT, Call.ENTER_INITIALIZATION,
@@ -52,10 +54,46 @@ def load(model: FmuModel) -> ctypes.CDLL:
             # The FMU's own DLLs lie beside its library.
             with os.add_dll_directory(str(model.library.resolve().parent)):
                 return ctypes.CDLL(path, winmode=0)
-        return ctypes.CDLL(path)
+        return _hosted(_Bridge(path), model) if model.host.command else ctypes.CDLL(path)
     except OSError as error:
         reason = str(error).replace(f"{model.folder.resolve()}{os.sep}", "")
         raise fail(f"{model.identifier}: the FMU's library cannot be loaded: {reason}") from error
+
+
+class _Bridge(ctypes.CDLL):
+    """A bridge has all functions of FMI; of those that the library behind it lacks it has none to offer."""
+
+    def __getattr__(self, name: str) -> Any:
+        if name.startswith("fmi") and not self.dse_bridge_has(name.encode()):
+            raise AttributeError(name)
+        return super().__getattr__(name)
+
+
+def _hosted(bridge: _Bridge, model: FmuModel) -> _Bridge:
+    """*bridge*, its host started, unless it was; OSError that says why that cannot load the library."""
+    if is_inside():
+        what = f"{model.identifier}: an FMU for Windows cannot be run in a sandbox, as wine has a server outside of it"
+        raise fail(what, hint="export it for this platform; leave --sandbox out only if you trust it")
+    environment = {**os.environ, **model.host.settings}
+    opening = bridge.dse_bridge_open
+    opening.restype = ctypes.c_int64
+    error = opening(_texts(model.host.command), _texts(f"{name}={value}" for name, value in environment.items()))
+    if error > 0:
+        missing = bytes((ctypes.c_char * _LONGEST_NAME).in_dll(bridge, "dse_bridge_missing").value)
+        why = f"it needs {missing.decode('ascii', 'replace')}, which is not there" if missing else "no library"
+        raise OSError(f"{why} (error {error} of Windows)")
+    if error < 0:
+        raise OSError(f"wine ended before it was there (exit code {-1 - error})")
+    return bridge
+
+
+_LONGEST_NAME = 260
+
+
+def _texts(texts: Iterable[str]) -> Any:
+    """An array of C strings that ends with NULL."""
+    encoded = [os.fsencode(text) for text in texts]
+    return (ctypes.c_char_p * (len(encoded) + 1))(*encoded)
 
 
 def _bring(model: FmuModel) -> None:

@@ -20,7 +20,7 @@ from dse.cosim.failing.failure import RunFailed
 from dse.cosim.probing.journal import Journal
 from dse.errors import DseError
 from dse.plain import packed, unpacked
-from dse.processes import forget_start, start_process
+from dse.processes import Family, forget_start, start_process
 from dse.sandbox import Sandbox
 from dse.scratch import ScratchFolder
 
@@ -111,9 +111,9 @@ def _watch(
     deadline = time.monotonic() + _TO_START + limits.time
     under_way = False
     try:
-        memory = psutil.Process(pid)
+        family = Family(pid)
     except psutil.Error:
-        memory = None
+        family = None
     while True:
         try:
             if connection.poll(_LOOK_EVERY):
@@ -126,7 +126,7 @@ def _watch(
         if time.monotonic() > deadline:
             return f"{_SILENT} for {limits.time:g} s", None
         with contextlib.suppress(psutil.Error):
-            if memory is not None and memory.memory_info().rss > limits.memory:
+            if family is not None and family.resident() > limits.memory:
                 return f"grew beyond {limits.memory / 1e9:.3g} GB of memory", None
 
 

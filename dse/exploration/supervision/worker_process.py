@@ -18,7 +18,7 @@ from dse.exploration.supervision.heartbeat import Heartbeat, Phase, State
 from dse.exploration.supervision.messages import FROM_WORKERS, Fault, Report, Setup
 from dse.exploration.supervision.worker import serve
 from dse.exploration.work import Batch
-from dse.processes import start_process
+from dse.processes import Family, start_process
 from dse.storage import made_by
 
 _TAIL = 2000
@@ -71,6 +71,7 @@ class WorkerProcess:
             setup.sandbox.start(self._process, heartbeat, self._log)
         far.close()
         self._seen = psutil.Process(self._process.pid)
+        self._family = Family(self._seen.pid)
         self.maker = made_by(self._process.pid or 0)
         self.assignments: deque[Assignment] = deque()
         self.used = self.useful = self.retired = False
@@ -156,9 +157,9 @@ class WorkerProcess:
         return longest or {Phase.WAITING: now - max(self._since)}
 
     def resident(self) -> int:
-        """Bytes of memory the process holds; 0 if it is no more."""
+        """Bytes of memory the process holds, and what it has started; 0 if it is no more."""
         try:
-            return self._seen.memory_info().rss
+            return self._family.resident()
         except psutil.Error:
             return 0
 

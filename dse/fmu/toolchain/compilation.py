@@ -99,6 +99,15 @@ def link_library(compiler: Compiler, objects: Mapping[str, bytes], library: str)
     return _made(compiler, objects, [*_link_options(compiler), *objects], library, _libraries())
 
 
+def compile_program(compiler: Compiler, files: Mapping[str, bytes], unit: str, program: str) -> bytes:
+    """The Windows program *program* made of *unit* by a *compiler* for Windows, which sees no other files than *files*.
+
+    Raises CompilationError.
+    """
+    arguments = [*LANGUAGE_OPTIONS, "-s", "-municode", *compiler.link_options, unit]
+    return _made(compiler, files, arguments, program, ())
+
+
 def compile_foreign(
     compiler: Compiler,
     folder: Path,

@@ -24,6 +24,7 @@ from dse.errors import DseError, Problem, fail
 T = TypeVar("T")
 
 _NAMES = ("cc", "gcc", "clang")
+_MINGW = "x86_64-w64-mingw32-gcc"
 _INSTALL = "install a C compiler (gcc or clang), or run: pip install 'dse-workbench[toolchain]'"
 
 
@@ -64,8 +65,23 @@ def find_compiler() -> Compiler:
         if path and identity:
             return Compiler((path,), identity, _without_timestamp(identity))
     if importlib.util.find_spec("ziglang") is not None:
-        return _zig()
+        return _zig(_zig_target())
     raise no_compiler()
+
+
+def find_windows_compiler() -> Compiler:
+    """A compiler that makes 64-bit programs for Windows: MinGW's gcc, else the one in the ziglang wheel.
+
+    Raises NoCompilerError if there is none.
+    """
+    path = shutil.which(_MINGW)
+    identity = _identify((path,)) if path else None
+    if path and identity:
+        return Compiler((path,), identity, _without_timestamp(identity))
+    if importlib.util.find_spec("ziglang") is not None:
+        return _zig("x86_64-windows-gnu")
+    what = "there is no compiler for Windows programs on this machine"
+    raise NoCompilerError(Problem(what, hint=f"run: pip install 'dse-workbench[toolchain]', or install {_MINGW}"))
 
 
 def with_compiler(cache: Path | None, work: Callable[[Compiler], T]) -> T:
@@ -155,9 +171,8 @@ def _without_timestamp(identity: str) -> tuple[str, ...]:
     return ("-Wl,/Brepro",) if "windows-msvc" in identity else ()
 
 
-def _zig() -> Compiler:
+def _zig(target: str) -> Compiler:
     # A named target takes the baseline processor and an old glibc, so that the library runs elsewhere too.
-    target = _zig_target()
     command = (sys.executable, "-m", "ziglang", "cc", "-target", target)
     return Compiler(command, f"ziglang {importlib.metadata.version('ziglang')}; {target}")
 

@@ -48,8 +48,12 @@ fmi2Component fmi2Instantiate(fmi2String name, fmi2Type type, fmi2String token, 
         return NULL;
     }
     m->name = strcpy(malloc(strlen(name) + 1), name);
-    if (resources && !strncmp(resources, "file://", 7))
+    if (resources && !strncmp(resources, "file://", 7)) {
         resources += strncmp(resources + 7, "localhost", 9) ? 7 : 16;
+#ifdef _WIN32
+        resources++; /* the slash before the drive */
+#endif
+    }
     m->resources = strcpy(malloc((resources ? strlen(resources) : 0) + 1), resources ? resources : "");
     m->environment = functions->componentEnvironment;
     m->log = (void *)functions->logger;
