@@ -8,6 +8,8 @@
 #ifndef DSE_C_COMPONENT_OSMP_H
 #define DSE_C_COMPONENT_OSMP_H
 
+#include "instance.h"
+
 static inline bool dse_is_osmp(uint32_t reference, int kinds) {
     return (kinds & DSE_INTEGER) && reference >= DSE_SLOT_COUNT && reference - DSE_SLOT_COUNT < 3u * DSE_BINARIES;
 }
