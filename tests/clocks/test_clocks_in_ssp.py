@@ -105,3 +105,25 @@ def test_a_probe_does_not_touch_what_belongs_to_clocks(tmp_path, workshop, cache
     done = run_dse(tmp_path, "probe", str(workshop.vecu()), "--format", "json", cache=cache)
     assert done.returncode == 0, done.stderr
     assert '"runs": "yes"' in done.stdout
+
+
+@pytest.mark.thorough
+@pytest.mark.parametrize("wires", [CLOCKS, ()], ids=["clocks connected", "data alone"])
+def test_virtual_ecus_exchange_can_frames_in_a_workspace(tmp_path, workshop, cache, wires):
+    path = package(tmp_path, workshop, *wires)
+    done = run_dse(tmp_path, "import", "ssp", str(path), "work", "--stop", "1", "--step", "0.1", cache=cache)
+    assert done.returncode == 0, done.stderr
+    (bench,) = (tmp_path / "work" / "testbenches").iterdir()
+    done = run_dse(tmp_path / "work", "simulate", str(bench), "--format", "json", cache=cache)
+    assert done.returncode == 0, done.stderr
+    found = json.loads(done.stdout)["metrics"]
+    assert (found["a_received_at_the_end"], found["a_last_id_at_the_end"], found["a_malformed_at_the_end"]) == (
+        5,
+        18,
+        0,
+    )
+    assert (found["b_received_at_the_end"], found["b_last_id_at_the_end"], found["b_malformed_at_the_end"]) == (
+        3,
+        17,
+        0,
+    )

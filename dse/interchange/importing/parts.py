@@ -9,8 +9,8 @@ from pathlib import Path
 
 from dse.domain.component import Component, Interface, Kind, Port, Type, same_signal
 from dse.domain.design import Connection
-from dse.domain.fmu import FmiInterface, FmuModel
-from dse.domain.system import Element, Wire
+from dse.domain.fmu import FmiInterface, FmuModel, Variable
+from dse.domain.system import Element, SystemStructure, Wire
 from dse.errors import DseError, Location, Problem, raise_if_any
 from dse.fmu import open_fmu
 from dse.interchange.importing.offer import offer
@@ -106,6 +106,8 @@ def connect(parts: Parts) -> tuple[Connection, ...]:
     problems: list[Problem] = []
     ends: list[tuple[Wire, _PortOf, _PortOf]] = []
     for wire in _single(parts.resolved):
+        if _follows(parts.resolved.structure, wire):
+            continue
         start = parts.own_name(wire.source, wire.source_variable)
         end = parts.own_name(wire.target, wire.target_variable)
         if start is None or end is None:
@@ -119,6 +121,23 @@ def connect(parts: Parts) -> tuple[Connection, ...]:
     _agree(parts.catalogue, [(start, end) for _, start, end in ends])
     raise_if_any(problem for wire, start, end in ends for problem in _misfits(parts, wire, start, end))
     return tuple(_together(parts, [(wire, start, end) for wire, (_, start), (_, end) in ends]))
+
+
+def _follows(system: SystemStructure, wire: Wire) -> bool:
+    """Whether *wire* joins clocks that tick together without it: by what belongs to them, and is wired alike."""
+
+    def of(element: str, label: str) -> Variable | None:
+        return system.element(element).model.variables.get(label)
+
+    clock, target = of(wire.source, wire.source_variable), of(wire.target, wire.target_variable)
+    if clock is None or target is None or not (clock.timing and target.timing):
+        return False
+    rings: set[tuple[str, int]] = set()
+    for other in system.wires:
+        given, taken = of(other.source, other.source_variable), of(other.target, other.target_variable)
+        if given and taken and other.target == wire.target and target.reference in taken.clocks:
+            rings |= {(other.source, reference) for reference in given.clocks}
+    return rings == {(wire.source, clock.reference)}
 
 
 def _together(parts: Parts, ends: list[tuple[Wire, str, str]]) -> Iterator[Connection]:
