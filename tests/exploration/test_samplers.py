@@ -12,6 +12,7 @@ from hypothesis import given, strategies as st
 from dse.domain.sampler import Brief, DesignVariable, Outcomes
 from dse.domain.study import Study
 from dse.errors import DseError
+from dse.exploration.samplers.central_composite import CentralComposite
 from dse.exploration.samplers.csv import Csv
 from dse.exploration.samplers.full_factorial import FullFactorial, levels
 from dse.exploration.samplers.halton import Halton
@@ -45,6 +46,9 @@ def after(study: Study, there: list[tuple[float, ...]]) -> list[tuple[float, ...
         (FullFactorial(slices=[["part.x0", "part.x1"], ["part.x2"]]), 4 * 4 + 4),
         (LatinHypercube(samples=37), 37),
         (LatinHypercube(samples=1), 1),
+        (LatinHypercube(samples=37, optimize=True), 37),
+        (CentralComposite(), 1 + 2 * 3 + 2**3),
+        (CentralComposite(corners="faced"), 1 + 2 * 3 + 2**3),
         (Sobol(samples=37), 37),
         (Halton(samples=37), 37),
     ],
@@ -67,6 +71,40 @@ def test_runs_are_numbered_by_configuration_then_by_point() -> None:
     assert [r.configuration for r in made] == ["b"] * 4 + ["a"] * 4
     corners = [(0.0, 0.0), (0.0, 1.0), (1.0, 0.0), (1.0, 1.0)]
     assert [tuple(r.point.values()) for r in made] == corners * 2
+
+
+def test_a_rotatable_design_has_its_points_on_a_sphere_and_a_faced_one_on_the_faces() -> None:
+    for count in (2, 3, 5):
+        centre, *others = np.array(rows(study_of(CentralComposite(), variables=count))) * 2 - 1
+        assert not centre.any()
+        # Corners at 2^(-k/4): their distance is that times the root of k, as in Box and Hunter 1957 for the axes at 1.
+        distances = np.linalg.norm(others, axis=1)
+        assert distances[: 2 * count] == pytest.approx(1.0, abs=1e-12)
+        assert distances[2 * count :] == pytest.approx(math.sqrt(count) * 2 ** (-count / 4), abs=1e-12)
+        faced = np.array(rows(study_of(CentralComposite(corners="faced"), variables=count))) * 2 - 1
+        assert set(np.abs(faced).max(axis=1)) == {0.0, 1.0}
+
+
+def test_the_fourth_moments_of_a_rotatable_design_are_those_of_a_sphere() -> None:
+    points_there = np.array(rows(study_of(CentralComposite(), variables=3))) * 2 - 1
+    # Box and Hunter 1957: sum x_i^4 is three times sum x_i^2 x_j^2.
+    assert (points_there**4).sum(axis=0) == pytest.approx(3 * (points_there[:, 0] ** 2 * points_there[:, 1] ** 2).sum())
+
+
+def test_an_optimised_hypercube_is_more_even_than_chance_and_stays_one_when_it_grows() -> None:
+    from scipy.stats.qmc import discrepancy
+
+    def unevenness(there: list[tuple[float, ...]], **options: object) -> float:
+        study = study_of(LatinHypercube.model_validate({"samples": 24, **options}), variables=3)
+        found = after(study, there) if there else rows(study)
+        strata = np.sort((np.array(found) * 24).astype(int), axis=0)
+        assert (strata == np.arange(24)[:, None]).all()
+        assert found[: len(there)] == there
+        return float(discrepancy(np.array(found)))
+
+    assert unevenness([], optimize=True) < 0.8 * unevenness([])
+    first = rows(study_of(LatinHypercube(samples=24), variables=3))[:12]
+    assert unevenness(first, optimize=True) < 0.9 * unevenness(first)
 
 
 def test_a_single_level_is_the_nominal_value() -> None:

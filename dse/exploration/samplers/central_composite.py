@@ -1,0 +1,57 @@
+"""Central composite designs: corners, axes and centre, what a quadratic model needs."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from itertools import product
+from typing import Any, ClassVar, Literal, Self
+
+from dse.domain.sampler import Brief, Point
+from dse.errors import fail
+from dse.exploration.once_sampler import OnceSampler
+from dse.loading import Surroundings
+
+_MOST_VARIABLES = 16
+
+
+class CentralComposite(OnceSampler):
+    """The centre of the ranges, two points on each axis through it, and the corners of a cube (Box, Wilson 1951).
+
+    *inscribed*: the axes reach to the ends of the ranges, and the corners are 2^(k/4) times nearer for k variables, so
+    that all directions count alike (rotatable). *faced*: the corners are those of the ranges.
+    """
+
+    name: ClassVar[str] = "central_composite"
+    examples: ClassVar[tuple[Mapping[str, Any], ...]] = ({}, {"corners": "faced"})
+
+    corners: Literal["inscribed", "faced"] = "inscribed"
+
+    def settled(self, around: Surroundings) -> Self:
+        """Raises DseError for more variables than have a sensible number of corners."""
+        if len(around.variables) > _MOST_VARIABLES:
+            what = f"{len(around.variables)} design variables have 2^{len(around.variables)} corners"
+            where = around.entry.document.top["sampler"].key
+            raise fail(what, where, f"take at most {_MOST_VARIABLES}, or a sampler such as sobol")
+        return self
+
+    def points(self, brief: Brief) -> Sequence[Point]:
+        """The centre, then the axes, then the corners, each once."""
+        ranges = [(variable.low, variable.high) for variable in brief.variables]
+        return list(dict.fromkeys(tuple(map(_within, ranges, part)) for part in self._parts(len(ranges))))
+
+    def _parts(self, count: int) -> Iterator[tuple[float, ...]]:
+        """Points of the cube from -1 to 1."""
+        yield (0.0,) * count
+        for axis in range(count):
+            for end in (-1.0, 1.0):
+                yield tuple(end if k == axis else 0.0 for k in range(count))
+        near = 1.0 if self.corners == "faced" else 2.0 ** (-count / 4)
+        yield from product((-near, near), repeat=count)
+
+
+def _within(bounds: tuple[float, float], part: float) -> float:
+    low, high = bounds
+    return min(max(low + (high - low) * (1.0 + part) / 2.0, low), high)
+
+
+SAMPLER = CentralComposite
