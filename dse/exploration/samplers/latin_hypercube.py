@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, Any, ClassVar, Self
+from typing import TYPE_CHECKING, Any, ClassVar, Literal, Self
 
 from pydantic import Field
 
@@ -51,7 +51,7 @@ class LatinHypercube(OnceSampler):
         there = _points_everywhere(brief)[: self.samples]
         if there:
             return [*there, *scaled(self._between(there, brief), brief.variables)]
-        method = "random-cd" if self.optimize and self.samples > 1 else None
+        method: Literal["random-cd"] | None = "random-cd" if self.optimize and self.samples > 1 else None
         random = np.random.default_rng(brief.seed)
         unit = Hypercube(len(brief.variables), optimization=method, seed=random).random(self.samples)
         return scaled(unit, brief.variables)
