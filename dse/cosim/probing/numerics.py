@@ -60,7 +60,6 @@ class _Numerics:
     sandboxed: bool
 
     def found(self) -> FmuNumerics:
-        began = int(time.time())
         steps = max(1, min(_STEPS, round(self.stop / self.step)))
         for strength in _STRENGTHS if driven(self.element.model) else _STRENGTHS[-1:]:
             element = _driven(self.element, Drive(self.step, steps, strength, seed=1))
@@ -73,7 +72,7 @@ class _Numerics:
         by_step = Settling(*by_step)
         if digests[0] != digests[1]:
             return FmuNumerics(self.step, unknown="its outputs depend on what was simulated before in its process")
-        if not self.is_ours and (why := self._other_process(element, steps, digests[0], began)):
+        if not self.is_ours and (why := self._other_process(element, steps, digests[0])):
             return FmuNumerics(self.step, unknown=why)
         if not by_step.settles:
             deeper = self._attempt(shorter_steps, element, self.step, min(steps, _FEW_STEPS), _MOST_HALVINGS)
@@ -145,8 +144,9 @@ class _Numerics:
             return "its outputs do not move by themselves, so that nothing shows how it computes them"
         return "neither other steps nor another tolerance make it compute anything else"
 
-    def _other_process(self, element: Element, steps: int, digest: bytes, began: int) -> str:
-        while int(time.time()) == began:  # a clock that is read may count seconds
+    def _other_process(self, element: Element, steps: int, digest: bytes) -> str:
+        ended = int(time.time())
+        while int(time.time()) == ended:  # a clock that was read before may count seconds
             time.sleep(0.05)
         outcome = self._attempt(digest_of_run, element, self.step, steps)
         if outcome.failure:
