@@ -16,6 +16,7 @@ POINTS = "controller.kp_speed [1/s],controller.kd_speed\n0.75,0.25\n2.5,0.5\n"
     [
         ("{sobol: {samples: 2}}", "{sobol: {samples: 4}}"),
         pytest.param("{halton: {samples: 2}}", "{halton: {samples: 4}}", marks=pytest.mark.nightly),
+        pytest.param("{boundary: {samples: 2}}", "{boundary: {samples: 4}}", marks=pytest.mark.thorough),
         pytest.param("{csv: {file: points.csv}}", "{csv: {file: more.csv}}", marks=pytest.mark.thorough),
         pytest.param("{latin_hypercube: {samples: 2}}", "{latin_hypercube: {samples: 4}}", marks=pytest.mark.nightly),
         pytest.param("{sobol: {samples: 2}}", "{halton: {samples: 2}}", marks=pytest.mark.nightly),
