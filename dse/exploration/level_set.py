@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 
 _LENGTHS = 2.0 ** np.arange(-4, 3)
-_NUGGETS = (1e-6, 1e-4, 1e-2)
+_NUGGETS = (1e-6, 1e-4)
 _MOST_FITTED = 150
 _LEAST_DEVIATION = 1e-3
 _DIGITS = 6
