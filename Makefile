@@ -64,7 +64,7 @@ rest: lint types layers web plugin thorough
 plugin: setup
 	rm -rf $(VENV)/plugin
 	$(PIP) --no-deps --no-build-isolation --target $(VENV)/plugin examples/plugin
-	PYTHONPATH=$(VENV)/plugin $(BIN)/python -m pytest -q examples/plugin/tests
+	PYTHONPATH=$(VENV)/plugin $(PYTEST) examples/plugin/tests
 
 # Other examples than yesterday, ten times as many, and all commands in all environments.
 nightly: setup
