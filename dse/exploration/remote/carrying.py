@@ -9,6 +9,8 @@ import sys
 import threading
 import time
 from collections.abc import Sequence
+from functools import cache
+from multiprocessing.util import Finalize
 from pathlib import Path
 
 from dse.errors import DseError
@@ -69,6 +71,7 @@ def _taken(parcel: Parcel) -> _Crew:
 
 
 def _let_go_later(crew: _Crew) -> None:
+    _let_go_at_exit()
     with _lock:
         crew.idle_since = time.monotonic()
         _idle.append(crew)
@@ -82,6 +85,20 @@ def _let_go() -> None:
     with _lock:
         leaving = [crew for crew in _idle if crew.idle_since <= limit]
         _idle[:] = [crew for crew in _idle if crew.idle_since > limit]
+    for crew in leaving:
+        crew.close()
+
+
+@cache
+def _let_go_at_exit() -> None:
+    """Have processes that wait here end before this one does: a pool of processes would wait for them."""
+    Finalize(None, _let_all_go, exitpriority=100)
+
+
+def _let_all_go() -> None:
+    with _lock:
+        leaving = _idle[:]
+        _idle.clear()
     for crew in leaving:
         crew.close()
 
