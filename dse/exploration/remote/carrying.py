@@ -8,7 +8,7 @@ from __future__ import annotations
 import sys
 import threading
 import time
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from functools import cache
 from multiprocessing.util import Finalize
 from pathlib import Path
@@ -54,11 +54,7 @@ def carry_out(content: bytes) -> Answer:
 
 def dismiss(study: str) -> None:
     """Let the processes go that wait here for parcels of *study*."""
-    with _lock:
-        leaving = [crew for crew in _idle if crew.study == study]
-        _idle[:] = [crew for crew in _idle if crew.study != study]
-    for crew in leaving:
-        crew.close()
+    _let_go(lambda crew: crew.study == study)
 
 
 def _taken(parcel: Parcel) -> _Crew:
@@ -75,16 +71,15 @@ def _let_go_later(crew: _Crew) -> None:
     with _lock:
         crew.idle_since = time.monotonic()
         _idle.append(crew)
-    timer = threading.Timer(IDLE_SECONDS, _let_go)
+    timer = threading.Timer(IDLE_SECONDS, _let_go, [lambda crew: crew.idle_since <= time.monotonic() - IDLE_SECONDS])
     timer.daemon = True
     timer.start()
 
 
-def _let_go() -> None:
-    limit = time.monotonic() - IDLE_SECONDS
+def _let_go(is_leaving: Callable[[_Crew], bool]) -> None:
     with _lock:
-        leaving = [crew for crew in _idle if crew.idle_since <= limit]
-        _idle[:] = [crew for crew in _idle if crew.idle_since > limit]
+        leaving = [crew for crew in _idle if is_leaving(crew)]
+        _idle[:] = [crew for crew in _idle if crew not in leaving]
     for crew in leaving:
         crew.close()
 
@@ -92,15 +87,7 @@ def _let_go() -> None:
 @cache
 def _let_go_at_exit() -> None:
     """Have processes that wait here end before this one does: a pool of processes would wait for them."""
-    Finalize(None, _let_all_go, exitpriority=100)
-
-
-def _let_all_go() -> None:
-    with _lock:
-        leaving = _idle[:]
-        _idle.clear()
-    for crew in leaving:
-        crew.close()
+    Finalize(None, _let_go, [lambda _: True], exitpriority=100)
 
 
 class _Crew:
