@@ -137,6 +137,8 @@ def test_where_no_boundary_shows_the_ranges_are_filled(margin: float) -> None:
     points = rows(searched(lambda points: {"R": np.full(len(points), margin)}, 64))
     # Of 16 equal squares each has a run.
     assert len({tuple(square) for square in np.minimum(points * 4, 3).astype(int).tolist()}) == 16
+    # They do not stand in columns.
+    assert all(len(np.unique((column * 64).astype(int))) > 40 for column in points.T)
 
 
 def test_the_process_goes_through_what_is_known_and_is_unsure_elsewhere() -> None:

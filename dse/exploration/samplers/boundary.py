@@ -61,6 +61,8 @@ class _Search:
 
         self._sampler, self._brief = sampler, brief
         self._sequence = qmc.Sobol(len(brief.variables), seed=np.random.default_rng(brief.seed))
+        # In their order. The first points of later blocks would not do: they share the leading bits of these.
+        self._filling = scaled(self._sequence.random(_POOL), brief.variables)
         self._known = {name: _Known() for name in brief.configurations}
         columns = [brief.earlier.points[variable.name].tolist() for variable in brief.variables]
         for name, *point in zip(brief.earlier.configurations, *columns, strict=True):
@@ -88,7 +90,9 @@ class _Search:
 
     def _wanted(self, known: _Known, pool: Sequence[Point]) -> list[Point]:
         left = self._sampler.samples - len(known.points)
-        fresh = [point for point in dict.fromkeys(pool) if point not in known.points and point not in known.there]
+        filling = [point for point in self._filling if point not in known.points and point not in known.there]
+        filling = filling[: max(self._sampler.first, self._sampler.batch)]
+        fresh = list(dict.fromkeys((*filling, *(p for p in pool if p not in known.points and p not in known.there))))
         if not known.points:
             wanted = [*known.there, *fresh[: max(self._sampler.first - len(known.there), 0)]]
         else:
