@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 
@@ -90,6 +90,12 @@ def closest(word: str, words: Iterable[str]) -> str:
         return f"did you mean '{close[0]}'?"
     listed = ", ".join(known[:12])
     return f"possible: {listed}{', …' if len(known) > 12 else ''}" if known else ""
+
+
+def some_of(names: Sequence[str], most: int = 12) -> str:
+    """*names* for a message, no more than *most* of them."""
+    few = ", ".join(names[:most])
+    return few if len(names) <= most else f"{few} and {len(names) - most} more"
 
 
 def _order(where: Location | None) -> tuple[str, int, int]:

@@ -10,7 +10,7 @@ from dse.domain.design import Connection
 from dse.domain.fmu import FmuModel, Variable
 from dse.domain.labels import array_of
 from dse.domain.system import Conversion, Element, SystemStructure, Wire
-from dse.errors import DseError, Location, Problem, raise_if_any
+from dse.errors import DseError, Location, Problem, raise_if_any, some_of
 from dse.system.binding import IDENTITY, Binding, bind
 from dse.system.order import along_the_flow
 from dse.system.shapes import resized
@@ -117,14 +117,10 @@ def _loose(part: str, component: Component, ends: list[str], where: Location | N
     if len(ends) == 1:
         what = f"input {ends[0]} ({component.name}) is neither connected nor given a value"
     else:
-        names = ", ".join(end.removeprefix(f"{part}.") for end in ends[:_MOST_LISTED])
-        names += f" and {len(ends) - _MOST_LISTED} more" if len(ends) > _MOST_LISTED else ""
+        names = some_of([end.removeprefix(f"{part}.") for end in ends])
         what = f"{len(ends)} inputs of {part} ({component.name}) are neither connected nor given a value: {names}"
         hint = f"for each, {hint}"
     return Problem(what, where or component.where, hint)
-
-
-_MOST_LISTED = 12
 
 
 def _element(

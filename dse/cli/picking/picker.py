@@ -14,7 +14,7 @@ from textual.widgets.option_list import Option as Line
 
 from dse.cli.spaces import short, tally_text
 from dse.domain.design import DesignSpace
-from dse.errors import DseError
+from dse.errors import DseError, some_of
 from dse.space import IdentifiedChoices, Option, Picking, Range, Tally
 
 LEFT_OUT = "(left out)"
@@ -260,8 +260,7 @@ class Picker(App[IdentifiedChoices]):
             text.append(f" {found.low:g} … {found.high:g} {unit}".rstrip())
             text.append("\n" if found.exact else "  (bounds)\n", "dim")
         names = [constraint.name for constraint in self.space.constraints]
-        listed = ", ".join(names[:_NAMED]) + (f" and {len(names) - _NAMED} more" if len(names) > _NAMED else "")
-        return text.append(f"{len(names)} constraints: {listed}" if names else "no constraints", "dim")
+        return text.append(f"{len(names)} constraints: {some_of(names, _NAMED)}" if names else "no constraints", "dim")
 
 
 def _depths(picking: Picking) -> list[int]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
-from dse.errors import Location, Problem
+from dse.errors import Location, Problem, some_of
 from dse.modelica.algebra.expression import Expression, shown
 from dse.modelica.algebra.symbol import Symbol
 from dse.modelica.structure.graphs import Matching
@@ -31,8 +31,7 @@ def told(rows: Iterable[Row], what: str) -> list[Problem]:
 
 def listed(symbols: Iterable[Symbol]) -> str:
     """Names for a message; not more than a line holds."""
-    names = [str(symbol) for symbol in symbols]
-    return ", ".join(names[:8]) + (f" and {len(names) - 8} more" if len(names) > 8 else "")
+    return some_of([str(symbol) for symbol in symbols], 8)
 
 
 def _equation(residual: Expression) -> str:

@@ -14,7 +14,7 @@ from dataclasses import dataclass
 from dse.domain.component import NO_INTERFACE, Causality, Interface, Port
 from dse.domain.design import Alternative, Compound, Connection, DesignSpace, Node, Optional, Part
 from dse.domain.labels import shapes, spelled
-from dse.errors import DseError, Problem, closest, fail, raise_if_any
+from dse.errors import DseError, Problem, closest, fail, raise_if_any, some_of
 from dse.space.decisions import Choices
 
 PortOf = tuple[str, str]
@@ -151,7 +151,7 @@ def port_pairs(connection: Connection, scope: PlacedPart) -> list[tuple[PortOf, 
         raise fail(f"{connection}: no signal goes this way", where, _backwards(source, target))
     if bare:
         raise fail(
-            f"{connection}: nothing is given to {_listed(bare)}",
+            f"{connection}: nothing is given to {some_of(bare)}",
             connection.place(connection.target),
             f"{connection.source} has {_names(source)}, {connection.target} has {_names(target)}",
         )
@@ -264,12 +264,4 @@ def _backwards(source: _End, target: _End) -> str:
 
 
 def _names(end: _End) -> str:
-    return _listed([f"{name.removeprefix('.') or port.name} ({port.causality})" for name, port in end.ports.items()])
-
-
-def _listed(names: Sequence[str]) -> str:
-    few = ", ".join(names[:_MOST_LISTED])
-    return few if len(names) <= _MOST_LISTED else f"{few} and {len(names) - _MOST_LISTED} more"
-
-
-_MOST_LISTED = 12
+    return some_of([f"{name.removeprefix('.') or port.name} ({port.causality})" for name, port in end.ports.items()])
