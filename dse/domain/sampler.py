@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple, Protocol
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from enum import StrEnum
+from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple, Protocol, overload
 
 if TYPE_CHECKING:
     import numpy as np
@@ -21,12 +22,38 @@ Grid = tuple[tuple[str, ...], ...]
 """Variables that are varied together, slice by slice, the others at their nominal values; () for all at once."""
 
 
+class Role(StrEnum):
+    """Why a variable is varied: it is decided by the designer, every design has to do with it, or nobody knows it."""
+
+    DESIGN = "design"
+    CONDITION = "condition"
+    UNCERTAIN = "uncertain"
+
+
+class Scale(StrEnum):
+    """Along what a range is even."""
+
+    LINEAR = "linear"
+    LOG = "log"
+
+
+@dataclass(frozen=True, slots=True)
+class Distribution:
+    """How likely the values of an uncertain variable are: a *kind* with its *numbers* by name (SI)."""
+
+    kind: str
+    numbers: Mapping[str, float] = field(default_factory=dict)
+    values: tuple[float, ...] = ()
+    """What was observed, of an empirical one."""
+
+
 @dataclass(frozen=True, slots=True)
 class DesignVariable:
     """A parameter that is varied between *low* and *high* (SI).
 
-    *levels* is the number of equidistant values a factorial takes; *nominal* is the value the variable has
-    where a slice varies others.
+    *levels* is the number of equidistant values (on its *scale*) a factorial takes; *nominal* is the value the variable
+    has where a slice varies others. With *values* it has these only, sorted. A configuration need not have it.
+    *low* and *high* of an uncertain one cut its *distribution* off.
     """
 
     name: str
@@ -37,6 +64,48 @@ class DesignVariable:
     unit: Unit
     title: str = ""
     where: Location | None = None
+    scale: Scale = Scale.LINEAR
+    values: tuple[float, ...] = ()
+    role: Role = Role.DESIGN
+    distribution: Distribution | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Objective:
+    """What is to be as small as can be, or with *maximize* as large: a metric, or the *total* of a property."""
+
+    name: str
+    maximize: bool = False
+    is_total: bool = False
+
+    def __str__(self) -> str:
+        what = f"sum({self.name})" if self.is_total else self.name
+        return f"{'maximize' if self.maximize else 'minimize'} {what}"
+
+
+@dataclass(frozen=True, slots=True)
+class Architecture:
+    """The choices of a valid configuration by path; what is left out is not in it."""
+
+    id: str
+    choices: Mapping[str, str]
+
+
+class Architectures(Protocol):
+    """The valid configurations a study may explore, without a list of them."""
+
+    @property
+    def alternatives(self) -> Mapping[str, tuple[str | None, ...]]:
+        """What can be chosen at each place, None for leaving it out, in the order of the file."""
+
+    def draw(self, number: int, seed: int) -> Sequence[Architecture]:
+        """*number* of them, each as likely as any other."""
+
+    def stratified(self, number: int, seed: int) -> Sequence[Architecture]:
+        """*number* of them, in equal shares for the branches of each decision."""
+
+    def completed(self, wishes: Sequence[tuple[str, str | None]], seed: int) -> Architecture:
+        """One that grants *wishes* in their order, as far as each can be had with those before it; drawn otherwise."""
 
 
 class Candidate(NamedTuple):
@@ -51,6 +120,8 @@ class Outcomes:
     """What came of n runs, in the order in which they were asked for; all in SI, by name, each (n,).
 
     *done* tells which came to their end; metrics and margins of the others are NaN, as those that are undefined.
+    *totals* are sums of properties over their configurations. A variable that a configuration does not have is at its
+    nominal value.
     """
 
     configurations: tuple[str, ...]
@@ -59,6 +130,7 @@ class Outcomes:
     metrics: Mapping[str, NDArray[np.float64]]
     margins: Mapping[str, NDArray[np.float64]]
     verdicts: Mapping[str, tuple[Verdict, ...]]
+    totals: Mapping[str, NDArray[np.float64]] = field(default_factory=dict)
 
     def __len__(self) -> int:
         return len(self.configurations)
@@ -68,13 +140,22 @@ class Outcomes:
 class Brief:
     """What a sampler is given: what is varied on which configurations, and where random draws start.
 
-    *earlier* are the runs that were there when the study was extended; none in a new study.
+    *earlier* are the runs that were there when the study was extended; none in a new study. A sampler that proposes
+    configurations takes them from *space*, the others have a list. Every design is to be run at each of *conditions*,
+    values of the variables that are conditions, in their order; () where there are none. *correlations* of uncertain
+    variables are by their names.
     """
 
     variables: tuple[DesignVariable, ...]
     configurations: tuple[str, ...]
     seed: int
     earlier: Outcomes
+    space: Architectures | None = None
+    objectives: tuple[Objective, ...] = ()
+    conditions: tuple[Point, ...] = ()
+    correlations: Mapping[tuple[str, str], float] = field(default_factory=dict)
+    allowed: Callable[[NDArray[np.float64]], NDArray[np.bool_]] | None = None
+    """Tells of points, (n, variables), which may be asked for; None if all may."""
 
 
 class Search(Protocol):
@@ -91,11 +172,13 @@ class Search(Protocol):
 class Sampler(Protocol):
     """A kind of sampling with its options; frozen.
 
-    *name* is what it is found by. With *once* it asks a single time and needs no results.
+    *name* is what it is found by. With *once* it asks a single time and needs no results. With *proposes* it takes
+    configurations from the brief's space, of which there may be any number, else from its list.
     """
 
     name: ClassVar[str]
     once: ClassVar[bool]
+    proposes: ClassVar[bool]
 
     @property
     def grid(self) -> Grid | None:
@@ -108,17 +191,39 @@ class Sampler(Protocol):
         """The sampling of one study."""
 
 
-class Once:
-    """The search of a sampler that asks once, for *points* on every configuration."""
+class Everywhere(Sequence[Candidate]):
+    """Every one of *points*, (n, variables), on the first of *configurations*, then on the next: n of each in a row.
 
-    def __init__(self, points: Iterable[Point], configurations: Sequence[str]) -> None:
-        self._points = list(points)
-        self._configurations = configurations
+    As nouns, a million of them would take a third of a gigabyte.
+    """
+
+    def __init__(self, points: NDArray[np.float64], configurations: Sequence[str]) -> None:
+        self.points = points
+        self.configurations = configurations
+
+    def __len__(self) -> int:
+        return len(self.points) * len(self.configurations)
+
+    @overload
+    def __getitem__(self, index: int) -> Candidate: ...
+    @overload
+    def __getitem__(self, index: slice) -> Sequence[Candidate]: ...
+    def __getitem__(self, index: int | slice) -> Candidate | Sequence[Candidate]:
+        if isinstance(index, slice):
+            return [self[number] for number in range(*index.indices(len(self)))]
+        configuration, row = divmod(range(len(self))[index], len(self.points))
+        return Candidate(self.configurations[configuration], tuple(self.points[row].tolist()))
+
+
+class Once:
+    """The search of a sampler that asks once, for *points*, (n, variables), on every configuration."""
+
+    def __init__(self, points: NDArray[np.float64], configurations: Sequence[str]) -> None:
+        self._asked: Sequence[Candidate] = Everywhere(points, configurations)
 
     def ask(self) -> Sequence[Candidate]:
         """Every point on the first configuration, then on the next; nothing the second time."""
-        asked = [Candidate(name, point) for name in self._configurations for point in self._points]
-        self._points = []
+        asked, self._asked = self._asked, ()
         return asked
 
     def tell(self, outcomes: Outcomes) -> None:
@@ -131,6 +236,7 @@ class Nominal:
 
     name: ClassVar[str] = "nominal"
     once: ClassVar[bool] = True
+    proposes: ClassVar[bool] = False
 
     @property
     def grid(self) -> Grid | None:
@@ -143,4 +249,6 @@ class Nominal:
 
     def start(self, brief: Brief) -> Search:
         """Asks once."""
-        return Once([tuple(variable.nominal for variable in brief.variables)], brief.configurations)
+        import numpy as np
+
+        return Once(np.array([[variable.nominal for variable in brief.variables]]), brief.configurations)

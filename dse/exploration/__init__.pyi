@@ -2,8 +2,9 @@ from .executor import Executor as Executor, Pool as Pool, load_executor as load_
 from .failures import in_words as in_words
 from .known_runs import KnownRuns as KnownRuns, give as give
 from .loop import ExplorationInterruptedError as ExplorationInterruptedError, Explored as Explored, explore as explore
-from .once_sampler import OnceSampler as OnceSampler, scaled as scaled
+from .once_sampler import OnceSampler as OnceSampler
 from .progress import Progress as Progress
 from .remote.futures import FuturesExecutor as FuturesExecutor
 from .supervision.single_run import simulate_alone as simulate_alone
+from .variables import scaled as scaled, unit_of as unit_of
 from .work import Batch as Batch, Sink as Sink, Work as Work

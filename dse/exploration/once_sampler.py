@@ -4,15 +4,19 @@ from __future__ import annotations
 
 from abc import abstractmethod
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import TYPE_CHECKING, ClassVar
 
-from dse.domain.sampler import Brief, DesignVariable, Grid, Once, Point, Search
+from dse.domain.sampler import Brief, Grid, Once, Point, Search
 from dse.errors import Location, fail
+from dse.exploration.variables import at_conditions, free
 from dse.loading import SamplerSection
 
 if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
+
+    Array = NDArray[np.float64]
 
 MOST_RUNS = 5_000_000
 """Larger studies are refused: no sampler here is a sensible way to spend them."""
@@ -29,22 +33,20 @@ class OnceSampler(SamplerSection):
         return None
 
     @abstractmethod
-    def points(self, brief: Brief) -> Sequence[Point]:
-        """The points, within the variables' ranges; the same *brief* gives the same."""
+    def points(self, brief: Brief) -> Array | Sequence[Point]:
+        """The points, (n, variables), within the ranges of the *brief*'s variables, none of which is a condition.
+
+        The same brief gives the same.
+        """
 
     def start(self, brief: Brief) -> Search:
-        """Asks once."""
-        return Once(self.points(brief), brief.configurations)
+        """Asks once, for those of the points that are allowed, each at every condition."""
+        import numpy as np
 
-
-def scaled(unit: NDArray[np.float64], variables: Sequence[DesignVariable]) -> list[Point]:
-    """Points of the unit cube, (n, variables), in the variables' ranges."""
-    import numpy as np
-
-    low = np.array([variable.low for variable in variables])
-    high = np.array([variable.high for variable in variables])
-    # Rounding may carry a point past the end of its range.
-    return [tuple(row) for row in np.clip(low + unit * (high - low), low, high).tolist()]
+        variables = free(brief)
+        points = self.points(replace(brief, variables=variables, conditions=()))
+        asked = at_conditions(np.array(points, dtype=np.float64).reshape(len(points), len(variables)), brief)
+        return Once(asked if brief.allowed is None else asked[brief.allowed(asked)], brief.configurations)
 
 
 def require_few(runs: int, where: Location | None) -> None:

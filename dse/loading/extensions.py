@@ -54,6 +54,8 @@ class Extension(Section):
 class SamplerSection(Extension):
     """A sampler as its YAML; see `dse.domain.sampler.Sampler` for the rest of what it has to be."""
 
+    proposes: ClassVar[bool] = False
+
     def settled(self, around: Surroundings) -> Self:  # noqa: ARG002  # for those that look around
         """The sampler to use, with what had to be read; raises DseError with what is wrong with it *around* here."""
         return self

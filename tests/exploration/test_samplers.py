@@ -14,7 +14,8 @@ from dse.domain.study import Study
 from dse.errors import DseError
 from dse.exploration.samplers.central_composite import CentralComposite
 from dse.exploration.samplers.csv import Csv
-from dse.exploration.samplers.full_factorial import FullFactorial, levels
+from dse.exploration.samplers.full_factorial import FullFactorial
+from dse.exploration.variables import levels
 from dse.exploration.samplers.halton import Halton
 from dse.exploration.samplers.latin_hypercube import LatinHypercube
 from dse.exploration.samplers.sobol import Sobol

@@ -11,7 +11,7 @@ from pydantic import Field
 from dse.domain.bench import Verdict
 from dse.domain.sampler import Brief, Candidate, Outcomes, Point
 from dse.errors import fail
-from dse.exploration.once_sampler import scaled
+from dse.exploration.variables import scaled, unit_of
 from dse.loading import SamplerSection
 
 if TYPE_CHECKING:
@@ -62,7 +62,7 @@ class _Search:
         self._sampler, self._brief = sampler, brief
         self._sequence = qmc.Sobol(len(brief.variables), seed=np.random.default_rng(brief.seed))
         # In their order. The first points of later blocks would not do: they share the leading bits of these.
-        self._filling = scaled(self._sequence.random(_POOL), brief.variables)
+        self._filling = _points(self._sequence.random(_POOL), brief)
         self._known = {name: _Known() for name in brief.configurations}
         columns = [brief.earlier.points[variable.name].tolist() for variable in brief.variables]
         for name, *point in zip(brief.earlier.configurations, *columns, strict=True):
@@ -72,7 +72,7 @@ class _Search:
 
     def ask(self) -> Sequence[Candidate]:
         """What is there and the first points; then a batch for each configuration."""
-        pool = scaled(self._sequence.random(_POOL), self._brief.variables)
+        pool = _points(self._sequence.random(_POOL), self._brief)
         return [Candidate(name, point) for name, known in self._known.items() for point in self._wanted(known, pool)]
 
     def tell(self, outcomes: Outcomes) -> None:
@@ -124,9 +124,11 @@ class _Search:
     def _unit(self, points: Sequence[Point]) -> Array:
         import numpy as np
 
-        low = np.array([variable.low for variable in self._brief.variables])
-        width = np.array([(variable.high - variable.low) or 1.0 for variable in self._brief.variables])
-        return np.asarray((np.array(points) - low) / width, dtype=np.float64)
+        return unit_of(np.array(points), self._brief.variables)
+
+
+def _points(unit: Array, brief: Brief) -> list[Point]:
+    return [tuple(row) for row in scaled(unit, brief.variables, brief.correlations).tolist()]
 
 
 _JUDGED = (Verdict.PASS, Verdict.FAIL)

@@ -2,14 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from itertools import product
-from typing import Any, ClassVar, Literal, Self
+from typing import TYPE_CHECKING, Any, ClassVar, Literal, Self
 
-from dse.domain.sampler import Brief, Point
+from dse.domain.sampler import Brief
 from dse.errors import fail
 from dse.exploration.once_sampler import OnceSampler
+from dse.exploration.variables import scaled
 from dse.loading import Surroundings
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
 
 _MOST_VARIABLES = 16
 
@@ -34,10 +39,12 @@ class CentralComposite(OnceSampler):
             raise fail(what, where, f"take at most {_MOST_VARIABLES}, or a sampler such as sobol")
         return self
 
-    def points(self, brief: Brief) -> Sequence[Point]:
+    def points(self, brief: Brief) -> NDArray[np.float64]:
         """The centre, then the axes, then the corners, each once."""
-        ranges = [(variable.low, variable.high) for variable in brief.variables]
-        return list(dict.fromkeys(tuple(map(_within, ranges, part)) for part in self._parts(len(ranges))))
+        import numpy as np
+
+        parts = dict.fromkeys(self._parts(len(brief.variables)))
+        return scaled((1.0 + np.array([*parts])) / 2.0, brief.variables)
 
     def _parts(self, count: int) -> Iterator[tuple[float, ...]]:
         """Points of the cube from -1 to 1."""
@@ -47,11 +54,6 @@ class CentralComposite(OnceSampler):
                 yield tuple(end if k == axis else 0.0 for k in range(count))
         near = 1.0 if self.corners == "faced" else 2.0 ** (-count / 4)
         yield from product((-near, near), repeat=count)
-
-
-def _within(bounds: tuple[float, float], part: float) -> float:
-    low, high = bounds
-    return min(max(low + (high - low) * (1.0 + part) / 2.0, low), high)
 
 
 SAMPLER = CentralComposite

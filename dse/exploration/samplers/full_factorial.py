@@ -4,15 +4,15 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping, Sequence
-from fractions import Fraction
 from itertools import product
 from typing import Any, ClassVar, Self
 
 from pydantic import Field
 
-from dse.domain.sampler import Brief, DesignVariable, Grid, Point
+from dse.domain.sampler import Brief, DesignVariable, Grid, Point, Role
 from dse.errors import Problem, closest, raise_if_any
 from dse.exploration.once_sampler import MOST_RUNS, OnceSampler, require_few
+from dse.exploration.variables import levels
 from dse.loading import Surroundings
 
 
@@ -36,7 +36,7 @@ class FullFactorial(OnceSampler):
         """Raises DseError for slices of what is no design variable, variables without levels, and too many runs."""
         problems = [*self._problems(around)]
         problems += [
-            Problem(f"'{variable.name}' needs at least 2 levels", variable.where, "levels: 25")
+            Problem(f"'{variable.name}' needs at least 2 levels", variable.where, _hint(variable))
             for variable in around.variables
             if variable.levels < 2
         ]
@@ -73,16 +73,8 @@ class FullFactorial(OnceSampler):
                     yield Problem(f"'{name}' is not a design variable", where, closest(name, around.names))
 
 
-def levels(variable: DesignVariable) -> tuple[float, ...]:
-    """The variable's equidistant levels from low to high, both included; its nominal value if it has only one.
-
-    Each is the float nearest to the level computed from the decimal numbers the bounds are written as, so
-    that 25 levels of 0.1 … 3 hold 1.55 and not its neighbour.
-    """
-    if variable.levels == 1:
-        return (variable.nominal,)
-    low, high, last = Fraction(str(variable.low)), Fraction(str(variable.high)), variable.levels - 1
-    return tuple(float((low * (last - i) + high * i) / last) for i in range(variable.levels))
+def _hint(variable: DesignVariable) -> str:
+    return "take 'sobol', or vary it as a condition" if variable.role is Role.UNCERTAIN else "levels: 25"
 
 
 SAMPLER = FullFactorial

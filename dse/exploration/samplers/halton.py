@@ -2,13 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from typing import Any, ClassVar
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any, ClassVar
 
 from pydantic import Field
 
-from dse.domain.sampler import Brief, Point
-from dse.exploration.once_sampler import MOST_RUNS, OnceSampler, scaled
+from dse.domain.sampler import Brief
+from dse.exploration.once_sampler import MOST_RUNS, OnceSampler
+from dse.exploration.variables import scaled
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
 
 
 class Halton(OnceSampler):
@@ -23,13 +28,13 @@ class Halton(OnceSampler):
     samples: int = Field(ge=1, le=MOST_RUNS)
     scramble: bool = True
 
-    def points(self, brief: Brief) -> Sequence[Point]:
+    def points(self, brief: Brief) -> NDArray[np.float64]:
         """The points in the order of the sequence."""
         import numpy as np
         from scipy.stats import qmc
 
         sequence = qmc.Halton(len(brief.variables), scramble=self.scramble, seed=np.random.default_rng(brief.seed))
-        return scaled(sequence.random(self.samples), brief.variables)
+        return scaled(sequence.random(self.samples), brief.variables, brief.correlations)
 
 
 SAMPLER = Halton

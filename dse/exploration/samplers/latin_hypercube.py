@@ -9,7 +9,8 @@ from pydantic import Field
 
 from dse.domain.sampler import Brief, Point
 from dse.errors import fail
-from dse.exploration.once_sampler import MOST_RUNS, OnceSampler, scaled
+from dse.exploration.once_sampler import MOST_RUNS, OnceSampler
+from dse.exploration.variables import scaled, unit_of
 from dse.loading import Surroundings
 
 if TYPE_CHECKING:
@@ -43,27 +44,25 @@ class LatinHypercube(OnceSampler):
             raise fail(what, around.place("samples"), hint)
         return self
 
-    def points(self, brief: Brief) -> Sequence[Point]:
+    def points(self, brief: Brief) -> NDArray[np.float64]:
         """The points in a random order, those that are there first."""
         import numpy as np
         from scipy.stats.qmc import LatinHypercube as Hypercube
 
         there = _points_everywhere(brief)[: self.samples]
         if there:
-            return [*there, *scaled(self._between(there, brief), brief.variables)]
+            return np.concatenate([there, scaled(self._between(there, brief), brief.variables, brief.correlations)])
         method: Literal["random-cd"] | None = "random-cd" if self.optimize and self.samples > 1 else None
         random = np.random.default_rng(brief.seed)
         unit = Hypercube(len(brief.variables), optimization=method, seed=random).random(self.samples)
-        return scaled(unit, brief.variables)
+        return scaled(unit, brief.variables, brief.correlations)
 
     def _between(self, there: Sequence[Point], brief: Brief) -> NDArray[np.float64]:
         """New points of the unit cube, each in strata of its own that none of those *there* lies in."""
         import numpy as np
 
         random = np.random.default_rng([brief.seed, len(there)])
-        low = np.array([variable.low for variable in brief.variables])
-        width = np.array([variable.high - variable.low for variable in brief.variables])
-        old = np.clip((np.array(there) - low) / width, 0.0, 1.0)
+        old = np.clip(unit_of(np.array(there), brief.variables), 0.0, 1.0)
         taken = np.clip(old * self.samples, 0, self.samples - 1).astype(int)
         new = self.samples - len(there)
 

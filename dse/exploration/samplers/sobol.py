@@ -3,13 +3,18 @@
 from __future__ import annotations
 
 import warnings
-from collections.abc import Mapping, Sequence
-from typing import Any, ClassVar
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any, ClassVar
 
 from pydantic import Field
 
-from dse.domain.sampler import Brief, Point
-from dse.exploration.once_sampler import MOST_RUNS, OnceSampler, scaled
+from dse.domain.sampler import Brief
+from dse.exploration.once_sampler import MOST_RUNS, OnceSampler
+from dse.exploration.variables import scaled
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
 
 
 class Sobol(OnceSampler):
@@ -24,7 +29,7 @@ class Sobol(OnceSampler):
     samples: int = Field(ge=1, le=MOST_RUNS)
     scramble: bool = True
 
-    def points(self, brief: Brief) -> Sequence[Point]:
+    def points(self, brief: Brief) -> NDArray[np.float64]:
         """The points in the order of the sequence."""
         import numpy as np
         from scipy.stats import qmc
@@ -33,7 +38,7 @@ class Sobol(OnceSampler):
         with warnings.catch_warnings():
             # Any other number than a power of two is less even, not wrong.
             warnings.filterwarnings("ignore", message="The balance properties", category=UserWarning)
-            return scaled(sequence.random(self.samples), brief.variables)
+            return scaled(sequence.random(self.samples), brief.variables, brief.correlations)
 
 
 SAMPLER = Sobol
