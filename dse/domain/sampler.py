@@ -12,6 +12,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from dse.domain.bench import Verdict
+    from dse.domain.distribution import Distribution
     from dse.errors import Location
     from dse.units import Unit
 
@@ -35,16 +36,6 @@ class Scale(StrEnum):
 
     LINEAR = "linear"
     LOG = "log"
-
-
-@dataclass(frozen=True, slots=True)
-class Distribution:
-    """How likely the values of an uncertain variable are: a *kind* with its *numbers* by name (SI)."""
-
-    kind: str
-    numbers: Mapping[str, float] = field(default_factory=dict)
-    values: tuple[float, ...] = ()
-    """What was observed, of an empirical one."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 from itertools import product
 from typing import TYPE_CHECKING
 
+from dse.domain.distribution import cumulative, quantile
 from dse.domain.sampler import Brief, DesignVariable, Point, Role, Scale
 
 if TYPE_CHECKING:
@@ -90,8 +91,6 @@ def value_at(variable: DesignVariable, share: Array) -> Array:
     """The values at *share* (n,), 0 … 1, of the variable's range, values or distribution."""
     import numpy as np
 
-    from dse.exploration.distributions import quantile
-
     if variable.values:
         values = np.array(variable.values)
         return np.asarray(values[np.minimum((share * len(values)).astype(np.intp), len(values) - 1)])
@@ -109,8 +108,6 @@ def value_at(variable: DesignVariable, share: Array) -> Array:
 def share_of(variable: DesignVariable, value: Array) -> Array:
     """Where *value* (n,) lies: 0 at the low end, 1 at the high one; beyond these where it is outside of a range."""
     import numpy as np
-
-    from dse.exploration.distributions import cumulative
 
     if variable.values:
         values = np.array(variable.values)

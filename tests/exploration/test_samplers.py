@@ -15,10 +15,10 @@ from dse.errors import DseError
 from dse.exploration.samplers.central_composite import CentralComposite
 from dse.exploration.samplers.csv import Csv
 from dse.exploration.samplers.full_factorial import FullFactorial
-from dse.exploration.variables import levels
 from dse.exploration.samplers.halton import Halton
 from dse.exploration.samplers.latin_hypercube import LatinHypercube
 from dse.exploration.samplers.sobol import Sobol
+from dse.exploration.variables import levels
 from dse.formats.yaml import read_yaml
 from dse.loading.extensions import Surroundings
 from dse.units import DIMENSIONLESS, parse_unit

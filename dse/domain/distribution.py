@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
-
-from dse.domain.sampler import Distribution
 
 if TYPE_CHECKING:
     import numpy as np
@@ -14,6 +14,16 @@ if TYPE_CHECKING:
 
 TAIL = 1e-6
 """Probability beyond either end of the range of a distribution that says of no end itself."""
+
+
+@dataclass(frozen=True, slots=True)
+class Distribution:
+    """How likely the values of an uncertain variable are: a *kind* with its *numbers* by name (SI)."""
+
+    kind: str
+    numbers: Mapping[str, float] = field(default_factory=dict)
+    values: tuple[float, ...] = ()
+    """What was observed, of an empirical one."""
 
 
 def quantile(distribution: Distribution, low: float, high: float, share: Array) -> Array:
