@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from enum import StrEnum
 
-from dse.domain.component import Component, Value
+from dse.domain.component import Component, Type, Value
 from dse.domain.design import Connection, DesignSpace
 from dse.domain.expression import Expression
 from dse.domain.method import PLAIN, Method
@@ -96,8 +96,21 @@ class Figure:
 
 
 @dataclass(frozen=True, slots=True)
+class Derived:
+    """A parameter, by ``part.parameter``, that follows from others; an *expression* over their names."""
+
+    name: str
+    expression: Expression
+    type: Type
+    where: Location | None = None
+
+
+@dataclass(frozen=True, slots=True)
 class TestBench:
-    """Design space + test components + connections + settings + metrics + requirements."""
+    """Design space + test components + connections + settings + metrics + requirements.
+
+    *derived* parameters are set in every run, in their order.
+    """
 
     name: str
     design: DesignSpace
@@ -110,6 +123,7 @@ class TestBench:
     figures: tuple[Figure, ...] = ()
     title: str = ""
     where: Location | None = None
+    derived: tuple[Derived, ...] = ()
 
     __test__ = False
 

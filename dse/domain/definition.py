@@ -31,8 +31,17 @@ class DefinedDesign:
 
 
 @dataclass(frozen=True, slots=True)
+class DefinedDistribution:
+    """How likely the values of an uncertain variable are, as a `Distribution`."""
+
+    kind: str
+    numbers: Mapping[str, float] = field(default_factory=dict)
+    values: tuple[float, ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
 class DefinedVariable:
-    """A design variable; *levels* is 0 where the study gives none."""
+    """A design variable; *levels* is 0 where the study gives none. The rest as `DesignVariable` has it."""
 
     name: str
     title: str
@@ -41,6 +50,28 @@ class DefinedVariable:
     high: float
     levels: int
     nominal: float
+    scale: str = "linear"
+    values: tuple[float, ...] = ()
+    role: str = "design"
+    distribution: DefinedDistribution | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class DefinedObjective:
+    """A metric, or the total of a property, that is to be small, or with *maximize* large."""
+
+    name: str
+    maximize: bool = False
+    is_total: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class DefinedCorrelation:
+    """Of two uncertain variables."""
+
+    one: str
+    other: str
+    value: float
 
 
 @dataclass(frozen=True, slots=True)
@@ -135,7 +166,10 @@ class StudyDefinition:
     *ignored* is what of their archives was passed over, as ``dse check`` tells it.
 
     *explored* are the configurations that the sampler is over, in this order; after an extension *configurations* may
-    hold others, of which there are runs.
+    hold others, of which there are runs. Of a sampler that proposes configurations none are explored from the start:
+    *space* says of which design space (a digest), and *configurations* are those it has asked for.
+
+    *derived* parameters and *constraints* between variables are expressions as the user wrote them.
     """
 
     study: str
@@ -155,6 +189,11 @@ class StudyDefinition:
     ignored: tuple[str, ...] = ()
     keep_waveforms: str = ""
     dse: str = ""
+    objectives: tuple[DefinedObjective, ...] = ()
+    derived: Mapping[str, str] = field(default_factory=dict)
+    constraints: tuple[str, ...] = ()
+    correlations: tuple[DefinedCorrelation, ...] = ()
+    space: str = ""
 
     def configuration(self, name: str) -> DefinedConfiguration:
         """The configuration with the id *name*; KeyError if there is none."""
@@ -208,13 +247,15 @@ def _deciding(definition: StudyDefinition) -> dict[str, object]:
         "requirements": [(r.name, r.metric, r.at_most, r.at_least, r.exercised_when) for r in definition.requirements],
         "figures": [(figure.name, figure.current, figure.target) for figure in definition.figures],
         "simulation": definition.simulation,
+        "derived": dict(definition.derived),
         "dse": definition.dse,
     }
 
 
 def _sampling(definition: StudyDefinition) -> tuple[object, ...]:
-    points = tuple((v.name, v.low, v.high, v.levels, v.nominal) for v in definition.variables)
-    return points, definition.sampler, definition.seed, definition.explored
+    points = tuple(replace(variable, title="", unit="") for variable in definition.variables)
+    rules = definition.constraints, definition.correlations, definition.objectives
+    return points, *rules, definition.sampler, definition.seed, definition.explored, definition.space
 
 
 def to_json(noun: Any) -> Json:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
@@ -11,6 +11,9 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     Array = NDArray[np.float64]
+
+Correlations = Mapping[tuple[str, str], float]
+"""Of uncertain variables, by their names."""
 
 TAIL = 1e-6
 """Probability beyond either end of the range of a distribution that says of no end itself."""
@@ -68,6 +71,17 @@ def median(distribution: Distribution) -> float:
     import numpy as np
 
     return float(quantile(distribution, *support(distribution), np.array([0.5]))[0])
+
+
+def correlation_matrix(names: Sequence[str], correlations: Correlations) -> Array:
+    """Of *names*, (n, n): 1 on the diagonal, 0 where none is given."""
+    import numpy as np
+
+    matrix = np.eye(len(names))
+    for (one, other), value in correlations.items():
+        i, j = names.index(one), names.index(other)
+        matrix[i, j] = matrix[j, i] = value
+    return matrix
 
 
 def _frozen(distribution: Distribution) -> Any:

@@ -12,6 +12,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from dse.domain.bench import Verdict
+    from dse.domain.design import Configuration
     from dse.domain.distribution import Distribution
     from dse.errors import Location
     from dse.units import Unit
@@ -89,6 +90,9 @@ class Architectures(Protocol):
     def alternatives(self) -> Mapping[str, tuple[str | None, ...]]:
         """What can be chosen at each place, None for leaving it out, in the order of the file."""
 
+    def count(self) -> int:
+        """How many there are: exact, or an estimate where counting takes long."""
+
     def draw(self, number: int, seed: int) -> Sequence[Architecture]:
         """*number* of them, each as likely as any other."""
 
@@ -96,7 +100,10 @@ class Architectures(Protocol):
         """*number* of them, in equal shares for the branches of each decision."""
 
     def completed(self, wishes: Sequence[tuple[str, str | None]], seed: int) -> Architecture:
-        """One that grants *wishes* in their order, as far as each can be had with those before it; drawn otherwise."""
+        """One that grants *wishes* in their order, each if it can still be had; what is left open is drawn."""
+
+    def configuration(self, name: str) -> Configuration:
+        """The configuration of an id that was given out."""
 
 
 class Candidate(NamedTuple):

@@ -9,8 +9,9 @@ from enum import StrEnum
 from typing import Any
 
 from dse.domain.bench import TestBench
+from dse.domain.distribution import Correlations
 from dse.domain.expression import Expression
-from dse.domain.sampler import DesignVariable, Sampler
+from dse.domain.sampler import DesignVariable, Objective, Sampler
 from dse.errors import Location
 
 
@@ -57,7 +58,10 @@ SHARD_FOLDER = re.compile(r"shard-([1-9][0-9]*)-of-([1-9][0-9]*)")
 
 @dataclass(frozen=True, slots=True)
 class Study:
-    """Design variables × sampler on one bench."""
+    """Design variables × sampler on one bench.
+
+    *constraints* are over the names of the variables; *correlations* of uncertain ones by their names.
+    """
 
     name: str
     bench: TestBench
@@ -69,3 +73,6 @@ class Study:
     title: str = ""
     where: Location | None = None
     executor: ExecutorChoice = ExecutorChoice()
+    objectives: tuple[Objective, ...] = ()
+    constraints: tuple[Expression, ...] = ()
+    correlations: Correlations = field(default_factory=dict)

@@ -6,90 +6,81 @@ sampler must ask for the same as before. In one that was extended, runs that are
 
 from __future__ import annotations
 
-import math
-from collections.abc import Iterator, Mapping, Sequence
-from itertools import chain
+from collections.abc import Callable, Iterator, Sequence
+from itertools import groupby
 
-from dse.domain.run import RunRequest
-from dse.domain.sampler import Brief, Candidate, Point
+import numpy as np
+from numpy.typing import NDArray
+
+from dse.domain.sampler import Architectures, Brief, Candidate, Everywhere, Outcomes, Point
 from dse.domain.study import Study
 from dse.errors import DseError, Location, fail
 from dse.exploration.once_sampler import require_few
-from dse.storage import StudyFolder
+from dse.exploration.requests import Requests
+from dse.exploration.variables import allowing, conditions_of
+from dse.storage import RunTable, StudyFolder
 
 _MOST_IDLE_ASKS = 100
 
-
-class Requests(Mapping[int, RunRequest]):
-    """Runs with the variables *names* by number: *earlier* ones, and those from *base* on, as they are asked for.
-
-    As nouns, a million of them would take half a gigabyte.
-    """
-
-    def __init__(self, names: tuple[str, ...], base: int, earlier: Mapping[int, RunRequest]) -> None:
-        self._names = names
-        self._base = base
-        self._earlier = earlier
-        self._candidates: list[Candidate] = []
-
-    def __getitem__(self, number: int) -> RunRequest:
-        if number < self._base:
-            return self._earlier[number]
-        if number >= self._base + len(self._candidates):
-            raise KeyError(number)
-        configuration, point = self._candidates[number - self._base]
-        return RunRequest(number, configuration, dict(zip(self._names, point, strict=True)))
-
-    def __iter__(self) -> Iterator[int]:
-        return chain(self._earlier, range(self._base, self._base + len(self._candidates)))
-
-    def __len__(self) -> int:
-        return len(self._earlier) + len(self._candidates)
-
-    def append(self, candidate: Candidate) -> None:
-        """Have *candidate* as the next run."""
-        self._candidates.append(candidate)
+Prepare = Callable[[Sequence[str]], None]
+"""Has configurations, by their ids, ready to be simulated and known to the study's folder."""
 
 
 class Asking:
     """The asks of one *study*, which are noted in *folder*.
 
-    *requests* holds every run that was asked for so far by its number, *asked* are the numbers of the last ask.
+    *requests* holds every run that was asked for so far by its number, *asked* are the numbers of the last ask. A
+    sampler that proposes configurations takes them from *space*, and has those it asks for *prepared*.
     """
 
-    def __init__(self, study: Study, folder: StudyFolder) -> None:
+    def __init__(
+        self, study: Study, folder: StudyFolder, space: Architectures | None = None, prepare: Prepare | None = None
+    ) -> None:
         header = folder.header
-        self.asked: list[int] = []
+        self.asked: Sequence[int] = ()
         self._wanted: set[int] = set()
         self._study = study
         self._folder = folder
-        self._names = header.variables
+        self._prepare = prepare
+        self._ready = set(header.definition.explored)
+        self._nominal = np.array([variable.nominal for variable in study.variables])
         self._numbers: dict[tuple[str, Point], int] = {}
-        self._next = header.base
         self._made = 0
         self._idle = 0
-        is_fresh = study.sampler.once and not header.base
+        self._is_fresh = study.sampler.once and not header.base
         # Of a study that is asked once, and as a whole, nothing has to be compared.
-        table = folder.table((-1,)) if is_fresh else folder.table()
+        table = folder.table((-1,)) if self._is_fresh else folder.table()
         self._stored = {request.number: request for request in table.requests()}
         there = {number: request for number, request in self._stored.items() if number < header.base}
         for number, request in there.items():
-            self._numbers[request.configuration, tuple(map(float, request.point.values()))] = number
+            point = (request.point.get(name, low) for name, low in zip(header.variables, self._nominal, strict=True))
+            self._numbers[request.configuration, tuple(map(float, point))] = number
         self.requests = Requests(header.variables, header.base, there)
-        earlier = table.outcomes(list(self.requests))
-        self._search = study.sampler.start(Brief(study.variables, header.definition.explored, study.seed, earlier))
+        self._search = study.sampler.start(
+            Brief(
+                study.variables,
+                header.definition.explored,
+                study.seed,
+                self._outcomes(table, [*there]),
+                space if study.sampler.proposes else None,
+                study.objectives,
+                conditions_of(study.variables),
+                study.correlations,
+                allowing(study),
+            )
+        )
 
     def ask(self) -> bool:
         """Ask once more; False if the study is complete. DseError if the sampler asks for what no study can have."""
         if self._study.sampler.once and self._made:
             return False
         candidates = self._search.ask()
-        if not candidates:
+        if not len(candidates):
             if not self._made:
                 raise self._refused("asks for no run at all")
             return False
-        require_few(self._next - self._folder.header.base + len(candidates), self._study.where)
-        self._check(candidates)
+        require_few(self.requests.end - self._folder.header.base + len(candidates), self._study.where)
+        self._require_known(candidates)
         fresh = self._take(candidates)
         self._idle = 0 if fresh else self._idle + 1
         if self._idle > _MOST_IDLE_ASKS:
@@ -101,37 +92,87 @@ class Asking:
     def tell(self) -> None:
         """Tell the sampler what came of its last ask, all of whose runs are stored."""
         if not self._study.sampler.once:
-            self._search.tell(self._folder.table(sorted(set(self.asked))).outcomes(self.asked))
+            self._search.tell(self._outcomes(self._folder.table(sorted(set(self.asked))), self.asked))
+
+    def _outcomes(self, table: RunTable, numbers: Sequence[int]) -> Outcomes:
+        totals = [objective.name for objective in self._study.objectives if objective.is_total]
+        return table.outcomes(numbers, totals)
+
+    def _require_known(self, candidates: Sequence[Candidate]) -> None:
+        whole = candidates.configurations if isinstance(candidates, Everywhere) else None
+        names = dict.fromkeys(whole if whole is not None else (name for name, _ in candidates))
+        new = [name for name in names if name not in self._ready]
+        if new and self._prepare is None:
+            raise self._refused(f"asks for the configuration '{new[0]}', which is not explored")
+        if new and self._prepare is not None:
+            self._prepare(new)
+            self._ready.update(new)
 
     def _take(self, candidates: Sequence[Candidate]) -> range:
         """Give numbers to *candidates*; those that are new. DseError if there are rows of them that are other runs."""
-        first = self._next
-        self.asked = []
-        for candidate in candidates:
-            number = self._numbers.setdefault(candidate, self._next)
-            if number == self._next:
-                self.requests.append(candidate)
-                if number in self._stored and self._stored[number] != self.requests[number]:
-                    what = f"the sampler asks for another run {number} than it did before"
-                    raise fail(what, Location(str(self._folder.path)), "explore into another folder, or say --fresh")
-                self._next += 1
-            self.asked.append(number)
-        self._wanted.update(self.asked)
-        if self._study.sampler.once:
-            self._numbers.clear()
-        return range(first, self._next)
+        first = self.requests.end
+        if isinstance(candidates, Everywhere) and self._is_fresh:
+            self._check(candidates.points)
+            for name in candidates.configurations:
+                self.requests.append(name, _once_each(self._settled(name, candidates.points)), self._has(name))
+            self.asked = range(first, self.requests.end)
+            self._wanted.update(self.asked)
+            return self.asked
+        asked = []
+        for name, points in _together(candidates, len(self._study.variables), self._refused):
+            self._check(points)
+            fresh: list[Point] = []
+            for point in map(tuple, self._settled(name, points).tolist()):
+                number = self._numbers.setdefault((name, point), self.requests.end + len(fresh))
+                if number == self.requests.end + len(fresh):
+                    fresh.append(point)
+                asked.append(number)
+            if fresh:
+                self.requests.append(name, np.array(fresh).reshape(len(fresh), -1), self._has(name))
+        self.asked = asked
+        self._wanted.update(asked)
+        for number in range(first, self.requests.end):
+            if number in self._stored and self._stored[number] != self.requests[number]:
+                what = f"the sampler asks for another run {number} than it did before"
+                raise fail(what, Location(str(self._folder.path)), "explore into another folder, or say --fresh")
+        return range(first, self.requests.end)
 
-    def _check(self, candidates: Sequence[Candidate]) -> None:
-        known = set(self._folder.header.definition.explored)
-        ranges = [(v.low, v.high) for v in self._study.variables]
-        for configuration, point in candidates:
-            if configuration not in known:
-                raise self._refused(f"asks for the configuration '{configuration}', which is not explored")
-            if len(point) != len(ranges):
-                raise self._refused(f"asks for a point of {len(point)} values for {len(ranges)} variables")
-            for value, (low, high), name in zip(point, ranges, self._names, strict=True):
-                if not (math.isfinite(value) and low <= value <= high):
-                    raise self._refused(f"asks for {name} = {value}, outside of its range {low} … {high}")
+    def _has(self, configuration: str) -> NDArray[np.bool_]:
+        """Which variables the configuration has."""
+        return self._folder.header.has(configuration)
+
+    def _settled(self, configuration: str, points: NDArray[np.float64]) -> NDArray[np.float64]:
+        """*points* with variables that the configuration does not have at their nominal values."""
+        has = self._has(configuration)
+        return points if has.all() else np.where(has, points, self._nominal)
+
+    def _check(self, points: NDArray[np.float64]) -> None:
+        for variable, values in zip(self._study.variables, points.T, strict=True):
+            within = (values >= variable.low) & (values <= variable.high)
+            if variable.values:
+                within &= np.isin(values, variable.values)
+            if not within.all():
+                value = values[~within][0]
+                among = "values" if variable.values else f"range {variable.low} … {variable.high}"
+                raise self._refused(f"asks for {variable.name} = {value}, outside of its {among}")
 
     def _refused(self, what: str) -> DseError:
         return fail(f"the sampler '{self._study.sampler.name}' {what}", self._study.where)
+
+
+def _once_each(points: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Each of *points* the first time only."""
+    first = np.unique(points, axis=0, return_index=True)[1] if points.shape[1] else np.zeros(1, dtype=np.intp)
+    return points if len(first) == len(points) else points[np.sort(first)]
+
+
+def _together(
+    candidates: Sequence[Candidate], variables: int, refused: Callable[[str], DseError]
+) -> Iterator[tuple[str, NDArray[np.float64]]]:
+    """*candidates* that follow each other with the same configuration."""
+    for name, group in groupby(candidates, key=lambda candidate: candidate.configuration):
+        points = [candidate.point for candidate in group]
+        for point in points:
+            if len(point) != variables:
+                raise refused(f"asks for a point of {len(point)} values for {variables} variables")
+        yield name, np.array(points, dtype=np.float64).reshape(len(points), variables)

@@ -6,7 +6,7 @@ from what is known of the FMUs: not from the number of workers, nor from how oft
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from itertools import groupby
 
@@ -20,12 +20,12 @@ from dse.storage import Asks, waveform_file
 class Chunks:
     """How the runs that were asked for, *requests* by number, are cut.
 
-    *most* is how many runs of a configuration a process can make, where that is limited.
+    *most* tells how many runs of a configuration a process can make; None for any number.
     """
 
     requests: Mapping[int, RunRequest]
     asks: Asks
-    most: Mapping[str, int]
+    most: Callable[[str], int | None]
 
     def runs(self, missing: Iterable[int]) -> Iterator[Batch]:
         """Batches for the *missing* runs, without waveforms."""
@@ -50,7 +50,7 @@ class Chunks:
 
     def _cut(self, missing: Iterable[int]) -> Iterator[tuple[tuple[int, int], Iterator[int]]]:
         def chunk(number: int) -> tuple[int, int]:
-            return self.asks.chunk(number, self.most.get(self.requests[number].configuration) if self.most else None)
+            return self.asks.chunk(number, self.most(self.requests[number].configuration))
 
         return groupby(sorted(missing), chunk)
 

@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 
 from dse.domain.sampler import Grid
 from dse.domain.study import Study
+from dse.exploration.variables import unit_of
 from dse.storage import RunTable
 
 
@@ -18,7 +19,7 @@ def near_boundary(study: Study, table: RunTable, grid: Grid | None) -> frozenset
     """
     if not study.variables or not len(table):
         return frozenset()
-    points = _normalised(study, table)
+    points = unit_of(table.coordinates(), study.variables)
     kinds = _kinds(table)
     names = np.array(table.configurations)
     near = np.zeros(len(table), dtype=np.bool_)
@@ -29,14 +30,6 @@ def near_boundary(study: Study, table: RunTable, grid: Grid | None) -> frozenset
         else:
             near[rows] = _differs_along_an_axis(points[rows], kinds[rows])
     return frozenset(table.numbers[near & table.done].tolist())
-
-
-def _normalised(study: Study, table: RunTable) -> NDArray[np.float64]:
-    columns = [
-        (table.points[variable.name] - variable.low) / ((variable.high - variable.low) or 1.0)
-        for variable in study.variables
-    ]
-    return np.array(columns, dtype=np.float64).T
 
 
 def _kinds(table: RunTable) -> NDArray[np.intp]:

@@ -55,8 +55,8 @@ class KnownRuns:
         writes: bool = True,
     ) -> None:
         self.store = store
-        self.addresses = addresses
-        self._kept = kept
+        self.addresses = dict(addresses)
+        self._kept = dict(kept)
         self._reads = reads
         self._writes = writes
         self._counts = len(measures.metrics), len(measures.requirements)
@@ -65,6 +65,11 @@ class KnownRuns:
         self._from_store = [np.argsort(order) for order in self._to_store]
         self._waiting: dict[str, list[tuple[list[RunRequest], RowBlock]]] = {}
         self._put = time.monotonic()
+
+    def extend(self, addresses: Mapping[str, Address], kept: Mapping[str, tuple[str, ...]]) -> None:
+        """Have the runs of more configurations, too: what names them, and which columns of theirs are kept."""
+        self.addresses |= addresses
+        self._kept |= kept
 
     def rows(self, requests: Iterable[RunRequest]) -> Iterator[tuple[list[RunRequest], RowBlock]]:
         """Those of *requests* of which there is a row, by configuration, with these rows."""

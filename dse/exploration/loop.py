@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
+import math
 import time
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence, Set as AbstractSet
 from dataclasses import dataclass
+from functools import cache
 
 import numpy as np
 
 from dse.domain.run import RunRequest
+from dse.domain.sampler import Architectures
 from dse.domain.study import Keep, Shard, Study
-from dse.exploration.asking import Asking
+from dse.exploration.asking import Asking, Prepare
 from dse.exploration.batches import Chunks
 from dse.exploration.boundary import near_boundary
 from dse.exploration.executor import Executor
@@ -78,6 +81,8 @@ def explore(
     make_runner: MakeRunner = make_runner,
     known: KnownRuns = NOTHING_KNOWN,
     shard: Shard | None = None,
+    space: Architectures | None = None,
+    prepare: Prepare | None = None,
 ) -> Explored:
     """Have *executor* simulate what is missing in *folder*; *prepared* are the configurations by id.
 
@@ -85,7 +90,8 @@ def explore(
     are kept with the runs (`Keep.ALL`) or, for the runs near a boundary, by simulating these again, which must give the
     same bits. What is *known* is not simulated. A finished folder is left as it is and no worker is started. The
     results are the same with any executor, bit for bit. Of a *shard* only its runs are made, and none again for its
-    waveforms: what is near a boundary is known when all shards are merged.
+    waveforms: what is near a boundary is known when all shards are merged. A sampler that proposes configurations takes
+    them from *space*; *prepare* adds those it asks for to *prepared*.
 
     Raises DseError if workers cannot work at all, ExplorationInterruptedError on Ctrl-C.
     """
@@ -94,9 +100,10 @@ def explore(
     sink = _Sink(folder, on_progress, known)
     before = len(sink.finished)
     try:
-        asking = Asking(study, folder)
-        limits = {name: each.most_runs for name, each in prepared.items() if each.most_runs is not None}
-        chunks = Chunks(asking.requests, folder.asks, limits)
+        asking = Asking(study, folder, space, prepare)
+        # Of an extended study there may be runs of configurations that are not explored any more.
+        most = cache(lambda name: prepared[name].most_runs if name in prepared else None)
+        chunks = Chunks(asking.requests, folder.asks, most)
         with executor.open(work, sink) as pool:
             while asking.ask():
                 asked = chunks.part(asking.asked, shard) if shard else set(asking.asked)
@@ -232,7 +239,7 @@ class _Sink:
         numbers = block.numbers.tolist()
         points = {request.number: request.point for request in requests}
         names = self._folder.header.variables
-        self._folder.add(configuration, [[points[n][name] for name in names] for n in numbers], block)
+        self._folder.add(configuration, [[points[n].get(name, math.nan) for name in names] for n in numbers], block)
         self.finished.update(numbers)
         self.failed.update(block.numbers[~block.done].tolist())
 

@@ -2,21 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Sequence
 from itertools import product
 from typing import TYPE_CHECKING
 
-from dse.domain.distribution import cumulative, quantile
+from dse.domain.component import Kind, Type
+from dse.domain.distribution import Correlations, correlation_matrix, cumulative, quantile
 from dse.domain.sampler import Brief, DesignVariable, Point, Role, Scale
+from dse.domain.study import Study
+from dse.metrics import compile_rule
 
 if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
     Array = NDArray[np.float64]
-
-Correlations = Mapping[tuple[str, str], float]
-"""Of uncertain variables, by their names."""
 
 
 def scaled(unit: Array, variables: Sequence[DesignVariable], correlations: Correlations | None = None) -> Array:
@@ -64,6 +64,25 @@ def conditions_of(variables: Sequence[DesignVariable]) -> tuple[Point, ...]:
     """Every combination of the conditions' levels, the last fastest; () if there is none."""
     axes = [levels(variable) for variable in variables if variable.role is Role.CONDITION]
     return tuple(product(*axes)) if axes else ()
+
+
+def allowing(study: Study) -> Callable[[Array], NDArray[np.bool_]] | None:
+    """Tells of points, (n, variables), which meet all constraints of *study*; None if it has none.
+
+    As in a design space, a constraint that is undefined, as it divides by zero, is met. DseError if one makes no sense.
+    """
+    if not study.constraints:
+        return None
+    import numpy as np
+
+    types = {variable.name: Type(Kind.REAL, variable.unit) for variable in study.variables}
+    rules = [compile_rule(constraint, types) for constraint in study.constraints]
+
+    def allowed(points: Array) -> NDArray[np.bool_]:
+        columns = {variable.name: points[:, index] for index, variable in enumerate(study.variables)}
+        return np.asarray(np.all([rule.rows(columns) != 0 for rule in rules], axis=0), dtype=np.bool_)
+
+    return allowed
 
 
 def levels(variable: DesignVariable) -> tuple[float, ...]:
@@ -136,14 +155,3 @@ def _correlated(unit: Array, variables: Sequence[DesignVariable], correlations: 
     for row, column in enumerate(columns):
         joined[:, column] = ndtr(sum(factor[row, j] * normal[:, j] for j in range(row + 1)))
     return joined
-
-
-def correlation_matrix(names: Sequence[str], correlations: Correlations) -> Array:
-    """Of *names*, (n, n): 1 on the diagonal, 0 where none is given."""
-    import numpy as np
-
-    matrix = np.eye(len(names))
-    for (one, other), value in correlations.items():
-        i, j = names.index(one), names.index(other)
-        matrix[i, j] = matrix[j, i] = value
-    return matrix

@@ -82,6 +82,20 @@ class MetricProgram:
         every constant: SI, 0 and 1 for truth values, the number of an item. Raises KeyError if one is missing, DseError
         if a function fails.
         """
+        registers = self.registers(time, columns, constants)
+        try:
+            values = {name: float(registers[register]) for name, register in self.metrics.items()}
+        except (TypeError, ValueError) as error:
+            raise fail(f"a metric function did not give a number: {error}") from error
+        return values, tuple([_judge(check, registers) for check in self.checks])
+
+    def registers(
+        self,
+        time: NDArray[np.float64],
+        columns: Mapping[str, NDArray[np.float64]],
+        constants: Mapping[str, float],
+    ) -> list[Any]:
+        """Everything that is computed, register by register; *time*, *columns* and *constants* as for `evaluate`."""
         registers: list[Any] = [None] * self.size
         registers[TIME] = time
         for register, literal in self.literals:
@@ -97,11 +111,7 @@ class MetricProgram:
                     registers[step.target] = step.function(*[registers[argument] for argument in step.arguments])
                 except Exception as error:
                     raise fail(f"metric function {step.function.__name__}: {type(error).__name__}: {error}") from error
-        try:
-            values = {name: float(registers[register]) for name, register in self.metrics.items()}
-        except (TypeError, ValueError) as error:
-            raise fail(f"a metric function did not give a number: {error}") from error
-        return values, tuple([_judge(check, registers) for check in self.checks])
+        return registers
 
 
 def judge_failed(requirements: Sequence[Requirement]) -> tuple[Judgement, ...]:

@@ -159,6 +159,15 @@ class OpenedSpace:
         chosen = read_choices(self.space, choose)
         return resolve(self.space, {path: name for path, name in chosen.items() if name != ABSENT_NAME})
 
+    def of_choices(self, choices: Choices) -> Configuration | None:
+        """The configuration of all of *space* with exactly these choices, valid or not; None if they are none of it."""
+        from dse.space.configurations.resolve import resolve
+        from dse.space.decisions import alternatives
+
+        known = alternatives(self.space)
+        fits = all(choice in known.get(path, ()) for path, choice in choices.items())
+        return resolve(self.space, choices) if fits else None
+
     def best(self, aim: Aim, number: int) -> tuple[Ranked, ...]:
         """The *number* best under *aim*, see `dse.space.questions.optimum`."""
         from dse.space.questions.optimum import best_configurations

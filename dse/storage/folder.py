@@ -151,6 +151,14 @@ class StudyFolder(StudyReader):
                 write_header(connection, header, self.asks)
             self.commit()
 
+    def join(self, definition: StudyDefinition) -> None:
+        """Have the configurations of *definition*, too, which is else the one that is stored."""
+        header = replace(self.header, definition=self.header.definition.joined(definition))
+        with self._writing() as connection:
+            write_header(connection, header, self.asks)
+        self.commit()
+        self.header = header
+
     def note_addresses(self, addresses: Mapping[str, Address]) -> None:
         """Note *addresses* of configurations of which none is known yet."""
         there = self.addresses()
@@ -291,7 +299,9 @@ class StudyFolder(StudyReader):
                 continue
             numbers, block = each.block.numbers.tolist(), each.block
             fresh = [row for row, number in enumerate(numbers) if number not in finished]
-            self.add(each.configuration, [each.points[row] for row in fresh], block.part(np.array(fresh, np.intp)))
+            points = [dict(zip(each.variables, each.points[row], strict=True)) for row in fresh]
+            ordered = [[point.get(name, math.nan) for name in self.header.variables] for point in points]
+            self.add(each.configuration, ordered, block.part(np.array(fresh, np.intp)))
             again = [row for row, number in enumerate(numbers) if number in finished]
             tries = [Attempt(numbers[row], block.maker, "", float(block.wall[row])) for row in again]
             self.add_attempts([a for a in tries if (a.run, a.maker, a.seconds) not in known])
@@ -325,7 +335,11 @@ class StudyFolder(StudyReader):
 
     def _asked_for(self, spooled: Spooled) -> bool:
         """Whether the study asked for runs like these; a file of another one may say it is of this."""
-        if spooled.variables != self.header.variables:
+        header = self.header
+        if spooled.configuration not in header.configurations:
+            return False
+        has = header.has(spooled.configuration).tolist()
+        if spooled.variables != tuple(name for name, there in zip(header.variables, has, strict=True) if there):
             return False
         values = (value for point in spooled.points for value in point)
         numbers = spooled.block.numbers.tolist()

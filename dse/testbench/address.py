@@ -105,6 +105,8 @@ def _key(prepared: PreparedBench) -> str:
         "measures": _measures(prepared.program),
         "requirements": sorted(requirement.name for requirement in prepared.requirements),
     }
+    if prepared.derived:
+        decides["derived"] = {name: _measures(follows.program) for name, follows in prepared.derived.items()}
     return content_key([("decides", json.dumps(decides, sort_keys=True, default=_plain).encode())])
 
 

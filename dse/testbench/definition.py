@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import asdict, replace
 from fractions import Fraction
 from pathlib import Path
@@ -13,9 +13,12 @@ from dse.domain.bench import Figure, Metric, Requirement, Simulation, TestBench
 from dse.domain.definition import (
     DefinedBench,
     DefinedConfiguration,
+    DefinedCorrelation,
     DefinedDesign,
+    DefinedDistribution,
     DefinedFigure,
     DefinedMetric,
+    DefinedObjective,
     DefinedRequirement,
     DefinedSampler,
     DefinedSimulation,
@@ -27,6 +30,7 @@ from dse.domain.definition import (
 from dse.domain.design import Configuration, DesignSpace
 from dse.domain.method import PLAIN
 from dse.domain.run import ERROR_BAR
+from dse.domain.sampler import DesignVariable, Grid, Role
 from dse.domain.study import Study
 from dse.domain.system import Element
 from dse.errors import Location
@@ -35,29 +39,35 @@ from dse.testbench.prepared import PreparedBench
 from dse.units import Unit
 
 
-def define(study: Study, prepared: Mapping[str, PreparedBench]) -> StudyDefinition:
-    """The study as it is stored with its results."""
+def define(study: Study, prepared: Mapping[str, PreparedBench], space: str = "") -> StudyDefinition:
+    """The study as it is stored with its results.
+
+    Of a sampler that proposes configurations *space* is what names the design space, and *prepared* is what there is.
+    """
     bench, simulation = study.bench, study.bench.simulation
     return StudyDefinition(
         study=study.name,
         title=study.title or bench.title or study.name,
         bench=DefinedBench(bench.name, bench.title),
         design=DefinedDesign(bench.design.name, bench.design.title, places(bench.design)),
-        variables=tuple(
-            DefinedVariable(v.name, v.title, v.unit.symbol, v.low, v.high, v.levels, v.nominal) for v in study.variables
-        ),
-        sampler=DefinedSampler(study.sampler.name, study.sampler.options(), study.sampler.grid),
+        variables=tuple(_variable(variable) for variable in study.variables),
+        sampler=DefinedSampler(study.sampler.name, study.sampler.options(), _grid(study, prepared.values())),
         seed=study.seed,
         metrics=_metrics(bench, prepared),
         requirements=tuple(_requirement(requirement) for requirement in bench.requirements),
         simulation=DefinedSimulation(simulation.stop, simulation.step, simulation.record_every, _method(simulation)),
-        configurations=tuple(_configuration(p, bench.design) for p in prepared.values()),
-        explored=tuple(prepared),
+        configurations=tuple(configuration_of(each, study) for each in prepared.values()),
+        explored=() if space else tuple(prepared),
+        space=space,
         figures=tuple(_figure(figure) for figure in bench.figures),
-        fmus=_fmus(prepared),
+        fmus=fmus_of(prepared),
         ignored=_ignored(prepared),
         keep_waveforms=str(study.keep),
         dse=__version__,
+        objectives=tuple(DefinedObjective(o.name, o.maximize, o.is_total) for o in study.objectives),
+        derived={each.name: each.expression.text for each in bench.derived},
+        constraints=tuple(constraint.text for constraint in study.constraints),
+        correlations=tuple(DefinedCorrelation(*pair, value) for pair, value in sorted(study.correlations.items())),
     )
 
 
@@ -66,14 +76,16 @@ def places(space: DesignSpace) -> tuple[str, ...]:
     return tuple(alternatives(space))
 
 
-def describe_configuration(configuration: Configuration, space: DesignSpace) -> DefinedConfiguration:
+def describe_configuration(
+    configuration: Configuration, space: DesignSpace, also: Iterable[str] = ()
+) -> DefinedConfiguration:
     """A configuration's choices, its components, and the sums its design space speaks of.
 
-    These are the properties that a constraint adds up (``sum(cost) <= …``): adding up others, a range or a field of
-    view, would make no sense. Each is in the unit the first component gives it in.
+    These are the properties that a constraint adds up (``sum(cost) <= …``), and those asked for *also*: adding up
+    others, a range or a field of view, would make no sense. Each is in the unit the first component gives it in.
     """
     totals: dict[str, DefinedTotal] = {}
-    for name in summed_properties(space):
+    for name in dict.fromkeys((*summed_properties(space), *also)):
         given = [c.properties[name] for c in configuration.parts.values() if name in c.properties]
         if given:
             unit = given[0].unit
@@ -83,10 +95,38 @@ def describe_configuration(configuration: Configuration, space: DesignSpace) -> 
     return DefinedConfiguration(configuration.id, dict(configuration.choices), components, totals)
 
 
-def _configuration(prepared: PreparedBench, space: DesignSpace) -> DefinedConfiguration:
+def _variable(variable: DesignVariable) -> DefinedVariable:
+    given = variable.distribution
+    return DefinedVariable(
+        variable.name,
+        variable.title,
+        variable.unit.symbol,
+        variable.low,
+        variable.high,
+        variable.levels,
+        variable.nominal,
+        str(variable.scale),
+        variable.values,
+        str(variable.role),
+        DefinedDistribution(given.kind, dict(given.numbers), given.values) if given else None,
+    )
+
+
+def _grid(study: Study, prepared: Iterable[PreparedBench]) -> Grid | None:
+    """The sampler's grid, each slice at every condition; none where points of it are missing, or not everywhere."""
+    grid, names = study.sampler.grid, {variable.name for variable in study.variables}
+    if grid is None or study.constraints or not all(names <= each.settings.keys() for each in prepared):
+        return None
+    conditions = tuple(variable.name for variable in study.variables if variable.role is Role.CONDITION)
+    return tuple((*slice_, *conditions) for slice_ in grid)
+
+
+def configuration_of(prepared: PreparedBench, study: Study) -> DefinedConfiguration:
+    """A configuration of *study* as it is stored."""
     elements = prepared.system.elements
+    totals = [objective.name for objective in study.objectives if objective.is_total]
     return replace(
-        describe_configuration(prepared.configuration, space),
+        describe_configuration(prepared.configuration, study.bench.design, totals),
         start={element.name: dict(sorted(element.start.items())) for element in elements},
         inside={e.name: _inside(e) for e in elements if e.texts or e.conversions},
         wires=tuple(f"{w.source}.{w.source_variable} -> {w.target}.{w.target_variable}" for w in prepared.system.wires),
@@ -107,7 +147,8 @@ def _plain(data: object) -> Json:
     return json.loads(json.dumps(data))
 
 
-def _fmus(prepared: Mapping[str, PreparedBench]) -> dict[str, str]:
+def fmus_of(prepared: Mapping[str, PreparedBench]) -> dict[str, str]:
+    """Content hashes of the FMUs of *prepared*, by their names."""
     return dict(
         sorted({e.model.identifier: e.model.content_hash for p in prepared.values() for e in p.system.elements}.items())
     )

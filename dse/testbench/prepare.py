@@ -17,7 +17,7 @@ from dse.domain.method import BONDS
 from dse.domain.system import SystemStructure
 from dse.errors import DseError, Location, Problem, raise_if_any
 from dse.fmu import build_all, in_parallel, open_component
-from dse.metrics import MetricProgram, compile_metrics
+from dse.metrics import MetricProgram, RowProgram, compile_metrics, compile_value
 from dse.system import assemble, wiring_problems
 from dse.testbench.facts import facts_of, is_thread_safe
 from dse.testbench.method import method_of, signal_name
@@ -38,6 +38,7 @@ class CheckedBench:
     simulation: Simulation
     program: MetricProgram
     kept: tuple[str, ...]
+    derived: Mapping[str, RowProgram]
 
 
 def prepare_bench(
@@ -68,11 +69,28 @@ def check_bench(bench: TestBench, configuration: Configuration) -> CheckedBench:
         program = compile_metrics(bench.metrics, bench.requirements, wired.types | energies, signals)
     except DseError as error:
         raise DseError(*problems, *error.problems) from error
+    derived = _derived(wired, problems)
     raise_if_any(problems)
     shown = [name for figure in bench.figures for name in (figure.current, figure.target) if name]
     recorded = (label for name in simulation.record for label in _labels(name, (*wired.signals, *energies)))
     kept = tuple(dict.fromkeys((*recorded, *(name for name in shown if name in signals))))
-    return CheckedBench(wired, simulation, program, kept)
+    return CheckedBench(wired, simulation, program, kept, derived)
+
+
+def _derived(wired: WiredBench, problems: list[Problem]) -> dict[str, RowProgram]:
+    """What follows from other settings, as far as it is there; such that stand further down are not among these."""
+    settings = wired.settings
+    later = [each.name for each in wired.bench.derived]
+    found: dict[str, RowProgram] = {}
+    for each in wired.bench.derived:
+        types = {name: setting.type for name, setting in settings.items() if name not in later}
+        later.remove(each.name)
+        if each.name in settings:
+            try:
+                found[each.name] = compile_value(each.expression, types, each.type)
+            except DseError as error:
+                problems += error.problems
+    return found
 
 
 def _labels(name: str, signals: Iterable[str]) -> list[str]:
@@ -122,6 +140,7 @@ def _prepared(checked: CheckedBench, models: Mapping[str, FmuModel], cache: Path
         recording=Recording(columns, tuple(variables), checked.kept),
         requirements=wired.bench.requirements,
         settings=wired.settings,
+        derived=checked.derived,
     )
     return with_facts(prepared, parts, simulation.where, cache=cache)
 

@@ -12,7 +12,7 @@ from dse.domain.design import Configuration
 from dse.domain.facts import FmuFacts
 from dse.domain.fused import FusedLibrary
 from dse.domain.system import SystemStructure
-from dse.metrics import MetricProgram
+from dse.metrics import MetricProgram, RowProgram
 from dse.testbench.variations import Checks
 
 
@@ -44,6 +44,7 @@ class PreparedBench:
     *simulation* is the bench's, its method in names of the system. *settings* is everything a point may set. *facts*
     tells what is known of elements; *thread_safe*, that all are known to bear being simulated several times at once in
     threads. *fused* is the library made of the whole system, if there is one. *checks* are what error bars are made of.
+    *derived* settings are computed from others in every run, in their order.
     """
 
     configuration: Configuration
@@ -57,6 +58,7 @@ class PreparedBench:
     thread_safe: bool = False
     fused: FusedLibrary | None = None
     checks: Checks = field(default_factory=Checks)
+    derived: Mapping[str, RowProgram] = field(default_factory=dict)
 
     @property
     def constants(self) -> dict[str, float]:

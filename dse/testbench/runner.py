@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from contextlib import AbstractContextManager
 
@@ -52,6 +53,12 @@ class Runner(AbstractContextManager["Runner"]):
         for name, value in request.point.items():
             setting = prepared.settings[name]
             start[setting.target] = constants[name] = as_number(value, setting.type)
+        for name, follows in prepared.derived.items():
+            value = float(follows.rows({given: np.array([constants[given]]) for given in follows.names})[0])
+            if not math.isfinite(value):
+                problem = f"{name} is derived from this point as {value}"
+                return Run(request, Outcome.FAILED, {}, judge_failed(prepared.requirements), problem)
+            start[prepared.settings[name].target] = constants[name] = value
         try:
             table = self._simulator.run(stop=simulation.stop, step=simulation.step, start=start, out=self._table)
         except RunFailed as error:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -10,25 +10,80 @@ from dse.domain.bench import TestBench
 from dse.domain.component import Value
 from dse.domain.definition import StudyDefinition
 from dse.domain.design import Configuration
-from dse.domain.sampler import Nominal
+from dse.domain.sampler import Architectures, Nominal
 from dse.domain.study import Keep, Selection, Study
 from dse.errors import DseError, Location, Problem, raise_if_any
 from dse.loading import Raw, read_setting
-from dse.testbench.definition import define
+from dse.testbench.definition import configuration_of, define, fmus_of
 from dse.testbench.error_bars import with_error_bars
 from dse.testbench.numerics import Say
 from dse.testbench.prepare import prepare_bench
 from dse.testbench.prepared import PreparedBench, Setting
-from dse.testbench.select import selected
+from dse.testbench.select import digest_of, proposing, selected
 
 
 @dataclass(frozen=True, slots=True)
-class PreparedStudy:
-    """A study with its benches by configuration id, and its definition as it is stored."""
+class Preparing:
+    """How the configurations of *study* are prepared.
+
+    FMUs are built as *version* of FMI; *say* and *sandboxed* are for `with_error_bars`.
+    """
 
     study: Study
-    benches: Mapping[str, PreparedBench]
+    version: int = 2
+    cache: Path | None = None
+    say: Say = lambda _: None
+    sandboxed: bool = False
+
+    def benches(self, configurations: Iterable[Configuration]) -> dict[str, PreparedBench]:
+        """*configurations* on the study's bench, by id. Raises DseError with everything that is wrong."""
+        bench = self.study.bench
+        test_parts = {part.name: part.component for part in bench.test_components}
+        prepared = prepare_bench(bench, configurations, version=self.version, cache=self.cache)
+        return {
+            name: with_error_bars(
+                each,
+                {**each.configuration.parts, **test_parts},
+                cache=self.cache,
+                say=self.say,
+                sandboxed=self.sandboxed,
+            )
+            for name, each in prepared.items()
+        }
+
+
+@dataclass(slots=True)
+class PreparedStudy:
+    """A study with its benches by configuration id, and its definition as it is stored.
+
+    Of a sampler that proposes configurations there are those that were asked for so far, out of *space*.
+    """
+
+    study: Study
+    benches: dict[str, PreparedBench]
     definition: StudyDefinition
+    preparing: Preparing
+    space: Architectures | None = None
+
+    def recall(self, choices: Iterable[Mapping[str, str]]) -> None:
+        """Prepare the configurations of *choices* that are still some, too. Raises DseError."""
+        opened = proposing(self.study)
+        found = (opened.of_choices(each) for each in choices)
+        self.add(each for each in found if each is not None)
+
+    def add(self, configurations: Iterable[Configuration]) -> dict[str, PreparedBench]:
+        """Prepare *configurations*, too. Raises DseError."""
+        made = self.preparing.benches(configurations)
+        self.benches |= made
+        self.definition = replace(
+            self.definition,
+            configurations=(
+                *self.definition.configurations,
+                *(configuration_of(each, self.study) for each in made.values()),
+            ),
+            fmus=dict(sorted({**self.definition.fmus, **fmus_of(made)}.items())),
+        )
+        return made
 
 
 def prepare_study(
@@ -41,18 +96,20 @@ def prepare_study(
 ) -> PreparedStudy:
     """Choose the configurations, build FMUs, assemble systems. Raises DseError with everything that is wrong.
 
+    Of a sampler that proposes configurations only the first valid one is prepared: what is wrong with all shows there.
     *say* and *sandboxed* are for `with_error_bars`.
     """
-    configurations = selected(study.bench.design, study.selection, study.where)
-    test_parts = {part.name: part.component for part in study.bench.test_components}
-    benches = {
-        name: with_error_bars(
-            prepared, {**prepared.configuration.parts, **test_parts}, cache=cache, say=say, sandboxed=sandboxed
-        )
-        for name, prepared in prepare_bench(study.bench, configurations, version=version, cache=cache).items()
-    }
-    require_variables(study, {name: bench.settings for name, bench in benches.items()})
-    return PreparedStudy(study, benches, define(study, benches))
+    preparing = Preparing(study, version, cache, say, sandboxed)
+    if not study.sampler.proposes:
+        benches = preparing.benches(selected(study.bench.design, study.selection, study.where))
+        require_variables(study, {name: bench.settings for name, bench in benches.items()})
+        return PreparedStudy(study, benches, define(study, benches), preparing)
+    opened = proposing(study)
+    first = preparing.benches(opened.configurations(1))
+    if not first:
+        raise opened.nothing()
+    defined = define(study, first, digest_of(study))
+    return PreparedStudy(study, {}, replace(defined, configurations=(), fmus={}), preparing, opened.architectures())
 
 
 def bench_study(bench: TestBench, selection: Selection | None = None) -> Study:
@@ -84,12 +141,11 @@ def with_values(bench: TestBench, values: Mapping[str, Value]) -> TestBench:
 
 
 def require_variables(study: Study, settings: Mapping[str, Mapping[str, Setting]]) -> None:
-    """Raise DseError unless every design variable can be set in every configuration (*settings* by its id)."""
+    """Raise DseError unless every design variable can be set in some configuration (*settings* by its id)."""
     problems = []
     for variable in study.variables:
-        lacking = [name for name, known in settings.items() if variable.name not in known]
-        if lacking:
-            what = f"{len(lacking)} of {len(settings)} configurations cannot vary '{variable.name}', as {lacking[0]}"
-            hint = "vary a parameter, or an input nothing is connected to, that all chosen configurations have"
+        if not any(variable.name in known for known in settings.values()):
+            what = f"none of {len(settings)} configurations can vary '{variable.name}', as {next(iter(settings))}"
+            hint = "vary a parameter, or an input nothing is connected to, that some chosen configuration has"
             problems.append(Problem(what, variable.where, hint))
     raise_if_any(problems)

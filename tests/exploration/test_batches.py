@@ -10,7 +10,7 @@ from dse.storage.database.asks import Asks, Block, blocks_of
 
 def asked(levels: int, variables: int, names: tuple[str, ...] = ("a",)) -> Chunks:
     made = first_ask(study_of(levels=levels, variables=variables), names)
-    return Chunks(dict(enumerate(made)), Asks(blocks_of(made, 0, 0)), {})
+    return Chunks(dict(enumerate(made)), Asks(blocks_of(made, 0, 0)), {}.get)
 
 
 @given(st.integers(1, 80), st.integers(1, 40))

@@ -73,7 +73,7 @@ def test_no_process_makes_more_runs_than_it_bears(tmp_path: Path, keep: Keep) ->
 def test_a_chunk_is_no_larger_than_what_a_process_bears() -> None:
     asked = first_ask(study_of(levels=50), ("a", "b"))
     asks = Asks(blocks_of(asked, 0, 0))
-    batches = Chunks(dict(enumerate(asked)), asks, {"b": 5}).runs(range(5000))
+    batches = Chunks(dict(enumerate(asked)), asks, {"b": 5}.get).runs(range(5000))
     sizes = {(batch.configuration, len(batch.numbers)) for batch in batches}
     assert sizes == {("a", 32), ("a", 2500 % 32), ("b", 5)}
 

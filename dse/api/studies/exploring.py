@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from dse.api.studies.planning import Plan, changes_since, known_runs, plan, start_over
+from dse.api.studies.planning import Plan, changes_since, known_runs, on_demand, plan, recall, start_over
 from dse.domain.study import ExecutorChoice, Shard
 from dse.errors import DseError, fail
 from dse.exploration import (
@@ -77,6 +77,9 @@ def ready(
     study: Study, fmi: int = 2, *, fuse: bool = False, sandbox: bool = False, tell: Tell | None = None
 ) -> PreparedStudy:
     """*study* with all that has to be built for it. Raises DseError."""
+    if fuse and study.sampler.proposes:
+        what = f"the sampler '{study.sampler.name}' proposes configurations as it goes: they are not fused"
+        raise fail(what, study.where, "leave out --fuse")
     say = tell or (lambda _: None)
     say("building FMUs, assembling configurations")
     planned = prepare_study(study, version=fmi, say=say, sandboxed=sandbox)
@@ -107,6 +110,8 @@ def explore_into(
     executor = executor_of(study, options)
     folder = options.folder(folder)
     planned = ready(study, options.fmi, fuse=options.fuse, sandbox=options.sandbox, tell=tell)
+    if not options.fresh:
+        recall(planned, folder)
     known = known_runs(planned, reads=not (options.fresh or options.retry_failed))
     if options.fresh:
         StudyFolder.discard(folder)
@@ -126,6 +131,8 @@ def explore_into(
             on_progress=on_progress,
             known=known,
             shard=options.shard,
+            space=planned.space,
+            prepare=on_demand(planned, store, known),
         )
         if explored.before and explored.simulated:
             with suppress(DseError):  # what was finished when it was stopped may not have come to the cache

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 from collections import Counter
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from pathlib import Path
@@ -17,7 +17,7 @@ from dse.domain.run import RunRequest
 from dse.domain.study import Shard, Study
 from dse.exploration import Batch, KnownRuns, Sink, Work, explore, give
 from dse.storage import Rehearsal, RunStore, StudyFolder, StudyHeader, changed_study
-from dse.testbench import PreparedStudy, address_of
+from dse.testbench import PreparedBench, PreparedStudy, address_of
 
 _LOCAL = "local"
 
@@ -47,10 +47,38 @@ class Plan:
 
 def known_runs(planned: PreparedStudy, *, reads: bool = True, writes: bool = True) -> KnownRuns:
     """What the cache has of the runs of *planned*."""
-    addresses = {name: address for name, bench in planned.benches.items() if (address := address_of(bench))}
-    kept = {name: bench.recording.kept for name, bench in planned.benches.items()}
+    addresses, kept = _named(planned.benches)
     measures = StudyHeader(planned.definition).measures
     return KnownRuns(_run_store(), addresses, measures, kept, reads=reads, writes=writes)
+
+
+def recall(planned: PreparedStudy, folder: Path) -> None:
+    """Have *planned* prepare the configurations, too, that its sampler proposed when *folder* was made."""
+    if planned.space is not None and StudyFolder.is_at(folder):
+        with StudyFolder.open(folder) as stored:
+            planned.recall([each.choices for each in stored.header.definition.configurations])
+
+
+def on_demand(planned: PreparedStudy, store: StudyFolder, known: KnownRuns) -> Callable[[Sequence[str]], None] | None:
+    """Has configurations that the sampler of *planned* proposes prepared; None if it has a list of them."""
+    space = planned.space
+    if space is None:
+        return None
+
+    def prepare(names: Sequence[str]) -> None:
+        made = planned.add(space.configuration(name) for name in names if name not in planned.benches)
+        addresses, kept = _named(made)
+        known.extend(addresses, kept)
+        store.join(planned.definition)
+        store.note_addresses(addresses)
+
+    return prepare
+
+
+def _named(benches: Mapping[str, PreparedBench]) -> tuple[dict[str, Address], dict[str, tuple[str, ...]]]:
+    """What names the runs of *benches*, where anything does, and which columns of theirs are kept."""
+    addresses = {name: address for name, bench in benches.items() if (address := address_of(bench))}
+    return addresses, {name: bench.recording.kept for name, bench in benches.items()}
 
 
 def changes_since(folder: Path, planned: PreparedStudy, addresses: Mapping[str, Address]) -> tuple[str, ...]:
@@ -94,6 +122,8 @@ def plan(
 
     Raises DseError as exploring would.
     """
+    if not fresh:
+        recall(planned, folder)
     known = known_runs(planned, reads=not (fresh or retry_failed), writes=False)
     changes = () if fresh else changes_since(folder, planned, known.addresses)
     before: dict[str, Address] = {}
@@ -111,10 +141,19 @@ def plan(
             scratch.forget(scratch.failed())
         there = scratch.finished()
         with suppress(_EnoughError):
-            explore(planned.study, planned.benches, scratch, executor=counter, known=known, shard=shard)
+            explore(
+                planned.study,
+                planned.benches,
+                scratch,
+                executor=counter,
+                known=known,
+                shard=shard,
+                space=planned.space,
+                prepare=on_demand(planned, scratch, known),
+            )
         finished = scratch.finished()
         staying = sum(_point(request) in stay for request in scratch.table().requests()) if stay else 0
-        runs, explored = scratch.header.runs, len(planned.definition.explored)
+        runs, explored = scratch.header.runs, len(planned.definition.explored or planned.definition.configurations)
     todo = counter.requests
     missing = Counter(configuration for number, configuration in todo.items() if number not in finished)
     return Plan(

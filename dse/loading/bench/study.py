@@ -2,38 +2,31 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
+from dataclasses import replace
 from pathlib import Path
 from typing import Any, ClassVar, cast
 
 from pydantic import Field
 
-from dse.domain.bench import TestBench
-from dse.domain.component import Kind
-from dse.domain.sampler import DesignVariable, Sampler
+from dse.domain.bench import Derived, TestBench
+from dse.domain.sampler import DesignVariable, Role, Sampler
 from dse.domain.study import ExecutorChoice, Keep, Selection, Study
 from dse.errors import DseError, Location, Problems, closest, fail
 from dse.expression import parse_expression
 from dse.formats import Entry
-from dse.loading.bench.candidates import Candidates, bench_candidates, settable, split_name
+from dse.loading.bench.candidates import bench_candidates
+from dse.loading.bench.objectives import read_objective
+from dse.loading.bench.uncertain import UncertainSection, read_correlations, read_uncertain
+from dse.loading.bench.variables import Place, VariableSection, read_derived, read_variable
 from dse.loading.extensions import EXECUTORS, SAMPLERS, Surroundings, read_extension
 from dse.loading.include import read_document
-from dse.loading.sections import Plain, Section, read_section
-from dse.loading.values import read_number
+from dse.loading.sections import Section, read_section
 
 FindBench = Callable[[str, Location], TestBench]
 """Returns the test bench of that name, or raises DseError at the location."""
 
 _SEEDS = 2**63
-
-
-class VariableSection(Section):
-    """One design variable."""
-
-    range: list[Plain] = Field(min_length=2, max_length=2)
-    levels: int | None = None
-    nominal: Plain | None = None
-    title: str = ""
 
 
 class SelectionSection(Section):
@@ -47,13 +40,16 @@ class SelectionSection(Section):
 class StudyFile(Section):
     """``*.pet.yaml``."""
 
-    later: ClassVar[frozenset[str]] = frozenset({"objectives", "uncertain"})
-
     study: str
     title: str = ""
     testbench: str
     configurations: str | list[str] | SelectionSection = "all"
-    design_variables: dict[str, VariableSection]
+    design_variables: dict[str, VariableSection] = Field(default_factory=dict)
+    constraints: list[str] = Field(default_factory=list)
+    conditions: dict[str, VariableSection] = Field(default_factory=dict)
+    uncertain: dict[str, UncertainSection] = Field(default_factory=dict)
+    correlations: list[list[str | float | int]] = Field(default_factory=list)
+    objectives: list[str] = Field(default_factory=list)
     sampler: str | dict[str, Any] = "full_factorial"
     executor: str | dict[str, Any] = "local"
     keep_waveforms: str = "near_boundary"
@@ -65,18 +61,25 @@ def read_study(path: Path, find_bench: FindBench, inside: Path) -> Study:
     entry = read_document(path, inside)
     file = read_section(entry, StudyFile)
     bench = find_bench(file.testbench, entry["testbench"].where)
-    components = bench_candidates(bench.design, bench.test_components)
     problems = Problems()
-    variables = []
-    for name, section in file.design_variables.items():
+    variables, derived = _varied(entry, file, bench, problems)
+    objectives = []
+    for number, written in enumerate(file.objectives):
         with problems:
-            variables.append(_variable(entry["design_variables"][name], section, components, bench))
-    if not file.design_variables:
-        problems.add("no design variable", entry["design_variables"].key, "use 'dse run' for a bench without any")
+            objectives.append(read_objective(entry["objectives"][number], written, bench))
+    correlations: Mapping[tuple[str, str], float] = {}
+    with problems:
+        correlations = read_correlations(entry["correlations"], file.correlations, variables)
+    constraints = []
+    for number, text in enumerate(file.constraints):
+        with problems:
+            constraints.append(parse_expression(text, entry["constraints"][number].origin))
     sampler, executor, selection = None, ExecutorChoice(), Selection()
     with problems:
         found = read_extension(entry["sampler"], file.sampler, SAMPLERS)
-        around = Surroundings(found.entry, frozenset(file.design_variables), tuple(variables), inside)
+        drawn = [variable for variable in variables if variable.role is not Role.CONDITION]
+        names = {*file.design_variables, *file.uncertain} - {follower.name for follower in derived}
+        around = Surroundings(found.entry, frozenset(names), tuple(drawn), inside)
         # What else a sampler has to be, its protocol says and the suite over all of them checks.
         sampler = cast(Sampler, found.section.settled(around))
     with problems:
@@ -93,7 +96,7 @@ def read_study(path: Path, find_bench: FindBench, inside: Path) -> Study:
         raise DseError(*problems)
     return Study(
         file.study,
-        bench,
+        replace(bench, derived=tuple(derived)) if derived else bench,
         tuple(variables),
         sampler,
         selection,
@@ -102,42 +105,41 @@ def read_study(path: Path, find_bench: FindBench, inside: Path) -> Study:
         file.title,
         entry["study"].where,
         executor,
+        tuple(objectives),
+        tuple(constraints),
+        correlations,
     )
 
 
-def _variable(entry: Entry, section: VariableSection, components: Candidates, bench: TestBench) -> DesignVariable:
-    name, key = entry.name, entry.key
-    found = settable(name, components, key)
-    component, type_ = found[0]
-    if type_.kind is not Kind.REAL:
-        raise fail(f"'{name}' is {type_}: only real parameters can be varied", key)
-    place, port = split_name(name, components, key)
-    written = entry["range"]
-    low, high = (read_number(raw, type_.unit, written[i].where) for i, raw in enumerate(section.range))
-    shown = f"{section.range[0]} … {section.range[1]}"
-    if not low < high:
-        raise fail(f"the range of '{name}' is empty: {shown}", written.where, "low, then high")
-    for candidate, _ in found:
-        limits = candidate.parameter(port)
-        if limits and (
-            (limits.minimum is not None and low < limits.minimum)
-            or (limits.maximum is not None and high > limits.maximum)
-        ):
-            what = f"the range of '{name}' leaves what component {candidate.name} allows"
-            raise fail(what, written.where, f"stay within min {limits.minimum} and max {limits.maximum} (SI)")
-    parameter = component.parameter(port)
-    if section.nominal is not None:
-        nominal = read_number(section.nominal, type_.unit, entry["nominal"].where)
-        if not low <= nominal <= high:
-            what = f"the nominal value of '{name}' is outside its range {shown}"
-            raise fail(what, entry["nominal"].where, "widen the range or change nominal")
-    else:
-        given = bench.parameters.get(name, parameter.start if parameter else (low + high) / 2)
-        for part in bench.test_components:
-            given = part.parameters.get(port, given) if part.name == place else given
-        nominal = float(given)
-    title = section.title or (parameter.title if parameter else "") or name
-    return DesignVariable(name, low, high, section.levels or 0, nominal, type_.unit, title, key)
+def _varied(
+    entry: Entry, file: StudyFile, bench: TestBench, problems: Problems
+) -> tuple[list[DesignVariable], list[Derived]]:
+    """What the file varies, and what follows from it."""
+    components = bench_candidates(bench.design, bench.test_components)
+    variables: list[DesignVariable] = []
+    derived: list[Derived] = []
+    for section, role in (("design_variables", Role.DESIGN), ("conditions", Role.CONDITION)):
+        for name, given in getattr(file, section).items():
+            at = entry[section][name]
+            with problems:
+                place = Place.of(at, components)
+                if given.derived is not None:
+                    derived.append(read_derived(place, at, given))
+                else:
+                    variables.append(read_variable(place, at, given, bench, role))
+    for name, uncertain in file.uncertain.items():
+        with problems:
+            at = entry["uncertain"][name]
+            variables.append(read_uncertain(Place.of(at, components), at, uncertain))
+    sections = ("design_variables", "conditions", "uncertain")
+    for number, section in enumerate(sections):
+        for other in sections[number + 1 :]:
+            for name in getattr(file, section).keys() & getattr(file, other).keys():
+                what = f"'{name}' stands under '{section}', too"
+                problems.add(what, entry[other][name].key, "a parameter is varied for one reason")
+    if not (file.design_variables or file.conditions or file.uncertain):
+        problems.add("no design variable", entry["design_variables"].key, "use 'dse run' for a bench without any")
+    return variables, derived
 
 
 def _selection(entry: Entry, file: StudyFile) -> Selection:

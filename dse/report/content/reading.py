@@ -98,7 +98,7 @@ def _content(folder: StudyFolder, table: RunTable, waveforms: Mapping[int, Wavef
         folder.path.as_posix(),
         Runs(table.numbers, table.configurations, table.done, table.problems),
         tuple(_configuration(entry, definition) for entry in definition.configurations),
-        tuple(_variable(entry, table) for entry in definition.variables),
+        tuple(map(_variable, definition.variables, table.coordinates().T)),
         tuple(_metric(m, definition, table) for m in definition.metrics if not m.error_of),
         tuple(_requirement(entry, table, units[entry.metric]) for entry in definition.requirements),
         figures,
@@ -154,9 +154,9 @@ def _configuration(entry: DefinedConfiguration, definition: StudyDefinition) -> 
     return ConfigurationEntry(entry.id, choices, properties)
 
 
-def _variable(entry: DefinedVariable, table: RunTable) -> Variable:
+def _variable(entry: DefinedVariable, coordinates: Floats) -> Variable:
     unit = parse_unit(entry.unit)
-    values = _shown(np.asarray(table.points[entry.name], dtype=np.float64), unit)
+    values = _shown(coordinates, unit)
     low, high, nominal = (unit.from_si(value) for value in (entry.low, entry.high, entry.nominal))
     return Variable(entry.name, entry.title, entry.unit, low, high, entry.levels or None, nominal, values)
 

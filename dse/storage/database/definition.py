@@ -43,7 +43,9 @@ def fingerprint(definition: StudyDefinition) -> str:
 
     Which waveforms are kept does not matter: they can be added to a study later. Nor does what was ignored.
     """
-    left_out = ("keep_waveforms", "ignored")
+    left_out = {"keep_waveforms", "ignored"}
+    if definition.space:  # its configurations come as they are asked for
+        left_out |= {"configurations", "fmus"}
     decisive = {key: value for key, value in definition_to_json(definition).items() if key not in left_out}
     text = json.dumps(decisive, sort_keys=True, separators=(",", ":"), ensure_ascii=False)
     return hashlib.sha256(text.encode()).hexdigest()
@@ -114,7 +116,7 @@ def _read(value: Json, shape: Any, at: str) -> Any:
         if origin is Mapping:
             return {key: _read(entry, arguments[1], f"{at}.{key}") for key, entry in value.items()}
         return _read_noun(value, shape, at)
-    fits = isinstance(value, (int, float) if shape is float else shape) and not isinstance(value, bool)
+    fits = isinstance(value, (int, float) if shape is float else shape) and isinstance(value, bool) == (shape is bool)
     if not fits:
         raise ValueError(f"{at} is {json.dumps(value)[:40]}")
     return value

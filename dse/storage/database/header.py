@@ -5,9 +5,13 @@ from __future__ import annotations
 from dataclasses import dataclass
 from functools import cached_property
 
+import numpy as np
+from numpy.typing import NDArray
+
 from dse.domain.definition import StudyDefinition
 from dse.storage.database.definition import fingerprint
 from dse.storage.rows import Measures
+from dse.units import parse_unit
 
 
 @dataclass(frozen=True)
@@ -55,6 +59,29 @@ class StudyHeader:
     def configurations(self) -> tuple[str, ...]:
         """Ids of the configurations of which there may be runs."""
         return tuple(configuration.id for configuration in self.definition.configurations)
+
+    def has(self, configuration: str) -> NDArray[np.bool_]:
+        """Which of the variables the *configuration* has, (variables,); KeyError if there is none of that id."""
+        return self._variables_by_configuration[configuration]
+
+    def total(self, configuration: str, name: str) -> float:
+        """The sum of the property *name* over *configuration*, SI; 0 where nothing has it."""
+        return self._totals[configuration].get(name, 0.0)
+
+    @cached_property
+    def _totals(self) -> dict[str, dict[str, float]]:
+        return {
+            each.id: {name: parse_unit(total.unit).to_si(total.value) for name, total in each.totals.items()}
+            for each in self.definition.configurations
+        }
+
+    @cached_property
+    def _variables_by_configuration(self) -> dict[str, NDArray[np.bool_]]:
+        # Definitions that tell no constants are of studies whose configurations had all variables.
+        return {
+            each.id: np.array([not each.constants or name in each.constants for name in self.variables], dtype=np.bool_)
+            for each in self.definition.configurations
+        }
 
     @property
     def slices(self) -> tuple[tuple[str, ...], ...] | None:

@@ -81,7 +81,7 @@ def _column(name: str) -> str:
         "configuration": "TEXT NOT NULL",
         "outcome": "TEXT NOT NULL",
         "problem": "TEXT NOT NULL",
-        "p": "ANY NOT NULL",
+        "p": "ANY",
         "m": "REAL",
         "verdict": "TEXT NOT NULL",
         "margin": "REAL",

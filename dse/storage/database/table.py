@@ -33,7 +33,8 @@ class RunTable:
     """The n finished runs of a study, sorted by number; metrics, margins and points in SI.
 
     *block* holds outcome, metrics, verdicts and margins; *configurations* n ids; *points* one column of n values
-    per design variable (float64, or objects where a variable is no number). *block.wall* is not read (NaN).
+    per design variable (float64, NaN where a configuration does not have it, or objects where one is no number).
+    *block.wall* is not read (NaN).
     """
 
     header: StudyHeader
@@ -76,24 +77,36 @@ class RunTable:
         names = self.header.variables
         points = zip(*(self.points[name].tolist() for name in names), strict=True) if names else [()] * len(self)
         for number, configuration, point in zip(self.numbers.tolist(), self.configurations, points, strict=True):
-            yield RunRequest(number, configuration, dict(zip(names, point, strict=True)))
+            # What is not a number is a variable that the configuration does not have.
+            there = {name: value for name, value in zip(names, point, strict=True) if value == value}  # noqa: PLR0124
+            yield RunRequest(number, configuration, there)
 
     def runs(self) -> Iterator[Run]:
         """The runs one by one, without waveforms."""
         return self.block.runs(self.requests(), self.header.measures)
 
-    def outcomes(self, numbers: Sequence[int]) -> Outcomes:
-        """What came of the runs of *numbers*, in this order, as a sampler is told it."""
+    def coordinates(self) -> NDArray[np.float64]:
+        """The points, (n, variables); a variable that a configuration does not have is at its nominal value."""
+        columns = [np.asarray(self.points[name], dtype=np.float64) for name in self.header.variables]
+        nominal = [variable.nominal for variable in self.header.definition.variables]
+        points = np.array(columns).reshape(len(columns), len(self)).T
+        return np.where(np.isnan(points), np.array(nominal), points)
+
+    def outcomes(self, numbers: Sequence[int], totals: Sequence[str] = ()) -> Outcomes:
+        """What came of the runs of *numbers*, in this order, as a sampler is told it, with *totals* of properties."""
         rows = np.searchsorted(self.numbers, numbers) if len(self) else np.zeros(0, dtype=np.intp)
         header = self.header
         verdicts = {name: self.verdicts(name)[rows].tolist() for name in header.requirements}
+        configurations = tuple(self.configurations[row] for row in rows.tolist())
+        points = self.coordinates()[rows]
         return Outcomes(
-            tuple(self.configurations[row] for row in rows.tolist()),
-            {name: np.asarray(self.points[name], dtype=np.float64)[rows] for name in header.variables},
+            configurations,
+            {name: points[:, column] for column, name in enumerate(header.variables)},
             self.done[rows],
             {name: self.metric(name)[rows] for name in header.metrics},
             {name: self.margins(name)[rows] for name in header.requirements},
             {name: tuple(VERDICTS[code] for code in codes) for name, codes in verdicts.items()},
+            {name: np.array([header.total(each, name) for each in configurations]) for name in totals},
         )
 
 
@@ -201,7 +214,7 @@ def _points(cells: Mapping[str, Any], header: StudyHeader) -> dict[str, NDArray[
 def _point(name: str, cells: Cells) -> NDArray[Any]:
     if not len(cells) or isinstance(cells, np.ndarray):
         numbers = np.asarray(cells, dtype=np.float64)
-        if not np.isfinite(numbers).all():
+        if np.isinf(numbers).any():
             raise ValueError(f"a run has an infinite {name}")
         return numbers
     values: list[Value] = [_value(name, cell) for cell in cells]
