@@ -97,7 +97,7 @@ class Architectures(Protocol):
         """*number* of them, each as likely as any other."""
 
     def stratified(self, number: int, seed: int) -> Sequence[Architecture]:
-        """*number* of them, in equal shares for the branches of each decision."""
+        """*number* of them, in equal shares for the branches of each decision that brings others along."""
 
     def completed(self, wishes: Sequence[tuple[str, str | None]], seed: int) -> Architecture:
         """One that grants *wishes* in their order, each if it can still be had; what is left open is drawn."""

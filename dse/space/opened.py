@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from dse.space.output.sheet import Sheet
+    from dse.space.questions.architectures import SpaceArchitectures
     from dse.space.questions.difference import Difference
     from dse.space.questions.explain import Broken, Explanation
     from dse.space.questions.impact import Impact
@@ -258,6 +259,12 @@ class OpenedSpace:
         from dse.space.questions.picking import Picking
 
         return Picking(self.engine, property_sums(self.space))
+
+    def architectures(self) -> SpaceArchitectures:
+        """The valid configurations for a sampler that chooses them itself."""
+        from dse.space.questions.architectures import SpaceArchitectures
+
+        return SpaceArchitectures(self.space, self.engine)
 
     def sheet(self) -> Sheet:
         """To show blocks of rows as a table."""

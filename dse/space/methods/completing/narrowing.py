@@ -1,0 +1,132 @@
+"""Rows that grant wishes, where sums or the like are in no diagram: the space is narrowed, and searched."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from dse.space.flat import Bools, Ints, Rows
+from dse.space.methods.budget import TooMuchError
+from dse.space.methods.completing.layers import LayeredCompletion
+from dse.space.methods.completing.wishes import Wish
+from dse.space.methods.engine import Engine
+from dse.space.methods.listing.recheck import recheck
+from dse.space.methods.mdd.diagram import Diagram, restrict
+from dse.space.methods.mdd.expand import expand
+from dse.space.methods.mdd.growth import TooWideError
+from dse.space.methods.optimum.emptiness import is_empty
+
+_TRIES = 16
+"""Rows drawn before the space is narrowed."""
+
+_STEP = 2
+"""So many wishes more are given up each time."""
+
+_NODES = 20_000
+"""Nodes before reduction of what is left of a diagram, with the sums compiled in."""
+
+_TOGETHER = 20
+"""Wishes looked at together: an optimum of larger numbers is harder to prove."""
+
+
+class DiagramCompletion:
+    """Completes rows by the diagram of an *engine* that some sums or the like are not in, and whose space has a row.
+
+    The diagram tells what could be granted at most; a row that is drawn from there and meets the sums, too, is what is
+    wanted. If none does, the last of these wishes are given up, a few and then more, until there is a row with the
+    others: then these are granted in any case, and mostly so little is left of the diagram that the sums fit into it.
+    Where they do not, the wishes that follow are looked at one by one until they do.
+    """
+
+    def __init__(self, engine: Engine, diagram: Diagram) -> None:
+        self._engine = engine
+        self._diagram = diagram
+        self._recheck = recheck(engine.flat)
+        self._loose = LayeredCompletion(diagram)
+
+    def row(self, wishes: Sequence[Wish], random: np.random.Generator) -> Rows:
+        """A row that grants *wishes* in their order, uniform among those that do; shape (variables,).
+
+        Raises DseError where that cannot be found out.
+        """
+        rows = self._loose.rows(wishes, random, _TRIES)
+        valid = np.flatnonzero(self._recheck.valid(rows))
+        if len(valid):
+            row: Rows = rows[valid[0]]
+            return row
+        try:
+            found = self._sought([wish for wish in wishes if wish.is_granted(rows[0])], random)
+        except TooMuchError:
+            found = None
+        return NarrowedCompletion(self._engine).row(wishes, random) if found is None else found
+
+    def _sought(self, likely: Sequence[Wish], random: np.random.Generator) -> Rows | None:
+        """The row wanted; None if a wish is not for one variable. *likely* would be granted if there were no sums."""
+        if any(wish.masks() is None for wish in likely):
+            return None
+        number, left, whole = len(likely), self._diagram, None
+        while whole is None or whole.empty:
+            number = max(number - _STEP, 0)
+            left = restrict(self._diagram, _masks(likely[:number]))
+            whole = _expanded(left)
+            if whole is None and not is_empty(left):
+                break
+            if not number:
+                break
+        for place in range(number, len(likely)):
+            if whole is not None:
+                return LayeredCompletion(whole).row(likely[place:], random)
+            narrowed = restrict(left, _masks(likely[place : place + 1]))
+            if not is_empty(narrowed):
+                left, whole = narrowed, _expanded(narrowed)
+        return None if whole is None else LayeredCompletion(whole).row((), random)
+
+
+class NarrowedCompletion:
+    """Completes rows of an *engine* whose space has a row, whatever it answers by.
+
+    The row that is worth most is sought by the exact optimum of a sum, and what is left open is drawn from the space
+    that is narrowed to what it grants.
+    """
+
+    def __init__(self, engine: Engine) -> None:
+        self._engine = engine
+
+    def row(self, wishes: Sequence[Wish], random: np.random.Generator) -> Rows:
+        """A row that grants *wishes* in their order, uniform among those that do; shape (variables,).
+
+        Raises DseError where that cannot be found out.
+        """
+        engine = self._engine
+        for start in range(0, len(wishes), _TOGETHER):
+            engine = _granting(engine, wishes[start : start + _TOGETHER])
+        row: Rows = engine.sample(1, int(random.integers(1 << 62)))[0]
+        return row
+
+
+def _masks(wishes: Sequence[Wish]) -> dict[int, Bools]:
+    return {variable: mask for wish in wishes for variable, mask in (wish.masks() or {}).items()}
+
+
+def _expanded(diagram: Diagram) -> Diagram | None:
+    try:
+        return expand(diagram, _NODES)
+    except TooWideError:
+        return None
+
+
+def _granting(engine: Engine, wishes: Sequence[Wish]) -> Engine:
+    """*engine* narrowed to those of *wishes* that can be had."""
+    penalty: dict[int, Ints] = {}
+    for rank, wish in enumerate(reversed(wishes)):
+        for variable, marks in wish.marks.items():
+            penalty[variable] = penalty.get(variable, 0) - (marks << rank)
+    try:
+        row = engine.least(penalty, 1)[0]
+    except TooMuchError:
+        for wish in wishes:
+            narrowed = engine.having(*wish.rules())
+            engine = engine if narrowed.is_empty() else narrowed
+        return engine
+    return engine.having(*(rule for wish in wishes if wish.is_granted(row) for rule in wish.rules()))

@@ -1,0 +1,99 @@
+"""Rows that grant wishes: against all rows of small random spaces, and by the statistics of what is left open."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Callable, Sequence
+
+import numpy as np
+import pytest
+from hypothesis import assume, given, strategies as st
+from question_spaces import EXAMPLES, Answers, asked, without_diagram
+from scipy.stats import chisquare
+
+from dse.space.decisions import alternatives
+from dse.space.methods.completing.choosing import Completion
+from dse.space.methods.completing.graph import GraphCompletion
+from dse.space.methods.completing.layers import LayeredCompletion
+from dse.space.methods.completing.narrowing import DiagramCompletion, NarrowedCompletion
+from dse.space.methods.completing.wishes import Wish, Wishing
+from dse.space.methods.dnnf.compile import compile_dnnf
+from dse.space.methods.dnnf.trim import UnsupportedError
+from dse.space.methods.engine import Engine
+
+Way = Callable[[Engine], Completion]
+
+
+def layered(engine: Engine) -> Completion:
+    assert engine.expanded is not None
+    return LayeredCompletion(engine.expanded)
+
+
+def by_graph(engine: Engine) -> Completion:
+    return GraphCompletion.of(compile_dnnf(engine.flat))
+
+
+def beside_sums(engine: Engine) -> Completion:
+    assert engine.diagram is not None
+    return DiagramCompletion(engine, engine.diagram)
+
+
+def narrowed_without_a_diagram(engine: Engine) -> Completion:
+    """As where rules fit into nothing."""
+    return NarrowedCompletion(without_diagram(engine))
+
+
+WAYS: tuple[Way, ...] = (layered, by_graph, beside_sums, NarrowedCompletion, narrowed_without_a_diagram)
+
+
+@pytest.mark.parametrize("way", WAYS, ids=lambda way: way.__name__)
+@EXAMPLES
+@given(data=st.data(), found=asked())
+def test_wishes_are_granted_in_their_order_wherever_a_row_has_them(
+    way: Way, found: Answers, data: st.DataObject
+) -> None:
+    wishes = _wishes(data.draw, found)
+    completion = _completion(way, found)
+    for seed in range(3):
+        row = completion.row(wishes, np.random.default_rng(seed))
+        assert row.tolist() in _granting(found, wishes)
+
+
+@pytest.mark.parametrize("way", WAYS, ids=lambda way: way.__name__)
+@EXAMPLES
+@given(data=st.data(), found=asked())
+def test_what_is_left_open_is_drawn_uniformly(way: Way, found: Answers, data: st.DataObject) -> None:
+    """A false alarm in a million."""
+    wishes = _wishes(data.draw, found)[:1]
+    wanted = [tuple(row) for row in _granting(found, wishes)]
+    assume(1 < len(wanted) < 12)
+    completion = _completion(way, found)
+    random = np.random.default_rng(1)
+    drawn = Counter(tuple(completion.row(wishes, random).tolist()) for _ in range(15 * len(wanted)))
+    assert set(drawn) <= set(wanted)
+    assert chisquare([drawn[row] for row in wanted]).pvalue > 1e-6
+
+
+def _completion(way: Way, found: Answers) -> Completion:
+    assume(found.valid().any())
+    try:
+        return way(found.engine)
+    except UnsupportedError:
+        assume(False)
+        raise
+
+
+def _wishes(draw: st.DrawFn, found: Answers) -> list[Wish]:
+    every = [(path, choice) for path, choices in alternatives(found.space).items() for choice in (*choices, None)]
+    wanted = draw(st.lists(st.sampled_from([*every, ("nowhere", "a")]), max_size=12))
+    return Wishing(found.engine.flat).read(wanted)
+
+
+def _granting(found: Answers, wishes: Sequence[Wish]) -> list[list[int]]:
+    """Wish after wish, those valid rows that have it, if there is one."""
+    rows = found.rows[found.valid()]
+    for wish in wishes:
+        having = [wish.is_granted(row) for row in rows]
+        rows = rows[having] if any(having) else rows
+    found_rows: list[list[int]] = rows.tolist()
+    return found_rows
