@@ -37,7 +37,9 @@ def quantile(distribution: Distribution, low: float, high: float, share: Array) 
         return np.asarray(np.quantile(np.array(distribution.values), share))
     known = _frozen(distribution)
     first, last = known.cdf(low), known.cdf(high)
-    return np.asarray(known.ppf(first + share * (last - first)), dtype=np.float64)
+    # Shares that are nothing are the end itself: they are beyond what is computed with.
+    within = np.where(share < np.finfo(np.float64).eps, 0.0, share)
+    return np.asarray(known.ppf(first + within * (last - first)), dtype=np.float64)
 
 
 def cumulative(distribution: Distribution, low: float, high: float, value: Array) -> Array:

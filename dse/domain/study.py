@@ -9,6 +9,7 @@ from enum import StrEnum
 from typing import Any
 
 from dse.domain.bench import TestBench
+from dse.domain.component import Kind, Type
 from dse.domain.distribution import Correlations
 from dse.domain.expression import Expression
 from dse.domain.sampler import DesignVariable, Objective, Sampler
@@ -76,3 +77,8 @@ class Study:
     objectives: tuple[Objective, ...] = ()
     constraints: tuple[Expression, ...] = ()
     correlations: Correlations = field(default_factory=dict)
+
+    @property
+    def types(self) -> dict[str, Type]:
+        """What constraints may speak of: the variables, as numbers in SI."""
+        return {variable.name: Type(Kind.REAL, variable.unit) for variable in self.variables}

@@ -6,7 +6,6 @@ from collections.abc import Callable, Sequence
 from itertools import product
 from typing import TYPE_CHECKING
 
-from dse.domain.component import Kind, Type
 from dse.domain.distribution import Correlations, correlation_matrix, cumulative, quantile
 from dse.domain.sampler import Brief, DesignVariable, Point, Role, Scale
 from dse.domain.study import Study
@@ -75,8 +74,7 @@ def allowing(study: Study) -> Callable[[Array], NDArray[np.bool_]] | None:
         return None
     import numpy as np
 
-    types = {variable.name: Type(Kind.REAL, variable.unit) for variable in study.variables}
-    rules = [compile_rule(constraint, types) for constraint in study.constraints]
+    rules = [compile_rule(constraint, study.types) for constraint in study.constraints]
 
     def allowed(points: Array) -> NDArray[np.bool_]:
         columns = {variable.name: points[:, index] for index, variable in enumerate(study.variables)}

@@ -5,7 +5,7 @@ FMUs are built only for benches whose algorithm asks something of them.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from typing import ParamSpec
 
 from dse.domain.bench import TestBench
@@ -15,13 +15,18 @@ from dse.domain.method import Coupling, Method
 from dse.errors import DseError, Problem, raise_if_any
 from dse.fmu import in_parallel
 from dse.loading import Workspace, kind_of
-from dse.space import check_space
+from dse.metrics import compile_rule
+from dse.space import check_space, open_space
 from dse.testbench.prepare import check_bench, prepare_bench
-from dse.testbench.select import one_configuration, selected
+from dse.testbench.prepared import Setting
+from dse.testbench.select import one_configuration, proposing, selected
 from dse.testbench.study import require_variables
 from dse.testbench.wired import wire_bench
 
 P = ParamSpec("P")
+
+_MOST_WIRED = 200
+"""Configurations that are looked at for one that has a variable."""
 
 OnProgress = Callable[[str, int, int, str], None]
 """Is told what is being checked, as "components": which one, of how many, and its name."""
@@ -123,5 +128,20 @@ def _study(workspace: Workspace, path: str) -> None:
     space = study.bench.design
     if check_space(space):
         return  # the design's own file says what is wrong
-    first = selected(space, study.selection, study.where)[0]
-    require_variables(study, {first.id: wire_bench(study.bench, first).settings})
+    opened = proposing(study) if study.sampler.proposes else open_space(space, where=study.selection.where)
+    few = selected(space, study.selection, study.where) if study.selection.ids else opened.configurations(_MOST_WIRED)
+    settings: dict[str, Mapping[str, Setting]] = {}
+    lacking = {variable.name for variable in study.variables}
+    for configuration in few:
+        settings[configuration.id] = wire_bench(study.bench, configuration).settings
+        lacking -= settings[configuration.id].keys()
+        if len(settings) == 1 and study.bench.derived:
+            check_bench(study.bench, configuration)
+        if not lacking:
+            break
+    if not settings:
+        selected(space, study.selection, study.where)  # says that there is none
+    if len(settings) < _MOST_WIRED:
+        require_variables(study, settings)
+    for constraint in study.constraints:
+        compile_rule(constraint, study.types)

@@ -78,7 +78,7 @@ def dse(tmp_path_factory: pytest.TempPathFactory) -> Dse:
 def test_the_blocks_are_a_workspace_without_a_mistake(dse):
     done = dse("check")
     assert done.returncode == 0, done.stderr
-    assert done.stdout.startswith("ok: 5 interfaces, 5 components, 1 design space, 2 test benches, 1 study")
+    assert done.stdout.startswith("ok: 5 interfaces, 5 components, 1 design space, 2 test benches, 2 studies")
 
 
 @pytest.mark.thorough

@@ -1,0 +1,68 @@
+"""Studies that vary more than ranges, as a user would run them."""
+
+from __future__ import annotations
+
+import shutil
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+import dse
+from dse.api.studies.bench import Bench
+from dse.testbench.study import with_values
+
+STUDY = """study: varied
+testbench: acc_following
+configurations: {where: "brake is hydraulic_booster and powertrain is combustion_ideal and sensor is radar_77ghz_mid
+  and video is absent"}
+design_variables:
+  controller.kp_speed: {range: [0.1 1/s, 3 1/s], scale: log}
+  controller.kd_speed: {values: [0, 0.5, 1]}
+  controller.kp_gap: {range: [0.05 1/s2, 0.3 1/s2]}
+  controller.kd_gap: {derived: 5 s * controller.kp_gap}
+constraints: [controller.kp_speed < 2 1/s or controller.kd_speed > 0.2]
+conditions:
+  world.lead_speed: {values: [50 km/h, 60 km/h]}
+uncertain:
+  world.mass: {normal: {mean: 1500 kg, sd: 50 kg}}
+objectives: [minimize sum(cost), minimize gap_undershoot]
+sampler: {sobol: {samples: 4}}
+keep_waveforms: none
+seed: 3
+"""
+
+
+@pytest.fixture(scope="module")
+def varied(folder: Path, tmp_path_factory: pytest.TempPathFactory):
+    place = shutil.copytree(folder, tmp_path_factory.mktemp("varied") / "work")
+    (place / "testbenches" / "varied.pet.yaml").write_text(STUDY, encoding="utf-8")
+    study = dse.open(place).studies["varied"]
+    return study, study.explore(place / "out" / "varied", workers=1)
+
+
+def test_a_study_varies_what_there_is_in_each_configuration(varied):
+    study, results = varied
+    frame = results.to_pandas()
+    assert set(frame["world.lead_speed"]) == {50 / 3.6, 60 / 3.6}
+    assert set(frame["controller.kd_speed"].dropna()) <= {0.0, 0.5, 1.0}
+    kinds = frame.groupby("configuration")[["controller.kp_speed", "controller.kp_gap"]].agg(lambda v: v.isna().all())
+    assert len(kinds) == 3
+    assert sorted(map(tuple, kinds.to_numpy().tolist())) == [(False, False), (False, True), (True, True)]
+    # What a configuration does not have does not multiply its runs.
+    assert not frame.duplicated(["configuration", *study.noun.types]).any()
+    number = int(frame.index[frame["controller.kp_gap"].notna()][0])
+    assert "controller.kp_gap" in results.run(number).point
+    assert "controller.kp_gap" not in results.run(int(frame.index[frame["controller.kp_gap"].isna()][0])).point
+
+
+def test_a_derived_parameter_is_what_it_would_be_if_it_were_given(varied):
+    study, results = varied
+    frame = results.to_pandas()
+    row = frame[frame["controller.kp_gap"].notna()].iloc[0]
+    point = {name: row[name] for name in study.noun.types}
+    given = {**point, "controller.kd_gap": 5 * point["controller.kp_gap"]}
+    bench = with_values(replace(study.bench.noun, derived=()), {name: float(value) for name, value in given.items()})
+    run = Bench(bench).simulate(row["configuration"])
+    assert run.metrics["gap_undershoot"] == row["gap_undershoot"]
+    assert run.metrics["consumption"] == row["consumption"]
