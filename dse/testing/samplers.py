@@ -16,6 +16,7 @@ import numpy as np
 import pytest
 
 from dse.domain.bench import Verdict
+from dse.domain.design import Configuration
 from dse.domain.sampler import Architecture, Brief, Candidate, DesignVariable, Objective, Outcomes, Sampler
 from dse.formats import read_yaml
 from dse.loading import SAMPLERS, SamplerSection, Surroundings
@@ -37,6 +38,14 @@ class Chosen:
 
     def __init__(self) -> None:
         self._all = [Architecture("".join(choices.values()), choices) for choices in CHOICES]
+
+    def count(self) -> int:
+        """Five."""
+        return len(self._all)
+
+    def configuration(self, name: str) -> Configuration:
+        """Without parts."""
+        return Configuration(name, next(each.choices for each in self._all if each.id == name), {})
 
     def draw(self, number: int, seed: int) -> Sequence[Architecture]:
         """Any of them."""
@@ -132,8 +141,8 @@ class SamplerSuite:
 
 
 def brief() -> Brief:
-    """A new study over `VARIABLES` and `CONFIGURATIONS`, with the space `Chosen` and the objective ``m``."""
-    return Brief(VARIABLES, CONFIGURATIONS, 1, outcomes([]), Chosen(), (Objective("m"),))
+    """A new study over `VARIABLES` and `CONFIGURATIONS`, with the space `Chosen` and objectives ``m`` and -``m``."""
+    return Brief(VARIABLES, CONFIGURATIONS, 1, outcomes([]), Chosen(), (Objective("m"), Objective("m", maximize=True)))
 
 
 def asks(sampler: Sampler, given: Brief, *, fails: bool = False) -> list[list[Candidate]]:
