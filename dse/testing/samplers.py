@@ -16,7 +16,8 @@ import numpy as np
 import pytest
 
 from dse.domain.bench import Verdict
-from dse.domain.sampler import Brief, Candidate, DesignVariable, Outcomes, Sampler
+from dse.domain.design import Configuration
+from dse.domain.sampler import Architecture, Brief, Candidate, DesignVariable, Objective, Outcomes, Sampler
 from dse.formats import read_yaml
 from dse.loading import SAMPLERS, SamplerSection, Surroundings
 from dse.units import DIMENSIONLESS
@@ -26,7 +27,40 @@ VARIABLES = (
     DesignVariable("part.y", -1.0, 1.0, 3, 0.0, DIMENSIONLESS),
 )
 CONFIGURATIONS = ("b", "a")
+CHOICES = ({"s": "x", "t": "u"}, {"s": "x", "t": "v"}, {"s": "y", "t": "u"}, {"s": "y", "t": "v"}, {"t": "u"})
 _MOST_ASKS = 200
+
+
+class Chosen:
+    """The space of the configurations `CHOICES`: without *s*, *t* is *u*. An id lists what is chosen."""
+
+    alternatives: Mapping[str, tuple[str | None, ...]] = {"s": ("x", "y", None), "t": ("u", "v")}
+
+    def __init__(self) -> None:
+        self._all = [Architecture("".join(choices.values()), choices) for choices in CHOICES]
+
+    def count(self) -> int:
+        """Five."""
+        return len(self._all)
+
+    def configuration(self, name: str) -> Configuration:
+        """Without parts."""
+        return Configuration(name, next(each.choices for each in self._all if each.id == name), {})
+
+    def draw(self, number: int, seed: int) -> Sequence[Architecture]:
+        """Any of them."""
+        return [self._all[index] for index in np.random.default_rng(seed).integers(len(self._all), size=number)]
+
+    def stratified(self, number: int, seed: int) -> Sequence[Architecture]:
+        """One after the other."""
+        return [self._all[(seed + index) % len(self._all)] for index in range(number)]
+
+    def completed(self, wishes: Sequence[tuple[str, str | None]], seed: int) -> Architecture:
+        """Wish after wish, of those left the ones that have it, if there are any; then any of these."""
+        left = self._all
+        for place, choice in wishes:
+            left = [each for each in left if each.choices.get(place) == choice] or left
+        return left[int(np.random.default_rng(seed).integers(len(left)))]
 
 
 class SamplerSuite:
@@ -64,9 +98,10 @@ class SamplerSuite:
     def test_every_run_it_wants_lies_in_the_ranges(self, settled: Sampler) -> None:
         """On a configuration of the study, a finite number for each variable."""
         candidates = [candidate for ask in asks(settled, brief()) for candidate in ask]
+        known = [each.id for each in Chosen().stratified(len(CHOICES), 0)] if settled.proposes else CONFIGURATIONS
         assert candidates
         for configuration, point in candidates:
-            assert configuration in CONFIGURATIONS
+            assert configuration in known
             assert len(point) == len(VARIABLES)
             assert all(type(value) is float for value in point)
             assert all(v.low <= value <= v.high for v, value in zip(VARIABLES, point, strict=True))
@@ -106,8 +141,8 @@ class SamplerSuite:
 
 
 def brief() -> Brief:
-    """A new study over `VARIABLES` and `CONFIGURATIONS`."""
-    return Brief(VARIABLES, CONFIGURATIONS, 1, outcomes([]))
+    """A new study over `VARIABLES` and `CONFIGURATIONS`, with the space `Chosen` and objectives ``m`` and -``m``."""
+    return Brief(VARIABLES, CONFIGURATIONS, 1, outcomes([]), Chosen(), (Objective("m"), Objective("m", maximize=True)))
 
 
 def asks(sampler: Sampler, given: Brief, *, fails: bool = False) -> list[list[Candidate]]:

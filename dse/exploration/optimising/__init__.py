@@ -1,0 +1,1 @@
+"""What searches for the best designs share: designs and the cases they are run in, judging, racing, and the front."""
