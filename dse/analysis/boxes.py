@@ -25,12 +25,13 @@ _LEAST_RUNS = 8
 _PURE = 0.95
 _WORTH = 0.01
 _LUCK = 0.001
+_LEAST_COVERAGE = 0.1
 _SEED = 0
 
 
 @dataclass(frozen=True, slots=True)
 class Limit:
-    """A factor is between *low* and *high* (SI), NaN where it is not limited; or one of *levels*."""
+    """A factor's place is between *low* and *high*, NaN where it is not limited; or it is one of *levels*."""
 
     factor: Factor
     low: float
@@ -74,7 +75,9 @@ def boxes(data: StudyData, requirement: str = ALL, most: int = 3) -> tuple[Box, 
     if met.sum() < _LEAST_PASSES:
         raise withheld(requirement, f"{int(met.sum())} runs meet it, too few for a box: {_LEAST_PASSES} are needed")
     if data.weights[met].sum() >= _PURE * data.weights.sum():
-        raise withheld(requirement, f"nearly all runs meet it, {int(met.sum())} of {len(data)}: there is nothing to limit")
+        raise withheld(
+            requirement, f"nearly all runs meet it, {int(met.sum())} of {len(data)}: there is nothing to limit"
+        )
     made = np.random.default_rng(_SEED).permutation(len(data)) % 2 == 0
     found: list[Box] = []
     left = np.ones(len(data), dtype=np.bool_)
@@ -82,7 +85,7 @@ def boxes(data: StudyData, requirement: str = ALL, most: int = 3) -> tuple[Box, 
         inside = _Inside(data.part(made & left), met[made & left])
         limits = inside.limits()
         box = _judged(limits, data, met, left & ~made, float(data.weights[met & ~made].sum()))
-        if box is None:
+        if box is None or (found and box.coverage < _LEAST_COVERAGE):
             break
         found.append(box)
         left &= ~box.holds(data)
@@ -134,9 +137,7 @@ class _Inside:
     def _peeled(self, k: int, factor: Factor, x: Floats) -> list[_Sides]:
         low, high, out = self._box()
         if factor.is_choice:
-            return [
-                (low, high, [*out[:k], out[k] | {float(level)}, *out[k + 1 :]]) for level in np.unique(x).tolist()
-            ]
+            return [(low, high, [*out[:k], out[k] | {float(level)}, *out[k + 1 :]]) for level in np.unique(x).tolist()]
         values = np.unique(x)
         raised, lowered = low.copy(), high.copy()
         # The whole of the lowest level where there are few.
@@ -216,11 +217,7 @@ class _Inside:
         below, above = x[x < low], x[x > high]
         low = (low + float(below[-1])) / 2 if len(below) else low
         high = (high + float(above[0])) / 2 if len(above) else high
-        return Limit(
-            factor,
-            factor.value(low) if np.isfinite(low) else np.nan,
-            factor.value(high) if np.isfinite(high) else np.nan,
-        )
+        return Limit(factor, low if np.isfinite(low) else np.nan, high if np.isfinite(high) else np.nan)
 
 
 _Sides = tuple[Floats, Floats, list[frozenset[float]]]
@@ -230,8 +227,7 @@ def _allowed(limit: Limit, factor: Factor, places: Floats) -> Rows:
     if factor.is_choice:
         allowed = [factor.level(place) in limit.levels for place in np.nan_to_num(places).tolist()]
         return np.array(allowed, dtype=np.bool_) & ~np.isnan(places)
-    values = factor.value(places)
-    return ((values >= limit.low) | np.isnan(limit.low)) & ((values <= limit.high) | np.isnan(limit.high))
+    return ((places >= limit.low) | np.isnan(limit.low)) & ((places <= limit.high) | np.isnan(limit.high))
 
 
 def _judged(limits: tuple[Limit, ...], data: StudyData, met: Rows, others: Rows, passing: float) -> Box | None:

@@ -39,7 +39,9 @@ class WorstCase:
     @property
     def worst(self) -> Condition:
         """The condition with the smallest share of runs that meet the requirement."""
-        return min((each for each in self.conditions if each.met), key=lambda each: each.met.share.value if each.met else 1)
+        return min(
+            (each for each in self.conditions if each.met), key=lambda each: each.met.share.value if each.met else 1
+        )
 
 
 def worst_case(data: StudyData, over: str, requirement: str = ALL) -> WorstCase:

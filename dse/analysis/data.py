@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from dse.domain.bench import VERDICTS, Verdict
 from dse.domain.definition import StudyDefinition
+from dse.domain.sampler import DesignVariable, Role
 from dse.errors import DseError, closest, fail
 
 Floats = NDArray[np.float64]
@@ -24,25 +25,33 @@ MET = VERDICTS.index(Verdict.PASS)
 
 @dataclass(frozen=True, slots=True)
 class Factor:
-    """Something in which runs differ: a number between *low* and *high* (SI), or one of *levels*, a choice.
+    """Something in which runs differ: a number, *variable*, or one of *levels*, a choice, which have no order.
 
-    Its place is between 0 and 1 in either case: the share of the range, or the middle of the level's part of it.
+    Its place is 0 … 1 in either case: where in the variable's range, values or distribution, as `dse.exploration.scaled`
+    has it, or the middle of the level's part.
     """
 
     name: str
     unit: str = ""
-    low: float = 0.0
-    high: float = 1.0
+    variable: DesignVariable | None = None
     levels: tuple[str, ...] = ()
 
     @property
     def is_choice(self) -> bool:
-        """Whether its values have no order."""
-        return bool(self.levels)
+        """Whether it is one of levels."""
+        return self.variable is None
+
+    @property
+    def is_decided(self) -> bool:
+        """Whether it is for the designer to say, and neither a condition nor uncertain."""
+        return self.variable is None or self.variable.role is Role.DESIGN
 
     def value(self, place: float) -> float:
-        """The number (SI) at *place*."""
-        return self.low + place * (self.high - self.low)
+        """The number (SI) at *place*; of one that has certain values only the nearest one."""
+        from dse.exploration import scaled
+
+        assert self.variable is not None, "a choice has no value"
+        return float(scaled(np.array([[place]]), (self.variable,))[0, 0])
 
     def level(self, place: float) -> str:
         """The level at *place*."""

@@ -10,9 +10,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dse.analysis.cells import space_weights
-from dse.analysis.data import Factor, Floats, Rows, StudyData
+from dse.analysis.data import Factor, Floats, StudyData
 from dse.domain.definition import DefinedVariable, StudyDefinition
+from dse.domain.sampler import DesignVariable
+from dse.exploration import unit_of
 from dse.storage import RunTable
+from dse.units import parse_unit
 
 
 def study_data(table: RunTable) -> StudyData:
@@ -86,11 +89,22 @@ def _weighted(data: StudyData, on_grid: bool) -> StudyData:
     return replace(data, weights=space_weights(data.places, groups(data), on_grid))
 
 
-def _scaled(variable: DefinedVariable, column: NDArray[Any]) -> tuple[Factor, Floats]:
+def _scaled(defined: DefinedVariable, column: NDArray[Any]) -> tuple[Factor, Floats]:
+    """The variable as a factor, and its places: NaN where a run's configuration does not have it."""
+    variable = DesignVariable(
+        defined.name,
+        defined.low,
+        defined.high,
+        defined.levels,
+        defined.nominal,
+        parse_unit(defined.unit),
+        defined.title,
+    )
     values = np.asarray(column, dtype=np.float64)
-    width = variable.high - variable.low
-    factor = Factor(variable.name, variable.unit, variable.low, variable.high)
-    return factor, (values - variable.low) / width if width else np.where(np.isnan(values), np.nan, 0.5)
+    there = np.isfinite(values)
+    places = np.full(len(values), np.nan)
+    places[there] = unit_of(values[there, None], (variable,))[:, 0]
+    return Factor(defined.name, defined.unit, variable), places
 
 
 def _chosen(definition: StudyDefinition, configurations: tuple[str, ...]) -> list[tuple[Factor, Floats]]:
@@ -106,7 +120,6 @@ def _chosen(definition: StudyDefinition, configurations: tuple[str, ...]) -> lis
 
 def _finite(values: Floats) -> Floats:
     return np.where(np.isfinite(values), values, np.nan)
-
 
 
 _NOTHING = "absent"

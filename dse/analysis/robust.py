@@ -39,7 +39,8 @@ def robust_centre(data: StudyData, requirement: str = ALL) -> Centre:
     met = data.met(requirement)
     if not met.any():
         raise withheld(requirement, "no run meets it: there is no robust centre")
-    numeric = [k for k, factor in enumerate(data.factors) if not factor.is_choice]
+    # A design that fails under any condition is no margin away from failing.
+    numeric = [k for k, factor in enumerate(data.factors) if not factor.is_choice and factor.is_decided]
     best: Centre | None = None
     kinds = groups(data)
     for kind in np.unique(kinds[met]).tolist():

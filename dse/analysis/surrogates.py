@@ -53,7 +53,9 @@ def fit(data: StudyData, metric: str, kind: str) -> Surrogate:
     there, values = data.response(metric, 2)
     if not there.factors:
         raise withheld(metric, "runs do not differ in anything a surrogate could be a formula of")
-    absent = [factor.name for factor, column in zip(there.factors, there.places.T, strict=True) if np.isnan(column).any()]
+    absent = [
+        factor.name for factor, column in zip(there.factors, there.places.T, strict=True) if np.isnan(column).any()
+    ]
     if absent:
         what = f"some runs lack {absent[0]}, and a surrogate needs all factors in every run"
         raise withheld(metric, what, "look at the runs of one configuration")
@@ -102,7 +104,9 @@ def _refuse(kind: str, metric: str, runs: int, columns: int) -> None:
     if runs < least:
         raise withheld(metric, f"a {kind} of {columns} variables needs {least} runs, and there are {runs}")
     if kind == "process" and runs > _MOST_PROCESS:
-        raise withheld(metric, f"a Gaussian process of {runs} runs takes too long: at most {_MOST_PROCESS}", "take a forest")
+        raise withheld(
+            metric, f"a Gaussian process of {runs} runs takes too long: at most {_MOST_PROCESS}", "take a forest"
+        )
 
 
 def _quadratic(_: int) -> Any:
