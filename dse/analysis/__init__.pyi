@@ -14,9 +14,9 @@ from .effects import (
     correlations as correlations,
     main_effects as main_effects,
 )
-from .findings import essentials as essentials, findings as findings
 from .first_order import Share as Share, first_order as first_order, going_together as going_together
 from .importance import Importance as Importance, Importances as Importances, importances as importances
+from .learnt import essentials as essentials, findings as findings
 from .pawn import Distance as Distance, pawn as pawn
 from .probability import Interval as Interval, Met as Met, probability_met as probability_met, wilson as wilson
 from .reading import planes as planes, study_data as study_data

@@ -1,4 +1,4 @@
-"""The values of a factor in bins: its own levels where there are few, parts with as many runs each where there are many."""
+"""The values of a factor in bins: its own levels where there are few, else parts with as many runs each."""
 
 from __future__ import annotations
 

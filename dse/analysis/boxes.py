@@ -1,8 +1,8 @@
 """Where requirements are met, as boxes: limits on few factors that can be said in a sentence.
 
 The patient rule induction method (Friedman and Fisher 1999): slices of a box are peeled off as long as that makes the
-share of runs inside that pass larger, then limits are loosened again. What a box is worth is told by the half of the runs
-that it was not made from; a box that they do not confirm is luck, and is not stated.
+share of runs inside that pass larger, then limits are loosened again. What a box is worth is told by the half of the
+runs that it was not made from; a box that they do not confirm is luck, and is not stated.
 """
 
 from __future__ import annotations
@@ -43,9 +43,9 @@ class Limit:
 class Box:
     """Where all of *limits* hold, a requirement is met more often than elsewhere.
 
-    *density* is the share of runs inside that meet it, *coverage* the share of all runs that meet it that are inside and
-    not in an earlier box, both by *checked* runs inside that the box was not made from. *luck* is how likely as many of
-    them would pass anywhere.
+    *density* is the share of runs inside that meet it, *coverage* the share of all runs that meet it that are inside
+    and not in an earlier box, both by *checked* runs inside that the box was not made from. *luck* is how likely as
+    many of them would pass anywhere.
     """
 
     limits: tuple[Limit, ...]
@@ -66,8 +66,8 @@ class Box:
 def boxes(data: StudyData, requirement: str = ALL, most: int = 3) -> tuple[Box, ...]:
     """The best box, then the best of what is outside of it, and so on; none if there is none that is not luck.
 
-    Runs that did not exercise a requirement, or failed to run, do not meet it. DseError if there are too few runs, fewer
-    than ten that meet it, or hardly any others.
+    Runs that did not exercise a requirement, or failed to run, do not meet it. DseError if there are too few runs,
+    fewer than ten that meet it, or hardly any others.
     """
     met = data.met(requirement)
     if len(data) < LEAST:
@@ -141,8 +141,10 @@ class _Inside:
         values = np.unique(x)
         raised, lowered = low.copy(), high.copy()
         # The whole of the lowest level where there are few.
-        raised[k] = values[max(np.searchsorted(values, np.quantile(x, _PEEL)), 1)]
-        lowered[k] = values[min(np.searchsorted(values, np.quantile(x, 1 - _PEEL), side="right") - 1, len(values) - 2)]
+        raised[k] = values[max(int(np.searchsorted(values, np.quantile(x, _PEEL))), 1)]
+        lowered[k] = values[
+            min(int(np.searchsorted(values, np.quantile(x, 1 - _PEEL), side="right")) - 1, len(values) - 2)
+        ]
         return [(raised, high, out), (low, lowered, out)]
 
     def _loosen(self, target: float) -> None:
@@ -227,7 +229,8 @@ def _allowed(limit: Limit, factor: Factor, places: Floats) -> Rows:
     if factor.is_choice:
         allowed = [factor.level(place) in limit.levels for place in np.nan_to_num(places).tolist()]
         return np.array(allowed, dtype=np.bool_) & ~np.isnan(places)
-    return ((places >= limit.low) | np.isnan(limit.low)) & ((places <= limit.high) | np.isnan(limit.high))
+    above = (places >= limit.low) | np.isnan(limit.low)
+    return np.asarray(above & ((places <= limit.high) | np.isnan(limit.high)), dtype=np.bool_)
 
 
 def _judged(limits: tuple[Limit, ...], data: StudyData, met: Rows, others: Rows, passing: float) -> Box | None:

@@ -25,7 +25,7 @@ def effective(weights: Floats) -> float:
 
 
 def space_weights(places: Floats, groups: NDArray[np.intp], on_grid: bool) -> Floats:
-    """Weights of n points of the unit cube, (n, k), 1 on average in each of *groups*, (n,); NaN is a missing coordinate.
+    """Weights of n points of the unit cube, (n, k), 1 on average in each of *groups*, (n,); NaN is no coordinate.
 
     All 1 where points lie as evenly as random ones do, or more so, unless they are *on_grid*: the ends of a grid have
     half as much space to them. A group of points without coordinates has weights 1, too.

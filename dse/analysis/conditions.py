@@ -8,6 +8,7 @@ import numpy as np
 
 from dse.analysis.data import ALL, MET, StudyData, withheld
 from dse.analysis.probability import Met, probability_met
+from dse.domain.bench import VERDICTS, Verdict
 
 MOST_LEVELS = 40
 
@@ -24,8 +25,8 @@ class Condition:
 class WorstCase:
     """What comes of a requirement over all conditions of *factor*.
 
-    *complete* designs, all else being equal, have a run under each condition; *passing* of them meet it under every one,
-    and *best* is the run of such a one whose least margin is largest: -1 without one, or where margins of several
+    *complete* designs, all else being equal, have a run under each condition; *passing* of them meet it under every
+    one, and *best* is the run of such a one whose least margin is largest: -1 without one, or where margins of several
     requirements cannot be compared. *incomplete* designs lack a condition, and are counted neither way.
     """
 
@@ -47,8 +48,8 @@ class WorstCase:
 def worst_case(data: StudyData, over: str, requirement: str = ALL) -> WorstCase:
     """Over the values that the factor *over* has in the runs; runs without it are left out.
 
-    DseError if there is no such factor or requirement, if it has more than 40 values, or none at which a run met or failed
-    the requirement.
+    DseError if there is no such factor or requirement, if it has more than 40 values, or none at which a run met or
+    failed the requirement.
     """
     k = data.factor(over)
     there = data.part(~np.isnan(data.places[:, k]))
@@ -78,9 +79,5 @@ def worst_case(data: StudyData, over: str, requirement: str = ALL) -> WorstCase:
 
 
 def _met(data: StudyData, requirement: str) -> Met | None:
-    codes = data.codes(requirement)
-    from dse.domain.bench import VERDICTS, Verdict
-
-    if not np.isin(codes, [MET, VERDICTS.index(Verdict.FAIL)]).any():
-        return None
-    return probability_met(data, requirement)
+    judged = np.isin(data.codes(requirement), [MET, VERDICTS.index(Verdict.FAIL)])
+    return probability_met(data, requirement) if judged.any() else None

@@ -27,8 +27,8 @@ MET = VERDICTS.index(Verdict.PASS)
 class Factor:
     """Something in which runs differ: a number, *variable*, or one of *levels*, a choice, which have no order.
 
-    Its place is 0 … 1 in either case: where in the variable's range, values or distribution, as `dse.exploration.scaled`
-    has it, or the middle of the level's part.
+    Its place is 0 … 1 in either case: where in the variable's range, values or distribution it is, as
+    `dse.exploration.scaled` has it, or the middle of the level's part.
     """
 
     name: str
@@ -47,11 +47,10 @@ class Factor:
         return self.variable is None or self.variable.role is Role.DESIGN
 
     def value(self, place: float) -> float:
-        """The number (SI) at *place*; of one that has certain values only the nearest one."""
+        """The number (SI) at *place*; of one that has certain values only the nearest one. NaN of a choice."""
         from dse.exploration import scaled
 
-        assert self.variable is not None, "a choice has no value"
-        return float(scaled(np.array([[place]]), (self.variable,))[0, 0])
+        return float(scaled(np.array([[place]]), (self.variable,))[0, 0]) if self.variable else np.nan
 
     def level(self, place: float) -> str:
         """The level at *place*."""

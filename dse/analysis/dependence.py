@@ -45,7 +45,9 @@ def shares(data: StudyData, metric: str) -> Iterator[Finding]:
     pairs = [pair for pair in going_together(defined) if {*pair} & {each.factor for each in named}]
     left = 1 - math.fsum(each.share.value for each in found)
     if pairs:
-        text += f"; {listed([' and '.join(pair) for pair in pairs[:3]], 'as well as')} go together: their shares overlap"
+        text += (
+            f"; {listed([' and '.join(pair) for pair in pairs[:3]], 'as well as')} go together: their shares overlap"
+        )
     elif left >= 0.1 and told:
         text += f"; {percent(left)} is due to several together, or to chance"
     facts = {"shares": [asdict(each) for each in found], "defined": len(defined), "together": pairs}
@@ -69,7 +71,8 @@ def designed_findings(data: StudyData, metric: str) -> Iterator[Finding]:
     """Indices of the design that the study is made by. Raises DseError."""
     found = DESIGNED[data.definition.sampler.kind](data, metric)
     unit = next(entry.unit for entry in data.definition.metrics if entry.name == metric)
-    ranked = sorted(found.factors, key=lambda each: -round(_size(each).value, 9))[:_MOST_NAMED]
+    factors: list[Indices | Effects] = [*found.factors]
+    ranked = sorted(factors, key=lambda each: -round(_size(each).value, 9))[:_MOST_NAMED]
     told = listed([_designed(each, unit) for each in ranked])
     lacking = f", {found.lacking} left out for want of results" if found.lacking else ""
     text = f"{metric_label(data, metric)}: {told} ({found.blocks} blocks{lacking})"
@@ -100,5 +103,3 @@ def _designed(each: Indices | Effects, unit: str) -> str:
 def _capped(share: Interval) -> Interval:
     """A share as it can be: an estimate may lie outside of 0 … 1."""
     return Interval(*(min(max(number, 0.0), 1.0) for number in (share.value, share.low, share.high)))
-
-

@@ -42,7 +42,7 @@ class Importances:
 
 
 def importances(data: StudyData, metric: str) -> Importances:
-    """From the runs in which *metric* is defined, of more than 5,000 every so-manieth; a factor may be absent from runs.
+    """From the runs in which *metric* is defined, of more than 5,000 every so-manieth; runs may lack factors.
 
     Intervals are 1.96 standard errors of the mean over five parts of the runs to either side. DseError if fewer than 50
     runs define the metric, if it never changes, or if the forest predicts less than half of its variance.

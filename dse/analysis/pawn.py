@@ -1,8 +1,8 @@
 """How much the distribution of a metric changes when a factor is known: also where its variance says little.
 
-PAWN (Pianosi and Wagener 2018), by SALib: the distance between the distribution of all values and those within a part of
-the factor's range (Kolmogorov-Smirnov), its median over ten parts. Few runs are apart by chance: as far as they are for a
-factor that does nothing, which is made up for comparison.
+PAWN (Pianosi and Wagener 2018), by SALib: the distance between the distribution of all values and that within a part of
+the factor's range (Kolmogorov-Smirnov), its median over ten parts. Few runs are apart by chance: as far as they are for
+a factor that does nothing, which is made up for comparison.
 """
 
 from __future__ import annotations

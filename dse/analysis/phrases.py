@@ -42,7 +42,7 @@ def between(share: Interval) -> str:
 
 
 def parts(told: Sequence[tuple[str, Interval, str]]) -> str:
-    """What has which share of the variance, each with a remark: ``kp 53 % of the variance (47 … 58 %, rising), kd …``."""
+    """What has which share, each with a remark: ``kp 53 % of the variance (47 … 58 %, rising), kd 29 % (…)``."""
     whole = [" of the variance"] + [""] * len(told)
     return ", ".join(
         f"{name} {percent(share.value)}{of} ({between(share)}{remark})"
@@ -76,7 +76,7 @@ def requirement_label(data: StudyData, name: str) -> str:
     """A requirement with its title, if it has another."""
     titles = {entry.name: entry.title for entry in data.definition.requirements}
     title = titles.get(name, name)
-    return f"{name} {title}" if title and title != name and name != ALL else name
+    return f"{name} {title}" if title and name not in (title, ALL) else name
 
 
 def _limit(limit: Limit) -> str:

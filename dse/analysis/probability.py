@@ -46,8 +46,8 @@ class Met:
 def wilson(successes: float, trials: float, confidence: float = CONFIDENCE) -> Interval:
     """Of a share: *successes* of so many *trials*, more than 0, whole or not (Wilson 1927).
 
-    It holds the true share p in about 95 % of cases if n p and n (1 - p) are more than about 5, less often near the ends
-    for some n; sequences that fill the space more evenly than chance are within it more often.
+    It holds the true share p in about 95 % of cases if n p and n (1 - p) are more than about 5, less often near the
+    ends for some n; of sequences that fill the space more evenly than chance, more often.
     """
     from scipy.special import ndtri
 
@@ -70,4 +70,12 @@ def probability_met(data: StudyData, requirement: str = ALL) -> Met:
     weights = data.weights[judged]
     counts_as = effective(weights)
     share = float(data.weights[met].sum() / weights.sum())
-    return Met(requirement, wilson(share * counts_as, counts_as), *count.values(), counts_as)
+    return Met(
+        requirement,
+        wilson(share * counts_as, counts_as),
+        count[Verdict.PASS],
+        count[Verdict.FAIL],
+        count[Verdict.NOT_EXERCISED],
+        count[Verdict.FAILED_TO_RUN],
+        counts_as,
+    )

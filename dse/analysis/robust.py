@@ -28,8 +28,8 @@ class Centre:
 
 
 def robust_centre(data: StudyData, requirement: str = ALL) -> Centre:
-    """The passing run with the largest margin: the distance, in the factor that differs most and as a part of its range,
-    to the nearest run with the same choices that does not pass, or to the end of a range.
+    """The passing run with the largest margin: the distance, in the factor that differs most and as a part of its
+    range, to the nearest run with the same choices that does not pass, or to the end of a range.
 
     Not exercised and failed runs do not pass. DseError if no run passes, none has a number to change, or fewer than
     three runs lie around the best: what was not tested is no margin.
@@ -40,12 +40,12 @@ def robust_centre(data: StudyData, requirement: str = ALL) -> Centre:
     if not met.any():
         raise withheld(requirement, "no run meets it: there is no robust centre")
     # A design that fails under any condition is no margin away from failing.
-    numeric = [k for k, factor in enumerate(data.factors) if not factor.is_choice and factor.is_decided]
+    decided = [not factor.is_choice and factor.is_decided for factor in data.factors]
     best: Centre | None = None
     kinds = groups(data)
     for kind in np.unique(kinds[met]).tolist():
         rows = np.flatnonzero(kinds == kind)
-        points = data.places[np.ix_(rows, numeric)]
+        points = data.places[rows][:, np.array(decided, dtype=np.bool_)]
         points = points[:, ~np.isnan(points).any(axis=0)]
         points = points[:, np.ptp(points, axis=0) > 0]
         if not points.shape[1]:

@@ -45,7 +45,7 @@ class Account:
         self._reasons: dict[tuple[str, str], list[str]] = {}
 
     def tell(self, what: str, about: str, label: str, finding: Callable[[], Iterable[Finding]]) -> None:
-        """Add what *finding* gives; if it raises, its reason why *what* is not told *about* something called *label*."""
+        """Add what *finding* gives; or its reason why *what* is not told *about* something called *label*."""
         try:
             self.findings += finding()
         except DseError as error:

@@ -9,6 +9,7 @@ import numpy as np
 
 from dse.analysis.data import Factor, Floats, StudyData, withheld
 from dse.analysis.extra import extra
+from dse.errors import DseError, Problem, closest, fail
 
 _FOLDS = 5
 _LEAST_FOREST = 30
@@ -22,8 +23,8 @@ class Surrogate:
     """A *kind* of model of *metric*, from *runs* runs.
 
     *error* is the root mean square of its errors (SI), *explained* the share of the variance it predicts, both on runs
-    that were left out when the model that predicts them was made (5 parts in turn). Of a negative share, the mean of all
-    runs would be a better prediction.
+    that were left out when the model that predicts them was made (5 parts in turn). Of a negative share, the mean of
+    all runs would be a better prediction.
     """
 
     kind: str
@@ -46,8 +47,6 @@ def fit(data: StudyData, metric: str, kind: str) -> Surrogate:
 
     DseError for too few runs (or too many: a process), a metric that never changes, and factors that some runs lack.
     """
-    from dse.errors import closest, fail
-
     if kind not in KINDS:
         raise fail(f"there is no surrogate '{kind}'", None, closest(kind, KINDS))
     there, values = data.response(metric, 2)
@@ -73,9 +72,8 @@ def fit(data: StudyData, metric: str, kind: str) -> Surrogate:
 
 def best_surrogate(data: StudyData, metric: str) -> Surrogate:
     """The one of all kinds that there are runs for that errs least. DseError as `fit`, if there are runs for none."""
-    from dse.errors import DseError
-
-    problems, fitted = [], []
+    problems: list[Problem] = []
+    fitted: list[Surrogate] = []
     for kind in KINDS:
         try:
             fitted.append(fit(data, metric, kind))

@@ -19,8 +19,8 @@ if TYPE_CHECKING:
 
 
 class Morris(OnceSampler):
-    """*trajectories* of k + 1 runs for k variables, each changing one variable at a time by half its range or a little more
-    (Morris 1991). Variables take *levels* values, an even number. A point that several trajectories share is one run.
+    """*trajectories* of k + 1 runs for k variables, each changing one variable at a time by half its range or a little
+    more (Morris 1991). Variables take *levels* values, an even number. A point of several trajectories is one run.
     """
 
     name: ClassVar[str] = "morris"

@@ -20,8 +20,8 @@ if TYPE_CHECKING:
 
 
 class SobolIndices(OnceSampler):
-    """Blocks of runs that differ in one variable each (Saltelli et al. 2010): *base* blocks of k + 2 runs for k variables,
-    with *second_order* of 2 k + 2. *base* is a power of two. A point that occurs twice is one run.
+    """Blocks of runs that differ in one variable each (Saltelli et al. 2010): *base* blocks of k + 2 runs for k
+    variables, with *second_order* of 2 k + 2. *base* is a power of two. A point that occurs twice is one run.
     """
 
     name: ClassVar[str] = "sobol_indices"
@@ -42,7 +42,10 @@ class SobolIndices(OnceSampler):
         return different(self.design(brief))
 
     def design(self, brief: Brief) -> NDArray[np.float64]:
-        """Block after block, (base * block, variables), some points more than once; DseError if variables are correlated, or SALib is not installed."""
+        """Block after block, (base * block, variables), some points more than once.
+
+        DseError if variables are correlated, or SALib is not installed.
+        """
         if brief.correlations:
             raise fail("Sobol' indices are of independent variables, and some are correlated", None, "take 'sobol'")
         names = [variable.name for variable in brief.variables]

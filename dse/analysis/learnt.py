@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import asdict, replace
+from functools import partial
 
 from dse.analysis.boxes import boxes
 from dse.analysis.conditions import worst_case
@@ -19,7 +20,7 @@ from dse.storage import RunTable
 
 
 def essentials(table: RunTable) -> tuple[Finding, ...]:
-    """What the runs say about the requirements, and what the metrics behind them depend on; what they do not say, and why."""
+    """What the runs say about the requirements and what these depend on; and what they do not say, and why."""
     return _told(table, _of_requirements)
 
 
@@ -44,16 +45,14 @@ def _of_requirements(account: Account, data: StudyData) -> None:
     names = _requirements(data)
     for name in names:
         label = requirement_label(data, name)
-        account.tell("how often it is met", name, label, lambda name=name: _met(data, name))
+        account.tell("how often it is met", name, label, partial(_met, data, name))
         for factor in data.factors:
             if factor.variable is not None and factor.variable.role is Role.CONDITION:
-                account.tell(
-                    "the worst case", name, label, lambda name=name, over=factor.name: _worst(data, over, name)
-                )
+                account.tell("the worst case", name, label, partial(_worst, data, factor.name, name))
     for name in names[-1:] if len(names) > 1 else names:
         label = requirement_label(data, name)
-        account.tell("a box", name, label, lambda name=name: _boxes(data, name))
-        account.tell("a robust centre", name, label, lambda name=name: _centre(data, name))
+        account.tell("a box", name, label, partial(_boxes, data, name))
+        account.tell("a robust centre", name, label, partial(_centre, data, name))
     for metric in dict.fromkeys(entry.metric for entry in data.definition.requirements):
         _dependence(account, data, metric)
 
@@ -64,14 +63,14 @@ def _of_everything(account: Account, data: StudyData) -> None:
     for name in _requirements(data)[:-1]:
         if (data.met(name) == data.met()).all():
             continue
-        account.tell("a box", name, requirement_label(data, name), lambda name=name: _boxes(data, name))
+        account.tell("a box", name, requirement_label(data, name), partial(_boxes, data, name))
     for metric in data.metrics:
         if metric not in behind:
             _dependence(account, data, metric)
     if len(data.factors) > 1:
         for metric in behind or data.metrics:
             label = metric_label(data, metric)
-            account.tell("what matters together", metric, label, lambda metric=metric: interactions(data, metric))
+            account.tell("what matters together", metric, label, partial(interactions, data, metric))
 
 
 def _requirements(data: StudyData) -> list[str]:
@@ -81,9 +80,9 @@ def _requirements(data: StudyData) -> list[str]:
 
 def _dependence(account: Account, data: StudyData, metric: str) -> None:
     label = metric_label(data, metric)
-    account.tell("what explains the variance", metric, label, lambda: shares(data, metric))
+    account.tell("what explains the variance", metric, label, partial(shares, data, metric))
     if data.definition.sampler.kind in DESIGNED:
-        account.tell("designed indices", metric, label, lambda: designed_findings(data, metric))
+        account.tell("designed indices", metric, label, partial(designed_findings, data, metric))
 
 
 def _runs(data: StudyData) -> Iterator[Finding]:
@@ -154,7 +153,8 @@ def _centre(data: StudyData, name: str) -> Iterable[Finding]:
     ends = f"run {found.limit} does not" if found.limit >= 0 else "there a range ends"
     text = (
         f"{requirement_label(data, name)}: most may change around run {found.number} ({point(data, found.number)}): "
-        f"every number by {percent(found.margin)} of its range at once, where {found.around} other runs meet it, too; {ends}"
+        f"every number by {percent(found.margin)} of its range at once, where {found.around} other runs meet it, too; "
+        f"{ends}"
     )
     return [Finding(Topic.CENTRE, name, text, asdict(found))]
 
