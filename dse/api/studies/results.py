@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     import pandas as pd
     import pyarrow as pa
 
+    from dse.analysis import Finding
     from dse.api.studies.replaying import Replay
     from dse.domain.definition import StudyDefinition
     from dse.errors import Problem
@@ -83,6 +84,19 @@ class Results:
         from dse.api.showing.frames import runs_table
 
         return self._read(runs_table)
+
+    def findings(self) -> tuple[Finding, ...]:
+        """What the runs tell, in sentences: how often requirements are met, where, and what matters; what they do not
+        tell, and why. Some of it needs the extra ``analysis``."""
+        from dse.analysis import findings
+
+        return findings(self._read(lambda store: store.table()))
+
+    def essentials(self) -> tuple[Finding, ...]:
+        """Those findings that are about requirements and take no long time."""
+        from dse.analysis import essentials
+
+        return essentials(self._read(lambda store: store.table()))
 
     def export(self, kind: str) -> bytes:
         """The table of runs as ``csv``, ``json``, ``parquet`` or ``junit``."""

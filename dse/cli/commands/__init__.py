@@ -29,6 +29,7 @@ COMMANDS = (
     "status",
     "merge",
     "results",
+    "findings",
     "report",
     "figure",
     "replay",

@@ -1,0 +1,25 @@
+from .boxes import Box as Box, Limit as Limit, boxes as boxes
+from .conditions import Condition as Condition, WorstCase as WorstCase, worst_case as worst_case
+from .data import ALL as ALL, Factor as Factor, StudyData as StudyData
+from .designed import (
+    Designed as Designed,
+    Effects as Effects,
+    Indices as Indices,
+    morris_effects as morris_effects,
+    sobol_indices as sobol_indices,
+)
+from .effects import (
+    Correlation as Correlation,
+    MainEffect as MainEffect,
+    correlations as correlations,
+    main_effects as main_effects,
+)
+from .first_order import Share as Share, first_order as first_order, going_together as going_together
+from .importance import Importance as Importance, Importances as Importances, importances as importances
+from .learnt import essentials as essentials, findings as findings
+from .pawn import Distance as Distance, pawn as pawn
+from .probability import Interval as Interval, Met as Met, probability_met as probability_met, wilson as wilson
+from .reading import planes as planes, study_data as study_data
+from .robust import Centre as Centre, robust_centre as robust_centre
+from .said import Finding as Finding, Topic as Topic
+from .surrogates import Surrogate as Surrogate, best_surrogate as best_surrogate, fit as fit

@@ -1,0 +1,252 @@
+"""Where requirements are met, as boxes: limits on few factors that can be said in a sentence.
+
+The patient rule induction method (Friedman and Fisher 1999): slices of a box are peeled off as long as that makes the
+share of runs inside that pass larger, then limits are loosened again. What a box is worth is told by the half of the
+runs that it was not made from; a box that they do not confirm is luck, and is not stated.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from dse.analysis.cells import effective
+from dse.analysis.data import ALL, Factor, Floats, Rows, StudyData, withheld
+from dse.analysis.probability import Interval, wilson
+
+LEAST = 60
+"""Fewer runs than that are not split into two halves."""
+
+_LEAST_PASSES = 10
+_PEEL = 0.06
+_LEAST_SUPPORT = 0.04
+_LEAST_RUNS = 8
+_PURE = 0.95
+_WORTH = 0.01
+_LUCK = 0.001
+_LEAST_COVERAGE = 0.1
+_SEED = 0
+
+
+@dataclass(frozen=True, slots=True)
+class Limit:
+    """A factor's place is between *low* and *high*, NaN where it is not limited; or it is one of *levels*."""
+
+    factor: Factor
+    low: float
+    high: float
+    levels: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class Box:
+    """Where all of *limits* hold, a requirement is met more often than elsewhere.
+
+    *density* is the share of runs inside that meet it, *coverage* the share of all runs that meet it that are inside
+    and not in an earlier box, both by *checked* runs inside that the box was not made from. *luck* is how likely as
+    many of them would pass anywhere.
+    """
+
+    limits: tuple[Limit, ...]
+    density: Interval
+    coverage: float
+    luck: float
+    checked: int
+
+    def holds(self, data: StudyData) -> Rows:
+        """Which runs are inside, (n,)."""
+        inside = np.ones(len(data), dtype=np.bool_)
+        for limit in self.limits:
+            k = data.factor(limit.factor.name)
+            inside &= _allowed(limit, data.factors[k], data.places[:, k])
+        return inside
+
+
+def boxes(data: StudyData, requirement: str = ALL, most: int = 3) -> tuple[Box, ...]:
+    """The best box, then the best of what is outside of it, and so on; none if there is none that is not luck.
+
+    Runs that did not exercise a requirement, or failed to run, do not meet it. DseError if there are too few runs,
+    fewer than ten that meet it, or hardly any others.
+    """
+    met = data.met(requirement)
+    if len(data) < LEAST:
+        raise withheld(requirement, f"{len(data)} runs are too few for a box: {LEAST} are needed")
+    if met.sum() < _LEAST_PASSES:
+        raise withheld(requirement, f"{int(met.sum())} runs meet it, too few for a box: {_LEAST_PASSES} are needed")
+    if data.weights[met].sum() >= _PURE * data.weights.sum():
+        raise withheld(
+            requirement, f"nearly all runs meet it, {int(met.sum())} of {len(data)}: there is nothing to limit"
+        )
+    made = np.random.default_rng(_SEED).permutation(len(data)) % 2 == 0
+    found: list[Box] = []
+    left = np.ones(len(data), dtype=np.bool_)
+    while len(found) < most and (met & made & left).sum() >= _LEAST_PASSES:
+        inside = _Inside(data.part(made & left), met[made & left])
+        limits = inside.limits()
+        box = _judged(limits, data, met, left & ~made, float(data.weights[met & ~made].sum()))
+        if box is None or (found and box.coverage < _LEAST_COVERAGE):
+            break
+        found.append(box)
+        left &= ~box.holds(data)
+    return tuple(found)
+
+
+class _Inside:
+    """The runs a box is made from, and a box among them: lowest and highest places, and which levels are in."""
+
+    def __init__(self, data: StudyData, met: Rows) -> None:
+        self._data, self._met, self._w = data, met, data.weights
+        count = len(data.factors)
+        self._low, self._high = np.full(count, -np.inf), np.full(count, np.inf)
+        self._out: list[frozenset[float]] = [frozenset()] * count
+
+    def limits(self) -> tuple[Limit, ...]:
+        """Peel, go back to the largest box that is about as pure as the purest, loosen."""
+        trail = [self._box()]
+        while self._peel():
+            trail.append(self._box())
+        worths = [self._density(self._rows(*box)) for box in trail]
+        target = min(max(worths), _PURE)
+        self._set(next(box for box, worth in zip(trail, worths, strict=True) if worth >= target - 1e-12))
+        self._loosen(target)
+        return tuple(self._limit(k) for k in range(len(self._data.factors)) if self._is_limited(k))
+
+    def _peel(self) -> bool:
+        """Take off the slice that leaves the purest box; False if none leaves a purer one that is large enough."""
+        here = self._rows(*self._box())
+        best, score = None, (self._density(here), 0.0)
+        for k, factor in enumerate(self._data.factors):
+            x = self._data.places[here, k]
+            x = x[~np.isnan(x)]
+            if len(np.unique(x)) < 2:
+                continue
+            for box in self._peeled(k, factor, x):
+                rows = self._rows(*box)
+                if rows.sum() < max(_LEAST_SUPPORT * len(rows), _LEAST_RUNS):
+                    continue
+                # By few digits: the first of equals on every machine.
+                worth = (round(self._density(rows), 9), float(rows.sum()))
+                if worth[0] > score[0] + 1e-9 or (best is not None and worth > score):
+                    best, score = box, worth
+        if best is None:
+            return False
+        self._set(best)
+        return True
+
+    def _peeled(self, k: int, factor: Factor, x: Floats) -> list[_Sides]:
+        low, high, out = self._box()
+        if factor.is_choice:
+            return [(low, high, [*out[:k], out[k] | {float(level)}, *out[k + 1 :]]) for level in np.unique(x).tolist()]
+        values = np.unique(x)
+        raised, lowered = low.copy(), high.copy()
+        # The whole of the lowest level where there are few.
+        raised[k] = values[max(int(np.searchsorted(values, np.quantile(x, _PEEL))), 1)]
+        lowered[k] = values[
+            min(int(np.searchsorted(values, np.quantile(x, 1 - _PEEL), side="right")) - 1, len(values) - 2)
+        ]
+        return [(raised, high, out), (low, lowered, out)]
+
+    def _loosen(self, target: float) -> None:
+        """Drop limits that do nothing for the share, least useful first, then widen the others step by step."""
+        while True:
+            looser = [box for k in range(len(self._data.factors)) if self._is_limited(k) for box in (self._without(k))]
+            worths = [self._density(self._rows(*box)) for box in looser]
+            if not worths or max(worths) < min(target, self._density(self._rows(*self._box()))) - _WORTH:
+                break
+            self._set(looser[int(np.argmax(np.round(worths, 9)))])
+        while wider := [box for box in self._wider() if self._density(self._rows(*box)) >= target]:
+            self._set(max(wider, key=lambda box: int((self._rows(*box) & self._met).sum())))
+
+    def _without(self, k: int) -> list[_Sides]:
+        low, high, out = self._box()
+        free_low, free_high = low.copy(), high.copy()
+        free_low[k], free_high[k] = -np.inf, np.inf
+        free = [(free_low, high, out)] if np.isfinite(low[k]) else []
+        free += [(low, free_high, out)] if np.isfinite(high[k]) else []
+        return free + ([(low, high, [*out[:k], frozenset(), *out[k + 1 :]])] if out[k] else [])
+
+    def _wider(self) -> list[_Sides]:
+        """The box with one limit moved to where it holds a few runs more that pass."""
+        low, high, out = self._box()
+        here = self._rows(low, high, out)
+        step = max(int(_PEEL * here.sum() / 2), 1)
+        found: list[_Sides] = []
+        for k in range(len(self._data.factors)):
+            for side, sign in ((low, -1.0), (high, 1.0)):
+                if not np.isfinite(side[k]):
+                    continue
+                free = [side.copy() if other is side else other for other in (low, high)]
+                free[0 if side is low else 1][k] = sign * np.inf
+                beyond = np.unique(self._data.places[self._rows(free[0], free[1], out) & ~here & self._met, k])
+                if len(beyond):
+                    place = beyond[min(step, len(beyond)) - 1] if sign > 0 else beyond[-min(step, len(beyond))]
+                    free[0 if side is low else 1][k] = place
+                    found.append((free[0], free[1], out))
+        return found
+
+    def _rows(self, low: Floats, high: Floats, out: list[frozenset[float]]) -> Rows:
+        places = self._data.places
+        # A factor that is absent meets no limit, and needs to meet none.
+        with np.errstate(invalid="ignore"):
+            inside = ((places >= low) | np.isneginf(low)) & ((places <= high) | np.isposinf(high))
+        rows = np.asarray(inside.all(axis=1), dtype=np.bool_)
+        for k, levels in enumerate(out):
+            if levels:
+                rows &= ~np.isin(places[:, k], [*levels])
+        return rows
+
+    def _density(self, rows: Rows) -> float:
+        inside = self._w[rows].sum()
+        return float(self._w[rows & self._met].sum() / inside) if inside else 0.0
+
+    def _box(self) -> _Sides:
+        return self._low, self._high, self._out
+
+    def _set(self, box: _Sides) -> None:
+        self._low, self._high, self._out = box
+
+    def _is_limited(self, k: int) -> bool:
+        return bool(np.isfinite(self._low[k]) or np.isfinite(self._high[k]) or self._out[k])
+
+    def _limit(self, k: int) -> Limit:
+        """With the bound in the middle between the last run inside and the next one outside."""
+        factor, x = self._data.factors[k], np.unique(self._data.places[:, k])
+        if factor.is_choice:
+            inside = [value for value in x.tolist() if value not in self._out[k]]
+            return Limit(factor, np.nan, np.nan, tuple(factor.level(value) for value in inside))
+        low, high = float(self._low[k]), float(self._high[k])
+        below, above = x[x < low], x[x > high]
+        low = (low + float(below[-1])) / 2 if len(below) else low
+        high = (high + float(above[0])) / 2 if len(above) else high
+        return Limit(factor, low if np.isfinite(low) else np.nan, high if np.isfinite(high) else np.nan)
+
+
+_Sides = tuple[Floats, Floats, list[frozenset[float]]]
+
+
+def _allowed(limit: Limit, factor: Factor, places: Floats) -> Rows:
+    if factor.is_choice:
+        allowed = [factor.level(place) in limit.levels for place in np.nan_to_num(places).tolist()]
+        return np.array(allowed, dtype=np.bool_) & ~np.isnan(places)
+    above = (places >= limit.low) | np.isnan(limit.low)
+    return np.asarray(above & ((places <= limit.high) | np.isnan(limit.high)), dtype=np.bool_)
+
+
+def _judged(limits: tuple[Limit, ...], data: StudyData, met: Rows, others: Rows, passing: float) -> Box | None:
+    """The box as the *others* see it, *passing* being the weight of all there are; None if it may be luck."""
+    from scipy.stats import binomtest
+
+    box = Box(limits, Interval(0.0, 0.0, 0.0), 0.0, 1.0, 0)
+    inside = box.holds(data) & others
+    counts_as = effective(data.weights[inside])
+    if not limits or not counts_as:
+        return None
+    density = float(data.weights[inside & met].sum() / data.weights[inside].sum())
+    elsewhere = float(data.weights[others & met].sum() / data.weights[others].sum())
+    tries = max(round(counts_as), 1)
+    luck = float(binomtest(round(density * tries), tries, elsewhere, alternative="greater").pvalue)
+    if luck > _LUCK:
+        return None
+    coverage = float(data.weights[inside & met].sum()) / passing
+    return Box(limits, wilson(density * counts_as, counts_as), coverage, luck, int(inside.sum()))

@@ -1,0 +1,145 @@
+"""The runs of a study as what is compared: where they lie, what came of them, and what each one counts."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from dse.domain.bench import VERDICTS, Verdict
+from dse.domain.definition import StudyDefinition
+from dse.domain.sampler import DesignVariable, Role
+from dse.errors import DseError, closest, fail
+
+Floats = NDArray[np.float64]
+Rows = NDArray[np.bool_]
+Codes = NDArray[np.uint8]
+
+ALL = "all requirements"
+"""What the verdict on all requirements together is called."""
+
+MET = VERDICTS.index(Verdict.PASS)
+
+
+@dataclass(frozen=True, slots=True)
+class Factor:
+    """Something in which runs differ: a number, *variable*, or one of *levels*, a choice, which have no order.
+
+    Its place is 0 … 1 in either case: where in the variable's range, values or distribution it is, as
+    `dse.exploration.scaled` has it, or the middle of the level's part.
+    """
+
+    name: str
+    unit: str = ""
+    variable: DesignVariable | None = None
+    levels: tuple[str, ...] = ()
+
+    @property
+    def is_choice(self) -> bool:
+        """Whether it is one of levels."""
+        return self.variable is None
+
+    @property
+    def is_decided(self) -> bool:
+        """Whether it is for the designer to say, and neither a condition nor uncertain."""
+        return self.variable is None or self.variable.role is Role.DESIGN
+
+    def value(self, place: float) -> float:
+        """The number (SI) at *place*; of one that has certain values only the nearest one. NaN of a choice."""
+        from dse.exploration import scaled
+
+        return float(scaled(np.array([[place]]), (self.variable,))[0, 0]) if self.variable else np.nan
+
+    def level(self, place: float) -> str:
+        """The level at *place*."""
+        return self.levels[min(int(place * len(self.levels)), len(self.levels) - 1)]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class StudyData:
+    """n runs that are compared with each other, and the k *factors* in which they differ.
+
+    *places*, (n, k), are 0 … 1, NaN where a factor is absent from the run's configuration. *metrics* and *margins* are
+    in SI, NaN where undefined, *verdicts* positions in `VERDICTS`, each (n,) by name. *weights*, (n,), are what runs
+    count: how much of the space there is to a run, 1 on average. *plane* are the variables that are varied where all
+    others are held; () if none is. *apart* is how many runs of the study are not among them.
+    """
+
+    definition: StudyDefinition
+    factors: tuple[Factor, ...]
+    places: Floats
+    numbers: NDArray[np.int64]
+    configurations: NDArray[np.str_]
+    done: Rows
+    metrics: Mapping[str, Floats]
+    margins: Mapping[str, Floats]
+    verdicts: Mapping[str, Codes]
+    weights: Floats
+    plane: tuple[str, ...] = ()
+    apart: int = 0
+
+    def __len__(self) -> int:
+        return len(self.numbers)
+
+    def met(self, requirement: str = ALL) -> Rows:
+        """Which runs meet *requirement*: neither those that did not exercise it nor those that failed to run."""
+        return np.asarray(self.codes(requirement) == MET)
+
+    def codes(self, requirement: str) -> Codes:
+        """The verdicts on *requirement*, or on `ALL`, (n,); DseError if there is none."""
+        from dse.metrics import overall_codes
+
+        if requirement == ALL and self.verdicts:
+            return overall_codes([*self.verdicts.values()], self.done)
+        if requirement not in self.verdicts:
+            raise fail(f"the study has no requirement '{requirement}'", None, closest(requirement, self.verdicts))
+        return self.verdicts[requirement]
+
+    def factor(self, name: str) -> int:
+        """The position of a factor; DseError if the runs do not differ in *name*."""
+
+        names = [factor.name for factor in self.factors]
+        if name not in names:
+            raise fail(f"the runs do not differ in '{name}'", None, closest(name, names))
+        return names.index(name)
+
+    def part(self, rows: NDArray[np.bool_] | NDArray[np.intp]) -> StudyData:
+        """Only these *rows*, with the same factors and weights."""
+        return replace(
+            self,
+            places=self.places[rows],
+            numbers=self.numbers[rows],
+            configurations=self.configurations[rows],
+            done=self.done[rows],
+            metrics={name: values[rows] for name, values in self.metrics.items()},
+            margins={name: values[rows] for name, values in self.margins.items()},
+            verdicts={name: values[rows] for name, values in self.verdicts.items()},
+            weights=self.weights[rows],
+        )
+
+    def response(self, metric: str, least: int) -> tuple[StudyData, Floats]:
+        """The runs in which *metric* is defined, and its values there.
+
+        DseError if there is no such metric, if it is defined in fewer than *least* runs, or never changes.
+        """
+
+        if metric not in self.metrics:
+            raise fail(f"the study has no metric '{metric}'", None, closest(metric, self.metrics))
+        values = self.metrics[metric]
+        there = np.isfinite(values)
+        if (count := int(there.sum())) < least:
+            raise withheld(metric, f"it is defined in {count} of {len(self)} runs, and {least} are needed")
+        if np.ptp(values[there]) <= _NOISE * np.abs(values[there]).max():
+            raise withheld(metric, "it is the same in every run in which it is defined")
+        return self.part(there), values[there]
+
+
+def withheld(about: str, why: str, hint: str = "") -> DseError:
+    """Why nothing is said *about* something."""
+    return fail(f"{about}: {why}", None, hint)
+
+
+_NOISE = 1e-12
+"""Relative changes that are rounding."""

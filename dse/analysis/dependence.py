@@ -1,0 +1,105 @@
+"""What a metric depends on, in sentences."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import asdict
+
+from dse.analysis.data import StudyData
+from dse.analysis.designed import Effects, Indices, morris_effects, sobol_indices
+from dse.analysis.effects import correlations
+from dse.analysis.first_order import first_order, going_together
+from dse.analysis.importance import importances
+from dse.analysis.phrases import difference, likely, listed, parts, percent
+from dse.analysis.probability import Interval
+from dse.analysis.said import Finding, Topic
+from dse.errors import fail
+
+DESIGNED = {"sobol_indices": sobol_indices, "morris": morris_effects}
+"""Designs that are made for indices, and what computes them."""
+
+_MOST_NAMED = 4
+_HARDLY = 0.03
+_TREND = 0.2
+
+
+def metric_label(data: StudyData, name: str) -> str:
+    """A metric by its title."""
+    return next((entry.title for entry in data.definition.metrics if entry.name == name), "") or name
+
+
+def shares(data: StudyData, metric: str) -> Iterator[Finding]:
+    """What explains how much of its variance by itself. Raises DseError."""
+    found = sorted(first_order(data, metric), key=lambda share: -round(share.share.value, 9))
+    if not found:
+        raise fail(f"{metric}: its runs differ in nothing that could explain it")
+    label, named = metric_label(data, metric), [each for each in found if each.share.low > 0][:_MOST_NAMED]
+    named = [each for each in named if each.share.value >= _HARDLY] or named[:1]
+    defined = data.response(metric, 2)[0]
+    where = "" if len(defined) == len(data) else f" where it is defined ({len(defined)} of {len(data)} runs)"
+    trends = _trends(data, metric)
+    told = parts([(each.factor, each.share, trends.get(each.factor, "")) for each in named])
+    most = max(each.share.high for each in found)
+    text = f"{label}{where}: {told or f'nothing has more than {percent(most)} of the variance by itself'}"
+    pairs = [pair for pair in going_together(defined) if {*pair} & {each.factor for each in named}]
+    left = 1 - math.fsum(each.share.value for each in found)
+    if pairs:
+        text += (
+            f"; {listed([' and '.join(pair) for pair in pairs[:3]], 'as well as')} go together: their shares overlap"
+        )
+    elif left >= 0.1 and told:
+        text += f"; {percent(left)} is due to several together, or to chance"
+    facts = {"shares": [asdict(each) for each in found], "defined": len(defined), "together": pairs}
+    yield Finding(Topic.SHARES, metric, text, facts)
+
+
+def interactions(data: StudyData, metric: str) -> Iterator[Finding]:
+    """What matters together with others, by a forest. Raises DseError."""
+    found = importances(data, metric)
+    ranked = sorted(found.factors, key=lambda each: -round(each.share.value, 9))
+    named = [each for each in ranked if each.share.low > _HARDLY][:_MOST_NAMED]
+    if not named:
+        return
+    told = parts([(each.factor, _capped(each.share), "") for each in named])
+    predicted = f"by a forest that predicts {percent(found.explained)} of it in held-out runs"
+    text = f"{metric_label(data, metric)}: {told}; {predicted}"
+    yield Finding(Topic.TOGETHER, metric, text, asdict(found))
+
+
+def designed_findings(data: StudyData, metric: str) -> Iterator[Finding]:
+    """Indices of the design that the study is made by. Raises DseError."""
+    found = DESIGNED[data.definition.sampler.kind](data, metric)
+    unit = next(entry.unit for entry in data.definition.metrics if entry.name == metric)
+    factors: list[Indices | Effects] = [*found.factors]
+    ranked = sorted(factors, key=lambda each: -round(_size(each).value, 9))[:_MOST_NAMED]
+    told = listed([_designed(each, unit) for each in ranked])
+    lacking = f", {found.lacking} left out for want of results" if found.lacking else ""
+    text = f"{metric_label(data, metric)}: {told} ({found.blocks} blocks{lacking})"
+    yield Finding(Topic.TOGETHER, metric, text, asdict(found))
+
+
+def _trends(data: StudyData, metric: str) -> dict[str, str]:
+    ranks = {each.factor: each.spearman for each in correlations(data, metric)}
+    return {
+        name: ", rising" if rank.low > _TREND else ", falling"
+        for name, rank in ranks.items()
+        if rank.low > _TREND or rank.high < -_TREND
+    }
+
+
+def _size(each: Indices | Effects) -> Interval:
+    return each.total if isinstance(each, Indices) else each.size
+
+
+def _designed(each: Indices | Effects, unit: str) -> str:
+    if isinstance(each, Indices):
+        alone, whole = likely(_capped(each.first)), likely(_capped(each.total))
+        return f"{each.factor} explains {alone} of the variance by itself, {whole} together with others"
+    half = difference(each.size.high - each.size.value, unit)
+    return f"{each.factor} changes it by {difference(each.size.value, unit)} (± {half}) over its range"
+
+
+def _capped(share: Interval) -> Interval:
+    """A share as it can be: an estimate may lie outside of 0 … 1."""
+    return Interval(*(min(max(number, 0.0), 1.0) for number in (share.value, share.low, share.high)))

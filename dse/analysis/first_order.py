@@ -1,0 +1,121 @@
+"""How much of a metric's variance each factor explains by itself, from whatever runs there are.
+
+First-order Sobol' indices from given data (Plischke, Borgonovo, Smith 2013): the variance of the means of bins, by the
+adjusted coefficient of determination (Ezekiel 1930), so that chance among bins is no share.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from dse.analysis.bins import binned
+from dse.analysis.cells import effective
+from dse.analysis.data import Factor, Floats, StudyData
+from dse.analysis.probability import Interval
+
+LEAST = 20
+"""Fewer runs than that are not asked for shares."""
+
+_BINS = (2, 3, 4, 6, 8, 12, 16, 24, 32, 48, 64)
+_LEAST_A_BIN = 6
+_RESAMPLES = 100
+_NORMAL = 1.96
+_ASSOCIATED = 0.3
+_SEED = 0
+
+
+@dataclass(frozen=True, slots=True)
+class Share:
+    """Of the variance of a metric over the space, what *factor* explains by itself, from *runs* runs that have it."""
+
+    factor: str
+    share: Interval
+    runs: int
+
+
+def first_order(data: StudyData, metric: str) -> tuple[Share, ...]:
+    """The share of each factor, in the order of the factors, of what varies where the metric is defined.
+
+    Shares add up to 1 at most where factors are independent; what they leave is due to several factors together, or to
+    bins that are too wide for few runs. Intervals are 1.96 standard deviations of 100 bootstrap samples to either side.
+    A factor of which fewer than 20 runs have a value is left out. Raises DseError, as `StudyData.response` does.
+    """
+    there, values = data.response(metric, LEAST)
+    found = []
+    for k, factor in enumerate(there.factors):
+        rows, bins = _best_bins(there.places[:, k], factor, values)
+        y, weights = values[rows], there.weights[rows]
+        if len(y) < LEAST or not bins.any() or not np.ptp(y):
+            continue
+        freedom = effective(weights)
+        estimate = _explained(bins, y, weights, freedom)
+        spread = _NORMAL * _deviation(bins, y, weights, freedom)
+        share = Interval(*np.clip([estimate, estimate - spread, estimate + spread], 0.0, 1.0).tolist())
+        found.append(Share(factor.name, share, len(y)))
+    return tuple(found)
+
+
+def going_together(data: StudyData) -> tuple[tuple[str, str], ...]:
+    """Pairs of factors that are not independent in these runs: what one of them explains, the other does as well.
+
+    By Cramér's V of four bins each, corrected for chance (Bergsma 2013), of more than 0.3; none in fewer than 20 runs.
+    """
+    pairs = []
+    for i, first in enumerate(data.factors):
+        for j, second in enumerate(data.factors[:i]):
+            rows = ~np.isnan(data.places[:, [i, j]]).any(axis=1)
+            if rows.sum() < LEAST:
+                continue
+            _, a = binned(data.places[rows, i], first, 4)
+            _, b = binned(data.places[rows, j], second, 4)
+            if _cramers_v(a, b) > _ASSOCIATED:
+                pairs.append((second.name, first.name))
+    return tuple(pairs)
+
+
+def _best_bins(places: Floats, factor: Factor, values: Floats) -> tuple[NDArray[np.bool_], NDArray[np.intp]]:
+    """As many bins as leave least unexplained, each bin having its price (generalised cross-validation)."""
+    best, least = binned(places, factor, 2), np.inf
+    for most in _BINS:
+        rows, bins = binned(places, factor, most)
+        y, count = values[rows], int(bins.max(initial=0)) + 1
+        if len(y) < max(_LEAST_A_BIN * count, LEAST) and most > 2:
+            break
+        left = _unexplained(bins, y, np.ones(len(y))) / max(1 - count / max(len(y), 1), 1e-9) ** 2
+        if left < least * (1 - 1e-9):
+            best, least = (rows, bins), left
+    return best
+
+
+def _unexplained(bins: NDArray[np.intp], y: Floats, weights: Floats) -> float:
+    """The variance within bins; those without weight have none."""
+    total = np.bincount(bins, weights)
+    means = np.bincount(bins, weights * y) / np.where(total > 0, total, 1.0)
+    return float((weights * (y - means[bins]) ** 2).sum() / max(weights.sum(), 1e-300))
+
+
+def _explained(bins: NDArray[np.intp], y: Floats, weights: Floats, freedom: float) -> float:
+    count = int(bins.max()) + 1
+    total = _unexplained(np.zeros_like(bins), y, weights)
+    if total <= 0 or freedom <= count:
+        return 0.0
+    return 1 - _unexplained(bins, y, weights) / total * (freedom - 1) / (freedom - count)
+
+
+def _deviation(bins: NDArray[np.intp], y: Floats, weights: Floats, freedom: float) -> float:
+    random = np.random.default_rng(_SEED)
+    draws = (np.bincount(random.integers(len(y), size=len(y)), minlength=len(y)) for _ in range(_RESAMPLES))
+    return float(np.std([_explained(bins, y, weights * drawn, freedom) for drawn in draws], ddof=1))
+
+
+def _cramers_v(a: NDArray[np.intp], b: NDArray[np.intp]) -> float:
+    table = np.zeros((int(a.max()) + 1, int(b.max()) + 1))
+    np.add.at(table, (a, b), 1.0)
+    n, (rows, columns) = len(a), table.shape
+    expected = np.outer(table.sum(axis=1), table.sum(axis=0)) / n
+    square = ((table - expected) ** 2 / expected).sum() / n - (rows - 1) * (columns - 1) / (n - 1)
+    least = min(rows - (rows - 1) ** 2 / (n - 1), columns - (columns - 1) ** 2 / (n - 1)) - 1
+    return float(np.sqrt(max(square, 0.0) / least)) if least > 0 else 0.0

@@ -1,0 +1,164 @@
+"""What was learnt from a study, in sentences that say no more than its runs do."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator
+from dataclasses import asdict, replace
+from functools import partial
+
+from dse.analysis.boxes import boxes
+from dse.analysis.conditions import worst_case
+from dse.analysis.data import ALL, StudyData
+from dse.analysis.dependence import DESIGNED, designed_findings, interactions, metric_label, shares
+from dse.analysis.phrases import between, condition, likely, listed, percent, point, requirement_label, value
+from dse.analysis.probability import Met, probability_met
+from dse.analysis.reading import planes
+from dse.analysis.robust import robust_centre
+from dse.analysis.said import Account, Finding, Topic
+from dse.domain.sampler import Role
+from dse.storage import RunTable
+
+
+def essentials(table: RunTable) -> tuple[Finding, ...]:
+    """What the runs say about the requirements and what these depend on; and what they do not say, and why."""
+    return _told(table, _of_requirements)
+
+
+def findings(table: RunTable) -> tuple[Finding, ...]:
+    """All that is known how to be said: also of other metrics, and of what matters together with others."""
+    return _told(table, _of_everything)
+
+
+def _told(table: RunTable, part: _Part) -> tuple[Finding, ...]:
+    found: list[Finding] = []
+    for data in planes(table):
+        account = Account()
+        if len(data):
+            part(account, data)
+        told = [*_runs(data), *account.findings, *account.withheld()]
+        order = {topic: number for number, topic in enumerate(Topic)}
+        found += [replace(each, plane=data.plane) for each in sorted(told, key=lambda each: order[each.topic])]
+    return tuple(found)
+
+
+def _of_requirements(account: Account, data: StudyData) -> None:
+    names = _requirements(data)
+    for name in names:
+        label = requirement_label(data, name)
+        account.tell("how often it is met", name, label, partial(_met, data, name))
+        for factor in data.factors:
+            if factor.variable is not None and factor.variable.role is Role.CONDITION:
+                account.tell("the worst case", name, label, partial(_worst, data, factor.name, name))
+    for name in names[-1:] if len(names) > 1 else names:
+        label = requirement_label(data, name)
+        account.tell("a box", name, label, partial(_boxes, data, name))
+        account.tell("a robust centre", name, label, partial(_centre, data, name))
+    for metric in dict.fromkeys(entry.metric for entry in data.definition.requirements):
+        _dependence(account, data, metric)
+
+
+def _of_everything(account: Account, data: StudyData) -> None:
+    _of_requirements(account, data)
+    behind = dict.fromkeys(entry.metric for entry in data.definition.requirements)
+    for name in _requirements(data)[:-1]:
+        if (data.met(name) == data.met()).all():
+            continue
+        account.tell("a box", name, requirement_label(data, name), partial(_boxes, data, name))
+    for metric in data.metrics:
+        if metric not in behind:
+            _dependence(account, data, metric)
+    if len(data.factors) > 1:
+        for metric in behind or data.metrics:
+            label = metric_label(data, metric)
+            account.tell("what matters together", metric, label, partial(interactions, data, metric))
+
+
+def _requirements(data: StudyData) -> list[str]:
+    """Those of the study, then all together if they are several."""
+    return [*data.verdicts, ALL] if len(data.verdicts) > 1 else [*data.verdicts]
+
+
+def _dependence(account: Account, data: StudyData, metric: str) -> None:
+    label = metric_label(data, metric)
+    account.tell("what explains the variance", metric, label, partial(shares, data, metric))
+    if data.definition.sampler.kind in DESIGNED:
+        account.tell("designed indices", metric, label, partial(designed_findings, data, metric))
+
+
+def _runs(data: StudyData) -> Iterator[Finding]:
+    failed = int((~data.done).sum())
+    facts = {"runs": len(data), "failed": failed, "apart": data.apart, "factors": [f.name for f in data.factors]}
+    if not len(data):
+        yield Finding(Topic.RUNS, "", "there are no runs in the ranges of the study", facts)
+    elif failed:
+        what = f"{failed} of {len(data)} runs failed to run: they meet nothing, and say nothing about metrics"
+        yield Finding(Topic.RUNS, "", what, facts)
+    if data.apart and not data.plane:
+        what = f"{data.apart} runs lie outside of the present ranges and are left out"
+        yield Finding(Topic.RUNS, "", what, facts)
+
+
+def _met(data: StudyData, name: str) -> Iterable[Finding]:
+    met = probability_met(data, name)
+    return [Finding(Topic.MET, name, f"{requirement_label(data, name)}: {_how_often(met, data)}", asdict(met))]
+
+
+def _how_often(met: Met, data: StudyData) -> str:
+    others = [f"{met.not_exercised} do not exercise it"] if met.not_exercised else []
+    others += [f"{met.failed_to_run} failed to run"] if met.failed_to_run else []
+    # All there are, or those that were chosen: no sample of anything.
+    is_sample = any(factor.variable for factor in data.factors)
+    rest = f"; {listed(others)}" if others else ""
+    if is_sample and met.failed and met.met:
+        crowded = round(met.counts_as) < _CROWDED * met.judged
+        weighed = f", which crowd and count by the space around each as {met.counts_as:.0f} do" if crowded else ""
+        exercised = " where it is exercised" if met.not_exercised else ""
+        return f"met in {likely(met.share)} of the space{exercised}, by {met.judged} runs{weighed}{rest}"
+    bound = f"at least {percent(met.share.low)}" if met.met else f"at most {percent(met.share.high)}"
+    exercised = " that exercise it" if met.not_exercised else ""
+    return f"met in {met.met} of {met.judged} runs{exercised}{f' ({bound} of the space)' if is_sample else ''}{rest}"
+
+
+def _worst(data: StudyData, over: str, name: str) -> Iterable[Finding]:
+    factor = data.factors[data.factor(over)]
+    found = worst_case(data, over, name)
+    text = f"{requirement_label(data, name)}: worst at {over} = {value(factor, found.worst.place)}"
+    if found.worst.met:
+        text += f", met there in {likely(found.worst.met.share)}"
+    if found.complete:
+        text += f"; {found.passing} of {found.complete} designs meet it at all {len(found.conditions)} values"
+    if found.best >= 0:
+        text += f", run {found.best} being the worst of the one with most to spare"
+    if found.incomplete and found.complete:
+        text += f"; {found.incomplete} designs were not run at all of them"
+    return [Finding(Topic.CONDITIONS, name, text, asdict(found))]
+
+
+def _boxes(data: StudyData, name: str) -> Iterator[Finding]:
+    label, start = requirement_label(data, name), "met if"
+    found = boxes(data, name)
+    if not found:
+        text = f"{label}: no limits were found within which it is met more often than elsewhere, but by chance"
+        yield Finding(Topic.BOX, name, text, {"limits": []})
+    for box in found:
+        held_out = f"in {percent(box.density.value)} of {box.checked} held-out runs ({between(box.density)})"
+        text = f"{label}: {start} {condition(box.limits)}: {held_out}; {percent(box.coverage)} of all that meet it"
+        facts = {"condition": condition(box.limits), "density": asdict(box.density), "coverage": box.coverage}
+        yield Finding(Topic.BOX, name, text, facts | {"checked": box.checked, "luck": box.luck})
+        start = "else if"
+
+
+def _centre(data: StudyData, name: str) -> Iterable[Finding]:
+    found = robust_centre(data, name)
+    ends = f"run {found.limit} does not" if found.limit >= 0 else "there a range ends"
+    text = (
+        f"{requirement_label(data, name)}: most may change around run {found.number} ({point(data, found.number)}): "
+        f"every number by {percent(found.margin)} of its range at once, where {found.around} other runs meet it, too; "
+        f"{ends}"
+    )
+    return [Finding(Topic.CENTRE, name, text, asdict(found))]
+
+
+_CROWDED = 0.9
+
+_Part = Callable[[Account, StudyData], None]

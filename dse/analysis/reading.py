@@ -1,0 +1,132 @@
+"""What a study folder holds, as data that can be analysed: every scaling of variables is done here."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from dse.analysis.cells import space_weights
+from dse.analysis.data import Factor, Floats, StudyData
+from dse.domain.definition import DefinedVariable, StudyDefinition
+from dse.domain.distribution import Distribution
+from dse.domain.sampler import DesignVariable, Role, Scale
+from dse.exploration import unit_of
+from dse.storage import RunTable
+from dse.units import parse_unit
+
+
+def study_data(table: RunTable) -> StudyData:
+    """All runs of a study that lie in the ranges of its variables; those of an extended study may lie outside.
+
+    Factors are the variables and the places of the design space in which runs differ.
+    """
+    definition, header = table.header.definition, table.header
+    columns = [_scaled(variable, table.points[variable.name]) for variable in definition.variables]
+    inside = np.ones(len(table), dtype=np.bool_)
+    for _, places in columns:
+        inside &= ~((places < -_ROUNDING) | (places > 1.0 + _ROUNDING))
+    columns += _chosen(definition, table.configurations)
+    all_places = np.array([places for _, places in columns], dtype=np.float64).reshape(len(columns), len(table)).T
+    data = StudyData(
+        definition,
+        tuple(factor for factor, _ in columns),
+        np.clip(all_places, 0.0, 1.0),
+        table.numbers,
+        np.array(table.configurations, dtype=np.str_),
+        table.done,
+        {entry.name: _finite(table.metric(entry.name)) for entry in definition.metrics if not entry.error_of},
+        {name: _finite(table.margins(name)) for name in header.requirements},
+        {name: table.verdicts(name) for name in header.requirements},
+        np.ones(len(table)),
+        apart=int((~inside).sum()),
+    )
+    return _weighted(data.part(inside), header.slices is not None)
+
+
+def planes(table: RunTable) -> tuple[StudyData, ...]:
+    """The runs of a study, part by part: slices in which some variables are varied and all others held are not mixed.
+
+    One part where there are none.
+    """
+    data = study_data(table)
+    slices = table.header.slices or ()
+    if len(slices) < 2:
+        return (data,)
+    variables = {variable.name: variable for variable in data.definition.variables}
+    parts = []
+    for names in slices:
+        held = [variable for name, variable in variables.items() if name not in names]
+        rows = np.ones(len(data), dtype=np.bool_)
+        for variable in held:
+            _, nominal = _scaled(variable, np.array([variable.nominal]))
+            rows &= np.abs(data.places[:, data.factor(variable.name)] - nominal[0]) <= _ROUNDING
+        part = replace(data.part(rows), plane=names, apart=data.apart + int((~rows).sum()))
+        parts.append(_weighted(part, on_grid=True))
+    return tuple(parts)
+
+
+def groups(data: StudyData) -> NDArray[np.intp]:
+    """A number for each run, equal where they differ in numbers only: same choices, same factors present, (n,)."""
+    choices = [data.places[:, k] for k, factor in enumerate(data.factors) if factor.is_choice]
+    absent = np.isnan(data.places).astype(np.float64)
+    keys = np.column_stack([np.nan_to_num(np.array(choices).reshape(len(choices), len(data)).T, nan=-1.0), absent])
+    if not keys.shape[1]:
+        return np.zeros(len(data), dtype=np.intp)
+    return np.unique(keys, axis=0, return_inverse=True)[1].reshape(len(data))
+
+
+def _weighted(data: StudyData, on_grid: bool) -> StudyData:
+    """With weights, and without the factors that are the same in every run."""
+    differs = [len(np.unique(column)) > 1 for column in data.places.T]
+    data = replace(
+        data,
+        factors=tuple(factor for factor, kept in zip(data.factors, differs, strict=True) if kept),
+        places=data.places[:, np.array(differs, dtype=np.bool_)],
+    )
+    return replace(data, weights=space_weights(data.places, groups(data), on_grid))
+
+
+def _scaled(defined: DefinedVariable, column: NDArray[Any]) -> tuple[Factor, Floats]:
+    """The variable as a factor, and its places: NaN where a run's configuration does not have it."""
+    given = defined.distribution
+    variable = DesignVariable(
+        defined.name,
+        defined.low,
+        defined.high,
+        defined.levels,
+        defined.nominal,
+        parse_unit(defined.unit),
+        defined.title,
+        scale=Scale(defined.scale),
+        values=defined.values,
+        role=Role(defined.role),
+        distribution=Distribution(given.kind, given.numbers, given.values) if given else None,
+    )
+    values = np.asarray(column, dtype=np.float64)
+    there = np.isfinite(values)
+    places = np.full(len(values), np.nan)
+    places[there] = unit_of(values[there, None], (variable,))[:, 0]
+    return Factor(defined.name, defined.unit, variable), places
+
+
+def _chosen(definition: StudyDefinition, configurations: tuple[str, ...]) -> list[tuple[Factor, Floats]]:
+    """What each run's configuration has at every place of the design space; a place it does not have is a level."""
+    choices: Mapping[str, Mapping[str, str]] = {entry.id: entry.choices for entry in definition.configurations}
+    found = []
+    for place in definition.design.places:
+        chosen = np.array([choices[name].get(place, _NOTHING) for name in configurations], dtype=np.str_)
+        levels, which = np.unique(chosen, return_inverse=True)
+        found.append((Factor(place, levels=tuple(levels.tolist())), (which.reshape(-1) + 0.5) / max(len(levels), 1)))
+    return found
+
+
+def _finite(values: Floats) -> Floats:
+    return np.where(np.isfinite(values), values, np.nan)
+
+
+_NOTHING = "absent"
+_ROUNDING = 1e-9

@@ -1,0 +1,23 @@
+"""What was learnt, on the terminal."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from itertools import groupby
+from typing import TYPE_CHECKING
+
+from dse.cli.terminal import say
+
+if TYPE_CHECKING:
+    from dse.analysis import Finding
+
+
+def say_findings(found: Sequence[Finding]) -> None:
+    """Line by line, under what they are about."""
+    for plane, those in groupby(found, lambda each: each.plane):
+        if plane:
+            say(f"varied: {', '.join(plane)}; all else held", style="bold")
+        for topic, some in groupby(those, lambda each: each.topic):
+            say(f"{topic}:", style="bold")
+            for each in some:
+                say(f"  {each.text}")
