@@ -20,6 +20,7 @@ _STEPS = (2.0, 2.0**0.5)
 _NUGGETS = (1e-8, 1e-6, 1e-4)
 _MOST_FITTED = 150
 _LEAST_DEVIATION = 1e-3
+_LEAST_VARIANCE = 1e-12
 _DIGITS = 6
 
 
@@ -73,11 +74,11 @@ class Posterior:
     @property
     def deviation(self) -> Array:
         """Of the belief at each point; more than 0."""
-        return cast(Array, self._set.deviation * np.sqrt(self._unsure))
+        return np.asarray(self._set.deviation * np.sqrt(self._unsure))
 
     @property
     def _unsure(self) -> Array:
-        return np.maximum(self._variance, 0.0) + self._set.shape.nugget
+        return np.asarray(np.maximum(self._variance, _LEAST_VARIANCE))
 
     def positive(self) -> Array:
         """The probability that the function is positive, (m,)."""
@@ -94,7 +95,7 @@ class Posterior:
         integral T is taken at the middle of its range.
         """
         part = self._set.learnt * self._covariance(asked, rows) ** 2
-        part = np.minimum(part / self._unsure[asked][:, None] / self._unsure[rows], 1.0)
+        part = np.minimum(part / (self._unsure[asked] + self._set.shape.nugget)[:, None] / self._unsure[rows], 1.0)
         z = self.mean[rows] / self.deviation[rows]
         middle = (np.arccos(part) + np.pi / 2) / 2
         return np.asarray(np.arcsin(part) / (2 * np.pi) * np.exp(-(z**2) / (1 + np.cos(middle))), dtype=np.float64)
@@ -102,7 +103,7 @@ class Posterior:
     def include(self, index: int) -> None:
         """Be as sure as if there were a run at that point, too, that gives what is believed."""
         near = self._covariance(np.array([index]), np.arange(len(self.mean)))[0]
-        row = near * np.sqrt(self._set.learnt / self._unsure[index])
+        row = near * np.sqrt(self._set.learnt / (self._unsure[index] + self._set.shape.nugget))
         self._included.append(row)
         self._variance = self._variance - row**2
 
@@ -111,7 +112,7 @@ class Posterior:
         left = prior - self._known[:, first].T @ self._known[:, second]
         for row in self._included:
             left = left - np.outer(row[first], row[second])
-        return cast(Array, left)
+        return left
 
 
 def likeliest(points: Array, values: Array) -> Shape:

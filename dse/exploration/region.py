@@ -33,7 +33,8 @@ def region(points: Array, inside: Bools, shape: Shape) -> LevelSet:
     precision, shift, _ = _sites(points[rows], inside[rows], shape)
     scale = np.sqrt(_VARIANCE)
     values, noise = shift / precision / scale, 1 / (precision * _VARIANCE)
-    return LevelSet(points[rows], shape, values, noise, 0.0, 1.0, learnt=_BIT)
+    # A border nobody has seen is found by filling the ranges, not at their edges, where the least is known.
+    return LevelSet(points[rows], shape, values, noise, 0.0, 1.0, learnt=_BIT if inside.any() else 0.0)
 
 
 def most_telling(points: Array, inside: Bools) -> Shape:
