@@ -5,19 +5,17 @@ It is computed from the stored runs whenever it is asked for, of whatever sample
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from dse.domain.bench import VERDICTS, Verdict
 from dse.errors import closest, fail
-from dse.exploration.variables import unit_of
+from dse.exploration.variables import design_variable, unit_of
 
 if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
-    from dse.domain.sampler import DesignVariable
     from dse.exploration.belief import Belief
     from dse.storage import RunTable
 
@@ -46,40 +44,42 @@ class Chances:
 
 
 class Band:
-    """What the runs of *table* on *configuration* tell of the verdict on *requirement*, *variables* being the study's.
+    """What the runs of *table* on *configuration* tell of the verdict on *requirement*.
 
     DseError if there is no such run or requirement. Of more than 2,000 runs, those that tell most are taken: half of
     them next to a run with another verdict.
     """
 
-    def __init__(
-        self, table: RunTable, variables: Sequence[DesignVariable], requirement: str, configuration: str
-    ) -> None:
+    def __init__(self, table: RunTable, requirement: str, configuration: str) -> None:
         import numpy as np
 
         from dse.exploration.belief import Belief, shapes_of, single_threaded
 
-        if requirement not in table.header.requirements:
-            raise fail(f"there is no requirement '{requirement}'", None, closest(requirement, table.header.requirements))
+        header = table.header
+        if requirement not in header.requirements:
+            raise fail(f"there is no requirement '{requirement}'", None, closest(requirement, header.requirements))
         rows = np.flatnonzero(np.array(table.configurations) == configuration)
         if not len(rows):
             what = f"there is no run of the configuration '{configuration}'"
             raise fail(what, None, closest(configuration, dict.fromkeys(table.configurations)))
-        self._variables = tuple(variables)
-        is_judged = np.isin(table.verdicts(requirement)[rows], [VERDICTS.index(v) for v in (Verdict.PASS, Verdict.FAIL)])
+        self._variables = tuple(design_variable(variable) for variable in header.definition.variables)
+        self._has = header.has(configuration)
+        self._nominal = np.array([variable.nominal for variable in self._variables])
+        is_judged = np.isin(
+            table.verdicts(requirement)[rows], [VERDICTS.index(v) for v in (Verdict.PASS, Verdict.FAIL)]
+        )
         margins = np.where(is_judged, table.margins(requirement)[rows], np.nan)
-        columns = [np.asarray(table.points[variable.name], dtype=np.float64)[rows] for variable in variables]
-        points = unit_of(np.column_stack(columns), self._variables)
+        points = unit_of(table.coordinates()[rows], self._variables)
         with single_threaded():
             self._belief: Belief = Belief.of(points, margins, shapes_of(points, margins))
 
     def at(self, points: Array) -> Chances:
-        """At *points*, (m, variables), in SI."""
+        """At *points*, (m, variables), in SI; what the configuration does not have of them does not matter."""
         import numpy as np
 
         from dse.exploration.belief import single_threaded
 
-        unit = unit_of(points, self._variables)
+        unit = unit_of(np.where(self._has, points, self._nominal), self._variables)
         passing, failing = np.empty(len(unit)), np.empty(len(unit))
         with single_threaded():
             for first in range(0, len(unit), _AT_ONCE):
