@@ -7,7 +7,7 @@ from collections.abc import Mapping
 import numpy as np
 from numpy.typing import NDArray
 
-from dse.exploration.level_set import LevelSet, border
+from dse.exploration.belief import Belief, BeliefAt, misjudged, shapes_of, single_threaded
 
 Array = NDArray[np.float64]
 
@@ -18,12 +18,20 @@ def classes(margins: Mapping[str, Array]) -> NDArray[np.intp]:
     return np.where((table < 0).any(axis=0), 1, np.where(np.isnan(table).any(axis=0), 2, 0))
 
 
+def believed(points: Array, margins: Mapping[str, Array], fine: Array) -> list[BeliefAt]:
+    """At *fine*, of each requirement, by what the runs at *points* tell."""
+    with single_threaded():
+        return [Belief.of(points, column, shapes_of(points, column)).at(fine) for column in margins.values()]
+
+
 def predicted(points: Array, margins: Mapping[str, Array], fine: Array) -> NDArray[np.intp]:
-    """`classes` at *fine*, by what the runs at *points* tell, scaled as the search does it."""
-    told = {}
-    for name, column in margins.items():
-        known = ~np.isnan(column)
-        scale = np.nanmedian(np.abs(column[:16]))
-        surface = LevelSet(points[known], np.arcsinh(column[known] / scale)).at(fine).mean
-        told[name] = np.where(border(points, known).at(fine).mean < 0, np.nan, surface)
-    return classes(told)
+    """`classes` at *fine*, by what the runs at *points* tell."""
+    beliefs = believed(points, margins, fine)
+    passing = np.prod([belief.passing() for belief in beliefs], axis=0)
+    failing = 1 - np.prod([1 - belief.failing() for belief in beliefs], axis=0)
+    return np.argmax([passing, failing, 1 - passing - failing], axis=0)
+
+
+def believed_wrong(points: Array, margins: Mapping[str, Array], fine: Array) -> float:
+    """Which share of *fine* is believed to be misjudged by the runs at *points*."""
+    return float(misjudged(believed(points, margins, fine)).mean())

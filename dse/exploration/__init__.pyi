@@ -1,3 +1,4 @@
+from .band import Band as Band, Chances as Chances
 from .executor import Executor as Executor, Pool as Pool, load_executor as load_executor
 from .failures import in_words as in_words
 from .known_runs import KnownRuns as KnownRuns, give as give

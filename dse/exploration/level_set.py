@@ -5,74 +5,80 @@ Rasmussen and Williams, Gaussian Processes for Machine Learning, 2006: algorithm
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from dataclasses import dataclass
 from typing import cast
 
 import numpy as np
 from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
+Rows = NDArray[np.intp]
 
-_LENGTHS = 2.0 ** np.arange(-4, 3)
-_NUGGETS = (1e-6, 1e-4)
+_LENGTHS = 2.0 ** np.arange(-4, 4)
+_STEPS = (2.0, 2.0**0.5)
+_NUGGETS = (1e-8, 1e-6, 1e-4)
 _MOST_FITTED = 150
 _LEAST_DEVIATION = 1e-3
+_LEAST_VARIANCE = 1e-12
 _DIGITS = 6
 
 
-class LevelSet:
-    """The process through *values*, (n,), at *points*, (n, d), n at least 1, of the unit cube.
+@dataclass(frozen=True, slots=True, eq=False)
+class Shape:
+    """How a process varies: over *lengths*, (d,), of the unit cube; *nugget* is what of its variance has no length."""
 
-    Its covariance is Matérn's with nu = 5/2 and a length for each variable; lengths and nugget are those of a coarse
-    grid that make the values likeliest, likelihoods being compared by six digits: on every machine the same.
-    *blur* times the distance to the nearest point is added to what is not known, as a standard deviation.
+    lengths: Array
+    nugget: float
+
+
+class LevelSet:
+    """A process over the unit cube, told *values*, (n,), at *points*, (n, d), n at least 1.
+
+    Its covariance is Matérn's with nu = 5/2; *noise*, (n,), is the variance each value is known with, *mean* and
+    *deviation* are the process's before it is told anything, the noise in the deviation's square. *learnt* is which
+    part of what is not known at a point a run there tells.
     """
 
-    def __init__(self, points: Array, values: Array, blur: float = 0.0) -> None:
-        self.points, self.blur = points, blur
-        self.mean = float(values.mean())
-        self.lengths, self.nugget = _likeliest(points, values - self.mean)
-        self.factor = _factor(points, self.lengths, self.nugget)
-        self.whitened = _solved(self.factor, values - self.mean)
-        self.deviation = _deviation(self.whitened)
+    def __init__(
+        self, points: Array, shape: Shape, values: Array, noise: Array, mean: float, deviation: float, learnt: float
+    ) -> None:
+        self.points, self.shape, self.mean, self.deviation, self.learnt = points, shape, mean, deviation, learnt
+        self.factor = _factor(matern(points, points, shape) + np.diag(noise))
+        self.whitened = solved(self.factor, values - mean) / deviation
+
+    @classmethod
+    def through(cls, points: Array, values: Array, shape: Shape) -> LevelSet:
+        """The process through *values*, its deviation the likeliest."""
+        mean, noise = float(values.mean()), np.full(len(points), shape.nugget)
+        found = cls(points, shape, values, noise, mean, 1.0, learnt=1.0)
+        found.deviation = _deviation(found.whitened)
+        found.whitened = found.whitened / found.deviation
+        return found
 
     def at(self, points: Array) -> Posterior:
         """What is believed at *points*, (m, d)."""
         return Posterior(self, points)
 
 
-def border(points: Array, inside: NDArray[np.bool_]) -> LevelSet:
-    """Positive in a region of which it is known which of *points*, (n, d), are *inside*: the distance to its border.
-
-    Known is the distance to the nearest point of the other kind, which is an upper bound; and no point tells more about
-    the border than that it is not within the distance to the next: without the blur, runs would crowd at a few places.
-    """
-    from scipy.spatial.distance import cdist
-
-    distance = np.full(len(points), np.sqrt(points.shape[1]))
-    if inside.any() and not inside.all():
-        apart = cdist(points[inside], points[~inside])
-        distance[inside], distance[~inside] = apart.min(axis=1), apart.min(axis=0)
-    return LevelSet(points, np.where(inside, distance, -distance), blur=1.0)
-
-
 class Posterior:
-    """What a *level_set* tells at *points*, (m, d): *mean* and *deviation*, (m,), in the values' unit."""
+    """What a *level_set* tells at *points*, (m, d): *mean*, (m,), and `deviation`, in the values' unit."""
 
     def __init__(self, level_set: LevelSet, points: Array) -> None:
-        from scipy.spatial.distance import cdist
-
         self._set, self._points = level_set, points
-        self._known = _solved(level_set.factor, _matern(level_set.points, points, level_set.lengths))
+        self._known = solved(level_set.factor, matern(level_set.points, points, level_set.shape))
         self._included: list[Array] = []
         self._variance = 1 - (self._known**2).sum(axis=0)
-        self._nearest = cdist(level_set.points, points).min(axis=0)
-        self.mean = level_set.mean + self._known.T @ level_set.whitened
+        self.mean = level_set.mean + level_set.deviation * (self._known.T @ level_set.whitened)
 
     @property
     def deviation(self) -> Array:
         """Of the belief at each point; more than 0."""
-        known = self._set.deviation * np.sqrt(np.maximum(self._variance, 1e-12))
-        return cast(Array, np.hypot(known, self._set.blur * self._nearest))
+        return np.asarray(self._set.deviation * np.sqrt(self._unsure))
+
+    @property
+    def _unsure(self) -> Array:
+        return np.asarray(np.maximum(self._variance, _LEAST_VARIANCE))
 
     def positive(self) -> Array:
         """The probability that the function is positive, (m,)."""
@@ -80,44 +86,71 @@ class Posterior:
 
         return np.asarray(ndtr(self.mean / self.deviation), dtype=np.float64)
 
-    def doubt(self) -> Array:
-        """The probability that the sign of the mean is wrong, times the deviation: where a point tells most, (m,)."""
-        positive = self.positive()
-        return np.minimum(positive, 1 - positive) * self.deviation
+    def relief(self, asked: Rows, rows: Rows) -> Array:
+        """By how much a run at each of the points *asked* lessens p (1 - p) at the points *rows*, as expected.
+
+        (asked, rows); p is the probability of a positive sign. The expectation is 2 T(z, 1) - 2 T(z, h), T Owen's
+        function, z mean over deviation, h = tan(arccos(r) / 2), r the part of the variance a run would take (Bect et
+        al., Sequential design of computer experiments for the estimation of a probability of failure, 2012). The
+        integral T is taken at the middle of its range.
+        """
+        part = self._set.learnt * self._covariance(asked, rows) ** 2
+        part = np.minimum(part / (self._unsure[asked] + self._set.shape.nugget)[:, None] / self._unsure[rows], 1.0)
+        z = self.mean[rows] / self.deviation[rows]
+        middle = (np.arccos(part) + np.pi / 2) / 2
+        return np.asarray(np.arcsin(part) / (2 * np.pi) * np.exp(-(z**2) / (1 + np.cos(middle))), dtype=np.float64)
 
     def include(self, index: int) -> None:
-        """Be as sure as if the function were known at that point, too, to be what it is believed to be."""
-        near = _matern(self._points[index : index + 1], self._points, self._set.lengths)[0]
-        left = near - self._known[:, index] @ self._known - sum(row[index] * row for row in self._included)
-        row = left / np.sqrt(max(self._variance[index], 0.0) + self._set.nugget)
+        """Be as sure as if there were a run at that point, too, that gives what is believed."""
+        near = self._covariance(np.array([index]), np.arange(len(self.mean)))[0]
+        row = near * np.sqrt(self._set.learnt / (self._unsure[index] + self._set.shape.nugget))
         self._included.append(row)
         self._variance = self._variance - row**2
-        self._nearest = np.minimum(self._nearest, np.linalg.norm(self._points - self._points[index], axis=1))
+
+    def _covariance(self, first: Rows, second: Rows) -> Array:
+        prior = matern(self._points[first], self._points[second], self._set.shape)
+        left = prior - self._known[:, first].T @ self._known[:, second]
+        for row in self._included:
+            left = left - np.outer(row[first], row[second])
+        return left
 
 
-def _likeliest(points: Array, values: Array) -> tuple[Array, float]:
-    """Lengths, (d,), and nugget; by *values* of mean 0 at a few of the points, equal lengths first, then one by one."""
+def likeliest(points: Array, values: Array) -> Shape:
+    """The shape that makes *values*, (n,), at *points*, (n, d), likeliest, by a few of them."""
     stride = -(-len(points) // _MOST_FITTED)
-    few, theirs = points[::stride], values[::stride]
+    few, theirs = points[::stride], values[::stride] - values.mean()
 
-    def unlikely(lengths: Array, nugget: float) -> float:
-        factor = _factor(few, lengths, nugget)
-        whitened = _solved(factor, theirs)
-        return round(float(len(few) * np.log(_deviation(whitened)) + np.log(np.diag(factor)).sum()), _DIGITS)
+    def cost(shape: Shape) -> float:
+        factor = _factor(matern(few, few, shape) + shape.nugget * np.eye(len(few)))
+        deviation = _deviation(solved(factor, theirs))
+        return float(len(few) * np.log(deviation) + np.log(np.diag(factor)).sum())
 
-    dimensions = points.shape[1]
-    starts = [(np.full(dimensions, length), nugget) for length in _LENGTHS for nugget in _NUGGETS]
-    costs = [unlikely(*start) for start in starts]
+    return cheapest(cost, points.shape[1], _NUGGETS)
+
+
+def cheapest(cost: Callable[[Shape], float], dimensions: int, nuggets: tuple[float, ...]) -> Shape:
+    """The shape of least *cost*: all lengths equal first, then one by one, in steps.
+
+    Costs are compared by six digits: on every machine the same is found.
+    """
+    starts = [Shape(np.full(dimensions, length), nugget) for length in _LENGTHS for nugget in nuggets]
+    costs = [round(cost(shape), _DIGITS) for shape in starts]
     least = min(costs)
-    lengths, nugget = starts[costs.index(least)]
-    for variable in [*range(dimensions)] * 2:
-        for change in (0.5, 2.0):
-            other = lengths.copy()
-            other[variable] *= change
-            while _LENGTHS[0] <= other[variable] <= _LENGTHS[-1] and (cost := unlikely(other, nugget)) < least:
-                lengths, least, other = other, cost, other.copy()
-                other[variable] *= change
-    return lengths, nugget
+    best = starts[costs.index(least)]
+    for step in _STEPS:
+        for variable in [*range(dimensions)] * 2:
+            for change in (1 / step, step):
+                other = _changed(best, variable, change)
+                while other and (now := round(cost(other), _DIGITS)) < least:
+                    best, least, other = other, now, _changed(other, variable, change)
+    return best
+
+
+def _changed(shape: Shape, variable: int, change: float) -> Shape | None:
+    lengths = shape.lengths.copy()
+    lengths[variable] *= change
+    is_within = _LENGTHS[0] * 0.99 < lengths[variable] < _LENGTHS[-1] * 1.01
+    return Shape(lengths, shape.nugget) if is_within else None
 
 
 def _deviation(whitened: Array) -> float:
@@ -125,18 +158,26 @@ def _deviation(whitened: Array) -> float:
     return max(float(np.sqrt(np.mean(whitened**2))), _LEAST_DEVIATION)
 
 
-def _matern(first: Array, second: Array, lengths: Array) -> Array:
+def matern(first: Array, second: Array, shape: Shape) -> Array:
+    """Matérn's covariance of variance 1 between *first*, (n, d), and *second*, (m, d)."""
     from scipy.spatial.distance import cdist
 
-    distance = np.sqrt(5.0) * cdist(first / lengths, second / lengths)
+    distance = np.sqrt(5.0) * cdist(first / shape.lengths, second / shape.lengths)
     return np.asarray((1 + distance + distance**2 / 3) * np.exp(-distance), dtype=np.float64)
 
 
-def _factor(points: Array, lengths: Array, nugget: float) -> Array:
-    return cast(Array, np.linalg.cholesky(_matern(points, points, lengths) + nugget * np.eye(len(points))))
-
-
-def _solved(factor: Array, right: Array) -> Array:
+def solved(factor: Array, right: Array) -> Array:
+    """The lower triangular *factor*, inverted, times *right*."""
     from scipy.linalg import solve_triangular
 
     return cast(Array, solve_triangular(factor, right, lower=True, check_finite=False))
+
+
+def _factor(covariance: Array) -> Array:
+    """The Cholesky factor; of points that lie together too closely, with as much more noise as it takes."""
+    more = 0.0
+    while True:
+        try:
+            return cast(Array, np.linalg.cholesky(covariance + more * np.eye(len(covariance))))
+        except np.linalg.LinAlgError:
+            more = max(100 * more, 1e-8)

@@ -15,9 +15,9 @@ from dse.domain.sampler import Architectures
 from dse.domain.study import Keep, Shard, Study
 from dse.exploration.asking import Asking, Prepare
 from dse.exploration.batches import Chunks
-from dse.exploration.boundary import near_boundary
 from dse.exploration.executor import Executor
 from dse.exploration.known_runs import NOT_REPRODUCIBLE, NOTHING_KNOWN, KnownRuns
+from dse.exploration.near_boundary import near_boundary
 from dse.exploration.progress import Meter, Progress, Stage
 from dse.exploration.work import Batch, MakeRunner, Runnable, Work
 from dse.storage import Attempt, FileFacts, RowBlock, StudyFolder

@@ -6,10 +6,12 @@ from collections.abc import Callable, Sequence
 from itertools import product
 from typing import TYPE_CHECKING
 
-from dse.domain.distribution import Correlations, correlation_matrix, cumulative, quantile
+from dse.domain.definition import DefinedVariable
+from dse.domain.distribution import Correlations, Distribution, correlation_matrix, cumulative, quantile
 from dse.domain.sampler import Brief, DesignVariable, Point, Role, Scale
 from dse.domain.study import Study
 from dse.metrics import compile_rule
+from dse.units import parse_unit
 
 if TYPE_CHECKING:
     import numpy as np
@@ -37,6 +39,24 @@ def unit_of(points: Array, variables: Sequence[DesignVariable]) -> Array:
 
     columns = [share_of(variable, points[:, index]) for index, variable in enumerate(variables)]
     return np.column_stack(columns) if columns else np.zeros((len(points), 0))
+
+
+def design_variable(defined: DefinedVariable) -> DesignVariable:
+    """A stored variable as a sampler knows it."""
+    given = defined.distribution
+    return DesignVariable(
+        defined.name,
+        defined.low,
+        defined.high,
+        defined.levels,
+        defined.nominal,
+        parse_unit(defined.unit),
+        defined.title,
+        scale=Scale(defined.scale),
+        values=defined.values,
+        role=Role(defined.role),
+        distribution=Distribution(given.kind, given.numbers, given.values) if given else None,
+    )
 
 
 def free(brief: Brief) -> tuple[DesignVariable, ...]:

@@ -21,7 +21,7 @@ from .paths import find_root as find_root, is_file as is_file, named_file as nam
 from .sections import Plain as Plain
 from .uvl.reading import read_uvl as read_uvl
 from .uvl.writing import to_uvl as to_uvl
-from .values import Raw as Raw, read_unit as read_unit
+from .values import Raw as Raw, read_number as read_number, read_unit as read_unit
 from .workspace import Workspace as Workspace
 from .writing.bench import write_bench as write_bench
 from .writing.component import write_fmu_component as write_fmu_component, write_interfaces as write_interfaces

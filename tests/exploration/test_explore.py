@@ -14,9 +14,9 @@ import pytest
 from fake_runners import benches, definition_of, make_fake, study_of
 
 from dse.domain.study import Keep, Study
-from dse.exploration.boundary import near_boundary
 from dse.exploration.executors.local import Local
 from dse.exploration.loop import ExplorationInterruptedError, Explored, explore
+from dse.exploration.near_boundary import near_boundary
 from dse.exploration.progress import Progress, Stage
 from dse.exploration.samplers.full_factorial import FullFactorial
 from dse.exploration.samplers.latin_hypercube import LatinHypercube

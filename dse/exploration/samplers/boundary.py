@@ -11,41 +11,62 @@ from pydantic import Field
 from dse.domain.bench import Verdict
 from dse.domain.sampler import Brief, Candidate, Outcomes, Point
 from dse.errors import fail
-from dse.exploration.variables import scaled, unit_of
-from dse.loading import SamplerSection
+from dse.exploration.variables import at_conditions, free, scaled, unit_of
+from dse.loading import Plain, SamplerSection, Surroundings, read_number
+from dse.units import DIMENSIONLESS
 
 if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
-    from dse.exploration.level_set import Posterior
+    from dse.exploration.belief import BeliefAt, Shapes
 
     Array = NDArray[np.float64]
 
 _MOST_SAMPLES = 2000
 _POOL = 2048
-_FILLING = 8
+_FILLING = 16
+# A batch grows with what is known, which a few more runs change little: else many runs would take as many asks.
+_GROWTH = 24
+_CANDIDATES = 128
+_DOUBTFUL = 512
+_FITTED_AGAIN = 1.2
+_SURE = 2
 _DIGITS = 6
 
 
 class Boundary(SamplerSection):
-    """*samples* runs of every configuration: the *first* fill the ranges, then *batch* at a time go where a verdict is
-    in doubt, every eighth goes on filling.
+    """*samples* runs of every configuration: the *first* fill the ranges, then *batch* at a time, or more when many are
+    there, go where they lessen the doubt about verdicts most; every sixteenth goes on filling.
 
-    What is in doubt is told by Gaussian processes through the margins, and through the distances to the region where a
-    requirement has no margin (it was not exercised, the run failed). In a study that is extended, runs that are there
-    are among the samples.
+    With an *accuracy* a configuration is done before that, once twice in a row no larger share of the ranges is
+    believed to be misjudged. What is in doubt is told by Gaussian processes through the margins, and one that learns
+    the region where a requirement has no margin (it was not exercised, the run failed). In a study that is extended,
+    runs that are there are among the samples.
     """
 
     name: ClassVar[str] = "boundary"
     once: ClassVar[bool] = False
     grid: ClassVar[None] = None
-    examples: ClassVar[tuple[Mapping[str, Any], ...]] = ({"samples": 24}, {"samples": 11, "first": 4, "batch": 3})
+    examples: ClassVar[tuple[Mapping[str, Any], ...]] = (
+        {"samples": 24},
+        {"samples": 11, "first": 4, "batch": 3},
+        {"samples": 40, "accuracy": "2 %"},
+    )
 
     # The time of an ask grows with the third power.
     samples: int = Field(ge=1, le=_MOST_SAMPLES)
     first: int = Field(default=16, ge=1)
     batch: int = Field(default=8, ge=1)
+    accuracy: Plain = 0.0
+
+    def settled(self, around: Surroundings) -> Boundary:
+        """With the accuracy as a number; refused unless it is a share of the ranges."""
+        where = around.place("accuracy")
+        accuracy = read_number(self.accuracy, DIMENSIONLESS, where)
+        if not 0 <= accuracy < 1:
+            raise fail(f"an accuracy of {self.accuracy} is no share of the ranges", where, "accuracy: 0.5 %")
+        return self.model_copy(update={"accuracy": accuracy})
 
     def start(self, brief: Brief) -> _Search:
         """Refused without a requirement."""
@@ -56,23 +77,18 @@ class Boundary(SamplerSection):
 
 class _Search:
     def __init__(self, sampler: Boundary, brief: Brief) -> None:
-        import numpy as np
-        from scipy.stats import qmc
-
         self._sampler, self._brief = sampler, brief
-        self._sequence = qmc.Sobol(len(brief.variables), seed=np.random.default_rng(brief.seed))
+        self._sequence = _Sequence(brief)
         # In their order. The first points of later blocks would not do: they share the leading bits of these.
-        self._filling = _points(self._sequence.random(_POOL), brief)
+        self._filling = self._sequence.draw()
         self._known = {name: _Known() for name in brief.configurations}
-        columns = [brief.earlier.points[variable.name].tolist() for variable in brief.variables]
-        for name, *point in zip(brief.earlier.configurations, *columns, strict=True):
-            inside = all(v.low <= value <= v.high for v, value in zip(brief.variables, point, strict=True))
-            if inside and name in self._known:
-                self._known[name].there[tuple(point)] = None
+        for name, point in zip(brief.earlier.configurations, _rows(brief.earlier, brief), strict=True):
+            if name in self._known and _fits(point, brief):
+                self._known[name].there[point] = None
 
     def ask(self) -> Sequence[Candidate]:
-        """What is there and the first points; then a batch for each configuration."""
-        pool = _points(self._sequence.random(_POOL), self._brief)
+        """What is there and the first points; then a batch for each configuration that is not done."""
+        pool = self._sequence.draw()
         return [Candidate(name, point) for name, known in self._known.items() for point in self._wanted(known, pool)]
 
     def tell(self, outcomes: Outcomes) -> None:
@@ -83,40 +99,65 @@ class _Search:
         for row, name in enumerate(outcomes.configurations):
             rows[name].append(row)
         judged = {name: np.array([v in _JUDGED for v in verdicts]) for name, verdicts in outcomes.verdicts.items()}
+        points = _rows(outcomes, self._brief)
         for name, known in self._known.items():
+            known.told += [points[row] for row in rows[name]]
             for requirement, margins in outcomes.margins.items():
                 told = np.where(judged[requirement], margins, np.nan)[rows[name]].tolist()
                 known.margins.setdefault(requirement, []).extend(told)
 
     def _wanted(self, known: _Known, pool: Sequence[Point]) -> list[Point]:
         left = self._sampler.samples - len(known.points)
-        filling = [point for point in self._filling if point not in known.points and point not in known.there]
-        filling = filling[: max(self._sampler.first, self._sampler.batch)]
-        fresh = list(dict.fromkeys((*filling, *(p for p in pool if p not in known.points and p not in known.there))))
         if not known.points:
-            wanted = [*known.there, *fresh[: max(self._sampler.first - len(known.there), 0)]]
+            more = self._sampler.first - len(known.there)
+            wanted = [*known.there, *[p for p in self._filling if p not in known.there][: max(more, 0)]][:left]
+        elif left and not known.is_done:
+            wanted = self._doubtful(known, pool, left)
         else:
-            wanted = self._doubtful(known, fresh, min(self._sampler.batch, left)) if left and fresh else []
-        wanted = wanted[:left]
+            wanted = []
         known.points.update(dict.fromkeys(wanted))
         return wanted
 
-    def _doubtful(self, known: _Known, pool: Sequence[Point], count: int) -> list[Point]:
+    def _doubtful(self, known: _Known, pool: Sequence[Point], left: int) -> list[Point]:
+        from dse.exploration.belief import misjudged, single_threaded
+
+        count = min(max(self._sampler.batch, len(known.points) // _GROWTH), left)
+        filling = known.fresh(self._filling)[:count]
+        candidates = list(dict.fromkeys((*filling, *known.fresh(pool))))
+        if not candidates:
+            return []
+        with single_threaded():
+            beliefs = self._beliefs(known, candidates)
+            # At points that were drawn anew; where there is a run, nothing is misjudged.
+            wrong = round(float(misjudged(beliefs)[len(filling) :].sum()) / len(pool), _DIGITS)
+            known.sure = known.sure + 1 if wrong <= float(self._sampler.accuracy) else 0
+            known.is_done = bool(self._sampler.accuracy) and known.sure >= _SURE
+            return [] if known.is_done else self._batch(beliefs, candidates, len(known.points), count)
+
+    def _beliefs(self, known: _Known, candidates: Sequence[Point]) -> list[BeliefAt]:
+        """Of each requirement, at *candidates*."""
         import numpy as np
 
-        at = self._unit(pool)
-        points = self._unit(list(known.points))
-        first = self._sampler.first
-        beliefs = [_Belief.of(points, _compressed(np.array(margins), first), at) for margins in known.margins.values()]
-        open_ = np.ones(len(pool), dtype=np.bool_)
+        from dse.exploration.belief import Belief, shapes_of
+
+        points, at = self._unit(known.told), self._unit(candidates)
+        margins = {name: np.array(column) for name, column in known.margins.items()}
+        if len(points) >= _FITTED_AGAIN * known.fitted:
+            known.fitted = len(points)
+            known.shapes = {name: shapes_of(points, column) for name, column in margins.items()}
+        return [Belief.of(points, column, known.shapes[name]).at(at) for name, column in margins.items()]
+
+    def _batch(self, beliefs: Sequence[BeliefAt], candidates: Sequence[Point], there: int, count: int) -> list[Point]:
+        import numpy as np
+
+        open_ = np.ones(len(candidates), dtype=np.bool_)
         chosen: list[Point] = []
-        for number in range(len(known.points), len(known.points) + min(count, len(pool))):
-            # Compared by a few digits, so that the last bits of another machine do not matter: the first of equals,
-            # in the order of the sequence, which fills the ranges.
-            score = np.zeros(len(pool)) if number % _FILLING == 0 else np.round(_score(beliefs), _DIGITS)
+        for number in range(there, there + min(count, len(candidates))):
+            # The first of equals, in the order of the sequence, which fills the ranges.
+            score = np.zeros(len(candidates)) if number % _FILLING == 0 else _score(beliefs)
             index = int(np.argmax(np.where(open_, score, -1.0)))
             open_[index] = False
-            chosen.append(pool[index])
+            chosen.append(candidates[index])
             for belief in beliefs:
                 belief.include(index)
         return chosen
@@ -124,11 +165,32 @@ class _Search:
     def _unit(self, points: Sequence[Point]) -> Array:
         import numpy as np
 
-        return unit_of(np.array(points), self._brief.variables)
+        return unit_of(np.array(points, dtype=np.float64), self._brief.variables)
 
 
-def _points(unit: Array, brief: Brief) -> list[Point]:
-    return [tuple(row) for row in scaled(unit, brief.variables, brief.correlations).tolist()]
+class _Sequence:
+    """Points of the brief's ranges, each at one of its conditions, a block at a time: a scrambled Sobol' sequence."""
+
+    def __init__(self, brief: Brief) -> None:
+        import numpy as np
+        from scipy.stats import qmc
+
+        self._brief, self._free = brief, free(brief)
+        # With conditions, the last coordinate tells which.
+        count = len(self._free) + bool(brief.conditions)
+        self._sequence = qmc.Sobol(count, seed=np.random.default_rng(brief.seed))
+
+    def draw(self) -> list[Point]:
+        """The next that are allowed."""
+        import numpy as np
+
+        brief, unit = self._brief, self._sequence.random(_POOL)
+        points = at_conditions(scaled(unit[:, : len(self._free)], self._free, brief.correlations), brief)
+        if brief.conditions:
+            which = (unit[:, -1] * len(brief.conditions)).astype(np.intp)
+            points = points[np.arange(_POOL) * len(brief.conditions) + which]
+        allowed = points if brief.allowed is None else points[brief.allowed(points)]
+        return list(dict.fromkeys(tuple(row) for row in allowed.tolist()))
 
 
 _JUDGED = (Verdict.PASS, Verdict.FAIL)
@@ -136,63 +198,63 @@ _JUDGED = (Verdict.PASS, Verdict.FAIL)
 
 @dataclass(slots=True)
 class _Known:
-    """Of one configuration: points that were *there*, those asked for, and margins by requirement, NaN for none."""
+    """Of one configuration: points that were *there*, those asked for, what was *told* of them, NaN for no margin.
+
+    A run is at other points than were asked for where its configuration does not have a variable.
+    """
 
     there: dict[Point, None] = field(default_factory=dict)
     points: dict[Point, None] = field(default_factory=dict)
+    told: list[Point] = field(default_factory=list)
     margins: dict[str, list[float]] = field(default_factory=dict)
+    shapes: dict[str, Shapes] = field(default_factory=dict)
+    fitted: int = 0
+    sure: int = 0
+    is_done: bool = False
+
+    def fresh(self, points: Sequence[Point]) -> list[Point]:
+        """Those of *points*, as a run would be at them, at which there is none."""
+        asked, told = zip(*self.points, strict=True), zip(*self.told, strict=True)
+        fixed = {i: now[0] for i, (was, now) in enumerate(zip(asked, told, strict=True)) if was != now}
+        there = {*self.points, *self.told}
+        moved = (tuple(fixed.get(i, value) for i, value in enumerate(point)) for point in points)
+        return [point for point in dict.fromkeys(moved) if point not in there]
 
 
-@dataclass(frozen=True, slots=True)
-class _Belief:
-    """Of one requirement over the pool: is there a margin, and is it positive?"""
+def _score(beliefs: Sequence[BeliefAt]) -> Array:
+    """How much less doubt about all verdicts a run at each point would leave; 0 where there is little doubt, (m,).
 
-    judged: Posterior
-    margin: Posterior
-
-    @classmethod
-    def of(cls, points: Array, margins: Array, at: Array) -> _Belief:
-        import numpy as np
-
-        from dse.exploration.level_set import LevelSet, border
-
-        judged = np.isfinite(margins)
-        there = border(points, judged).at(at)
-        # With no margin anywhere, nothing is in doubt but where there is one.
-        rows = judged if judged.any() else ~judged
-        return cls(there, LevelSet(points[rows], np.nan_to_num(margins[rows])).at(at))
-
-    def failing(self) -> Array:
-        """The probability that the requirement fails."""
-        return self.judged.positive() * (1 - self.margin.positive())
-
-    def doubt(self) -> Array:
-        """What a run would tell about whether there is a margin and, where there is, about its sign."""
-        return self.judged.doubt() + self.judged.positive() * self.margin.doubt()
-
-    def include(self, index: int) -> None:
-        """Another run of the batch goes to point *index* of the pool."""
-        self.judged.include(index)
-        self.margin.include(index)
-
-
-def _score(beliefs: Sequence[_Belief]) -> Array:
-    """Doubt about any requirement where the others do not surely fail."""
+    Doubt counts where no other requirement surely fails. Rounded, so that the last bits of another machine do not
+    matter.
+    """
     import numpy as np
 
     passing = [1 - belief.failing() for belief in beliefs]
     others = [np.prod(passing[:i] + passing[i + 1 :], axis=0) for i in range(len(passing))]
-    doubts = [belief.doubt() * other for belief, other in zip(beliefs, others, strict=True)]
-    return np.asarray(np.sum(doubts, axis=0), dtype=np.float64)
+    doubt = np.sum([belief.doubt() * other for belief, other in zip(beliefs, others, strict=True)], axis=0)
+    order = np.argsort(-np.round(doubt, _DIGITS), kind="stable")[:_DOUBTFUL]
+    asked = order[:_CANDIDATES]
+    gains = [
+        belief.relief(asked, order) @ np.broadcast_to(other, len(doubt))[order]
+        for belief, other in zip(beliefs, others, strict=True)
+    ]
+    score = np.zeros(len(doubt))
+    score[asked] = np.round(np.sum(gains, axis=0), _DIGITS)
+    return score
 
 
-def _compressed(margins: Array, first: int) -> Array:
-    """Of either sign, linear up to the median of the *first*, logarithmic beyond: what is far off counts little."""
+def _rows(outcomes: Outcomes, brief: Brief) -> list[Point]:
+    return list(zip(*(outcomes.points[variable.name].tolist() for variable in brief.variables), strict=True))
+
+
+def _fits(point: Point, brief: Brief) -> bool:
+    """Whether the study as it is now could ask for *point*."""
     import numpy as np
 
-    few = margins[:first] if np.isfinite(margins[:first]).any() else margins
-    size = np.abs(few[np.isfinite(few)])
-    return np.asarray(np.arcsinh(margins / ((np.median(size) if size.any() else 0.0) or 1.0)), dtype=np.float64)
+    for variable, value in zip(brief.variables, point, strict=True):
+        if not variable.low <= value <= variable.high or (variable.values and value not in variable.values):
+            return False
+    return brief.allowed is None or bool(brief.allowed(np.array([point]))[0])
 
 
 SAMPLER = Boundary

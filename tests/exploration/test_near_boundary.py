@@ -8,7 +8,7 @@ from first_asks import first_ask
 from hypothesis import given, strategies as st
 
 from dse.domain.study import Study
-from dse.exploration.boundary import near_boundary as near_boundary_on
+from dse.exploration.near_boundary import near_boundary as near_boundary_on
 from dse.exploration.samplers.full_factorial import FullFactorial
 from dse.exploration.samplers.latin_hypercube import LatinHypercube
 from dse.storage.database.header import StudyHeader
