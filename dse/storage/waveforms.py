@@ -135,8 +135,8 @@ def read_waveforms(file: Path, number: int) -> Waveforms:
 
 
 def _read(parquet: Any, group: int) -> Any:
-    # By this thread alone, and nothing ahead: a thread of Arrow's that lets go of a buffer of Python's while Python ends
-    # aborts the process (std::terminate), after all was done.
+    # By this thread alone, and nothing ahead: a thread of Arrow's that lets go of a buffer of Python's while Python
+    # ends aborts the process (std::terminate), after all was done.
     return parquet.read_row_group(group, use_threads=False)
 
 
