@@ -22,6 +22,13 @@ class Keep(StrEnum):
     NONE = "none"
 
 
+class CheckStep(StrEnum):
+    """Which runs are repeated with finer numerics, to tell how certain their verdicts are."""
+
+    NONE = "none"
+    NEAR_BOUNDARY = "near_boundary"
+
+
 @dataclass(frozen=True, slots=True)
 class Selection:
     """Which configurations a study explores: all valid ones, those named, or those where a condition holds."""
@@ -69,3 +76,4 @@ class Study:
     title: str = ""
     where: Location | None = None
     executor: ExecutorChoice = ExecutorChoice()
+    check_step: CheckStep = CheckStep.NONE

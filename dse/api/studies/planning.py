@@ -16,8 +16,8 @@ from dse.domain.component import Value
 from dse.domain.run import RunRequest
 from dse.domain.study import Shard, Study
 from dse.exploration import Batch, KnownRuns, Sink, Work, explore, give
-from dse.storage import Rehearsal, RunStore, StudyFolder, StudyHeader, changed_study
-from dse.testbench import PreparedStudy, address_of
+from dse.storage import Measures, Rehearsal, RunStore, StudyFolder, StudyHeader, changed_study
+from dse.testbench import PreparedBench, PreparedStudy, address_of
 
 _LOCAL = "local"
 
@@ -47,10 +47,18 @@ class Plan:
 
 def known_runs(planned: PreparedStudy, *, reads: bool = True, writes: bool = True) -> KnownRuns:
     """What the cache has of the runs of *planned*."""
-    addresses = {name: address for name, bench in planned.benches.items() if (address := address_of(bench))}
     kept = {name: bench.recording.kept for name, bench in planned.benches.items()}
     measures = StudyHeader(planned.definition).measures
-    return KnownRuns(_run_store(), addresses, measures, kept, reads=reads, writes=writes)
+    return KnownRuns(_run_store(), _addresses(planned.benches), measures, kept, reads=reads, writes=writes)
+
+
+def known_checks(benches: Mapping[str, PreparedBench], measures: Measures, *, reads: bool) -> KnownRuns:
+    """What the cache has of runs of *benches* that give *measures*, error bars among them."""
+    return KnownRuns(_run_store(), _addresses(benches), measures, {}, reads=reads)
+
+
+def _addresses(benches: Mapping[str, PreparedBench]) -> dict[str, Address]:
+    return {name: address for name, bench in benches.items() if (address := address_of(bench))}
 
 
 def changes_since(folder: Path, planned: PreparedStudy, addresses: Mapping[str, Address]) -> tuple[str, ...]:
