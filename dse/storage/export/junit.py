@@ -22,8 +22,8 @@ def junit(table: RunTable) -> bytes:
     """A test suite per configuration and a test case per requirement and run.
 
     A failed requirement is a failure with its margin, a run that failed is an error, a requirement that was not
-    exercised is skipped, and so is one whose passing is doubtful. On a bench without requirements every run is a test case
-    that fails by not running.
+    exercised is skipped, and so is one whose passing is doubtful. On a bench without requirements every run is a
+    test case that fails by not running.
     """
     by_configuration: dict[str, list[_Case]] = {name: [] for name in table.header.configurations}
     names = table.header.requirements
