@@ -69,7 +69,9 @@ CheckStep = Annotated[
 Fuse = Annotated[
     bool, typer.Option("--fuse", help="Compile each configuration into one library first: same results, faster runs.")
 ]
-Gate = Annotated[bool, typer.Option("--gate", help="Exit with 3 also if a requirement failed, not only a run.")]
+Gate = Annotated[
+    bool, typer.Option("--gate", help="Exit with 3 also if a requirement failed or is doubtful, not only a run.")
+]
 
 
 def _shard(text: str | None) -> str | None:

@@ -118,8 +118,15 @@ def _say(results: Results, summary: Summary, explored: Explored, following: str)
         verdicts = tuple(next(iter(summary.verdicts.values())))
         shown = plain_table("requirement", *verdicts, right=verdicts)
         for name, count in summary.verdicts.items():
-            shown.add_row(named[name], *(str(number) for number in count.values()))
+            doubts = summary.doubtful.get(name, {})
+            shown.add_row(
+                named[name], *(_with_doubts(number, doubts.get(verdict, 0)) for verdict, number in count.items())
+            )
         print_table(shown)
+    if summary.checked:
+        doubtful = sum(sum(counts.values()) for counts in summary.doubtful.values())
+        what = f"{doubtful} verdicts doubtful" if doubtful else "no verdict doubtful"
+        screen.print(f"{summary.checked} runs checked with finer numerics: {what}", soft_wrap=True)
     said = said_of(summary)
     for line in said[:_MOST_PROBLEMS]:
         screen.print(f"  {plain(line)}", soft_wrap=True)
@@ -130,6 +137,10 @@ def _say(results: Results, summary: Summary, explored: Explored, following: str)
     if summary.failures:
         screen.print("to try failed runs again: the same command with --retry-failed", soft_wrap=True)
     screen.print(f"next: {following}", soft_wrap=True)
+
+
+def _with_doubts(number: int, doubtful: int) -> str:
+    return f"{number} ({doubtful} doubtful)" if doubtful else str(number)
 
 
 def said_of(summary: Summary) -> list[str]:
@@ -146,7 +157,11 @@ def said_of(summary: Summary) -> list[str]:
             others.setdefault(("came right the second time; the first", words), []).append(number)
         elif words != _NUMBER.sub("", summary.problems.get(number, "")):
             others.setdefault(("failed otherwise the first time", words), []).append(number)
-    return said + [f"{_runs(numbers)} {kind}: {summary.causes[numbers[0]]}" for (kind, _), numbers in others.items()]
+    said += [f"{_runs(numbers)} {kind}: {summary.causes[numbers[0]]}" for (kind, _), numbers in others.items()]
+    remarks: dict[str, list[int]] = {}
+    for number, remark in summary.remarks.items():
+        remarks.setdefault(_NUMBER.sub("", remark), []).append(number)
+    return said + [f"{_runs(numbers)} checked: {summary.remarks[numbers[0]]}" for numbers in remarks.values()]
 
 
 def _runs(numbers: list[int]) -> str:

@@ -12,8 +12,6 @@ if TYPE_CHECKING:
     from rich.table import Table
 
     from dse.api import Run
-    from dse.domain import run as nouns
-    from dse.domain.definition import StudyDefinition
 
 _STYLES = {"": "", "pass": "green", "fail": "red", "not exercised": "yellow", "failed to run": "bold red"}
 
@@ -22,7 +20,7 @@ def present_run(run: Run, output: Output, plot: Path | None) -> None:
     """Print the run for a person or for a program, and draw its figures if a file for them is given."""
     ignored = run.definition.ignored
     if output is Output.JSON:
-        print_json(_data(run.noun) | ({"ignored": list(ignored)} if ignored else {}))
+        print_json(_data(run) | ({"ignored": list(ignored)} if ignored else {}))
     else:
         say_some("ignored", ignored)
         _show(run)
@@ -45,17 +43,18 @@ def write_run(run: Run, target: Path) -> None:
     say(f"{target}: {len(run.waveforms)} waveforms of {len(run.waveforms.time)} points", stderr=True)
 
 
-def metric_table(run: nouns.Run, definition: StudyDefinition) -> Table:
+def metric_table(run: Run) -> Table:
     """Every metric in its unit, with its error bar if it was checked, and the requirements if there are any."""
     from rich.text import Text
 
     from dse.api import metric_rows
 
-    judged = bool(definition.requirements)
+    judged = bool(run.definition.requirements)
     more = ("requirement", "bound", "margin", "verdict") if judged else ()
     table = plain_table("metric", "value", *more, right=("value", "bound", "margin"))
-    for row in metric_rows(run, definition):
-        verdict = Text(row.verdict, style=_STYLES[row.verdict])
+    for row in metric_rows(run.noun, run.definition, run.check):
+        doubt = f", {row.certainty}" if row.certainty == "doubtful" else ""
+        verdict = Text(row.verdict + doubt, style=_STYLES[row.verdict])
         table.add_row(row.title, row.value, *((row.requirement, row.bound, row.margin, verdict) if judged else ()))
     return table
 
@@ -69,16 +68,23 @@ def _show(run: Run) -> None:
         say(f"failed to run: {run.problem}", style="bold red")
     elif run.problem:
         say(run.problem, style="yellow")
-    print_table(metric_table(run.noun, run.definition))
+    print_table(metric_table(run))
 
 
-def _data(run: nouns.Run) -> dict[str, Any]:
-    """Metrics in SI, verdicts with their margins; numbers may be NaN or infinite."""
+def _data(run: Run) -> dict[str, Any]:
+    """Metrics in SI, verdicts with their margins, and if they were checked, whether they are certain.
+
+    Numbers may be NaN or infinite.
+    """
+    certainties = {name: {"certainty": str(word)} for name, word in run.check.certainties.items() if word}
     return {
-        "configuration": run.request.configuration,
-        "point": dict(run.request.point),
-        "outcome": str(run.outcome),
+        "configuration": run.configuration,
+        "point": dict(run.point),
+        "outcome": str(run.noun.outcome),
         "problem": run.problem,
         "metrics": dict(run.metrics),
-        "requirements": {j.requirement: {"verdict": str(j.verdict), "margin": j.margin} for j in run.judgements},
+        "requirements": {
+            name: {"verdict": str(verdict), "margin": run.margins[name], **certainties.get(name, {})}
+            for name, verdict in run.verdicts.items()
+        },
     }

@@ -15,6 +15,10 @@ from dse.domain.component import Value
 ERROR_BAR = ".error"
 """What a metric's name ends in that is another's error bar: how much that one changes where the numerics do."""
 
+VERDICTS_UNDER = ".verdicts"
+"""What a requirement's name ends in, among the numbers of a run that was repeated for error bars: the verdicts that the
+repetitions gave, as a sum of 2^position in `VERDICTS`; 0 where none can tell."""
+
 
 class Outcome(StrEnum):
     """Whether a run came to its end."""

@@ -24,6 +24,13 @@ class Keep(StrEnum):
     NONE = "none"
 
 
+class CheckStep(StrEnum):
+    """Which runs are repeated with finer numerics, to tell how certain their verdicts are."""
+
+    NONE = "none"
+    NEAR_BOUNDARY = "near_boundary"
+
+
 @dataclass(frozen=True, slots=True)
 class Selection:
     """Which configurations a study explores: all valid ones, those named, or those where a condition holds."""
@@ -77,6 +84,7 @@ class Study:
     objectives: tuple[Objective, ...] = ()
     constraints: tuple[Expression, ...] = ()
     correlations: Correlations = field(default_factory=dict)
+    check_step: CheckStep = CheckStep.NONE
 
     @property
     def types(self) -> dict[str, Type]:

@@ -1,4 +1,9 @@
 from .band import Band as Band, Chances as Chances
+from .checking import (
+    Checkable as Checkable,
+    check_measures as check_measures,
+    check_near_boundary as check_near_boundary,
+)
 from .executor import Executor as Executor, Pool as Pool, load_executor as load_executor
 from .failures import in_words as in_words
 from .known_runs import KnownRuns as KnownRuns, give as give

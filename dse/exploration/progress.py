@@ -15,6 +15,7 @@ class Stage(StrEnum):
 
     RUNS = "runs"
     WAVEFORMS = "waveforms near the boundary"
+    CHECKS = "checks near the boundary"
 
 
 @dataclass(frozen=True, slots=True)

@@ -20,7 +20,7 @@ def read_parquet(path: Path, places: Callable[[Sequence[str]], Sequence[Place]],
     import pyarrow.parquet as pq
 
     try:
-        with path.open("rb") as stream, pq.ParquetFile(stream) as parquet:
+        with path.open("rb") as stream, pq.ParquetFile(stream, pre_buffer=False) as parquet:
             schema = parquet.schema_arrow
             found = places(schema.names)
             # By place, as two columns may have one name.
@@ -42,7 +42,8 @@ def read_parquet(path: Path, places: Callable[[Sequence[str]], Sequence[Place]],
 
 def _column(parquet: Any, index: int) -> Any:
     name = parquet.schema_arrow.names[index]
-    table = parquet.read(columns=[name])
+    # No threads of Arrow's: one that lets go of a buffer of Python's while Python ends aborts the process.
+    table = parquet.read(columns=[name], use_threads=False)
     return table.column(list(parquet.schema_arrow.names[: index + 1]).count(name) - 1)
 
 

@@ -1,4 +1,10 @@
 from .attempts import STOPPED as STOPPED, Attempt as Attempt, made_by as made_by, this_process as this_process
+from .checks import (
+    CERTAINTIES as CERTAINTIES,
+    Certainty as Certainty,
+    Checks as Checks,
+    certainties_by_bars as certainties_by_bars,
+)
 from .database.asks import Asks as Asks
 from .database.connection import damaged_study as damaged_study
 from .database.header import StudyHeader as StudyHeader

@@ -23,9 +23,11 @@ from dse.domain.run import Outcome, RunRequest
 from dse.domain.study import SHARD_FOLDER
 from dse.errors import Location, fail
 from dse.storage.attempts import Attempt
+from dse.storage.checks import Checks
 from dse.storage.database.addresses import write_addresses
 from dse.storage.database.asks import Asks, blocks_of, write_asks
 from dse.storage.database.attempts import write_attempts
+from dse.storage.database.checks import write_checks
 from dse.storage.database.connection import (
     NAME,
     lay_out,
@@ -205,6 +207,12 @@ class StudyFolder(StudyReader):
                 write_attempts(connection, maker, ((a.run, a.cause, a.seconds) for a in tries))
         self.commit_if_due()
 
+    def add_checks(self, checks: Checks) -> None:
+        """Store *checks* of runs that are there; a run that has one keeps it."""
+        with self._writing() as connection:
+            write_checks(connection, checks)
+        self.commit_if_due()
+
     def add_kept(self, numbers: Sequence[int], file: str) -> FileFacts | None:
         """Note that the waveforms of *numbers* are in *file*, which is there already; "" if there are none to store.
 
@@ -326,7 +334,7 @@ class StudyFolder(StudyReader):
             if gone.intersection(each.block.numbers.tolist()):
                 each.path.unlink(missing_ok=True)
         with self._writing() as connection:
-            for table in ("runs", "kept"):
+            for table in ("runs", "kept", "checks"):
                 statement = f"DELETE FROM {table} WHERE number = ?"  # noqa: S608  # one of ours
                 connection.executemany(statement, [(number,) for number in gone])
             write_header(connection, header, self.asks)

@@ -124,14 +124,20 @@ def read_waveforms(file: Path, number: int) -> Waveforms:
     import pyarrow.parquet as pq
 
     try:
-        with file.open("rb") as stream, pq.ParquetFile(stream) as parquet:
+        with file.open("rb") as stream, pq.ParquetFile(stream, pre_buffer=False) as parquet:
             group = _group_of(parquet, number)
-            table = None if group is None else parquet.read_row_group(group)
+            table = None if group is None else _read(parquet, group)
     except (OSError, pa.ArrowException) as error:
         raise fail(f"waveforms of run {number} cannot be read: {error}", Location(str(file)), _AGAIN) from error
     if table is None:
         raise fail(f"there are no waveforms of run {number} in it", Location(str(file)), _AGAIN)
     return _waveforms(table, file)
+
+
+def _read(parquet: Any, group: int) -> Any:
+    # By this thread alone, and nothing ahead: a thread of Arrow's that lets go of a buffer of Python's while Python
+    # ends aborts the process (std::terminate), after all was done.
+    return parquet.read_row_group(group, use_threads=False)
 
 
 def _waveforms(table: Any, file: Path) -> Waveforms:
@@ -185,9 +191,9 @@ def read_all_waveforms(file: Path) -> Iterator[tuple[int, Waveforms]]:
     import pyarrow.parquet as pq
 
     try:
-        with file.open("rb") as stream, pq.ParquetFile(stream) as parquet:
+        with file.open("rb") as stream, pq.ParquetFile(stream, pre_buffer=False) as parquet:
             for group in range(parquet.metadata.num_row_groups):
-                table = parquet.read_row_group(group)
+                table = _read(parquet, group)
                 waveforms = _waveforms(table, file)
                 if table.num_rows:
                     yield table.column("run")[0].as_py(), waveforms

@@ -1,5 +1,6 @@
 from .address import address_of as address_of
 from .check import check_workspace as check_workspace
+from .checked import checked_benches as checked_benches, require_checkable as require_checkable
 from .facts import (
     consequences as consequences,
     facts_as_data as facts_as_data,

@@ -15,7 +15,7 @@ import threading
 import time
 from collections.abc import Callable, Mapping
 from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -23,10 +23,10 @@ import numpy as np
 import psutil
 from definitions import at_most_one, metrics, stored_definition
 
-from dse.domain.bench import Judgement, Simulation, TestBench, Verdict
+from dse.domain.bench import VERDICTS, Judgement, Simulation, TestBench, Verdict
 from dse.domain.definition import DefinedConfiguration, DefinedSampler, DefinedVariable, StudyDefinition
 from dse.domain.design import Compound, DesignSpace
-from dse.domain.run import Outcome, Run, RunRequest, Waveforms
+from dse.domain.run import ERROR_BAR, VERDICTS_UNDER, Outcome, Run, RunRequest, Waveforms
 from dse.domain.sampler import DesignVariable, Sampler
 from dse.domain.study import Keep, Study
 from dse.errors import fail
@@ -116,7 +116,7 @@ class FakeRunner:
             return Run(request, Outcome.FAILED, problem="world: fmi2DoStep at t = 3.21 s returned error")
         values = [value for value in request.point.values() if isinstance(value, float)]
         total = sum(values)
-        drift = 1e-15 if bench.mischief == "drifts" and keep else 0.0
+        drift = 1e-15 if (bench.mischief == "drifts" and keep) or bench.mischief == "drifts otherwise" else 0.0
         metrics = {name: total * (i + 1) + drift for i, name in enumerate(METRICS)}
         metrics["m6"] = math.nan if total > 1.5 else -math.inf
         if bench.mischief == "forgets" and request.number in bench.when:
@@ -191,6 +191,25 @@ class FakeRunner:
                 _, hard = resource.getrlimit(resource.RLIMIT_AS)
                 resource.setrlimit(resource.RLIMIT_AS, (4 << 30, hard))
                 bytearray(16 << 30)
+
+
+class FakeCheck(FakeRunner):
+    """Adds error bars of 0.2, 0.4, …; a variation judges otherwise where the sum of a point is just below 1."""
+
+    def run(self, request: RunRequest, *, keep: bool) -> Run:
+        run = super().run(request, keep=keep)
+        if run.outcome is Outcome.FAILED:
+            return run
+        bars = {f"{name}{ERROR_BAR}": 0.2 * (i + 1) for i, name in enumerate(METRICS)}
+        flips = 0.7 < run.metrics["m0"] < 1.0
+        under = {j.requirement: {j.verdict, Verdict.FAIL} if flips else {j.verdict} for j in run.judgements}
+        sums = {f"{n}{VERDICTS_UNDER}": float(sum(1 << VERDICTS.index(v) for v in each)) for n, each in under.items()}
+        problem = "with half the step: bumpy" if request.number % 7 == 0 else ""
+        return replace(run, metrics={**run.metrics, **bars, **sums}, problem=problem)
+
+
+def make_check(bench: FakeBench, progress: memoryview) -> FakeCheck:
+    return FakeCheck(bench, progress)
 
 
 def use_up_files() -> None:

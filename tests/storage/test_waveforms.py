@@ -101,3 +101,24 @@ assert "pandas" not in sys.modules
 def test_waveforms_go_to_and_from_a_file_without_pandas(tmp_path: Path) -> None:
     root = Path(__file__).parents[2]
     subprocess.run([sys.executable, "-c", WITHOUT_PANDAS, tmp_path / "runs.parquet"], cwd=root, check=True)
+
+
+def test_reading_leaves_no_thread_of_arrow_behind(tmp_path: Path) -> None:
+    """One that lets go of a buffer of Python's while Python ends aborts the process: "terminate called without …"."""
+    file = tmp_path / waveform_file(0, 1)
+    write_waveforms(file, [(0, waves(0)), (1, waves(1))])
+    lines = (
+        "from pathlib import Path",
+        "import pandas, psutil, pyarrow.parquet",
+        "from dse.errors import Location",
+        "from dse.series.columns import Place",
+        "from dse.series.parquet_table import read_parquet",
+        "from dse.storage.waveforms import read_all_waveforms, read_waveforms",
+        f"file, threads = Path({str(file)!r}), psutil.Process().num_threads()",
+        "read_waveforms(file, 1)",
+        "list(read_all_waveforms(file))",
+        "read_parquet(file, lambda names: [Place(i, '') for i in range(len(names))], Location('here'))",
+        "assert psutil.Process().num_threads() == threads, psutil.Process().num_threads()",
+    )
+    done = subprocess.run([sys.executable, "-c", "\n".join(lines)], capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr

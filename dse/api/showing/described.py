@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 from dse.api.showing.quantities import checked_quantity, difference, quantity
@@ -12,6 +12,7 @@ from dse.api.showing.quantities import checked_quantity, difference, quantity
 if TYPE_CHECKING:
     from dse.domain.definition import DefinedRequirement, StudyDefinition
     from dse.domain.run import Run
+    from dse.storage import Certainty
 
 _NAMED = ("N", "Pa", "J", "W", "V")
 
@@ -27,23 +28,53 @@ class MetricRow:
     bound: str = ""
     margin: str = ""
     verdict: str = ""
+    certainty: str = ""
 
 
-def metric_rows(run: Run, definition: StudyDefinition) -> Iterator[MetricRow]:
-    """Every metric in its unit, with its error bar if it was checked, and the requirements on it."""
+@dataclass(frozen=True, slots=True)
+class Check:
+    """What finer numerics can change of a run: *errors* are the error bars of its metrics, and how certain its verdicts
+    are by requirement. Both are empty if nobody has looked."""
+
+    errors: Mapping[str, float] = field(default_factory=dict)
+    certainties: Mapping[str, Certainty] = field(default_factory=dict)
+
+
+def check_by_bars(run: Run, definition: StudyDefinition) -> Check:
+    """What the error bars among the metrics of *run* tell, if there are any."""
+    import numpy as np
+
+    from dse.domain.bench import VERDICTS
     from dse.domain.run import ERROR_BAR
+    from dse.storage import CERTAINTIES, certainties_by_bars
 
+    bars = [metric.error_of for metric in definition.metrics if metric.error_of and run.metrics]
+    errors = {name: run.metrics[f"{name}{ERROR_BAR}"] for name in bars}
+    metrics = {requirement.name: requirement.metric for requirement in definition.requirements}
+    judged = run.judgements if errors else ()
+    codes = certainties_by_bars(
+        np.array([VERDICTS.index(entry.verdict) for entry in judged], dtype=np.uint8),
+        np.array([entry.margin for entry in judged], dtype=np.float64),
+        np.array([errors[metrics[entry.requirement]] for entry in judged], dtype=np.float64),
+    )
+    certainties = (CERTAINTIES[code] for code in codes.tolist())
+    return Check(errors, dict(zip((entry.requirement for entry in judged), certainties, strict=True)))
+
+
+def metric_rows(run: Run, definition: StudyDefinition, check: Check) -> Iterator[MetricRow]:
+    """Every metric in its unit, with its error bar if it was checked, and the requirements on it."""
     for metric in definition.metrics:
         if metric.error_of:
             continue
         name = metric.name
-        value = checked_quantity(run.metrics.get(name, math.nan), run.metrics.get(name + ERROR_BAR), metric.unit)
+        value = checked_quantity(run.metrics.get(name, math.nan), check.errors.get(name), metric.unit)
         requirements = [entry for entry in definition.requirements if entry.metric == name]
         if not requirements:
             yield MetricRow(metric.title, value)
         for number, requirement in enumerate(requirements):
             title, shown = ("", "") if number else (metric.title, value)
-            yield MetricRow(title, shown, requirement.name, _bound(requirement), *_judged(run, requirement))
+            judged = *_judged(run, requirement), str(check.certainties.get(requirement.name, ""))
+            yield MetricRow(title, shown, requirement.name, _bound(requirement), *judged)
 
 
 def requirement_labels(definition: StudyDefinition) -> Mapping[str, str]:

@@ -2,29 +2,41 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Set as AbstractSet
 from concurrent.futures import Executor as FuturesPool
 from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from dse.api.studies.planning import Plan, changes_since, known_runs, on_demand, plan, recall, start_over
-from dse.domain.study import ExecutorChoice, Shard
+from dse.api.studies.planning import (
+    Plan,
+    changes_since,
+    known_checks,
+    known_runs,
+    on_demand,
+    plan,
+    recall,
+    start_over,
+)
+from dse.domain.study import CheckStep, ExecutorChoice, Shard
 from dse.errors import DseError, fail
 from dse.exploration import (
+    Checkable,
     Executor,
     ExplorationInterruptedError,
     Explored,
     FuturesExecutor,
     Progress,
+    check_measures,
+    check_near_boundary,
     explore,
     give,
     load_executor,
     simulate_alone,
 )
 from dse.storage import StudyFolder, StudyHeader
-from dse.testbench import PreparedStudy, fuse_study, make_runner, prepare_study
+from dse.testbench import PreparedStudy, checked_benches, fuse_study, make_runner, prepare_study, require_checkable
 
 if TYPE_CHECKING:
     from dse.domain.run import Run
@@ -119,6 +131,9 @@ def explore_into(
         if on_changes:
             on_changes(plan(planned, folder, workers=options.workers, shard=options.shard))
         start_over(folder)
+    checks = study.check_step is CheckStep.NEAR_BOUNDARY and not options.shard
+    if checks:
+        require_checkable(planned)
     with StudyFolder.resume(folder, planned.definition) as store:
         if options.retry_failed:
             store.forget(store.failed())
@@ -137,7 +152,24 @@ def explore_into(
         if explored.before and explored.simulated:
             with suppress(DseError):  # what was finished when it was stopped may not have come to the cache
                 give(store, known.store)
+        if checks:
+            checkable = _checkable(planned, store, options, tell)
+            names = planned.benches.keys()
+            check_near_boundary(study, names, store, checkable, executor=executor, on_progress=on_progress)
         return explored
+
+
+def _checkable(
+    planned: PreparedStudy, store: StudyFolder, options: ExploreOptions, tell: Tell | None
+) -> Callable[[AbstractSet[str]], Checkable]:
+    """Gets configurations ready to be checked: their FMUs are tried first, once, for how exact they are."""
+
+    def checkable(names: AbstractSet[str]) -> Checkable:
+        benches = checked_benches(planned, sorted(names), say=tell or (lambda _: None), sandboxed=options.sandbox)
+        measures = check_measures(store.header.measures)
+        return Checkable(benches, known_checks(benches, measures, reads=not (options.fresh or options.retry_failed)))
+
+    return checkable
 
 
 def plan_into(study: Study, folder: Path, options: ExploreOptions, *, tell: Tell | None = None) -> Plan:

@@ -16,7 +16,7 @@ from dse.domain.component import Value
 from dse.domain.run import RunRequest
 from dse.domain.study import Shard, Study
 from dse.exploration import Batch, KnownRuns, Sink, Work, explore, give
-from dse.storage import Rehearsal, RunStore, StudyFolder, StudyHeader, changed_study
+from dse.storage import Measures, Rehearsal, RunStore, StudyFolder, StudyHeader, changed_study
 from dse.testbench import PreparedBench, PreparedStudy, address_of
 
 _LOCAL = "local"
@@ -47,9 +47,18 @@ class Plan:
 
 def known_runs(planned: PreparedStudy, *, reads: bool = True, writes: bool = True) -> KnownRuns:
     """What the cache has of the runs of *planned*."""
-    addresses, kept = _named(planned.benches)
+    kept = {name: bench.recording.kept for name, bench in planned.benches.items()}
     measures = StudyHeader(planned.definition).measures
-    return KnownRuns(_run_store(), addresses, measures, kept, reads=reads, writes=writes)
+    return KnownRuns(_run_store(), _addresses(planned.benches), measures, kept, reads=reads, writes=writes)
+
+
+def known_checks(benches: Mapping[str, PreparedBench], measures: Measures, *, reads: bool) -> KnownRuns:
+    """What the cache has of runs of *benches* that give *measures*, error bars among them."""
+    return KnownRuns(_run_store(), _addresses(benches), measures, {}, reads=reads)
+
+
+def _addresses(benches: Mapping[str, PreparedBench]) -> dict[str, Address]:
+    return {name: address for name, bench in benches.items() if (address := address_of(bench))}
 
 
 def recall(planned: PreparedStudy, folder: Path) -> None:
@@ -67,18 +76,12 @@ def on_demand(planned: PreparedStudy, store: StudyFolder, known: KnownRuns) -> C
 
     def prepare(names: Sequence[str]) -> None:
         made = planned.add(space.configuration(name) for name in names if name not in planned.benches)
-        addresses, kept = _named(made)
-        known.extend(addresses, kept)
+        addresses = _addresses(made)
+        known.extend(addresses, {name: bench.recording.kept for name, bench in made.items()})
         store.join(planned.definition)
         store.note_addresses(addresses)
 
     return prepare
-
-
-def _named(benches: Mapping[str, PreparedBench]) -> tuple[dict[str, Address], dict[str, tuple[str, ...]]]:
-    """What names the runs of *benches*, where anything does, and which columns of theirs are kept."""
-    addresses = {name: address for name, bench in benches.items() if (address := address_of(bench))}
-    return addresses, {name: bench.recording.kept for name, bench in benches.items()}
 
 
 def changes_since(folder: Path, planned: PreparedStudy, addresses: Mapping[str, Address]) -> tuple[str, ...]:

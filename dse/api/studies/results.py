@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, TypeVar
 
@@ -12,8 +12,10 @@ from dse.api.showing.html import table
 from dse.api.studies.run import Run
 
 if TYPE_CHECKING:
+    import numpy as np
     import pandas as pd
     import pyarrow as pa
+    from numpy.typing import NDArray
 
     from dse.analysis import Finding
     from dse.api.studies.replaying import Replay
@@ -46,11 +48,18 @@ class Summary:
     """Numbers of the runs that failed to run."""
     causes: Mapping[int, str]
     """What runs came to that were made once more, by number: they may have come right."""
+    checked: int = 0
+    """How many runs were repeated with finer numerics (``check_step``)."""
+    doubtful: Mapping[str, Mapping[str, int]] = field(default_factory=dict)
+    """How many of *verdicts* finer numerics may change, counted likewise: those are not certain."""
+    remarks: Mapping[int, str] = field(default_factory=dict)
+    """What the repetitions of runs have to say, by number: above all why nobody can tell how exact one is."""
 
     @property
     def is_passed(self) -> bool:
-        """Whether no run failed to run and no requirement failed."""
-        return not self.failed and not any(counts["fail"] for counts in self.verdicts.values())
+        """Whether no run failed to run, no requirement failed and none is doubtful."""
+        failed = any(counts["fail"] for counts in self.verdicts.values())
+        return not self.failed and not failed and not any(any(c.values()) for c in self.doubtful.values())
 
 
 class Results:
@@ -67,8 +76,8 @@ class Results:
         return self._read(lambda store: _summary(store.table(), store.causes()))
 
     def run(self, number: int) -> Run:
-        """The run with this number, with its waveforms if they were kept."""
-        return Run(self._read(lambda store: store.run(number)), self.definition)
+        """The run with this number, with its waveforms if they were kept, and error bars if it was checked."""
+        return self._read(lambda store: _run(store, number, self.definition))
 
     def to_pandas(self) -> pd.DataFrame:
         """One row per run by number: point, metrics, verdicts and margins. Values are SI.
@@ -155,16 +164,45 @@ class Results:
             return question(store)
 
 
-def _summary(runs: RunTable, causes: Mapping[int, str]) -> Summary:
-    from dse.domain.bench import VERDICTS
+def _run(store: StudyFolder, number: int, definition: StudyDefinition) -> Run:
+    from dse.storage import CERTAINTIES
 
-    verdicts = {
-        name: {str(verdict): int((runs.verdicts(name) == code).sum()) for code, verdict in enumerate(VERDICTS)}
-        for name in runs.header.requirements
-    }
+    noun, table = store.run(number), store.table((number,))
+    if not len(table.checks):
+        return Run(noun, definition)
+    errors = {name: float(table.errors(name)[0]) for name in table.header.metrics}
+    certainties = {name: CERTAINTIES[table.certainties(name)[0]] for name in table.header.requirements}
+    return Run(noun, definition, check=described.Check(errors, certainties))
+
+
+def _summary(runs: RunTable, causes: Mapping[int, str]) -> Summary:
+    from dse.storage import CERTAINTIES, Certainty
+
+    names = runs.header.requirements
+    doubtful = CERTAINTIES.index(Certainty.DOUBTFUL)
+    verdicts = {name: _counted(runs.verdicts(name)) for name in names}
+    doubts = {name: _counted(runs.verdicts(name)[runs.certainties(name) == doubtful]) for name in names}
     problems = {n: problem for n, problem in zip(runs.numbers.tolist(), runs.problems, strict=True) if problem}
     failures = frozenset(runs.numbers[~runs.done].tolist())
-    return Summary(runs.header.runs, len(runs), len(failures), verdicts, problems, failures, causes)
+    checked = int(runs.done.sum()) if runs.are_all_checked else len(runs.checks)
+    return Summary(
+        runs.header.runs,
+        len(runs),
+        len(failures),
+        verdicts,
+        problems,
+        failures,
+        causes,
+        checked,
+        doubts if checked else {},
+        runs.checks.problems,
+    )
+
+
+def _counted(codes: NDArray[np.uint8]) -> dict[str, int]:
+    from dse.domain.bench import VERDICTS
+
+    return {str(verdict): int((codes == code).sum()) for code, verdict in enumerate(VERDICTS)}
 
 
 def _warn(problems: Sequence[Problem]) -> None:

@@ -67,9 +67,18 @@ class Run:
     All numbers are SI; `units` names the units. A failed run has a `problem` and no metrics.
     """
 
-    def __init__(self, noun: nouns.Run, definition: StudyDefinition, units: Mapping[str, str] | None = None) -> None:
+    def __init__(
+        self,
+        noun: nouns.Run,
+        definition: StudyDefinition,
+        units: Mapping[str, str] | None = None,
+        check: described.Check | None = None,
+    ) -> None:
         self.noun = noun
         self.definition = definition
+        self.check = check or described.check_by_bars(noun, definition)
+        """What finer numerics can change of it, if that was looked at (``check_step``): ``check.errors`` by metric,
+        ``check.certainties`` by requirement (``certain``, ``doubtful``)."""
         self.units: Mapping[str, str] = {**described.units(definition), **(units or {})}
         """SI unit by name, of metrics, margins (``R1.margin``), design variables and waveforms."""
 
@@ -138,7 +147,7 @@ class Run:
         return f"<Run {self.number} of {self.configuration}: {said or f'{len(self.metrics)} metrics'}>"
 
     def _repr_html_(self) -> str:
-        rows = described.metric_rows(self.noun, self.definition)
+        rows = described.metric_rows(self.noun, self.definition, self.check)
         cells = [(r.title, r.value, r.requirement, r.bound, r.margin, r.verdict) for r in rows]
         headings = ("metric", "value", "requirement", "bound", "margin", "verdict")
         shown = f"{self.definition.title}, configuration {self.configuration}"

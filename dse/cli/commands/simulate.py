@@ -119,7 +119,8 @@ def simulate(
     present_run(run, output, plot)
     if waveforms is not None:
         write_run(run, waveforms)
-    failed = not run.is_done or (gate and "fail" in run.verdicts.values())
+    unmet = "fail" in run.verdicts.values() or "doubtful" in run.check.certainties.values()
+    failed = not run.is_done or (gate and unmet)
     raise typer.Exit(RUNS_FAILED if failed else DONE)
 
 

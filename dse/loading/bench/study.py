@@ -11,7 +11,7 @@ from pydantic import Field
 
 from dse.domain.bench import Derived, TestBench
 from dse.domain.sampler import DesignVariable, Role, Sampler
-from dse.domain.study import ExecutorChoice, Keep, Selection, Study
+from dse.domain.study import CheckStep, ExecutorChoice, Keep, Selection, Study
 from dse.errors import DseError, Location, Problems, closest, fail
 from dse.expression import parse_expression
 from dse.formats import Entry
@@ -53,6 +53,7 @@ class StudyFile(Section):
     sampler: str | dict[str, Any] = "full_factorial"
     executor: str | dict[str, Any] = "local"
     keep_waveforms: str = "near_boundary"
+    check_step: str = "none"
     seed: int = 0
 
 
@@ -87,9 +88,12 @@ def read_study(path: Path, find_bench: FindBench, inside: Path) -> Study:
         executor = ExecutorChoice(chosen.name, chosen.options())
     with problems:
         selection = _selection(entry["configurations"], file)
-    if file.keep_waveforms not in set(Keep):
-        what, hint = f"unknown '{file.keep_waveforms}'", closest(file.keep_waveforms, set(Keep))
-        problems.add(what, entry["keep_waveforms"].where, hint)
+    for key, word, known in (("keep_waveforms", file.keep_waveforms, Keep), ("check_step", file.check_step, CheckStep)):
+        if word not in set(known):
+            problems.add(f"unknown '{word}'", entry[key].where, closest(word, set(known)))
+    if file.check_step == CheckStep.NEAR_BOUNDARY and bench.simulation.check_step:
+        what, where = "the bench's check_step repeats every run already", entry["check_step"].where
+        problems.add(what, where, "leave it out here, or there to have only runs near a boundary repeated")
     if not 0 <= file.seed < _SEEDS:
         problems.add(f"the seed must be 0 … 2^63 - 1, not {file.seed}", entry["seed"].where, "seed: 1")
     if problems or sampler is None:
@@ -108,6 +112,7 @@ def read_study(path: Path, find_bench: FindBench, inside: Path) -> Study:
         tuple(objectives),
         tuple(constraints),
         correlations,
+        CheckStep(file.check_step),
     )
 
 

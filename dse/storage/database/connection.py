@@ -19,7 +19,7 @@ from dse.storage.database.attempts import ATTEMPTS, FROM_TIMING
 from dse.storage.database.definition import definition_from_json, definition_to_json
 from dse.storage.database.files import FILES
 from dse.storage.database.header import StudyHeader
-from dse.storage.database.schema import APPLICATION_ID, ASKS, SEALED, SEALS, VERSION, statements
+from dse.storage.database.schema import APPLICATION_ID, ASKS, SEALED, SEALS, VERSION, checks_table, statements
 from dse.storage.disk import FULL, GO_ON, refused
 
 NAME = "study.sqlite"
@@ -175,8 +175,8 @@ def migrate(connection: sqlite3.Connection, header: StudyHeader, asks: Asks) -> 
         write_asks(connection, asks.blocks)
         connection.execute("DELETE FROM facts")
     if version < VERSION:
-        added = (*ATTEMPTS, *FROM_TIMING, FILES, *SEALS, f"PRAGMA user_version = {VERSION}")
-        for statement in added:
+        added = (*ATTEMPTS, *FROM_TIMING, FILES, *SEALS) if version < SEALED else ()
+        for statement in (*added, checks_table(header), f"PRAGMA user_version = {VERSION}"):
             connection.execute(statement)
         write_header(connection, header, asks)
 

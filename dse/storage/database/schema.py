@@ -15,8 +15,11 @@ from dse.storage.database.header import StudyHeader
 APPLICATION_ID = 0x44534553
 """Marks an SQLite file as a study ("DSES")."""
 
-VERSION = 3
-"""Version of these tables, stored as user_version. Version 1 had no table of asks, 2 no attempts, files and seals."""
+VERSION = 4
+"""Version of these tables, stored as user_version.
+
+Version 1 had no table of asks, 2 no attempts, files and seals, 3 no checks.
+"""
 
 SEALED = 3
 """The first version whose rows tell whether they are what was written."""
@@ -41,6 +44,13 @@ def columns(header: StudyHeader) -> tuple[str, ...]:
     )
 
 
+def checks_table(header: StudyHeader) -> str:
+    """The SQL that makes the table of checks: error bars as ``e:METRIC``, verdicts under variations as ``v:R``."""
+    names = (*(f"e:{name}" for name in header.metrics), *(f"v:{name}" for name in header.requirements))
+    cells = ", ".join(_column(name) for name in ("number", "problem", *names))
+    return f"CREATE TABLE checks ({cells}, seal INTEGER NOT NULL) STRICT"
+
+
 def statements(header: StudyHeader) -> tuple[str, ...]:
     """The SQL that lays out an empty study. DseError if two names differ only in case, which SQLite cannot tell."""
     _refuse_twins(columns(header))
@@ -52,6 +62,7 @@ def statements(header: StudyHeader) -> tuple[str, ...]:
         ASKS,
         *ATTEMPTS,
         FILES,
+        checks_table(header),
         f"PRAGMA application_id = {APPLICATION_ID}",
         f"PRAGMA user_version = {VERSION}",
     )
@@ -85,6 +96,8 @@ def _column(name: str) -> str:
         "m": "REAL",
         "verdict": "TEXT NOT NULL",
         "margin": "REAL",
+        "e": "REAL",
+        "v": "INTEGER NOT NULL",
     }
     return f"{quoted(name)} {kinds[name.partition(':')[0]]}"
 

@@ -7,7 +7,7 @@ import math
 import sqlite3
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from typing import Any
 
@@ -16,8 +16,10 @@ from numpy.typing import NDArray
 
 from dse.domain.bench import VERDICTS
 from dse.domain.component import Value
-from dse.domain.run import Outcome, Run, RunRequest
+from dse.domain.run import ERROR_BAR, Outcome, Run, RunRequest
 from dse.domain.sampler import Outcomes
+from dse.storage.checks import NO_CHECKS, Checks, certainties, certainties_by_bars
+from dse.storage.database.checks import read_checks
 from dse.storage.database.header import StudyHeader
 from dse.storage.database.schema import SEALED, columns, quoted, value_of
 from dse.storage.database.seal import Cells, cells_of, seals
@@ -34,13 +36,14 @@ class RunTable:
 
     *block* holds outcome, metrics, verdicts and margins; *configurations* n ids; *points* one column of n values
     per design variable (float64, NaN where a configuration does not have it, or objects where one is no number).
-    *block.wall* is not read (NaN).
+    *block.wall* is not read (NaN). *checks* are those of runs of the table.
     """
 
     header: StudyHeader
     block: RowBlock
     configurations: tuple[str, ...]
     points: Mapping[str, NDArray[Any]]
+    checks: Checks = NO_CHECKS
 
     def __len__(self) -> int:
         return len(self.block)
@@ -71,6 +74,42 @@ class RunTable:
     def margins(self, requirement: str) -> NDArray[np.float64]:
         """Margins of *requirement*, (n,), NaN where undefined; ValueError if there is none."""
         return self.block.margins[:, self.header.requirements.index(requirement)]
+
+    @property
+    def are_all_checked(self) -> bool:
+        """Whether every run has error bars, as metrics of their own."""
+        return any(metric.error_of for metric in self.header.definition.metrics)
+
+    @property
+    def has_checks(self) -> bool:
+        """Whether there is anything that `certainties` can tell."""
+        return self.are_all_checked or len(self.checks) > 0
+
+    def errors(self, metric: str) -> NDArray[np.float64]:
+        """The error bars of *metric*, (n,), NaN where there is none."""
+        if self.are_all_checked:
+            return self.metric(f"{metric}{ERROR_BAR}")
+        found = np.full(len(self), np.nan)
+        if len(self.checks):
+            found[self._checked] = self.checks.errors[:, self.header.metrics.index(metric)]
+        return found
+
+    def certainties(self, requirement: str) -> NDArray[np.uint8]:
+        """How certain the verdicts on *requirement* are, (n,), as positions in `CERTAINTIES`."""
+        at = self.header.requirements.index(requirement)
+        metric = self.header.definition.requirements[at].metric
+        verdicts, margins, errors = self.verdicts(requirement), self.margins(requirement), self.errors(metric)
+        if self.are_all_checked:
+            return certainties_by_bars(verdicts, margins, errors)
+        found = np.zeros(len(self), dtype=np.uint8)
+        if len(self.checks):
+            rows = self._checked
+            found[rows] = certainties(verdicts[rows], margins[rows], errors[rows], self.checks.verdicts[:, at])
+        return found
+
+    @property
+    def _checked(self) -> NDArray[np.intp]:
+        return np.searchsorted(self.numbers, self.checks.numbers)
 
     def requests(self) -> Iterator[RunRequest]:
         """What was asked for, run by run."""
@@ -127,7 +166,11 @@ def read_table(connection: sqlite3.Connection, header: StudyHeader, numbers: Seq
         *cells, sealed = map(cells_of, zip(*rows, strict=True))
         _refuse_unsealed(cells, sealed)
         parts.append(_part(header, cells))
-    return _joined(header, parts)
+    table = _joined(header, parts)
+    checks = read_checks(connection, header, numbers)
+    if strange := set(checks.numbers.tolist()) - set(table.numbers.tolist() if len(checks) else ()):
+        raise ValueError(f"there is a check of run {min(strange)}, which is not there")
+    return replace(table, checks=checks)
 
 
 def _refuse_unsealed(columns: Sequence[Cells], sealed: Cells) -> None:

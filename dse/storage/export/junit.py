@@ -6,9 +6,14 @@ import re
 from collections.abc import Iterator, Sequence
 from html import escape
 
+import numpy as np
+
 from dse.domain.bench import Judgement, Verdict
 from dse.domain.run import Outcome, Run
+from dse.storage.checks import CERTAINTIES, Certainty
 from dse.storage.database.table import RunTable
+
+_DOUBTFUL = CERTAINTIES.index(Certainty.DOUBTFUL)
 
 _FORBIDDEN = re.compile("[^\t\n\r\x20-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
 
@@ -17,11 +22,14 @@ def junit(table: RunTable) -> bytes:
     """A test suite per configuration and a test case per requirement and run.
 
     A failed requirement is a failure with its margin, a run that failed is an error, a requirement that was not
-    exercised is skipped. On a bench without requirements every run is a test case that fails by not running.
+    exercised is skipped, and so is one whose passing is doubtful. On a bench without requirements every run is a
+    test case that fails by not running.
     """
     by_configuration: dict[str, list[_Case]] = {name: [] for name in table.header.configurations}
-    for run in table.runs():
-        by_configuration.setdefault(run.request.configuration, []).extend(_cases(run))
+    names = table.header.requirements
+    doubts = np.column_stack([np.zeros((len(table), 0)), *(table.certainties(name) == _DOUBTFUL for name in names)])
+    for run, doubtful in zip(table.runs(), doubts.tolist(), strict=True):
+        by_configuration.setdefault(run.request.configuration, []).extend(_cases(run, doubtful))
     lines = ['<?xml version="1.0" encoding="UTF-8"?>', "<testsuites>"]
     for name, cases in by_configuration.items():
         if cases:
@@ -39,24 +47,25 @@ class _Case:
         self.message = message
 
 
-def _cases(run: Run) -> Iterator[_Case]:
+def _cases(run: Run, doubtful: Sequence[bool]) -> Iterator[_Case]:
     names = [judgement.requirement for judgement in run.judgements]
     if run.outcome is Outcome.FAILED:
         yield from (_Case(run, name, "error", run.problem) for name in names or ["simulation"])
     elif not names:
         yield _Case(run, "simulation", "", "")
-    for judgement in run.judgements if run.outcome is Outcome.DONE else ():
-        yield _Case(run, judgement.requirement, *_result(judgement))
+    for judgement, doubt in zip(run.judgements, doubtful, strict=True) if run.outcome is Outcome.DONE else ():
+        yield _Case(run, judgement.requirement, *_result(judgement, ", doubtful" if doubt else ""))
 
 
-def _result(judgement: Judgement) -> tuple[str, str]:
+def _result(judgement: Judgement, doubt: str) -> tuple[str, str]:
     match judgement.verdict:
         case Verdict.PASS:
-            return "", ""
+            # Neither a pass nor a failure: nobody knows.
+            return ("skipped", f"margin {judgement.margin!r}{doubt}") if doubt else ("", "")
         case Verdict.FAIL:
-            return "failure", f"margin {judgement.margin!r}"
+            return "failure", f"margin {judgement.margin!r}{doubt}"
         case Verdict.NOT_EXERCISED:
-            return "skipped", "not exercised"
+            return "skipped", f"not exercised{doubt}"
         case Verdict.FAILED_TO_RUN:
             return "error", "failed to run"
 

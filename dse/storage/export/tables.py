@@ -10,12 +10,14 @@ import io
 import json
 import math
 from collections.abc import Callable, Iterator, Mapping
+from itertools import repeat
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from dse.domain.bench import VERDICTS
-from dse.domain.run import Run
+from dse.domain.run import ERROR_BAR, Run
+from dse.storage.checks import CERTAINTIES
 from dse.storage.database.definition import definition_to_json
 from dse.storage.export.junit import junit
 from dse.storage.folder import StudyFolder
@@ -27,6 +29,9 @@ from dse.storage.database.table import RunTable
 
 def to_csv(folder: StudyFolder) -> bytes:
     """UTF-8 CSV: run, configuration, outcome, problem, variables, metrics, ``R.verdict`` and ``R.margin``.
+
+    Where runs were checked: ``R.certainty`` as well, and unless error bars are metrics, these (``NAME.error``) and
+    what the check has to say (``check``).
 
     An undefined number is an empty cell; infinities are ``inf`` and ``-inf``; floats read back exactly.
     """
@@ -48,7 +53,9 @@ def to_json(folder: StudyFolder) -> bytes:
     about = {"definition": definition_to_json(header.definition), "fingerprint": header.fingerprint}
     # Sorted, as a header that came from the user's files has its keys in another order than a stored one.
     head = _json(about, sort_keys=True).removesuffix("}")
-    runs = ",\n".join(_json(_json_run(run)) for run in folder.table().runs())
+    table = folder.table()
+    checks = _json_checks(table) if table.has_checks else repeat({})
+    runs = ",\n".join(_json({**_json_run(run), **check}) for run, check in zip(table.runs(), checks, strict=False))
     return f'{head},"runs":[\n{runs}\n]}}\n'.encode()
 
 
@@ -97,9 +104,16 @@ def columns_of(table: RunTable) -> Iterator[tuple[str, list[object]]]:
         yield name, table.points[name].tolist()
     for name in header.metrics:
         yield name, table.metric(name).tolist()
+    for name in header.metrics if len(table.checks) else ():
+        yield f"{name}{ERROR_BAR}", table.errors(name).tolist()
     for name in header.requirements:
         yield f"{name}.verdict", [verdicts[code] for code in table.verdicts(name).tolist()]
         yield f"{name}.margin", table.margins(name).tolist()
+        if table.has_checks:
+            yield f"{name}.certainty", [str(CERTAINTIES[code]) for code in table.certainties(name).tolist()]
+    if len(table.checks):
+        problems = table.checks.problems
+        yield "check", [" ".join(problems.get(number, "").split()) for number in table.numbers.tolist()]
 
 
 def _csv_cell(cell: object) -> object:
@@ -119,6 +133,20 @@ def _json_run(run: Run) -> dict[str, object]:
             for judgement in run.judgements
         },
     }
+
+
+def _json_checks(table: RunTable) -> Iterator[dict[str, object]]:
+    """What each run has besides: error bars unless they are metrics, and how certain its verdicts are."""
+    header, checked = table.header, set(table.checks.numbers.tolist())
+    errors = {name: table.errors(name).tolist() for name in header.metrics} if checked else {}
+    codes = {name: table.certainties(name).tolist() for name in header.requirements}
+    for row, number in enumerate(table.numbers.tolist()):
+        said = {name: str(CERTAINTIES[column[row]]) for name, column in codes.items() if column[row]}
+        found: dict[str, object] = {"certainty": said} if said else {}
+        if number in checked:
+            found["errors"] = {name: _json_number(column[row]) for name, column in errors.items()}
+            found["check"] = table.checks.problems.get(number, "")
+        yield found
 
 
 def _json(value: object, *, sort_keys: bool = False) -> str:

@@ -1,0 +1,45 @@
+"""The benches of a study when only some of its runs are to have error bars: those near a boundary."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import replace
+from pathlib import Path
+
+from dse.errors import Problem, raise_if_any
+from dse.testbench.error_bars import with_error_bars
+from dse.testbench.numerics import Say
+from dse.testbench.prepared import PreparedBench
+from dse.testbench.study import PreparedStudy
+from dse.testbench.variations import can_halve
+
+
+def require_checkable(planned: PreparedStudy) -> None:
+    """Raise DseError for configurations that can make neither half the step nor twice the step until the end."""
+    odd = [
+        name
+        for name, bench in planned.benches.items()
+        if bench.simulation.steps % 2 and not can_halve(bench.system, bench.simulation)
+    ]
+    what = f"{len(odd)} configurations have an FMU that cannot make half the step, and twice the step ends late"
+    hint = "leave out check_step, or let the bench's 'stop' be an even number of steps"
+    raise_if_any([Problem(f"{what}, as {odd[0]}", planned.study.where, hint)] if odd else [])
+
+
+def checked_benches(
+    planned: PreparedStudy,
+    names: Iterable[str],
+    *,
+    cache: Path | None = None,
+    say: Say = lambda _: None,
+    sandboxed: bool = False,
+) -> dict[str, PreparedBench]:
+    """The benches of the configurations *names*, each of whose runs is repeated; the rest as for `with_error_bars`."""
+    tests = {part.name: part.component for part in planned.study.bench.test_components}
+    benches = {}
+    for name in names:
+        bench = planned.benches[name]
+        bench = replace(bench, simulation=replace(bench.simulation, check_step=True))
+        parts = {**bench.configuration.parts, **tests}
+        benches[name] = with_error_bars(bench, parts, cache=cache, say=say, sandboxed=sandboxed)
+    return benches
