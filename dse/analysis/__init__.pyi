@@ -1,6 +1,14 @@
-from .boxes import Box as Box, Limit as Limit, boxes as boxes
+from .boxes import Box as Box, Limit as Limit, best_boxes as best_boxes
 from .conditions import Condition as Condition, WorstCase as WorstCase, worst_case as worst_case
 from .data import ALL as ALL, Factor as Factor, StudyData as StudyData
+from .deciding import (
+    Missed as Missed,
+    Ranking as Ranking,
+    Standing as Standing,
+    objectives_of as objectives_of,
+    ranked as ranked,
+    unit_of_objective as unit_of_objective,
+)
 from .designed import (
     Designed as Designed,
     Effects as Effects,
@@ -17,9 +25,17 @@ from .effects import (
 from .first_order import Share as Share, first_order as first_order, going_together as going_together
 from .importance import Importance as Importance, Importances as Importances, importances as importances
 from .learnt import essentials as essentials, findings as findings
+from .narrowing import (
+    Narrowing as Narrowing,
+    around as around,
+    around_designs as around_designs,
+    of_band as of_band,
+    of_box as of_box,
+)
 from .pawn import Distance as Distance, pawn as pawn
 from .probability import Interval as Interval, Met as Met, probability_met as probability_met, wilson as wilson
 from .reading import planes as planes, study_data as study_data
+from .rivals import claim as claim, what_would_change as what_would_change
 from .robust import Centre as Centre, robust_centre as robust_centre
 from .said import Finding as Finding, Topic as Topic
 from .surrogates import Surrogate as Surrogate, best_surrogate as best_surrogate, fit as fit

@@ -63,7 +63,7 @@ class Box:
         return inside
 
 
-def boxes(data: StudyData, requirement: str = ALL, most: int = 3) -> tuple[Box, ...]:
+def best_boxes(data: StudyData, requirement: str = ALL, most: int = 3) -> tuple[Box, ...]:
     """The best box, then the best of what is outside of it, and so on; none if there is none that is not luck.
 
     Runs that did not exercise a requirement, or failed to run, do not meet it. DseError if there are too few runs,

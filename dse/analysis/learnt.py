@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterable, Iterator
 from dataclasses import asdict, replace
 from functools import partial
 
-from dse.analysis.boxes import boxes
+from dse.analysis.boxes import best_boxes
 from dse.analysis.conditions import worst_case
 from dse.analysis.data import ALL, StudyData
 from dse.analysis.dependence import DESIGNED, designed_findings, interactions, metric_label, shares
@@ -136,7 +136,7 @@ def _worst(data: StudyData, over: str, name: str) -> Iterable[Finding]:
 
 def _boxes(data: StudyData, name: str) -> Iterator[Finding]:
     label, start = requirement_label(data, name), "met if"
-    found = boxes(data, name)
+    found = best_boxes(data, name)
     if not found:
         text = f"{label}: no limits were found within which it is met more often than elsewhere, but by chance"
         yield Finding(Topic.BOX, name, text, {"limits": []})

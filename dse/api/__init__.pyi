@@ -11,6 +11,7 @@ from .probing import (
 )
 from .showing.described import metric_rows as metric_rows, requirement_labels as requirement_labels
 from .showing.progress import progress_bar as progress_bar
+from .showing.quantities import difference as difference, quantity as quantity
 from .spaces.design import Design as Design
 from .spaces.ranking import Ranking as Ranking
 from .studies.bench import Bench as Bench, Study as Study
@@ -24,6 +25,7 @@ from .studies.exploring import (
     plan_into as plan_into,
 )
 from .studies.merging import Merged as Merged, merge_into as merge_into
+from .studies.refining import Towards as Towards, refine as refine
 from .studies.replaying import replay as replay
 from .studies.results import Results as Results, Summary as Summary, results as results
 from .studies.run import Run as Run, Waveforms as Waveforms

@@ -69,6 +69,14 @@ CheckStep = Annotated[
 Fuse = Annotated[
     bool, typer.Option("--fuse", help="Compile each configuration into one library first: same results, faster runs.")
 ]
+Minimize = Annotated[
+    list[str] | None,
+    typer.Option("--minimize", metavar="VALUE", help="What to make small, as 'sum(cost)'."),
+]
+Maximize = Annotated[
+    list[str] | None,
+    typer.Option("--maximize", metavar="VALUE", help="What to make large, as 'sum(power) / sum(mass)'."),
+]
 Gate = Annotated[
     bool, typer.Option("--gate", help="Exit with 3 also if a requirement failed or is doubtful, not only a run.")
 ]

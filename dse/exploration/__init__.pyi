@@ -9,8 +9,9 @@ from .failures import in_words as in_words
 from .known_runs import KnownRuns as KnownRuns, give as give
 from .loop import ExplorationInterruptedError as ExplorationInterruptedError, Explored as Explored, explore as explore
 from .once_sampler import OnceSampler as OnceSampler
+from .optimising.front import front as front, hypervolume as hypervolume, knee as knee
 from .progress import Progress as Progress
 from .remote.futures import FuturesExecutor as FuturesExecutor
 from .supervision.single_run import simulate_alone as simulate_alone
-from .variables import scaled as scaled, unit_of as unit_of
+from .variables import design_variable as design_variable, scaled as scaled, unit_of as unit_of
 from .work import Batch as Batch, Sink as Sink, Work as Work

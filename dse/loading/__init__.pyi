@@ -16,6 +16,7 @@ from .extensions import (
     SamplerSection as SamplerSection,
     Surroundings as Surroundings,
 )
+from .include import read_document as read_document
 from .names import check_choice as check_choice, is_identifier as is_identifier
 from .paths import find_root as find_root, is_file as is_file, named_file as named_file
 from .sections import Plain as Plain
@@ -26,3 +27,4 @@ from .workspace import Workspace as Workspace
 from .writing.bench import write_bench as write_bench
 from .writing.component import write_fmu_component as write_fmu_component, write_interfaces as write_interfaces
 from .writing.design import write_components as write_components, write_design as write_design
+from .writing.study import write_narrowed as write_narrowed

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     import pyarrow as pa
     from numpy.typing import NDArray
 
-    from dse.analysis import Finding
+    from dse.analysis import Finding, Ranking
     from dse.api.studies.replaying import Replay
     from dse.domain.definition import StudyDefinition
     from dse.errors import Problem
@@ -135,6 +135,20 @@ class Results:
         if problems := (*content.missing, *write_report(content, page)):
             (on_problems or _warn)(problems)
         return page
+
+    def best(self, number: int = 5, *, minimize: Sequence[str] = (), maximize: Sequence[str] = ()) -> Ranking:
+        """The *number* best designs under one objective, or the front of several.
+
+        A design is a configuration with values for the design variables; its worst run counts. Objectives are metrics,
+        or ``sum(PROPERTY)``; without any those of the study. Raises DseError for what the study does not know.
+        """
+        from dse.analysis import objectives_of, ranked
+
+        def answer(folder: StudyFolder) -> Ranking:
+            wanted = objectives_of(folder.header.definition, minimize, maximize)
+            return ranked(folder.table(), wanted, number)
+
+        return self._read(answer)
 
     def replay(self, number: int, *, source: str | Path | None = None, fmi: int = 2) -> Replay:
         """Simulate a run again and compare; its study is found in the workspace here, or in the file *source*."""

@@ -30,6 +30,8 @@ COMMANDS = (
     "merge",
     "results",
     "findings",
+    "best",
+    "refine",
     "report",
     "figure",
     "replay",

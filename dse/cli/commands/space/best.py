@@ -7,19 +7,9 @@ from typing import Annotated
 import typer
 
 from dse.api import Ranking, opened
-from dse.cli.arguments import Choose, Design, Format, Off, On, Output, Where
+from dse.cli.arguments import Choose, Design, Format, Maximize, Minimize, Off, On, Output, Where
 from dse.cli.commands.space import space_app
 from dse.cli.terminal import plain_table, print_json, print_table, say
-
-Minimize = Annotated[
-    list[str] | None,
-    typer.Option("--minimize", metavar="VALUE", help="What to make small, as 'sum(cost)'."),
-]
-Maximize = Annotated[
-    list[str] | None,
-    typer.Option("--maximize", metavar="VALUE", help="What to make large, as 'sum(power) / sum(mass)'."),
-]
-
 
 _PLACES = 6
 """Places in which the configurations differ that a table has room for."""

@@ -1,0 +1,192 @@
+"""Which designs of a study are best, and what would have to change for another one to win."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from dse.analysis.designs import Designs, designs_of
+from dse.domain.definition import DefinedObjective, DefinedRequirement, StudyDefinition
+from dse.domain.sampler import Objective, Role
+from dse.errors import closest, fail
+from dse.exploration import design_variable, front, knee
+from dse.storage import RunTable
+
+_DIGITS = 10
+"""Significant ones that are compared."""
+
+
+@dataclass(frozen=True, slots=True)
+class Missed:
+    """A *requirement* that a design does not meet: *worst* is its metric's value (SI) in the worst run, which would be
+    the bound to meet; None if no run exercised it."""
+
+    requirement: str
+    worst: float | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Standing:
+    """A design: a configuration with values (SI) for the design variables that it has.
+
+    *values* are its objectives (SI) at the condition where they are worst, *margins* (SI) by requirement those of its
+    worst run that exercised it; *runs* are the numbers of its runs, of which *failed* failed to run. It *is_whole* if
+    it was run at as many conditions as any other.
+    """
+
+    configuration: str
+    point: Mapping[str, float]
+    values: tuple[float, ...]
+    margins: Mapping[str, float]
+    runs: tuple[int, ...]
+    missed: tuple[Missed, ...] = ()
+    failed: int = 0
+    is_whole: bool = True
+
+
+@dataclass(frozen=True, slots=True)
+class Ranking:
+    """Designs under *objectives*, of *designs* in all that were run.
+
+    *best* are feasible ones, best first; of several objectives those that no other one beats in all, by the first
+    objective, with the place of the *knee*. *better* are such as would be among the best if requirements were others,
+    nearest first. *feasible* is how many are; *open* were not run at all conditions, and failed nothing so far.
+    """
+
+    objectives: tuple[Objective, ...]
+    best: tuple[Standing, ...]
+    better: tuple[Standing, ...]
+    designs: int
+    feasible: int
+    open: int
+    knee: int | None = None
+
+
+def objectives_of(definition: StudyDefinition, minimize: Sequence[str], maximize: Sequence[str]) -> list[Objective]:
+    """The objectives that are asked for, else those of the study. Raises DseError for what the study does not know."""
+    wanted = [*((text, False) for text in minimize), *((text, True) for text in maximize)]
+    if not wanted:
+        return [Objective(each.name, each.maximize, each.is_total) for each in definition.objectives]
+    metrics = [metric.name for metric in definition.metrics if not metric.error_of]
+    totals = list(dict.fromkeys(name for each in definition.configurations for name in each.totals))
+    found = []
+    for text, largest in wanted:
+        inner = text.strip().removeprefix("sum(").removesuffix(")").strip()
+        if text.strip().startswith("sum(") and inner in totals:
+            found.append(Objective(inner, largest, is_total=True))
+        elif text.strip() in metrics:
+            found.append(Objective(text.strip(), largest))
+        else:
+            known = [*metrics, *(f"sum({name})" for name in totals)]
+            raise fail(f"the study has neither a metric nor a sum '{text.strip()}'", None, closest(text, known))
+    return found
+
+
+def ranked(table: RunTable, objectives: Sequence[Objective], number: int) -> Ranking:
+    """The *number* best designs of *table* under one objective, or the front of several. DseError without any."""
+    if not objectives:
+        hint = "name one: --minimize METRIC, or --minimize 'sum(cost)'; or give the study objectives"
+        raise fail("the study has no objective", None, hint)
+    definition = table.header.definition
+    variables = tuple(map(design_variable, definition.variables))
+    totals = [each.name for each in objectives if each.is_total]
+    designs = designs_of(table.outcomes(table.numbers.tolist(), totals), variables, objectives)
+    unfinished = _unfinished(designs, table)
+    is_open = unfinished & (designs.failed == 0) & ~designs.failing.any(axis=1)
+    signs = np.array([-1.0 if each.maximize else 1.0 for each in objectives])
+    values = _significant(signs * designs.objectives)
+    feasible = designs.feasible & ~is_open & ~np.isnan(values).any(axis=1)
+    chosen = _front(values, feasible) if len(objectives) > 1 else _first(values[:, 0], feasible, number)
+    standing = _Reader(table, designs, [v.name for v in variables if v.role is Role.DESIGN])
+    best = tuple(standing.of(row) for row in chosen)
+    better = [replace(standing.of(n), is_whole=not unfinished[n]) for n in _better(values, designs, chosen, is_open)]
+    return Ranking(
+        tuple(objectives),
+        best,
+        tuple(sorted(better, key=lambda one: (not one.is_whole, len(one.missed), one.runs))[:number]),
+        len(designs),
+        int(feasible.sum()),
+        int(is_open.sum()),
+        knee([(signs * one.values).tolist() for one in best]) if len(objectives) > 1 else None,
+    )
+
+
+class _Reader:
+    """Reads designs of *table* one by one."""
+
+    def __init__(self, table: RunTable, designs: Designs, decided: Sequence[str]) -> None:
+        self._table, self._designs, self._decided = table, designs, decided
+        self._requirements = {entry.name: entry for entry in table.header.definition.requirements}
+
+    def of(self, row: int) -> Standing:
+        """Design number *row*."""
+        designs, header = self._designs, self._table.header
+        configuration = designs.configurations[row]
+        has = dict(zip(header.variables, header.has(configuration).tolist(), strict=True))
+        point = zip(self._decided, designs.points[row].tolist(), strict=True)
+        return Standing(
+            configuration,
+            {name: value for name, value in point if has[name]},
+            tuple(designs.objectives[row].tolist()),
+            dict(zip(header.requirements, designs.margins[row].tolist(), strict=True)),
+            tuple(self._table.numbers[designs.rows[row]].tolist()),
+            tuple(self._missed(row)),
+            int(designs.failed[row]),
+        )
+
+    def _missed(self, row: int) -> Iterator[Missed]:
+        designs = self._designs
+        for column, (name, requirement) in enumerate(self._requirements.items()):
+            if designs.failing[row, column]:
+                yield Missed(name, self._worst(requirement, designs.rows[row]))
+            elif not designs.shown[row, column]:
+                yield Missed(name)
+
+    def _worst(self, requirement: DefinedRequirement, rows: NDArray[np.intp]) -> float:
+        margins = self._table.margins(requirement.name)[rows]
+        worst = rows[int(np.nanargmin(np.where(np.isnan(margins), np.inf, margins)))]
+        return float(self._table.metric(requirement.metric)[worst])
+
+
+def unit_of_objective(definition: StudyDefinition, objective: Objective | DefinedObjective) -> str:
+    """The unit an objective is shown in."""
+    if not objective.is_total:
+        return next(metric.unit for metric in definition.metrics if metric.name == objective.name)
+    found = (each.totals[objective.name].unit for each in definition.configurations if objective.name in each.totals)
+    return next(found, "")
+
+
+def _unfinished(designs: Designs, table: RunTable) -> NDArray[np.bool_]:
+    """Which designs were run at fewer conditions than others."""
+    definition = table.header.definition
+    at = [n for n, variable in enumerate(definition.variables) if variable.role == Role.CONDITION]
+    conditions = table.coordinates()[:, at]
+    tried = np.array([len(np.unique(conditions[rows], axis=0)) if at else 1 for rows in designs.rows], dtype=np.int64)
+    return np.asarray(tried < tried.max(initial=0))
+
+
+def _first(values: NDArray[np.float64], feasible: NDArray[np.bool_], number: int) -> list[int]:
+    rows = np.flatnonzero(feasible)
+    return [int(row) for row in rows[np.argsort(values[rows], kind="stable")][:number]]
+
+
+def _front(values: NDArray[np.float64], feasible: NDArray[np.bool_]) -> list[int]:
+    on_it = front(values.tolist(), (~feasible).astype(np.float64).tolist())
+    return sorted(on_it, key=lambda row: values[row].tolist())
+
+
+def _better(
+    values: NDArray[np.float64], designs: Designs, best: Sequence[int], is_open: NDArray[np.bool_]
+) -> list[int]:
+    """Designs that miss a requirement, came to their end, and that none of the best is as good as."""
+    rest = np.flatnonzero(~designs.feasible & ~is_open & (designs.failed == 0) & ~np.isnan(values).any(axis=1))
+    ahead = values[list(best[: 1 if values.shape[1] == 1 else len(best)])]
+    return [int(row) for row in rest if not (ahead <= values[row]).all(axis=1).any()]
+
+
+def _significant(values: NDArray[np.float64]) -> NDArray[np.float64]:
+    rounded = [float(f"{value:.{_DIGITS}g}") for value in values.ravel().tolist()]
+    return np.array(rounded, dtype=np.float64).reshape(values.shape)
