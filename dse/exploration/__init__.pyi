@@ -12,5 +12,5 @@ from .once_sampler import OnceSampler as OnceSampler
 from .progress import Progress as Progress
 from .remote.futures import FuturesExecutor as FuturesExecutor
 from .supervision.single_run import simulate_alone as simulate_alone
-from .variables import scaled as scaled, unit_of as unit_of
+from .variables import design_variable as design_variable, scaled as scaled, unit_of as unit_of
 from .work import Batch as Batch, Sink as Sink, Work as Work

@@ -12,7 +12,7 @@ from fake_runners import benches, definition_of, make_fake, study_of
 from dse.domain.sampler import Scale
 from dse.domain.study import Study
 from dse.errors import DseError
-from dse.exploration.band import Band
+from dse.exploration.band import Band, Chances
 from dse.exploration.executors.local import Local
 from dse.exploration.loop import explore
 from dse.exploration.samplers.boundary import Boundary
@@ -32,20 +32,26 @@ def table_of(path: Path, study: Study) -> RunTable:
         return folder.table()
 
 
-@pytest.fixture
-def searched(tmp_path: Path) -> RunTable:
-    return table_of(tmp_path / "searched", study_of(Boundary(samples=24)))
+@pytest.fixture(scope="module")
+def searched(tmp_path_factory: pytest.TempPathFactory) -> RunTable:
+    return table_of(tmp_path_factory.mktemp("searched"), study_of(Boundary(samples=24)))
 
 
-@pytest.mark.parametrize("sampler", [Boundary(samples=24), Sobol(samples=32)])
-def test_verdicts_are_certain_beside_the_boundary_and_open_on_it(tmp_path: Path, sampler: Boundary | Sobol) -> None:
-    chances = Band(table_of(tmp_path, study_of(sampler)), "R1", "a").at(FINE)
+def assert_sums_up(chances: Chances) -> None:
+    """Certain beside the boundary, and together 1."""
     total = FINE.sum(axis=1)
     assert chances.passing + chances.failing + chances.without_verdict == pytest.approx(1.0)
     assert chances.passing[total < 0.9].min() > 0.999
     assert chances.failing[total > 1.1].min() > 0.999
-    on_it = Band(table_of(tmp_path, study_of(sampler)), "R1", "a").at(np.array([[0.4, 0.6], [0.7, 0.3]]))
-    assert (on_it.misjudged > 0.01).all()
+
+
+def test_verdicts_are_certain_beside_the_boundary_and_open_on_it(searched: RunTable) -> None:
+    assert_sums_up(Band(searched, "R1", "a").at(FINE))
+    assert (Band(searched, "R1", "a").at(np.array([[0.4, 0.6], [0.7, 0.3]])).misjudged > 0.01).all()
+
+
+def test_runs_of_any_sampler_have_a_band(tmp_path: Path) -> None:
+    assert_sums_up(Band(table_of(tmp_path, study_of(Sobol(samples=32))), "R1", "a").at(FINE))
 
 
 def test_a_requirement_that_was_never_exercised_has_no_verdict_anywhere(searched: RunTable) -> None:
