@@ -12,11 +12,8 @@ from numpy.typing import NDArray
 from dse.analysis.cells import space_weights
 from dse.analysis.data import Factor, Floats, StudyData
 from dse.domain.definition import DefinedVariable, StudyDefinition
-from dse.domain.distribution import Distribution
-from dse.domain.sampler import DesignVariable, Role, Scale
-from dse.exploration import unit_of
+from dse.exploration import design_variable, unit_of
 from dse.storage import RunTable
-from dse.units import parse_unit
 
 
 def study_data(table: RunTable) -> StudyData:
@@ -92,20 +89,7 @@ def _weighted(data: StudyData, on_grid: bool) -> StudyData:
 
 def _scaled(defined: DefinedVariable, column: NDArray[Any]) -> tuple[Factor, Floats]:
     """The variable as a factor, and its places: NaN where a run's configuration does not have it."""
-    given = defined.distribution
-    variable = DesignVariable(
-        defined.name,
-        defined.low,
-        defined.high,
-        defined.levels,
-        defined.nominal,
-        parse_unit(defined.unit),
-        defined.title,
-        scale=Scale(defined.scale),
-        values=defined.values,
-        role=Role(defined.role),
-        distribution=Distribution(given.kind, given.numbers, given.values) if given else None,
-    )
+    variable = design_variable(defined)
     values = np.asarray(column, dtype=np.float64)
     there = np.isfinite(values)
     places = np.full(len(values), np.nan)

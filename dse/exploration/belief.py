@@ -40,7 +40,9 @@ class Belief:
         where = None if judged.all() else region(points, judged, shapes.judged)
         rows, values = _known(margins)
         few = telling(points[rows], values >= 0, _MOST)
-        return cls(where, LevelSet.through(points[rows][few], values[few], shapes.margin))
+        # With no margin anywhere, no run tells one.
+        learnt = 1.0 if judged.any() else 0.0
+        return cls(where, LevelSet.through(points[rows][few], values[few], shapes.margin, learnt))
 
     def at(self, points: Array) -> BeliefAt:
         """What is believed at *points*, (m, d)."""

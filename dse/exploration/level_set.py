@@ -48,10 +48,10 @@ class LevelSet:
         self.whitened = solved(self.factor, values - mean) / deviation
 
     @classmethod
-    def through(cls, points: Array, values: Array, shape: Shape) -> LevelSet:
+    def through(cls, points: Array, values: Array, shape: Shape, learnt: float = 1.0) -> LevelSet:
         """The process through *values*, its deviation the likeliest."""
         mean, noise = float(values.mean()), np.full(len(points), shape.nugget)
-        found = cls(points, shape, values, noise, mean, 1.0, learnt=1.0)
+        found = cls(points, shape, values, noise, mean, 1.0, learnt)
         found.deviation = _deviation(found.whitened)
         found.whitened = found.whitened / found.deviation
         return found

@@ -248,7 +248,10 @@ def study_of(sampler: Sampler | None = None, levels: int = 5, variables: int = 2
 
 def definition_of(study: Study, configurations: tuple[str, ...] = ("a",), **facts: Any) -> StudyDefinition:
     """The definition of *study* on *configurations*; *facts* are other values of its fields."""
-    variables = (DefinedVariable(v.name, "", "", v.low, v.high, v.levels, v.nominal) for v in study.variables)
+    variables = (
+        DefinedVariable(v.name, "", "", v.low, v.high, v.levels, v.nominal, str(v.scale), v.values)
+        for v in study.variables
+    )
     return stored_definition(
         [DefinedConfiguration(name, {"place": name}) for name in configurations],
         **{

@@ -4,17 +4,22 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import replace
+from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
-from judged_points import classes, predicted
+from hypothesis import given, settings, strategies as st
+from judged_points import believed, believed_wrong, classes, predicted
 from numpy.typing import NDArray
 
 from dse.domain.bench import Verdict
-from dse.domain.sampler import Brief, Candidate, DesignVariable, Outcomes
+from dse.domain.sampler import Brief, Candidate, DesignVariable, Outcomes, Role
 from dse.errors import DseError
-from dse.exploration.level_set import LevelSet
+from dse.exploration.level_set import LevelSet, likeliest
 from dse.exploration.samplers.boundary import Boundary
+from dse.formats import read_yaml
+from dse.loading import Surroundings
 from dse.units import DIMENSIONLESS
 
 Array = NDArray[np.float64]
@@ -22,7 +27,7 @@ Margins = Callable[[Array], Mapping[str, Array]]
 """Of points (n, 2) of the unit square, by requirement; NaN where it is not exercised."""
 
 VARIABLES = tuple(DesignVariable(f"part.{name}", 0.0, 1.0, 2, 0.5, DIMENSIONLESS) for name in "xy")
-LINE = np.linspace(0, 1, 101)
+LINE = (np.arange(100) + 0.5) / 100
 FINE = np.stack(np.meshgrid(LINE, LINE), axis=-1).reshape(-1, 2)
 
 
@@ -57,9 +62,27 @@ def brief(margins: Margins, earlier: list[Candidate] | None = None) -> Brief:
     return Brief(VARIABLES, ("a",), 1, outcomes(earlier or [], margins))
 
 
-def searched(margins: Margins, samples: int, given: Brief | None = None, noise: float = 0.0) -> list[Candidate]:
+Settle = Callable[[Mapping[str, Any]], Boundary]
+
+
+@pytest.fixture
+def settle(tmp_path: Path) -> Settle:
+    """The sampler with options as a study file has them."""
+
+    def settled(options: Mapping[str, Any]) -> Boundary:
+        (tmp_path / "study.pet.yaml").write_text(f"sampler: {dict(options)}\n", encoding="utf-8")
+        entry = read_yaml(tmp_path / "study.pet.yaml").top["sampler"]
+        around = Surroundings(entry, frozenset(v.name for v in VARIABLES), VARIABLES, tmp_path)
+        return Boundary.model_validate(options).settled(around)
+
+    return settled
+
+
+def searched(
+    margins: Margins, samples: int, given: Brief | None = None, noise: float = 0.0, accuracy: float = 0.0
+) -> list[Candidate]:
     """What is asked for; margins are told with a relative error of *noise*."""
-    search = Boundary(samples=samples).start(given or brief(margins))
+    search = Boundary(samples=samples, accuracy=accuracy).start(given or brief(margins))
     random = np.random.default_rng(0)
 
     def disturbed(points: Array) -> Mapping[str, Array]:
@@ -143,7 +166,8 @@ def test_where_no_boundary_shows_the_ranges_are_filled(margin: float) -> None:
 
 def test_the_process_goes_through_what_is_known_and_is_unsure_elsewhere() -> None:
     points = rows(searched(circle, 16))
-    level_set = LevelSet(points, circle(points)["R"])
+    margins = circle(points)["R"]
+    level_set = LevelSet.through(points, margins, likeliest(points, margins))
     known, apart = level_set.at(points), level_set.at(np.array([[9.0, 9.0]]))
     # A nugget of at most 1e-4 of the variance: a hundredth of the deviation.
     assert known.mean == pytest.approx(circle(points)["R"], abs=0.01 * level_set.deviation)
@@ -156,3 +180,125 @@ def test_a_bench_without_requirements_has_no_boundary() -> None:
     given = brief(circle)
     with pytest.raises(DseError, match="needs a requirement"):
         Boundary(samples=4).start(replace(given, earlier=replace(given.earlier, margins={}, verdicts={})))
+
+
+def test_an_accuracy_ends_the_search_before_its_samples() -> None:
+    for margins in (circle, two, hole):
+        found = rows(searched(margins, 160, accuracy=0.01))
+        assert 16 < len(found) < 100
+        assert wrong(found, margins) < 0.01
+
+
+@pytest.mark.thorough
+@pytest.mark.parametrize("margins", [circle, two, hole])
+@pytest.mark.parametrize("accuracy", [0.02, 0.005])
+def test_what_is_believed_to_be_misjudged_is_on_average(margins: Margins, accuracy: float) -> None:
+    """By a search that ends of itself: it ends when too little is believed rather than too much."""
+    true, told = [], []
+    for seed in range(1, 21):
+        found = rows(searched(margins, 300, replace(brief(margins), seed=seed), accuracy=accuracy))
+        assert len(found) < 300
+        true.append(wrong(found, margins))
+        told.append(believed_wrong(found, margins(found), FINE))
+    assert np.mean(true) <= 1.2 * np.mean(told)
+    assert np.mean(np.array(true) <= accuracy) >= 0.9
+
+
+@pytest.mark.parametrize(("written", "number"), [("0.5 %", 0.005), (0.02, 0.02), (0, 0.0)])
+def test_an_accuracy_is_a_share(settle: Settle, written: str | float, number: float) -> None:
+    assert settle({"samples": 20, "accuracy": written}).options()["accuracy"] == number
+
+
+@pytest.mark.parametrize("written", ["-1 %", "100 %", 1.5, "3 m", "exact"])
+def test_what_is_no_share_is_refused_with_its_place(settle: Settle, written: str | float) -> None:
+    with pytest.raises(DseError, match=r"study\.pet\.yaml:"):
+        settle({"samples": 20, "accuracy": written})
+
+
+def test_of_variables_with_a_few_values_every_point_is_asked_for_once() -> None:
+    few = tuple(replace(v, values=tuple(np.linspace(0, 1, count))) for v, count in zip(VARIABLES, (5, 4), strict=True))
+    found = searched(circle, 60, replace(brief(circle), variables=few))
+    assert len(found) == len(set(found)) == 20
+
+
+def test_runs_are_at_the_conditions_only_and_at_all_of_them() -> None:
+    given = (VARIABLES[0], replace(VARIABLES[1], role=Role.CONDITION, levels=3))
+    found = rows(searched(two, 40, replace(brief(two), variables=given, conditions=((0.0,), (0.5,), (1.0,)))))
+    assert set(found[:, 1].tolist()) == {0.0, 0.5, 1.0}
+    assert len(np.unique(found, axis=0)) == 40
+
+
+def test_only_what_is_allowed_is_asked_for() -> None:
+    found = rows(searched(two, 40, replace(brief(two), allowed=lambda points: points.sum(axis=1) <= 1)))
+    assert len(found) == 40
+    assert found.sum(axis=1).max() <= 1
+
+
+def test_a_variable_that_a_configuration_does_not_have_is_left_at_its_nominal_value() -> None:
+    """Only the first asks, before anything was told, do not know of it."""
+    search = Boundary(samples=48).start(brief(circle))
+    made: list[tuple[float, ...]] = []
+    while asked := list(search.ask()):
+        settled = [candidate._replace(point=(candidate.point[0], 0.5)) for candidate in asked]
+        search.tell(outcomes(settled, circle))
+        assert not made or settled == asked
+        made += [candidate.point for candidate in settled]
+    assert len(made) == len(set(made)) == 48
+    along = np.array(made)[:, 0]
+    # The circle ends at 0.2 and 0.8.
+    assert min(abs(along - 0.2)) < 0.002
+    assert min(abs(along - 0.8)) < 0.002
+
+
+def test_a_requirement_that_no_run_exercises_does_not_hide_the_other_boundary() -> None:
+    def both(points: Array) -> Mapping[str, Array]:
+        return {**circle(points), "never": np.full(len(points), np.nan)}
+
+    found = rows(searched(both, 64))
+    alone = believed(found, circle(found), FINE)[0].passing() > 0.5
+    assert np.mean(alone != (circle(FINE)["R"] >= 0)) < 0.005
+
+
+def scattered(share: float, margins: Margins) -> Margins:
+    """*margins* of runs of which a *share* fails, here and there, always the same."""
+
+    def told(points: Array) -> Mapping[str, Array]:
+        # Neighbours differ: a hash of the point's bits.
+        fails = np.array([hash(tuple(row)) % 1000 < 1000 * share for row in points.tolist()], dtype=np.bool_)
+        return {name: np.where(fails, np.nan, column) for name, column in margins(points).items()}
+
+    return told
+
+
+def test_with_30_percent_of_failed_runs_the_boundary_is_still_found() -> None:
+    margins = scattered(0.3, circle)
+    found = rows(searched(margins, 96))
+    told = margins(found)
+    assert len(np.unique(found, axis=0)) == 96
+    assert 0.15 < np.isnan(told["R"]).mean() < 0.5
+    signs = believed(found, told, FINE)[0].margin.positive() > 0.5
+    assert np.mean(signs != (circle(FINE)["R"] >= 0)) < 0.02
+
+
+@given(
+    st.sampled_from([circle, two, hole, scattered(0.3, two), lambda points: {"R": np.full(len(points), np.nan)}]),
+    st.integers(0, 2**32),
+    st.lists(st.integers(1, 20), min_size=1, max_size=3),
+    st.booleans(),
+)
+@settings(max_examples=12)
+def test_no_run_is_made_twice_however_often_a_study_is_stopped_and_extended(
+    margins: Margins, seed: int, steps: list[int], few: bool
+) -> None:
+    """Stopped, it asks for the same again; extended by *steps*, all that was there is among its samples."""
+    variables = tuple(replace(v, values=tuple(np.linspace(0, 1, 6))) for v in VARIABLES) if few else VARIABLES
+    there: list[Candidate] = []
+    samples = 0
+    for step in steps:
+        samples += step
+        given = replace(brief(margins, there), seed=seed, variables=variables)
+        made = searched(margins, samples, given)
+        assert searched(margins, samples, given) == made
+        assert made[: len(there)] == there
+        assert len(made) == len(set(made)) == min(samples, 36 if few else samples)
+        there = made

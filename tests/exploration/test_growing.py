@@ -24,6 +24,7 @@ from dse.domain.study import Keep, Study
 from dse.errors import DseError
 from dse.exploration.executors.local import Local
 from dse.exploration.loop import Explored, explore
+from dse.exploration.samplers.boundary import Boundary
 from dse.exploration.samplers.full_factorial import FullFactorial
 from dse.exploration.samplers.latin_hypercube import LatinHypercube
 from dse.exploration.samplers.sobol import Sobol
@@ -33,6 +34,7 @@ from dse.storage.folder import StudyFolder
 
 NAMES = ("a", "b")
 BISECTION = Bisection(requirement="R1", width=0.002)
+BOUNDARY = Boundary(samples=28, first=6, batch=5)
 
 
 def test_a_sampler_that_looks_at_results_closes_in_on_a_boundary(tmp_path: Path) -> None:
@@ -92,18 +94,22 @@ SCRIPT = """
 import sys
 from pathlib import Path
 sys.path[:0] = {paths!r}
-from test_growing import BISECTION, run, study_of
+import test_growing
+from test_growing import run, study_of
 from dse.domain.study import Keep
-run(Path({folder!r}), study_of(BISECTION, keep=Keep({keep!r})), workers={workers}, seconds={seconds})
+study = study_of(test_growing.{sampler}, keep=Keep({keep!r}))
+run(Path({folder!r}), study, workers={workers}, seconds={seconds})
 """
 
 
-def killed_on_the_way(folder: Path, keep: Keep, workers: int, kills: int, seconds: float) -> int:
+def killed_on_the_way(folder: Path, keep: Keep, sampler: str, workers: int, kills: int, seconds: float) -> int:
     """Explore into *folder*, killed with all workers *kills* times at random moments; how often it was alive then."""
     here = Path(__file__).parent
     script = folder.with_suffix(".py")
     paths = [str(here), str(here.parent), str(here.parents[1]), str(here.parents[1] / "examples" / "plugin")]
-    text = SCRIPT.format(paths=paths, folder=str(folder), keep=str(keep), workers=workers, seconds=seconds)
+    text = SCRIPT.format(
+        paths=paths, folder=str(folder), keep=str(keep), sampler=sampler, workers=workers, seconds=seconds
+    )
     script.write_text(text, encoding="utf-8")
     moments = random.Random(f"{keep} {workers}")  # noqa: S311  # no secret
     alive = 0
@@ -124,20 +130,22 @@ def killed_on_the_way(folder: Path, keep: Keep, workers: int, kills: int, second
 
 @pytest.mark.skipif(sys.platform == "win32", reason="process groups")
 @pytest.mark.parametrize(
-    ("workers", "kills", "seconds"),
+    ("sampler", "workers", "kills", "seconds"),
     [
-        (2, 4, 0.05),
+        ("BISECTION", 2, 4, 0.05),
         # A run takes so long that the study is not done before the last kill.
-        pytest.param(1, 20, 0.4, marks=pytest.mark.nightly),
-        pytest.param(2, 20, 0.8, marks=pytest.mark.nightly),
+        pytest.param("BOUNDARY", 1, 20, 0.4, marks=pytest.mark.thorough),
+        pytest.param("BISECTION", 1, 20, 0.4, marks=pytest.mark.nightly),
+        pytest.param("BISECTION", 2, 20, 0.8, marks=pytest.mark.nightly),
+        pytest.param("BOUNDARY", 2, 20, 0.8, marks=pytest.mark.nightly),
     ],
 )
 def test_killed_at_random_moments_it_ends_with_the_same_bytes(
-    tmp_path: Path, workers: int, kills: int, seconds: float
+    tmp_path: Path, sampler: str, workers: int, kills: int, seconds: float
 ) -> None:
     keep = Keep.ALL if workers == 1 else Keep.NEAR_BOUNDARY
-    alive = killed_on_the_way(tmp_path / "killed", keep, workers, kills, seconds)
-    study = study_of(BISECTION, keep=keep)
+    alive = killed_on_the_way(tmp_path / "killed", keep, sampler, workers, kills, seconds)
+    study = study_of({"BISECTION": BISECTION, "BOUNDARY": BOUNDARY}[sampler], keep=keep)
     summary = run(tmp_path / "killed", study, workers=workers)
     assert summary.irreproducible == 0
     run(tmp_path / "whole", study)
