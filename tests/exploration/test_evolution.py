@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -13,8 +14,9 @@ from optimized import Array, Function, Runs, brief, drive, variables
 
 from dse.domain.sampler import DesignVariable, Role
 from dse.errors import DseError
+from dse.exploration.designs import front_of
 from dse.exploration.optimising.evolution import EvolutionSampler
-from dse.exploration.optimising.front import front, hypervolume
+from dse.exploration.optimising.front import hypervolume, knee
 from dse.exploration.samplers.nsga2 import Nsga2
 from dse.exploration.samplers.nsga3 import Nsga3
 from dse.loading import Workspace
@@ -22,6 +24,7 @@ from dse.space import OpenedSpace, open_space
 from dse.units import DIMENSIONLESS
 
 ROOT = Path(__file__).parents[2]
+thorough = partial(pytest.param, marks=pytest.mark.thorough)
 BOTH = pytest.mark.parametrize("kind", [Nsga2, Nsga3])
 
 
@@ -60,7 +63,7 @@ CONSTR_EX = (
 )
 
 
-@pytest.mark.parametrize(("problem", "whole"), [(zdt1, 0.8765), (zdt2, 0.5432), (zdt3, 1.3315)])
+@pytest.mark.parametrize(("problem", "whole"), [(zdt1, 0.8765), thorough(zdt2, 0.5432), thorough(zdt3, 1.3315)])
 def test_the_fronts_of_zdt_are_found(problem: Function, whole: float) -> None:
     """Six variables, the volume up to (1.1, 1.1) against that of the true front."""
     driven = drive(Nsga2(population=40, evaluations=2400), brief(variables(6), "f1", "f2"), problem)
@@ -69,12 +72,13 @@ def test_the_fronts_of_zdt_are_found(problem: Function, whole: float) -> None:
     assert 0.95 * whole < hypervolume(points.tolist(), (1.1, 1.1)) <= whole
 
 
+@pytest.mark.thorough
 def test_a_front_of_three_objectives_is_found_by_reference_directions() -> None:
     """DTLZ2 (Deb et al. 2002): an eighth of the unit sphere; evenly, the designs are near to it everywhere."""
     names = ("f1", "f2", "f3")
     driven = drive(Nsga3(population=48, evaluations=2400), brief(variables(5), *names), dtlz2)
     points = np.column_stack([driven.column(name) for name in names])
-    best = points[list(front(points.tolist(), [0.0] * len(points)))]
+    best = points[front_of(points)]
     assert np.median(np.linalg.norm(best, axis=1)) < 1.03
     directions = np.array([[1, 1, 1], [1, 1, 0], [0, 1, 1], [1, 0, 1], [1, 0, 0], [0, 1, 0], [0, 0, 1]])
     cosines = (best / np.linalg.norm(best, axis=1)[:, None]) @ (
@@ -93,7 +97,7 @@ def test_requirements_are_constraints(kind: type[EvolutionSampler]) -> None:
     least = np.where(x < 7 / 18, np.nan, (1 + np.maximum(6 - 9 * x, 0.0)) / x)
     height = np.clip(10 - np.fmin.accumulate(least), 0.0, None)
     whole = float(np.trapezoid(np.nan_to_num(height), x) + 0.1 * np.nan_to_num(height)[-1])
-    assert 0.97 * whole < hypervolume(points.tolist(), (1.1, 10.0)) <= whole
+    assert 0.94 * whole < hypervolume(points.tolist(), (1.1, 10.0)) <= whole
 
 
 @BOTH
@@ -136,15 +140,23 @@ def test_lost_designs_are_not_run_in_further_conditions(kind: type[EvolutionSamp
     assert 0.9 <= best < 0.92
 
 
-def test_what_is_never_exercised_is_not_met_unless_that_is_said() -> None:
+def test_what_is_never_exercised_is_not_met() -> None:
     def run(names: Sequence[str], points: Array) -> Runs:
         x = points[:, 0]
         return {"f": x}, {"R": np.where(x < 0.5, np.nan, x - 0.6)}
 
-    strict = drive(Nsga2(population=10, evaluations=300), brief(variables(1), "f"), run)
-    idle = drive(Nsga2(population=10, evaluations=300, not_exercised="pass"), brief(variables(1), "f"), run)
-    assert np.median(strict.column("f")[-50:]) == pytest.approx(0.6, abs=0.02)
-    assert np.median(idle.column("f")[-50:]) == pytest.approx(0.0, abs=0.02)
+    driven = drive(Nsga2(population=10, evaluations=300), brief(variables(1), "f"), run)
+    assert np.median(driven.column("f")[-50:]) == pytest.approx(0.6, abs=0.02)
+
+
+def test_a_requirement_is_met_where_one_condition_exercises_it() -> None:
+    at = DesignVariable("road.slope", 0.0, 1.0, 2, 0.0, DIMENSIONLESS, role=Role.CONDITION)
+
+    def run(names: Sequence[str], points: Array) -> Runs:
+        return {"f": points[:, 0]}, {"R": np.where(points[:, 1] == 0, np.nan, 1.0)}
+
+    given = brief((*variables(1), at), "f", conditions=((0.0,), (1.0,)))
+    assert drive(Nsga2(population=10, evaluations=300), given, run).column("f").min() < 0.01
 
 
 def test_runs_that_fail_are_the_worst() -> None:
@@ -218,21 +230,25 @@ def test_a_space_that_is_all_asked_for_ends_the_study(acc: OpenedSpace) -> None:
     order = {configuration.id: float(number) for number, configuration in enumerate(acc.configurations())}
     given = brief((), "f", space=acc.architectures())
     driven = drive(
-        Nsga2(population=20, evaluations=5000), given, lambda n, p: ({"f": np.array([order[name] for name in n])}, {})
+        Nsga2(population=40, evaluations=5000), given, lambda n, p: ({"f": np.array([order[name] for name in n])}, {})
     )
     names = [name for name, _ in driven.candidates]
     assert len(names) == len(set(names)) <= 227
     assert min(order, key=order.__getitem__) in names
 
 
-def test_of_a_front_no_design_is_dominated_and_its_volume_is_exact() -> None:
-    values = [(1.0, 4.0), (2.0, 2.0), (2.0, 2.0), (3.0, 3.0), (4.0, 1.0), (0.0, 0.0)]
-    assert front(values, [0, 0, 0, 0, 0, 1]) == (0, 1, 4)
-    assert hypervolume(values[:5], (5.0, 5.0)) == 4 * 1 + 3 * 2 + 1 * 1
+def test_the_volume_of_a_front_is_exact() -> None:
+    values = [(1.0, 4.0), (2.0, 2.0), (2.0, 2.0), (3.0, 3.0), (4.0, 1.0), (0.0, 6.0)]
+    assert hypervolume(values, (5.0, 5.0)) == 4 * 1 + 3 * 2 + 1 * 1
     boxes = [(1.0, 2.0, 3.0), (2.0, 1.0, 3.0), (3.0, 3.0, 1.0)]
     grid = np.stack(np.meshgrid(*[np.arange(0.5, 4.0)] * 3), axis=-1).reshape(-1, 3)
     covered = np.any([np.all(grid > box, axis=1) for box in boxes], axis=0)
     assert hypervolume(boxes, (4.0, 4.0, 4.0)) == covered.sum()
+
+
+def test_the_knee_of_a_front_is_where_it_turns() -> None:
+    assert knee([(0.0, 10.0), (1.0, 2.0), (5.0, 1.0), (10.0, 0.0)]) == 1
+    assert knee([(0.0, 1.0), (1.0, 0.0)]) is None
 
 
 @pytest.fixture(scope="module")
