@@ -53,6 +53,11 @@ class Cases:
             whole = np.where(idle, [variable.nominal for variable in self._brief.variables], whole)
         return Candidate(design.architecture.id, tuple(whole.tolist()))
 
+    def key(self, design: Design) -> tuple[str, Point]:
+        """What *design* is known by among runs: its configuration, and the values of its design variables."""
+        name, point = self.candidate(design, 0)
+        return name, tuple(point[column] for column in self._columns[Role.DESIGN])
+
     def is_allowed(self, design: Design) -> bool:
         """Whether it may be run in all cases."""
         if self._brief.allowed is None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from abc import abstractmethod
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, Any, ClassVar, Literal
+from typing import TYPE_CHECKING, Any, ClassVar
 
 from pydantic import Field
 
@@ -13,18 +13,22 @@ from dse.errors import fail
 from dse.exploration.once_sampler import MOST_RUNS
 from dse.exploration.optimising.breeding import Breeding
 from dse.exploration.optimising.designs import Cases, Design
-from dse.exploration.optimising.judging import Aggregate, Judge, Judgement, results, scales
+from dse.exploration.optimising.judging import Judge, lost
 from dse.exploration.optimising.racing import Order, Race
 from dse.exploration.proposing import space_of
 from dse.loading import SamplerSection
 
 if TYPE_CHECKING:
+    import numpy as np
     from numpy.random import Generator
+    from numpy.typing import NDArray
+
+    Array = NDArray[np.float64]
 
 _BAD = 1e30
 """The objectives of a design that violates a requirement: never looked at, but they have to be numbers."""
 
-_MATINGS = 100
+_MATINGS = 20
 """Rounds of mating without enough new designs after which a generation is as small as it is."""
 
 
@@ -40,13 +44,11 @@ class EvolutionSampler(SamplerSection):
     proposes: ClassVar[bool] = True
     examples: ClassVar[tuple[Mapping[str, Any], ...]] = (
         {"population": 8, "evaluations": 40},
-        {"population": 4, "evaluations": 30, "aggregate": "mean", "not_exercised": "pass", "draws": 2},
+        {"population": 4, "evaluations": 30, "draws": 2},
     )
 
     evaluations: int = Field(ge=1, le=MOST_RUNS)
     population: int = Field(default=64, ge=4, le=100_000)
-    aggregate: Aggregate = "worst"
-    not_exercised: Literal["fail", "pass"] = "fail"
     draws: int = Field(default=0, ge=0, le=1000)
 
     @property
@@ -74,14 +76,15 @@ class EvolutionSampler(SamplerSection):
 
 class _Search:
     def __init__(self, sampler: EvolutionSampler, brief: Brief) -> None:
-        self._sampler, self._brief = sampler, brief
+        self._brief = brief
         self._cases = Cases(brief, sampler.draws)
         self._order = Order(len(self._cases))
-        self._judge: Judge | None = None
+        self._judge = Judge(brief.variables, brief.objectives)
         self._left = sampler.evaluations
         self._selection = _Selection(sampler, brief, _Mating(brief, self._cases))
         self._designs: list[Design] = []
         self._race = Race(0, ())
+        self._told: list[Outcomes] = []
         self._wanted: list[tuple[int, int]] = []
         self._asked: list[Candidate] = []
 
@@ -91,7 +94,7 @@ class _Search:
         if not self._wanted and self._left:
             if self._designs:
                 self._select()
-            self._designs = self._selection.next()
+            self._designs, self._told = self._selection.next(), []
             self._race = Race(len(self._designs), self._order.now())
             self._wanted = self._race.wanted()
         self._wanted = self._wanted[: self._left]
@@ -103,18 +106,18 @@ class _Search:
         """What came of the runs."""
         asked = list(dict.fromkeys(self._asked))
         self._cases.learn(asked, outcomes)
-        found = dict(zip(asked, results(outcomes, self._brief.objectives), strict=True))
+        self._told.append(outcomes)
+        found = dict(zip(asked, lost(outcomes, self._brief.objectives), strict=True))
         told = [found[candidate] for candidate in self._asked]
         self._race.tell(self._wanted, told)
-        for (_, case), result in zip(self._wanted, told, strict=True):
-            self._order.count(case, result)
+        for (_, case), is_lost in zip(self._wanted, told, strict=True):
+            self._order.count(case, is_lost)
 
     def _select(self) -> None:
-        if self._judge is None:
-            first = [result for found in self._race.results for result in found]
-            idle = self._sampler.not_exercised == "pass"
-            self._judge = Judge(len(self._cases), self._sampler.aggregate, idle, scales(first))
-        self._selection.tell([self._judge.judged(found) for found in self._race.results])
+        """What was not run, as a design was lost before, adds its share of the cases to the violation."""
+        objectives, violations = self._judge.judged(self._told, [self._cases.key(design) for design in self._designs])
+        skipped = [1 - run / len(self._cases) for run in self._race.run]
+        self._selection.tell(objectives, [v + share for v, share in zip(violations.tolist(), skipped, strict=True)])
 
 
 class _Selection:
@@ -133,9 +136,8 @@ class _Selection:
             "mating": mating,
             "seed": brief.seed,
         }
-        self._objectives = len(brief.objectives)
-        self._problem = Problem(n_var=1, n_obj=self._objectives, n_ieq_constr=1)
-        self._algorithm = sampler.algorithm(self._objectives, options)
+        self._problem = Problem(n_var=1, n_obj=len(brief.objectives), n_ieq_constr=1)
+        self._algorithm = sampler.algorithm(len(brief.objectives), options)
         self._algorithm.setup(self._problem, termination=NoTermination())
         self._asked: Any = None
 
@@ -144,15 +146,14 @@ class _Selection:
         self._asked = self._algorithm.ask()
         return [] if self._asked is None else [one.X[0] for one in self._asked]
 
-    def tell(self, judgements: Sequence[Judgement]) -> None:
-        """How good they are."""
+    def tell(self, objectives: Array, violations: Sequence[float]) -> None:
+        """How good they are: objectives, (n, objectives), to be minimised."""
         import numpy as np
         from pymoo.problems.static import StaticProblem
 
-        bad = (_BAD,) * self._objectives
-        values = np.array([bad if one.violation else one.objectives for one in judgements], dtype=np.float64)
-        violations = np.array([[one.violation] for one in judgements], dtype=np.float64)
-        self._algorithm.evaluator.eval(StaticProblem(self._problem, F=values, G=violations), self._asked)
+        violation = np.array(violations, dtype=np.float64)[:, None]
+        values = np.where(violation > 0, _BAD, objectives)
+        self._algorithm.evaluator.eval(StaticProblem(self._problem, F=values, G=violation), self._asked)
         self._algorithm.tell(infills=self._asked)
 
 

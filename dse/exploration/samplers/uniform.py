@@ -54,7 +54,10 @@ class Uniform(ProposingOnce):
         slices = _sliced(len(drawn), self.samples, len(brief.variables), np.random.default_rng(brief.seed))
         there = _points_there(brief)
         for each, unit in zip(drawn, slices, strict=True):
-            old = np.array(there.pop(each.id, [])[: self.samples]).reshape(-1, len(brief.variables))
+            known = there.get(each.id, [])
+            old = np.array(known[: self.samples]).reshape(-1, len(brief.variables))
+            # Drawn again, it has the others.
+            there[each.id] = known[self.samples :]
             fresh = _without_nearest(unit, unit_of(old, brief.variables))
             yield each.id, np.concatenate([old, scaled(fresh, brief.variables, brief.correlations)])
 
