@@ -13,13 +13,13 @@ from typing import Any
 
 import numpy as np
 import pytest
-from dse.exploration.boundary import near_boundary
 from fake_runners import REQUIREMENTS, benches, definition_of, make_check, make_fake, study_of
 
 from dse.domain.study import Study
 from dse.exploration import Checkable, FuturesExecutor, KnownRuns, check_measures, check_near_boundary, explore
 from dse.exploration.executor import Executor
 from dse.exploration.executors.local import Local
+from dse.exploration.near_boundary import near_boundary
 from dse.exploration.samplers.latin_hypercube import LatinHypercube
 from dse.storage import CERTAINTIES, EXPORTS, RunStore, StudyFolder
 
@@ -67,7 +67,7 @@ def test_of_two_hundred_runs_those_near_the_boundary_are_checked_and_no_others(e
         near = near_boundary(study(), table, None)
         assert len(table) == 200
     margins = table.margins("R1")
-    # All errors may be 0.1, and the run with the smallest margin is among those that have a neighbour on the other side.
+    # All errors may be 0.1; the run with the smallest margin has a neighbour on the other side.
     small = set(table.numbers[np.abs(margins) <= 0.1].tolist())
     assert set(table.checks.numbers.tolist()) == near | small
     assert len(table.checks) < 100
