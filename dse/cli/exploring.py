@@ -117,11 +117,8 @@ def _say(results: Results, summary: Summary, explored: Explored, following: str)
         named = requirement_labels(results.definition)
         verdicts = tuple(next(iter(summary.verdicts.values())))
         shown = plain_table("requirement", *verdicts, right=verdicts)
-        for name, count in summary.verdicts.items():
-            doubts = summary.doubtful.get(name, {})
-            shown.add_row(
-                named[name], *(_with_doubts(number, doubts.get(verdict, 0)) for verdict, number in count.items())
-            )
+        for name in summary.verdicts:
+            shown.add_row(named[name], *summary.counts(name).values())
         print_table(shown)
     if summary.checked:
         doubtful = sum(sum(counts.values()) for counts in summary.doubtful.values())
@@ -137,10 +134,6 @@ def _say(results: Results, summary: Summary, explored: Explored, following: str)
     if summary.failures:
         screen.print("to try failed runs again: the same command with --retry-failed", soft_wrap=True)
     screen.print(f"next: {following}", soft_wrap=True)
-
-
-def _with_doubts(number: int, doubtful: int) -> str:
-    return f"{number} ({doubtful} doubtful)" if doubtful else str(number)
 
 
 def said_of(summary: Summary) -> list[str]:

@@ -53,8 +53,7 @@ def metric_table(run: Run) -> Table:
     more = ("requirement", "bound", "margin", "verdict") if judged else ()
     table = plain_table("metric", "value", *more, right=("value", "bound", "margin"))
     for row in metric_rows(run.noun, run.definition, run.check):
-        doubt = f", {row.certainty}" if row.certainty == "doubtful" else ""
-        verdict = Text(row.verdict + doubt, style=_STYLES[row.verdict])
+        verdict = Text(row.judged, style=_STYLES[row.verdict])
         table.add_row(row.title, row.value, *((row.requirement, row.bound, row.margin, verdict) if judged else ()))
     return table
 

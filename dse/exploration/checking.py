@@ -23,7 +23,7 @@ from dse.exploration.loop import ExplorationInterruptedError
 from dse.exploration.near_boundary import near_boundary
 from dse.exploration.progress import Meter, Progress, Stage
 from dse.exploration.work import Batch, MakeRunner, Runnable, Work
-from dse.storage import Attempt, Checks, Measures, RowBlock, RunTable, StudyFolder
+from dse.storage import ERROR_IN_BARS, Attempt, Checks, Measures, RowBlock, RunTable, StudyFolder
 from dse.testbench import make_runner
 
 _TELL_EVERY = 0.1
@@ -60,7 +60,7 @@ def check_near_boundary(
 
     The study is finished; of its configurations those *explored* can be made, and *checkable* gets them ready. Runs are
     made that have a neighbour with another verdict, and the one nearest to each bound; then those whose margin is no
-    larger than the largest error bar that these have. A run that is checked already is not made again.
+    larger than the largest error that these may have. A run that is checked already is not made again.
 
     Raises DseError as `explore` does, ExplorationInterruptedError on Ctrl-C.
     """
@@ -90,12 +90,12 @@ def _nearest(table: RunTable) -> frozenset[int]:
 
 
 def _small(table: RunTable, first: AbstractSet[int]) -> frozenset[int]:
-    """Runs with a margin no larger than the largest error bar, of the same metric, that runs of *first* have."""
+    """Runs with a margin no larger than the largest error of the same metric that runs of *first* may have."""
     found: set[int] = set()
     rows = np.searchsorted(table.numbers, sorted(first))
     for requirement in table.header.definition.requirements:
         bars = table.errors(requirement.metric)[rows]
-        largest = np.max(bars[np.isfinite(bars)], initial=-1.0)
+        largest = ERROR_IN_BARS * np.max(bars[np.isfinite(bars)], initial=-1.0)
         near = _judged(table, requirement.name) & (np.abs(table.margins(requirement.name)) <= largest)
         found.update(table.numbers[near].tolist())
     return frozenset(found)

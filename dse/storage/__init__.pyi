@@ -1,6 +1,7 @@
 from .attempts import STOPPED as STOPPED, Attempt as Attempt, made_by as made_by, this_process as this_process
 from .checks import (
     CERTAINTIES as CERTAINTIES,
+    ERROR_IN_BARS as ERROR_IN_BARS,
     Certainty as Certainty,
     Checks as Checks,
     certainties_by_bars as certainties_by_bars,

@@ -14,11 +14,12 @@ from dse.testbench.study import PreparedStudy
 from dse.testbench.variations import can_halve
 
 
-def require_checkable(planned: PreparedStudy) -> None:
-    """Raise DseError for configurations that can make neither half the step nor twice the step until the end."""
+def require_checkable(planned: PreparedStudy, names: Iterable[str]) -> None:
+    """Raise DseError if configurations of *names* can make neither half the step nor twice the step until the end."""
+    benches = {name: planned.benches[name] for name in names}
     odd = [
         name
-        for name, bench in planned.benches.items()
+        for name, bench in benches.items()
         if bench.simulation.steps % 2 and not can_halve(bench.system, bench.simulation)
     ]
     what = f"{len(odd)} configurations have an FMU that cannot make half the step, and twice the step ends late"
@@ -34,7 +35,12 @@ def checked_benches(
     say: Say = lambda _: None,
     sandboxed: bool = False,
 ) -> dict[str, PreparedBench]:
-    """The benches of the configurations *names*, each of whose runs is repeated; the rest as for `with_error_bars`."""
+    """The benches of the configurations *names*, each of whose runs is repeated; the rest as for `with_error_bars`.
+
+    Raises DseError as `require_checkable` does, which can be asked before.
+    """
+    names = tuple(names)
+    require_checkable(planned, names)
     tests = {part.name: part.component for part in planned.study.bench.test_components}
     benches = {}
     for name in names:

@@ -13,13 +13,13 @@ from typing import Any
 
 import numpy as np
 import pytest
-from dse.exploration.boundary import near_boundary
 from fake_runners import REQUIREMENTS, benches, definition_of, make_check, make_fake, study_of
 
 from dse.domain.study import Study
 from dse.exploration import Checkable, FuturesExecutor, KnownRuns, check_measures, check_near_boundary, explore
 from dse.exploration.executor import Executor
 from dse.exploration.executors.local import Local
+from dse.exploration.near_boundary import near_boundary
 from dse.exploration.samplers.latin_hypercube import LatinHypercube
 from dse.storage import CERTAINTIES, EXPORTS, RunStore, StudyFolder
 
@@ -67,16 +67,15 @@ def test_of_two_hundred_runs_those_near_the_boundary_are_checked_and_no_others(e
         near = near_boundary(study(), table, None)
         assert len(table) == 200
     margins = table.margins("R1")
-    # All bars are 0.2, and the run with the smallest margin is among those that have a neighbour on the other side.
-    small = set(table.numbers[np.abs(margins) <= 0.2].tolist())
-    assert small - near
+    # All errors may be 0.1; the run with the smallest margin has a neighbour on the other side.
+    small = set(table.numbers[np.abs(margins) <= 0.1].tolist())
     assert set(table.checks.numbers.tolist()) == near | small
     assert len(table.checks) < 100
     certainty = np.array(CERTAINTIES)[table.certainties("R1")]
-    flips, checked = (margins > 0.0) & (margins < 0.3), np.isin(table.numbers, table.checks.numbers)
+    flips, checked = (margins > 0.0) & (margins < 0.15), np.isin(table.numbers, table.checks.numbers)
     assert (certainty[~checked] == "").all()
-    assert (certainty[checked & ((np.abs(margins) <= 0.2) | flips)] == "doubtful").all()
-    assert (certainty[checked & (np.abs(margins) > 0.2) & ~flips] == "certain").all()
+    assert (certainty[checked & ((np.abs(margins) <= 0.1) | flips)] == "doubtful").all()
+    assert (certainty[checked & (np.abs(margins) > 0.1) & ~flips] == "certain").all()
     assert set(certainty[checked]) == {"certain", "doubtful"}
     # A variation that comes to a verdict casts doubt on "not exercised" as well.
     assert set(np.array(CERTAINTIES)[table.certainties("R2")][checked & flips]) == {"doubtful"}
@@ -111,7 +110,7 @@ def test_a_study_without_any_boundary_has_the_run_nearest_to_the_bound_checked(t
         table = folder.table()
     assert count == len(table.checks)
     assert int(table.numbers[np.argmin(table.margins("R1"))]) in table.checks.numbers
-    assert (np.abs(table.margins("R1")[table.checks.numbers]) <= 0.4).all()
+    assert (np.abs(table.margins("R1")[table.checks.numbers]) <= 0.1).all()
 
 
 @pytest.mark.thorough

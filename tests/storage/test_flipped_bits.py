@@ -7,11 +7,13 @@ from collections import Counter
 from collections.abc import Callable
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from dse.domain.definition import StudyDefinition
 from dse.domain.run import Run
 from dse.errors import DseError
+from dse.storage.checks import Checks
 from dse.storage.export.tables import EXPORTS
 from dse.storage.folder import StudyFolder
 
@@ -37,6 +39,8 @@ def test_a_flipped_bit_is_found_or_does_not_matter(
 ) -> None:
     with StudyFolder.resume(stored, definition) as folder:
         folder.add_kept((0, 1), "")
+        numbers = np.array([0, 2])
+        folder.add_checks(Checks(numbers, np.full((2, 2), 0.25), np.array([[1, 3], [2, 0]]), {2: "with half the step"}))
     file = stored / "study.sqlite"
     whole = file.read_bytes()
     expected = exported(stored)

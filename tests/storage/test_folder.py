@@ -130,7 +130,7 @@ def to_second_version(path: Path) -> None:
     with closing(sqlite3.connect(path / "study.sqlite")) as connection:
         connection.execute("CREATE TABLE timing (number INTEGER PRIMARY KEY, wall REAL) STRICT")
         connection.execute("INSERT INTO timing SELECT run, seconds FROM attempts")
-        for table in ("attempts", "makers", "files"):
+        for table in ("attempts", "makers", "files", "checks"):
             connection.execute(f"DROP TABLE {table}")
         for table in ("runs", "kept"):
             connection.execute(f"ALTER TABLE {table} DROP COLUMN seal")

@@ -30,6 +30,11 @@ class MetricRow:
     verdict: str = ""
     certainty: str = ""
 
+    @property
+    def judged(self) -> str:
+        """The verdict, and that it is doubtful if it is."""
+        return f"{self.verdict}, {self.certainty}" if self.certainty == "doubtful" else self.verdict
+
 
 @dataclass(frozen=True, slots=True)
 class Check:

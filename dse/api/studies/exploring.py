@@ -133,7 +133,7 @@ def explore_into(
         start_over(folder)
     checks = study.check_step is CheckStep.NEAR_BOUNDARY and not options.shard
     if checks:
-        require_checkable(planned)
+        require_checkable(planned, planned.benches)
     with StudyFolder.resume(folder, planned.definition) as store:
         if options.retry_failed:
             store.forget(store.failed())

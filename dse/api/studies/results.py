@@ -55,6 +55,14 @@ class Summary:
     remarks: Mapping[int, str] = field(default_factory=dict)
     """What the repetitions of runs have to say, by number: above all why nobody can tell how exact one is."""
 
+    def counts(self, requirement: str) -> dict[str, str]:
+        """How many runs came to each verdict, in words: ``612 (9 doubtful)``."""
+        doubtful = self.doubtful.get(requirement, {})
+        return {
+            verdict: f"{number} ({doubtful[verdict]} doubtful)" if doubtful.get(verdict) else str(number)
+            for verdict, number in self.verdicts[requirement].items()
+        }
+
     @property
     def is_passed(self) -> bool:
         """Whether no run failed to run, no requirement failed and none is doubtful."""
@@ -167,7 +175,7 @@ class Results:
     def _repr_html_(self) -> str:
         summary, labels = self.summary, described.requirement_labels(self.definition)
         heads = dict.fromkeys(verdict for counts in summary.verdicts.values() for verdict in counts)
-        rows = [(labels[name], *counts.values()) for name, counts in summary.verdicts.items()]
+        rows = [(labels[name], *summary.counts(name).values()) for name in summary.verdicts]
         what = f"{self.definition.title}: {summary.finished} of {summary.runs} runs, {summary.failed} failed"
         return table(what, ("requirement", *heads) if rows else (), rows)
 

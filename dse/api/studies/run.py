@@ -148,7 +148,7 @@ class Run:
 
     def _repr_html_(self) -> str:
         rows = described.metric_rows(self.noun, self.definition, self.check)
-        cells = [(r.title, r.value, r.requirement, r.bound, r.margin, r.verdict) for r in rows]
+        cells = [(r.title, r.value, r.requirement, r.bound, r.margin, r.judged) for r in rows]
         headings = ("metric", "value", "requirement", "bound", "margin", "verdict")
         shown = f"{self.definition.title}, configuration {self.configuration}"
         failed = "" if self.is_done else f": failed to run: {self.problem}"
