@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 _BAD = 1e30
 """The objectives of a design that violates a requirement: never looked at, but they have to be numbers."""
 
-_MATINGS = 100
+_MATINGS = 20
 """Rounds of mating without enough new designs after which a generation is as small as it is."""
 
 
