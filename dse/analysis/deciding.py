@@ -8,11 +8,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from dse.analysis.designs import Designs, designs_of
 from dse.domain.definition import DefinedObjective, DefinedRequirement, StudyDefinition
 from dse.domain.sampler import Objective, Role
 from dse.errors import closest, fail
-from dse.exploration import design_variable, front, knee
+from dse.exploration import Designs, design_variable, designs_of, front_of, knee
 from dse.storage import RunTable
 
 _DIGITS = 10
@@ -174,8 +173,11 @@ def _first(values: NDArray[np.float64], feasible: NDArray[np.bool_], number: int
 
 
 def _front(values: NDArray[np.float64], feasible: NDArray[np.bool_]) -> list[int]:
-    on_it = front(values.tolist(), (~feasible).astype(np.float64).tolist())
-    return sorted(on_it, key=lambda row: values[row].tolist())
+    rows = np.flatnonzero(feasible)
+    on_it: dict[tuple[float, ...], int] = {}
+    for row in rows[front_of(values[rows])].tolist():
+        on_it.setdefault(tuple(values[row].tolist()), row)  # of equal ones the first
+    return [on_it[point] for point in sorted(on_it)]
 
 
 def _better(

@@ -4,12 +4,13 @@ from .checking import (
     check_measures as check_measures,
     check_near_boundary as check_near_boundary,
 )
+from .designs import Designs as Designs, designs_of as designs_of, front_of as front_of
 from .executor import Executor as Executor, Pool as Pool, load_executor as load_executor
 from .failures import in_words as in_words
 from .known_runs import KnownRuns as KnownRuns, give as give
 from .loop import ExplorationInterruptedError as ExplorationInterruptedError, Explored as Explored, explore as explore
 from .once_sampler import OnceSampler as OnceSampler
-from .optimising.front import front as front, hypervolume as hypervolume, knee as knee
+from .optimising.front import hypervolume as hypervolume, knee as knee
 from .progress import Progress as Progress
 from .remote.futures import FuturesExecutor as FuturesExecutor
 from .supervision.single_run import simulate_alone as simulate_alone

@@ -84,6 +84,37 @@ def designs_of(
     )
 
 
+def violations(designs: Designs, scale: Array) -> Array:
+    """By how much each design misses the requirements, (n,): 0 where it is feasible.
+
+    A missed margin counts in units of *scale*, (r,), the margins' usual size; a requirement that no run exercised
+    counts 1, and a run that failed to run 1 + the number of requirements.
+    """
+    missed = np.where(designs.failing, -np.nan_to_num(np.minimum(designs.margins, 0.0)) / scale, 0.0)
+    open_ = ~designs.failing & ~designs.shown
+    # A missed margin of nothing is missed all the same.
+    missed = np.where(designs.failing, np.maximum(missed, np.finfo(np.float64).tiny), missed)
+    return np.asarray(missed.sum(axis=1) + open_.sum(axis=1) + designs.failed * (1.0 + designs.margins.shape[1]))
+
+
+def front_of(objectives: Array) -> NDArray[np.bool_]:
+    """Which of *objectives*, (n, m), all to be small, no other is at least as good as in all and better in one, (n,).
+
+    A point that is not a number is on no front. Equal points are on it together.
+    """
+    sound = np.flatnonzero(~np.isnan(objectives).any(axis=1))
+    on_front = np.zeros(len(objectives), dtype=np.bool_)
+    order = sound[np.lexsort(objectives[sound].T[::-1])] if len(sound) else sound
+    kept: list[int] = []
+    for row in order.tolist():
+        front = objectives[kept]
+        dominated = (front <= objectives[row]).all(axis=1) & (front < objectives[row]).any(axis=1)
+        if not dominated.any():
+            kept.append(row)
+    on_front[kept] = True
+    return on_front
+
+
 def _columns(outcomes: Outcomes, names: Sequence[str]) -> Array:
     return np.array([outcomes.points[name] for name in names]).reshape(len(names), len(outcomes)).T
 

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from hypothesis import given, strategies as st
 
-from dse.analysis.designs import designs_of
 from dse.domain.bench import Verdict
 from dse.domain.sampler import DesignVariable, Objective, Outcomes, Role
+from dse.exploration.designs import designs_of, front_of, violations
 from dse.units import DIMENSIONLESS
 
 P, F, N, X = Verdict.PASS, Verdict.FAIL, Verdict.NOT_EXERCISED, Verdict.FAILED_TO_RUN
@@ -49,6 +50,7 @@ def test_a_design_is_feasible_if_it_was_shown_to_meet_everything_and_failed_noth
     runs = [("x", 0.5, float(i), 5.0, 1.0, v, np.nan if v is X else 0.1) for i, v in enumerate(verdicts)]
     designs = one(*runs)
     assert designs.feasible.tolist() == [feasible]
+    assert (violations(designs, np.ones(1)) == 0).tolist() == [feasible]
 
 
 def test_the_smallest_margin_is_that_of_a_run_that_exercised_the_requirement():
@@ -68,3 +70,24 @@ def test_designs_stand_in_the_order_of_their_first_runs():
     assert designs.configurations == ("y", "x", "y")
     assert designs.points.tolist() == [[0.5], [0.2], [0.1]]
     assert [rows.tolist() for rows in designs.rows] == [[0, 2], [1], [3]]
+
+
+def test_what_misses_more_violates_more_and_a_failed_run_most():
+    misses = [("x", gain, 0.0, 5.0, 1.0, F, margin) for gain, margin in ((0.1, -0.0), (0.2, -0.5), (0.3, -1.0))]
+    told = [*misses, ("x", 0.4, 0.0, 5.0, 1.0, X, np.nan), ("x", 0.5, 0.0, 5.0, 1.0, P, 1.0)]
+    found = violations(designs_of(outcomes(*told), (GAIN, ROAD, MASS)), np.ones(1))
+    assert 0 < found[0] < found[1] < found[2] < found[3]
+    assert found[4] == 0
+
+
+@given(st.lists(st.tuples(*[st.sampled_from([0.0, 1.0, 2.0, 3.0, np.nan])] * 3), max_size=25))
+def test_the_front_is_what_nothing_dominates(points):
+    objectives = np.array(points).reshape(len(points), 3)
+
+    def is_better(one, other):
+        return bool((one <= other).all() and (one < other).any())
+
+    expected = [
+        not np.isnan(own).any() and not any(is_better(other, own) for other in objectives) for own in objectives
+    ]
+    assert front_of(objectives).tolist() == expected
