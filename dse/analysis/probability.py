@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from dse.analysis.cells import effective
+from dse.analysis.cells import effective, is_lopsided
 from dse.analysis.data import ALL, MET, StudyData, withheld
 from dse.domain.bench import VERDICTS, Verdict
 
@@ -59,7 +59,7 @@ def wilson(successes: float, trials: float, confidence: float = CONFIDENCE) -> I
 
 
 def probability_met(data: StudyData, requirement: str = ALL) -> Met:
-    """DseError if there is no such requirement, or no run met or failed it."""
+    """DseError if there is no such requirement, no run met or failed it, or they crowd on one side of the boundary."""
     codes = data.codes(requirement)
     met = codes == MET
     judged = met | (codes == VERDICTS.index(Verdict.FAIL))
@@ -70,9 +70,13 @@ def probability_met(data: StudyData, requirement: str = ALL) -> Met:
     weights = data.weights[judged]
     counts_as = effective(weights)
     share = float(data.weights[met].sum() / weights.sum())
+    interval = wilson(share * counts_as, counts_as)
+    if is_lopsided(data.places[judged], weights, met[judged], (interval.high - interval.low) / 2):
+        told = f"{count[Verdict.PASS]} runs meet it and {count[Verdict.FAIL]} do not, but they crowd on one side of"
+        raise withheld(requirement, f"{told} where that changes: what share of the space it is cannot be told")
     return Met(
         requirement,
-        wilson(share * counts_as, counts_as),
+        interval,
         count[Verdict.PASS],
         count[Verdict.FAIL],
         count[Verdict.NOT_EXERCISED],
