@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 Floats = NDArray[np.float64]
 
-_PROBES = 2**14
+_PROBES = 2**12
 _PROBES_A_POINT = 16
 _MOST_PROBES = 2**20
 _CROWDED = 0.8

@@ -68,7 +68,8 @@ def _of_everything(account: Account, data: StudyData) -> None:
         if metric not in behind:
             _dependence(account, data, metric)
     if len(data.factors) > 1:
-        for metric in behind or data.metrics:
+        told = {each.about for each in account.findings if each.topic is Topic.TOGETHER}
+        for metric in (name for name in behind or data.metrics if name not in told):
             label = metric_label(data, metric)
             account.tell("what matters together", metric, label, partial(interactions, data, metric))
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from known_functions import ISHIGAMI, g_function, g_indices, ishigami, study, variable
 
-from dse.analysis import morris_effects, sobol_indices, study_data
+from dse.analysis import Topic, findings, morris_effects, sobol_indices, study_data
 from dse.domain.definition import DefinedSampler
 from dse.domain.sampler import Brief, DesignVariable, Outcomes
 from dse.errors import DseError
@@ -59,6 +59,21 @@ def test_they_are_what_salib_makes_of_its_own_design(second):
     ours = sobol_indices(_sobol(ishigami, 3, 64, second=second), "y")
     assert [each.first.value for each in ours.factors] == pytest.approx(theirs["S1"].tolist(), rel=1e-12)
     assert [each.total.value for each in ours.factors] == pytest.approx(theirs["ST"].tolist(), rel=1e-12)
+
+
+def test_designed_indices_are_told():
+    points, sampler = _points("sobol_indices", 3, base=256)
+    found = findings(study(points, {"y": ishigami(points)}, {"y": 3.0}, sampler=sampler))
+    (text,) = [each.text for each in found if each.topic is Topic.TOGETHER]
+    assert text.startswith("y: x1 explains 3")
+    assert text.endswith(" together with others (256 blocks)")
+
+
+def test_elementary_effects_are_told_in_the_unit_of_the_metric():
+    points, sampler = _points("morris", 2, trajectories=8)
+    found = findings(study(points, {"y": 3 * points[:, 0]}, {"y": 1.0}, sampler=sampler))
+    (text,) = [each.text for each in found if each.topic is Topic.TOGETHER]
+    assert text.startswith("y: x1 changes it by 3 (± ")
 
 
 def test_the_order_of_the_runs_does_not_matter():
