@@ -15,7 +15,6 @@ _PROBES = 2**12
 _PROBES_A_POINT = 16
 _MOST_PROBES = 2**20
 _CROWDED = 0.8
-_LOPSIDED = 0.5
 _SEED = 0
 
 
@@ -48,20 +47,20 @@ def space_weights(places: Floats, groups: NDArray[np.intp], on_grid: bool) -> Fl
     return weights
 
 
-def is_lopsided(places: Floats, weights: Floats, met: NDArray[np.bool_], half: float) -> bool:
-    """Whether runs at *places*, (n, k), that crowd do so on one side of a boundary: cells then reach across it.
+def lean(places: Floats, weights: Floats, met: NDArray[np.bool_]) -> float:
+    """By how much the weight of runs that are *met* may be too large, negative if too small, as a part of all weight.
 
-    Told by what the nearest other run says of each: by more than half of what is not known anyway, *half*, too often
-    the one, or too often the other.
+    Where runs at *places*, (n, k), crowd on one side of a boundary their cells reach across it. That is told by what
+    the nearest other run says of each: the one too often, or the other. 0 where they do not crowd.
     """
     from scipy.spatial import cKDTree
 
     if len(places) < 2 or not places.shape[1] or np.ptp(weights) == 0:
-        return False
+        return 0.0
     points = np.nan_to_num(places, nan=-1.0)
-    _, nearest = cKDTree(points).query(points, k=[2])
+    nearest = np.asarray(cKDTree(points).query(points, k=[2])[1])
     wrong = met[nearest[:, 0]].astype(np.float64) - met
-    return abs(float(weights @ wrong / weights.sum())) > _LOPSIDED * half
+    return float(weights @ wrong / weights.sum())
 
 
 def _grid_cells(points: Floats) -> Floats:

@@ -65,15 +65,18 @@ def test_designed_indices_are_told():
     points, sampler = _points("sobol_indices", 3, base=256)
     found = findings(study(points, {"y": ishigami(points)}, {"y": 3.0}, sampler=sampler))
     (text,) = [each.text for each in found if each.topic is Topic.TOGETHER]
-    assert text.startswith("y: x1 explains 3")
-    assert text.endswith(" together with others (256 blocks)")
+    assert text.startswith("y: x1 6")
+    assert " by itself), x2 " in text
+    assert text.endswith("; Sobol' indices of 256 blocks")
 
 
 def test_elementary_effects_are_told_in_the_unit_of_the_metric():
     points, sampler = _points("morris", 2, trajectories=8)
     found = findings(study(points, {"y": 3 * points[:, 0]}, {"y": 1.0}, sampler=sampler))
     (text,) = [each.text for each in found if each.topic is Topic.TOGETHER]
-    assert text.startswith("y: x1 changes it by 3 (± ")
+    assert text.startswith("y changes by 3 (± ")
+    assert " over the range of x1, " in text
+    assert text.endswith("; 8 trajectories")
 
 
 def test_the_order_of_the_runs_does_not_matter():

@@ -2,7 +2,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from known_functions import even, study
+from known_functions import even, study, variable
 from scipy.stats import binom
 
 from dse.analysis import ALL, probability_met, study_data, wilson
@@ -110,6 +110,16 @@ def test_intervals_of_runs_that_crowd_hold_the_truth_too():
         held += met.share.low < np.pi * 0.16 < met.share.high
     assert refused <= 15
     assert held >= 0.95 * (100 - refused)
+
+
+def test_runs_that_share_their_values_tell_less_than_as_many_others():
+    """40 designs under 5 conditions each: nothing depends on the condition, so that each counts once."""
+    design, fog = np.repeat(even(40, 1)[:, 0], 5), np.tile(np.linspace(0.0, 1.0, 5), 40)
+    variables = [variable("x1"), variable("fog", values=tuple(np.linspace(0.0, 1.0, 5).tolist()), role="condition")]
+    table = study(np.column_stack([design, fog]), {"y": design}, {"y": 0.5}, variables=variables)
+    met = probability_met(study_data(table), "R1")
+    assert met.judged == 200
+    assert met.counts_as == pytest.approx(40.0)
 
 
 @pytest.mark.parametrize("count", [1, 2, 5])
