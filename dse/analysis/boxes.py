@@ -7,6 +7,7 @@ runs that it was not made from; a box that they do not confirm is luck, and is n
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy as np
@@ -23,9 +24,12 @@ _PEEL = 0.06
 _LEAST_SUPPORT = 0.04
 _LEAST_RUNS = 8
 _PURE = 0.95
+_MIXED = 0.75
 _WORTH = 0.01
 _LUCK = 0.001
+_CHANCE = 0.05
 _LEAST_COVERAGE = 0.1
+_LEAST_DENSITY = 0.5
 _SEED = 0
 
 
@@ -56,15 +60,11 @@ class Box:
 
     def holds(self, data: StudyData) -> Rows:
         """Which runs are inside, (n,)."""
-        inside = np.ones(len(data), dtype=np.bool_)
-        for limit in self.limits:
-            k = data.factor(limit.factor.name)
-            inside &= _allowed(limit, data.factors[k], data.places[:, k])
-        return inside
+        return _holds(self.limits, data)
 
 
 def best_boxes(data: StudyData, requirement: str = ALL, most: int = 3) -> tuple[Box, ...]:
-    """The best box, then the best of what is outside of it, and so on; none if there is none that is not luck.
+    """The best box, then the best of what is outside of it, as long as that is worth it; none if all are luck.
 
     Runs that did not exercise a requirement, or failed to run, do not meet it. DseError if there are too few runs,
     fewer than ten that meet it, or hardly any others.
@@ -84,8 +84,9 @@ def best_boxes(data: StudyData, requirement: str = ALL, most: int = 3) -> tuple[
     while len(found) < most and (met & made & left).sum() >= _LEAST_PASSES:
         inside = _Inside(data.part(made & left), met[made & left])
         limits = inside.limits()
+        limits = _confirmed(limits, data, met, left & ~made)
         box = _judged(limits, data, met, left & ~made, float(data.weights[met & ~made].sum()))
-        if box is None or (found and box.coverage < _LEAST_COVERAGE):
+        if box is None or (found and (box.coverage < _LEAST_COVERAGE or box.density.value < _LEAST_DENSITY)):
             break
         found.append(box)
         left &= ~box.holds(data)
@@ -108,7 +109,10 @@ class _Inside:
             trail.append(self._box())
         worths = [self._density(self._rows(*box)) for box in trail]
         target = min(max(worths), _PURE)
-        self._set(next(box for box, worth in zip(trail, worths, strict=True) if worth >= target - 1e-12))
+        which = next(number for number, worth in enumerate(worths) if worth >= target - 1e-12)
+        while which + 1 < len(trail) and self._added(trail[which], trail[which + 1]) < _MIXED * worths[which]:
+            which += 1
+        self._set(trail[which])
         self._loosen(target)
         return tuple(self._limit(k) for k in range(len(self._data.factors)) if self._is_limited(k))
 
@@ -155,8 +159,15 @@ class _Inside:
             if not worths or max(worths) < min(target, self._density(self._rows(*self._box()))) - _WORTH:
                 break
             self._set(looser[int(np.argmax(np.round(worths, 9)))])
-        while wider := [box for box in self._wider() if self._density(self._rows(*box)) >= target]:
+        while wider := [box for box in self._wider() if self._is_worth(box, target)]:
             self._set(max(wider, key=lambda box: int((self._rows(*box) & self._met).sum())))
+
+    def _is_worth(self, box: _Sides, target: float) -> bool:
+        return self._density(self._rows(*box)) >= target and self._added(box, self._box()) >= _MIXED * target
+
+    def _added(self, box: _Sides, to: _Sides) -> float:
+        """The density in what *box* has more than the one that it is added *to*."""
+        return self._density(self._rows(*box) & ~self._rows(*to))
 
     def _without(self, k: int) -> list[_Sides]:
         low, high, out = self._box()
@@ -231,6 +242,42 @@ def _allowed(limit: Limit, factor: Factor, places: Floats) -> Rows:
         return np.array(allowed, dtype=np.bool_) & ~np.isnan(places)
     above = (places >= limit.low) | np.isnan(limit.low)
     return np.asarray(above & ((places <= limit.high) | np.isnan(limit.high)), dtype=np.bool_)
+
+
+def _confirmed(limits: tuple[Limit, ...], data: StudyData, met: Rows, others: Rows) -> tuple[Limit, ...]:
+    """Without the limits beyond which the *others* pass about as often as inside (Bryant and Lempert 2010)."""
+    from scipy.special import bdtr
+
+    whole = _holds(limits, data) & others
+    density = met[whole].mean() if whole.any() else 0.0
+    while True:
+        inside = _holds(limits, data) & others
+        best, least = limits, _CHANCE
+        for number, limit in enumerate(limits):
+            for looser in _looser(limit):
+                rest = (*limits[:number], *looser, *limits[number + 1 :])
+                beyond = _holds(rest, data) & others & ~inside
+                chance = float(bdtr(int(met[beyond].sum()), int(beyond.sum()), density))
+                if round(chance, 9) > least:
+                    best, least = rest, round(chance, 9)
+        if best is limits:
+            return limits
+        limits = best
+
+
+def _looser(limit: Limit) -> list[tuple[Limit, ...]]:
+    """With one of its bounds only, or not at all."""
+    if np.isnan(limit.low) or np.isnan(limit.high):
+        return [()]
+    return [(Limit(limit.factor, limit.low, np.nan),), (Limit(limit.factor, np.nan, limit.high),)]
+
+
+def _holds(limits: Iterable[Limit], data: StudyData) -> Rows:
+    inside = np.ones(len(data), dtype=np.bool_)
+    for limit in limits:
+        k = data.factor(limit.factor.name)
+        inside &= _allowed(limit, data.factors[k], data.places[:, k])
+    return inside
 
 
 def _judged(limits: tuple[Limit, ...], data: StudyData, met: Rows, others: Rows, passing: float) -> Box | None:

@@ -63,8 +63,10 @@ class StudyData:
 
     *places*, (n, k), are 0 … 1, NaN where a factor is absent from the run's configuration. *metrics* and *margins* are
     in SI, NaN where undefined, *verdicts* positions in `VERDICTS`, each (n,) by name. *weights*, (n,), are what runs
-    count: how much of the space there is to a run, 1 on average. *plane* are the variables that are varied where all
-    others are held; () if none is. *apart* is how many runs of the study are not among them.
+    count: how much of the space there is to a run, 1 on average. So many runs are *different*: of those that share
+    their values with others, as blocks of a design do, each tells little that is new; not so *on_grid*. *plane* are the
+    variables that are varied where all others are held; () if none is. *apart* is how many runs of the study are not
+    among them.
     """
 
     definition: StudyDefinition
@@ -77,6 +79,8 @@ class StudyData:
     margins: Mapping[str, Floats]
     verdicts: Mapping[str, Codes]
     weights: Floats
+    different: int
+    on_grid: bool = False
     plane: tuple[str, ...] = ()
     apart: int = 0
 

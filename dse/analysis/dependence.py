@@ -9,9 +9,9 @@ from dataclasses import asdict
 from dse.analysis.data import StudyData
 from dse.analysis.designed import Effects, Indices, morris_effects, sobol_indices
 from dse.analysis.effects import correlations
-from dse.analysis.first_order import first_order, going_together
+from dse.analysis.first_order import first_order_shares, going_together
 from dse.analysis.importance import importances
-from dse.analysis.phrases import difference, likely, listed, parts, percent
+from dse.analysis.phrases import difference, listed, parts, percent
 from dse.analysis.probability import Interval
 from dse.analysis.said import Finding, Topic
 from dse.errors import fail
@@ -31,7 +31,7 @@ def metric_label(data: StudyData, name: str) -> str:
 
 def shares(data: StudyData, metric: str) -> Iterator[Finding]:
     """What explains how much of its variance by itself. Raises DseError."""
-    found = sorted(first_order(data, metric), key=lambda share: -round(share.share.value, 9))
+    found = sorted(first_order_shares(data, metric), key=lambda share: -round(share.share.value, 9))
     if not found:
         raise fail(f"{metric}: its runs differ in nothing that could explain it")
     label, named = metric_label(data, metric), [each for each in found if each.share.low > 0][:_MOST_NAMED]
@@ -71,12 +71,29 @@ def designed_findings(data: StudyData, metric: str) -> Iterator[Finding]:
     """Indices of the design that the study is made by. Raises DseError."""
     found = DESIGNED[data.definition.sampler.kind](data, metric)
     unit = next(entry.unit for entry in data.definition.metrics if entry.name == metric)
-    factors: list[Indices | Effects] = [*found.factors]
-    ranked = sorted(factors, key=lambda each: -round(_size(each).value, 9))[:_MOST_NAMED]
-    told = listed([_designed(each, unit) for each in ranked])
+    label, factors = metric_label(data, metric), [*found.factors]
     lacking = f", {found.lacking} left out for want of results" if found.lacking else ""
-    text = f"{metric_label(data, metric)}: {told} ({found.blocks} blocks{lacking})"
+    indices = [each for each in factors if isinstance(each, Indices)]
+    if indices:
+        ranked = sorted(indices, key=lambda each: -round(each.total.value, 9))
+        named = [each for each in ranked if each.total.high >= _HARDLY][:_MOST_NAMED]
+        told = parts([(each.factor, _capped(each.total), f", {_alone(each)} by itself") for each in named])
+        text = f"{label}: {told}; Sobol' indices of {found.blocks} blocks{lacking}"
+    else:
+        effects = [each for each in factors if isinstance(each, Effects)]
+        ranked_ = sorted(effects, key=lambda each: -round(each.size.value, 9))[:_MOST_NAMED]
+        told = ", ".join(f"{_change(each, unit)} over the range of {each.factor}" for each in ranked_)
+        text = f"{label} changes by {told}; {found.blocks} trajectories{lacking}"
     yield Finding(Topic.TOGETHER, metric, text, asdict(found))
+
+
+def _alone(each: Indices) -> str:
+    return percent(_capped(each.first).value)
+
+
+def _change(each: Effects, unit: str) -> str:
+    half = difference(each.size.high - each.size.value, unit)
+    return f"{difference(each.size.value, unit)} (± {half})"
 
 
 def _trends(data: StudyData, metric: str) -> dict[str, str]:
@@ -86,18 +103,6 @@ def _trends(data: StudyData, metric: str) -> dict[str, str]:
         for name, rank in ranks.items()
         if rank.low > _TREND or rank.high < -_TREND
     }
-
-
-def _size(each: Indices | Effects) -> Interval:
-    return each.total if isinstance(each, Indices) else each.size
-
-
-def _designed(each: Indices | Effects, unit: str) -> str:
-    if isinstance(each, Indices):
-        alone, whole = likely(_capped(each.first)), likely(_capped(each.total))
-        return f"{each.factor} explains {alone} of the variance by itself, {whole} together with others"
-    half = difference(each.size.high - each.size.value, unit)
-    return f"{each.factor} changes it by {difference(each.size.value, unit)} (± {half}) over its range"
 
 
 def _capped(share: Interval) -> Interval:

@@ -15,6 +15,7 @@ if TYPE_CHECKING:
 
 _MOST_BINS = 8
 _LEAST = 4
+_ROUNDING = 1e-12
 
 
 @dataclass(frozen=True, slots=True)
@@ -89,7 +90,7 @@ def _mean(values: Floats) -> Interval:
 def _fisher(correlation: float, spread: float) -> Interval:
     from scipy.special import ndtri
 
-    if abs(correlation) >= 1.0:
+    if abs(correlation) > 1.0 - _ROUNDING:
         return Interval(*[math.copysign(1.0, correlation)] * 3)
     half = float(ndtri(0.5 + CONFIDENCE / 2)) * spread
     z = math.atanh(correlation)

@@ -36,7 +36,7 @@ class Share:
     runs: int
 
 
-def first_order(data: StudyData, metric: str) -> tuple[Share, ...]:
+def first_order_shares(data: StudyData, metric: str) -> tuple[Share, ...]:
     """The share of each factor, in the order of the factors, of what varies where the metric is defined.
 
     Shares add up to 1 at most where factors are independent; what they leave is due to several factors together, or to
@@ -46,7 +46,7 @@ def first_order(data: StudyData, metric: str) -> tuple[Share, ...]:
     there, values = data.response(metric, LEAST)
     found = []
     for k, factor in enumerate(there.factors):
-        rows, bins = _best_bins(there.places[:, k], factor, values)
+        rows, bins = _best_bins(there.places[:, k], factor, values, there.weights)
         y, weights = values[rows], there.weights[rows]
         if len(y) < LEAST or not bins.any() or not np.ptp(y):
             continue
@@ -76,7 +76,9 @@ def going_together(data: StudyData) -> tuple[tuple[str, str], ...]:
     return tuple(pairs)
 
 
-def _best_bins(places: Floats, factor: Factor, values: Floats) -> tuple[NDArray[np.bool_], NDArray[np.intp]]:
+def _best_bins(
+    places: Floats, factor: Factor, values: Floats, weights: Floats
+) -> tuple[NDArray[np.bool_], NDArray[np.intp]]:
     """As many bins as leave least unexplained, each bin having its price (generalised cross-validation)."""
     best, least = binned(places, factor, 2), np.inf
     for most in _BINS:
@@ -84,7 +86,7 @@ def _best_bins(places: Floats, factor: Factor, values: Floats) -> tuple[NDArray[
         y, count = values[rows], int(bins.max(initial=0)) + 1
         if len(y) < max(_LEAST_A_BIN * count, LEAST) and most > 2:
             break
-        left = _unexplained(bins, y, np.ones(len(y))) / max(1 - count / max(len(y), 1), 1e-9) ** 2
+        left = _unexplained(bins, y, weights[rows]) / max(1 - count / max(effective(weights[rows]), 1), 1e-9) ** 2
         if left < least * (1 - 1e-9):
             best, least = (rows, bins), left
     return best

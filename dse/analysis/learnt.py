@@ -68,7 +68,8 @@ def _of_everything(account: Account, data: StudyData) -> None:
         if metric not in behind:
             _dependence(account, data, metric)
     if len(data.factors) > 1:
-        for metric in behind or data.metrics:
+        told = {each.about for each in account.findings if each.topic is Topic.TOGETHER}
+        for metric in (name for name in behind or data.metrics if name not in told):
             label = metric_label(data, metric)
             account.tell("what matters together", metric, label, partial(interactions, data, metric))
 
@@ -80,9 +81,10 @@ def _requirements(data: StudyData) -> list[str]:
 
 def _dependence(account: Account, data: StudyData, metric: str) -> None:
     label = metric_label(data, metric)
-    account.tell("what explains the variance", metric, label, partial(shares, data, metric))
     if data.definition.sampler.kind in DESIGNED:
         account.tell("designed indices", metric, label, partial(designed_findings, data, metric))
+    if not any(each.about == metric and each.topic is Topic.TOGETHER for each in account.findings):
+        account.tell("what explains the variance", metric, label, partial(shares, data, metric))
 
 
 def _runs(data: StudyData) -> Iterator[Finding]:
@@ -111,7 +113,7 @@ def _how_often(met: Met, data: StudyData) -> str:
     rest = f"; {listed(others)}" if others else ""
     if is_sample and met.failed and met.met:
         crowded = round(met.counts_as) < _CROWDED * met.judged
-        weighed = f", which crowd and count by the space around each as {met.counts_as:.0f} do" if crowded else ""
+        weighed = f", which tell as much as {met.counts_as:.0f} spread evenly" if crowded else ""
         exercised = " where it is exercised" if met.not_exercised else ""
         return f"met in {likely(met.share)} of the space{exercised}, by {met.judged} runs{weighed}{rest}"
     bound = f"at least {percent(met.share.low)}" if met.met else f"at most {percent(met.share.high)}"

@@ -30,7 +30,7 @@ class Distance:
     chance: float
 
 
-def pawn(data: StudyData, metric: str) -> tuple[Distance, ...]:
+def pawn_distances(data: StudyData, metric: str) -> tuple[Distance, ...]:
     """Of every factor that is a number with more than ten values.
 
     DseError if fewer than 100 runs define *metric*, it never changes, is undefined in more than one run of 100, or runs

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from dse.analysis.cells import effective
+from dse.analysis.cells import effective, lean
 from dse.analysis.data import ALL, MET, StudyData, withheld
 from dse.domain.bench import VERDICTS, Verdict
 
@@ -59,7 +59,7 @@ def wilson(successes: float, trials: float, confidence: float = CONFIDENCE) -> I
 
 
 def probability_met(data: StudyData, requirement: str = ALL) -> Met:
-    """DseError if there is no such requirement, or no run met or failed it."""
+    """DseError if there is no such requirement, no run met or failed it, or they crowd on one side of the boundary."""
     codes = data.codes(requirement)
     met = codes == MET
     judged = met | (codes == VERDICTS.index(Verdict.FAIL))
@@ -68,11 +68,17 @@ def probability_met(data: StudyData, requirement: str = ALL) -> Met:
         told = f"{count[Verdict.NOT_EXERCISED]} runs do not exercise it, {count[Verdict.FAILED_TO_RUN]} failed to run"
         raise withheld(requirement, f"no run says whether it is met: {told}")
     weights = data.weights[judged]
-    counts_as = effective(weights)
+    counts_as = effective(weights) * min(data.different / len(data), 1.0)
     share = float(data.weights[met].sum() / weights.sum())
+    interval = wilson(share * counts_as, counts_as)
+    excess = 0.0 if data.on_grid else lean(data.places[judged], weights, met[judged])
+    if abs(excess) > (interval.high - interval.low) / 2:
+        told = f"{count[Verdict.PASS]} runs meet it and {count[Verdict.FAIL]} do not, but they crowd on one side of"
+        raise withheld(requirement, f"{told} where that changes: what share of the space it is cannot be told")
+    low, high = max(interval.low - max(excess, 0.0), 0.0), min(interval.high - min(excess, 0.0), 1.0)
     return Met(
         requirement,
-        wilson(share * counts_as, counts_as),
+        Interval(share, low, high),
         count[Verdict.PASS],
         count[Verdict.FAIL],
         count[Verdict.NOT_EXERCISED],

@@ -39,6 +39,7 @@ def study_data(table: RunTable) -> StudyData:
         {name: _finite(table.margins(name)) for name in header.requirements},
         {name: table.verdicts(name) for name in header.requirements},
         np.ones(len(table)),
+        len(table),
         apart=int((~inside).sum()),
     )
     return _weighted(data.part(inside), header.slices is not None)
@@ -84,7 +85,18 @@ def _weighted(data: StudyData, on_grid: bool) -> StudyData:
         factors=tuple(factor for factor, kept in zip(data.factors, differs, strict=True) if kept),
         places=data.places[:, np.array(differs, dtype=np.bool_)],
     )
-    return replace(data, weights=space_weights(data.places, groups(data), on_grid))
+    weights = space_weights(data.places, groups(data), on_grid)
+    return replace(data, weights=weights, different=len(data) if on_grid else _different(data), on_grid=on_grid)
+
+
+def _different(data: StudyData) -> int:
+    """Into how many values the runs are, at most, different in a variable that may have any value."""
+    counts = [
+        len(np.unique(np.round(column[~np.isnan(column)], _DIGITS))) + int(np.isnan(column).sum())
+        for factor, column in zip(data.factors, data.places.T, strict=True)
+        if factor.variable is not None and not factor.variable.values
+    ]
+    return max(counts, default=len(data))
 
 
 def _scaled(defined: DefinedVariable, column: NDArray[Any]) -> tuple[Factor, Floats]:
@@ -114,3 +126,4 @@ def _finite(values: Floats) -> Floats:
 
 _NOTHING = "absent"
 _ROUNDING = 1e-9
+_DIGITS = 9

@@ -1,0 +1,130 @@
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from known_functions import study, variable
+
+from dse.analysis import (
+    around,
+    around_designs,
+    best_boxes,
+    claim,
+    objectives_of,
+    of_box,
+    ranked,
+    study_data,
+    what_would_change,
+)
+from dse.domain.definition import DefinedObjective, DefinedTotal
+from dse.domain.sampler import Objective
+from dse.errors import DseError
+
+USE, COST = Objective("use"), Objective("cost", is_total=True)
+
+
+def _table(*runs, **facts):
+    """Runs as choice, gain, slope, use, slip; slip has to be at most 0.5, slope is a condition."""
+    choices, gain, slope, use, slip = zip(*runs, strict=True)
+    points = np.array([gain, slope], dtype=np.float64).T
+    variables = [variable("gain"), variable("slope", role="condition", values=(0.0, 1.0))]
+    metrics = {"use": np.array(use, dtype=np.float64), "slip": np.array(slip, dtype=np.float64)}
+    return study(
+        points, metrics, {"slip": 0.5}, variables=variables, choices=[{"motor": each} for each in choices], **facts
+    )
+
+
+RUNS = (
+    ("small", 0.2, 0, 5.0, 0.1), ("small", 0.2, 1, 6.0, 0.2),
+    ("small", 0.4, 0, 4.0, 0.3), ("small", 0.4, 1, 5.5, 0.4),
+    ("large", 0.2, 0, 3.0, 0.1), ("large", 0.2, 1, 3.5, 0.8),
+    ("large", 0.6, 0, 7.0, 0.1),
+)  # fmt: skip
+
+
+def test_designs_are_ranked_by_their_worst_condition_and_have_to_meet_everything():
+    found = ranked(_table(*RUNS), [USE], 5)
+    assert [(each.values, each.point) for each in found.best] == [((5.5,), {"gain": 0.4}), ((6.0,), {"gain": 0.2})]
+    assert [each.runs for each in found.best] == [(2, 3), (0, 1)]
+    assert (found.designs, found.feasible, found.open) == (4, 2, 1)
+
+
+def test_what_would_have_to_change_is_said():
+    table = _table(*RUNS)
+    found = ranked(table, [USE], 5)
+    names = {each.choices["motor"]: each.id for each in table.header.definition.configurations}
+    assert list(what_would_change(found, table.header.definition)) == [
+        f"2. {names['small']} (runs 0, 1) wins if its use falls by more than 0.5 (8.3 %)",
+        f"{names['large']} (runs 4, 5), with use 3.5, wins if R1 were at most 0.8 instead of 0.5",
+    ]
+    assert claim(found) == (
+        "of 4 designs 2 meet all requirements wherever they were run; 1 more were not run at all conditions and are not"
+        " counted"
+    )
+
+
+def test_what_is_to_be_large_wins_by_its_smallest_value():
+    assert [each.values for each in ranked(_table(*RUNS), [Objective("use", maximize=True)], 5).best] == [
+        (5.0,),
+        (4.0,),
+    ]
+
+
+def test_metrics_and_sums_have_a_front_together():
+    table = _table(*RUNS[:4], ("large", 0.2, 0, 3.0, 0.1), ("large", 0.2, 1, 3.5, 0.2))
+    costs = {"small": 10.0, "large": 30.0}
+    definition = table.header.definition
+    priced = tuple(
+        replace(each, totals={"cost": DefinedTotal(costs[each.choices["motor"]], "EUR")})
+        for each in definition.configurations
+    )
+    header = replace(table.header, definition=replace(definition, configurations=priced))
+    found = ranked(replace(table, header=header), [COST, USE], 5)
+    assert [each.values for each in found.best] == [(10.0, 5.5), (30.0, 3.5)]
+
+
+def test_a_study_says_what_it_looks_for_unless_something_else_is_asked():
+    table = _table(*RUNS)
+    definition = replace(table.header.definition, objectives=(DefinedObjective("use"),))
+    assert objectives_of(definition, (), ()) == [USE]
+    assert objectives_of(definition, (), ("slip",)) == [Objective("slip", maximize=True)]
+    with pytest.raises(DseError, match="neither a metric nor a sum 'sum\\(cost\\)'"):
+        objectives_of(definition, ("sum(cost)",), ())
+    with pytest.raises(DseError, match="no objective"):
+        ranked(table, [], 5)
+
+
+def test_a_design_with_a_run_that_failed_is_no_design_to_take():
+    table = _table(*RUNS, done=[True, True, False, True, True, True, True])
+    assert [each.runs for each in ranked(table, [USE], 5).best] == [(0, 1)]
+
+
+def test_a_part_of_the_ranges_lies_around_a_run_and_within_them():
+    table = _table(*RUNS)
+    narrowing = around(table, 2, 0.5)
+    assert narrowing.ranges == {"gain": pytest.approx((0.15, 0.65))}
+    assert narrowing.ids == (table.configurations[2],)
+    assert around(table, 0, 1.0).ranges == {"gain": pytest.approx((0.0, 0.7))}
+    with pytest.raises(DseError, match="there is no run 9"):
+        around(table, 9, 0.5)
+
+
+def test_what_is_best_spans_the_next_ranges():
+    table = _table(*RUNS)
+    narrowing = around_designs(table, ranked(table, [USE], 5).best)
+    assert narrowing.ranges == {"gain": pytest.approx((0.15, 0.45))}
+    with pytest.raises(DseError, match="no design meets all requirements"):
+        around_designs(table, ())
+
+
+def test_a_box_narrows_ranges_and_choices_and_leaves_conditions():
+    random = np.random.default_rng(4)
+    count = 1500
+    motors = np.where(random.random(count) < 0.5, "small", "large")
+    gain, slope = random.random(count), random.integers(0, 2, count).astype(float)
+    slip = np.where((gain > 0.6) & (motors == "small"), 0.1, 0.9)
+    table = _table(*zip(motors.tolist(), gain, slope, slip, slip, strict=True))
+    narrowing = of_box(table.header.definition, best_boxes(study_data(table))[0])
+    assert narrowing.where == {"motor": ("small",)}
+    assert narrowing.ranges["gain"] == (pytest.approx(0.6, abs=0.02), 1.0)

@@ -1,0 +1,120 @@
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from known_functions import ISHIGAMI, even, g_function, g_indices, ishigami, study, variable
+
+from dse.analysis import first_order_shares, going_together, study_data
+from dse.errors import DseError
+
+
+def _shares(table, metric="y"):
+    return {each.factor: each.share for each in first_order_shares(study_data(table), metric)}
+
+
+def test_indices_of_ishigami_come_from_random_runs():
+    """Within 0.06: three standard deviations of the estimate at 1,000 runs, 0.024 at most over 100 seeds, less bins."""
+    points = even(1000, 3)
+    found = _shares(study(points, {"y": ishigami(points)}))
+    for name, (first, _) in ISHIGAMI.items():
+        assert found[name].value == pytest.approx(first, abs=0.06)
+        assert found[name].low <= first <= found[name].high
+
+
+def test_indices_of_the_g_function_come_from_random_runs():
+    points = even(2000, 4)
+    found = _shares(study(points, {"y": g_function(points)}))
+    for (first, _), share in zip(g_indices(), found.values(), strict=True):
+        assert share.value == pytest.approx(first, abs=0.06)
+
+
+@pytest.mark.thorough
+def test_intervals_hold_the_published_indices_in_nine_of_ten_studies():
+    """Bins are too wide for few runs, which costs up to a twentieth of the second index: not 95 % for each of them."""
+    held = []
+    for seed in range(100):
+        points = even(1000, 3, seed)
+        found = _shares(study(points, {"y": ishigami(points)}))
+        held.append([found[name].low <= first <= found[name].high for name, (first, _) in ISHIGAMI.items()])
+    assert (np.mean(held, axis=0) >= 0.87).all()
+
+
+@pytest.mark.thorough
+def test_more_runs_come_closer_to_the_published_indices():
+    errors = []
+    for count in (250, 4000):
+        points = [even(count, 3, seed) for seed in range(20)]
+        found = [_shares(study(each, {"y": ishigami(each)})) for each in points]
+        errors.append(max(abs(np.mean([f[n].value for f in found]) - ISHIGAMI[n][0]) for n in ISHIGAMI))
+    assert errors[1] < 0.005 < errors[0]
+
+
+def test_a_factor_that_does_nothing_has_no_share():
+    points = even(300, 2)
+    assert _shares(study(points, {"y": points[:, 0]}))["x2"].low == 0.0
+    assert _shares(study(points, {"y": points[:, 0]}))["x2"].value < 0.02
+
+
+def test_choices_have_shares_too():
+    random = np.random.default_rng(0)
+    sensor = random.integers(3, size=400)
+    y = np.array([0.0, 5.0, 1.0])[sensor] + random.normal(size=400)
+    table = study(np.zeros((400, 0)), {"y": y}, choices=[{"sensor": "abc"[each], "video": "on"} for each in sensor])
+    (share,) = first_order_shares(study_data(table), "y")
+    means = np.array([0.0, 5.0, 1.0])
+    assert share.factor == "sensor"
+    assert share.share.value == pytest.approx(means.var() / (means.var() + 1), abs=0.05)
+
+
+def test_runs_that_crowd_count_by_the_space_around_them():
+    """Nine of ten runs lie in a corner in which nothing happens: the share is that over the whole square."""
+    random = np.random.default_rng(0)
+    points = np.concatenate([0.2 * random.random((900, 2)), random.random((400, 2))])
+    y = (points[:, 0] > 0.5) * (1.0 + (points[:, 1] > 0.5))
+    truth = (1.5**2 / 4) / (1.25 - 0.75**2)
+    assert _shares(study(points, {"y": y}))["x1"].value == pytest.approx(truth, abs=0.05)
+
+
+@pytest.mark.parametrize("count", [0, 1, 2, 5])
+def test_few_runs_have_no_shares(count):
+    points = even(count, 2)
+    with pytest.raises(DseError, match=f"y: it is defined in {count} of {count} runs, and 20 are needed"):
+        first_order_shares(study_data(study(points, {"y": points[:, 0]})), "y")
+
+
+def test_a_constant_metric_has_no_shares():
+    with pytest.raises(DseError, match="y: it is the same in every run in which it is defined"):
+        first_order_shares(study_data(study(even(50, 2), {"y": np.full(50, 1e6)})), "y")
+
+
+def test_an_unknown_metric_is_refused_by_its_name():
+    with pytest.raises(DseError, match="no metric 'z'"):
+        first_order_shares(study_data(study(even(50, 2), {"y": even(50, 1)[:, 0]})), "z")
+
+
+def test_a_choice_of_one_level_is_no_factor():
+    table = study(even(50, 1), {"y": even(50, 1)[:, 0]}, choices=[{"sensor": "lidar"}] * 50)
+    assert [factor.name for factor in study_data(table).factors] == ["x1"]
+
+
+def test_an_absent_variable_is_judged_by_the_runs_that_have_it():
+    """Half of the runs lack x2; where it is there, it is all that counts."""
+    points, is_there = even(400, 2), np.arange(400) % 2 == 0
+    y = np.where(is_there, points[:, 1], 0.5)
+    points[~is_there, 1] = np.nan
+    shares = {each.factor: each for each in first_order_shares(study_data(study(points, {"y": y})), "y")}
+    assert shares["x2"].runs == 200
+    assert shares["x2"].share.value > 0.95
+
+
+def test_a_logarithmic_variable_is_even_on_its_scale():
+    points = 10.0 ** (3 * even(500, 1))
+    table = study(points, {"y": np.log10(points[:, 0])}, variables=[variable("x1", low=1.0, high=1000.0, scale="log")])
+    assert study_data(table).weights.max() == 1.0
+    assert study_data(table).places.mean() == pytest.approx(0.5, abs=0.05)
+
+
+def test_factors_that_go_together_are_told():
+    points = even(300, 3)
+    points[:, 1] = np.clip(points[:, 0] + 0.1 * points[:, 1], 0, 1)
+    assert going_together(study_data(study(points, {}))) == (("x1", "x2"),)

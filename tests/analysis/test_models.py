@@ -1,0 +1,152 @@
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from known_functions import ISHIGAMI, even, ishigami, study
+
+from dse.analysis import (
+    best_surrogate,
+    correlations,
+    fit,
+    importances,
+    main_effects,
+    pawn_distances,
+    study_data,
+)
+from dse.errors import DseError
+
+
+def _data(count, function, width=2, seed=0, **facts):
+    points = even(count, width, seed)
+    return study_data(study(points, {"y": function(points)}, **facts))
+
+
+def _curved(points):
+    return 3 + 2 * points[:, 0] - points[:, 1] ** 2 + points[:, 0] * points[:, 1]
+
+
+def test_a_quadratic_is_found_exactly():
+    model = fit(_data(40, _curved), "y", "quadratic")
+    fresh = even(20, 2, 9)
+    assert model.predict(fresh) == pytest.approx(_curved(fresh))
+    assert model.explained == pytest.approx(1.0)
+
+
+def test_the_error_of_a_surrogate_is_that_on_runs_it_has_not_seen():
+    """Of pure noise nothing is explained, however well the runs themselves are hit; the error is the noise."""
+    data = _data(300, lambda points: np.random.default_rng(1).normal(size=len(points)))
+    model = fit(data, "y", "forest")
+    assert model.explained < 0.05
+    assert model.error == pytest.approx(1.0, abs=0.15)
+
+
+@pytest.mark.thorough
+def test_the_stated_error_is_not_less_than_that_on_fresh_runs():
+    """It is that of models of four fifths of the runs, which may err much more where few runs more help much."""
+    for kind in ("quadratic", "process", "forest"):
+        model = fit(_data(120, ishigami, 3), "y", kind)
+        fresh = even(2000, 3, 9)
+        actual = np.sqrt(((model.predict(fresh) - ishigami(fresh)) ** 2).mean())
+        assert 0.75 * actual <= model.error <= 2 * actual
+
+
+@pytest.mark.thorough
+def test_the_best_surrogate_is_the_one_that_errs_least():
+    assert best_surrogate(_data(60, _curved), "y").kind in ("quadratic", "process")
+    model = best_surrogate(_data(60, lambda points: (points[:, 0] > 0.5) * 1.0 + (points[:, 1] > 0.3)), "y")
+    assert model.explained > 0.5
+
+
+@pytest.mark.parametrize("count", [1, 2, 5])
+def test_few_runs_have_no_surrogate(count):
+    with pytest.raises(DseError, match="y: "):
+        best_surrogate(_data(count, _curved), "y")
+
+
+def test_each_surrogate_says_how_many_runs_it_needs():
+    with pytest.raises(
+        DseError, match=r"a quadratic of 2 variables needs 12 runs, and there are 9(?s:.*)needs 30 runs"
+    ):
+        best_surrogate(_data(9, _curved), "y")
+
+
+def test_a_surrogate_says_nothing_outside_of_the_ranges():
+    with pytest.raises(DseError, match="nothing outside of the ranges"):
+        fit(_data(40, _curved), "y", "quadratic").predict(np.array([[0.5, 1.1]]))
+
+
+def test_a_surrogate_of_runs_that_lack_a_factor_is_refused():
+    points = even(50, 2)
+    points[:10, 1] = np.nan
+    with pytest.raises(DseError, match="some runs lack x2"):
+        fit(study_data(study(points, {"y": points[:, 0]})), "y", "forest")
+
+
+def test_an_unknown_surrogate_is_refused_by_its_name():
+    with pytest.raises(DseError, match=r"no surrogate 'proces'(?s:.*)did you mean 'process'"):
+        fit(_data(40, _curved), "y", "proces")
+
+
+@pytest.mark.thorough
+def test_importance_counts_what_factors_do_together():
+    """Within 0.12 of the total indices: the forest predicts nine tenths of the variance, not all."""
+    found = importances(_data(1500, ishigami, 3), "y")
+    assert found.explained > 0.85
+    for each, (_, total) in zip(found.factors, ISHIGAMI.values(), strict=True):
+        assert each.share.value == pytest.approx(total, abs=0.12)
+    assert found.factors[2].share.low > 0.05
+
+
+def test_importance_of_what_cannot_be_predicted_is_withheld():
+    data = _data(200, lambda points: np.random.default_rng(1).random(len(points)))
+    with pytest.raises(DseError, match="too little to say what matters together with others"):
+        importances(data, "y")
+
+
+def test_importance_bears_absent_factors():
+    points = even(300, 2)
+    points[::2, 1] = np.nan
+    found = importances(study_data(study(points, {"y": 3 * points[:, 0] + np.nan_to_num(points[:, 1])})), "y")
+    assert found.factors[0].share.value > 0.6
+
+
+def test_pawn_tells_factors_apart_from_what_does_nothing():
+    first, second, third = pawn_distances(_data(1000, lambda points: points[:, 0] + 0.3 * points[:, 1], 3), "y")
+    assert first.distance > second.distance > second.chance
+    assert third.distance < 1.5 * third.chance
+
+
+def test_pawn_is_withheld_where_failed_runs_would_distort_it():
+    data = _data(500, lambda points: points[:, 0], done=even(500, 2)[:, 0] < 0.7)
+    with pytest.raises(DseError, match=r"undefined in 1\d\d of 500 runs: without them, indices would be distorted"):
+        pawn_distances(data, "y")
+
+
+def test_correlations_have_intervals_that_hold_the_truth():
+    """y = x1 + noise of the same deviation: 1 / sqrt 2; Fisher's intervals hold it in 95 of 100 studies."""
+    held = []
+    for seed in range(100):
+        points = even(60, 1, seed)
+        noise = np.random.default_rng(seed + 999).normal(size=60) / np.sqrt(12)
+        (found,) = correlations(study_data(study(points, {"y": points[:, 0] + noise})), "y")
+        held.append(found.pearson.low <= np.sqrt(0.5) <= found.pearson.high)
+    assert 0.9 <= np.mean(held) <= 0.99
+
+
+def test_ranks_see_what_only_rises():
+    (found,) = correlations(_data(100, lambda points: np.exp(9 * points[:, 0]), 1), "y")
+    assert found.spearman.value == found.spearman.low == 1.0
+    assert found.pearson.value < 0.8
+
+
+def test_main_effects_are_means_along_a_factor():
+    first, second = main_effects(_data(800, lambda points: 4 * points[:, 0]), "y")
+    assert [each.value for each in first.means] == pytest.approx(list(4 * np.array(first.at)))
+    assert first.runs == (100,) * 8
+    assert sum(each.low < 2.0 < each.high for each in second.means) >= 6
+
+
+def test_a_mean_of_one_run_has_no_interval():
+    effects = main_effects(study_data(study(np.arange(4.0).reshape(-1, 1) / 3, {"y": np.arange(4.0)})), "y")
+    assert [each.value for each in effects[0].means] == [0.0, 1.0, 2.0, 3.0]
+    assert np.isnan([each.low for each in effects[0].means]).all()
