@@ -22,7 +22,11 @@ from .effects import (
     correlations as correlations,
     main_effects as main_effects,
 )
-from .first_order import Share as Share, going_together as going_together
+from .first_order import (
+    Share as Share,
+    first_order_shares as first_order_shares,
+    going_together as going_together,
+)
 from .importance import Importance as Importance, Importances as Importances, importances as importances
 from .learnt import essentials as essentials, findings as findings
 from .narrowing import (
@@ -32,7 +36,7 @@ from .narrowing import (
     of_band as of_band,
     of_box as of_box,
 )
-from .pawn import Distance as Distance
+from .pawn import Distance as Distance, pawn_distances as pawn_distances
 from .probability import Interval as Interval, Met as Met, probability_met as probability_met, wilson as wilson
 from .reading import planes as planes, study_data as study_data
 from .rivals import claim as claim, what_would_change as what_would_change
