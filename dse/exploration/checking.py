@@ -22,6 +22,7 @@ from dse.exploration.known_runs import NOT_REPRODUCIBLE, NOTHING_KNOWN, KnownRun
 from dse.exploration.loop import ExplorationInterruptedError
 from dse.exploration.near_boundary import near_boundary
 from dse.exploration.progress import Meter, Progress, Stage
+from dse.exploration.variables import unit_of
 from dse.exploration.work import Batch, MakeRunner, Runnable, Work
 from dse.storage import ERROR_IN_BARS, Attempt, Checks, Measures, RowBlock, RunTable, StudyFolder
 from dse.testbench import make_runner
@@ -60,7 +61,7 @@ def check_near_boundary(
 
     The study is finished; of its configurations those *explored* can be made, and *checkable* gets them ready. Runs are
     made that have a neighbour with another verdict, and the one nearest to each bound; then those whose margin is no
-    larger than the largest error that these may have. A run that is checked already is not made again.
+    larger than the error that the nearest of these may have. A run that is checked already is not made again.
 
     Raises DseError as `explore` does, ExplorationInterruptedError on Ctrl-C.
     """
@@ -70,7 +71,7 @@ def check_near_boundary(
     checking = _Checking(folder, checkable, executor, make_runner, on_progress)
     try:
         checking.check(first)
-        checking.check(first | (_small(folder.table(), first) & can_be_made))
+        checking.check(first | (_small(study, folder.table(), first) & can_be_made))
     except KeyboardInterrupt:
         raise ExplorationInterruptedError(len(folder.finished()), folder.header.runs) from None
     finally:
@@ -89,16 +90,35 @@ def _nearest(table: RunTable) -> frozenset[int]:
     return frozenset(found)
 
 
-def _small(table: RunTable, first: AbstractSet[int]) -> frozenset[int]:
-    """Runs with a margin no larger than the largest error of the same metric that runs of *first* may have."""
-    found: set[int] = set()
+def _small(study: Study, table: RunTable, first: AbstractSet[int]) -> frozenset[int]:
+    """Runs with a margin no larger than the error that the nearest runs of *first* may have in the same metric.
+
+    These are of the same configuration if it has any, and as many as `near_boundary` compares.
+    """
     rows = np.searchsorted(table.numbers, sorted(first))
+    nearest = _nearest_of(rows, unit_of(table.coordinates(), study.variables), np.array(table.configurations))
+    found: set[int] = set()
     for requirement in table.header.definition.requirements:
-        bars = table.errors(requirement.metric)[rows]
-        largest = ERROR_IN_BARS * np.max(bars[np.isfinite(bars)], initial=-1.0)
-        near = _judged(table, requirement.name) & (np.abs(table.margins(requirement.name)) <= largest)
+        bars = table.errors(requirement.metric)
+        errors = ERROR_IN_BARS * np.where(np.isfinite(bars), bars, -1.0)[nearest].max(axis=1, initial=-1.0)
+        near = _judged(table, requirement.name) & (np.abs(table.margins(requirement.name)) <= errors)
         found.update(table.numbers[near].tolist())
     return frozenset(found)
+
+
+def _nearest_of(rows: NDArray[np.intp], points: NDArray[np.float64], names: NDArray[np.str_]) -> NDArray[np.intp]:
+    """For each of n *points* (n, d) the 2 d + 1 of *rows* that are nearest, (n, at most 2 d + 1)."""
+    from scipy.spatial import cKDTree
+
+    count = min(2 * points.shape[1] + 1, len(rows))
+    found = np.zeros((len(points), count), dtype=np.intp)
+    for name in dict.fromkeys(names.tolist()) if count else ():
+        alike = rows[names[rows] == name]
+        those = alike if len(alike) else rows
+        # Where there are fewer, the first stands for the others.
+        at = np.asarray(cKDTree(points[those]).query(points[names == name], k=np.arange(1, count + 1))[1])
+        found[names == name] = those[np.where(at < len(those), at, at[:, :1])]
+    return found
 
 
 def _judged(table: RunTable, requirement: str) -> NDArray[np.bool_]:

@@ -124,7 +124,7 @@ def test_the_study_folder_has_the_tables_and_columns_described(dse, tmp_path):
         for table in tables:
             (described,) = re.findall(rf"^\| `{table}` \| (.*) \|$", section("The study folder"), re.MULTILINE)
             columns = [row[1] for row in connection.execute(f"PRAGMA table_info({table})")]
-            stems = {re.sub(r"^(p|m|verdict|margin):.*", r"\1:", column) for column in columns}
+            stems = {re.sub(r"^(p|m|verdict|margin|e|v):.*", r"\1:", column) for column in columns}
             assert stems == set(re.findall(r"`(\w+:?)(?:[A-Z]+)?`", described)) - _values_in(table)
         (application,), (version,) = (
             connection.execute(f"PRAGMA {n}").fetchone() for n in ("application_id", "user_version")
