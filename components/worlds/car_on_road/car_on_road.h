@@ -4,7 +4,7 @@
 
 #include "../straight_road/straight_road.h"
 
-#define CAR_ON_ROAD_SMOOTHING 0.2 /* s: low-pass before the jerk is taken */
+#define CAR_ON_ROAD_SMOOTHING 1.0 /* s: as ISO 15622 limits the mean jerk over 1 s, not its peak */
 
 typedef struct {
     struct {
