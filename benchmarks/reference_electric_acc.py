@@ -66,8 +66,8 @@ def show(table: pd.DataFrame, best: int) -> None:
     ranks = table["cost"].rank(method="min").astype(int)
     for number, (name, row) in enumerate(feasible.head(best + 1).iterrows(), 1):
         gains = ", ".join(f"{gain.split('.')[1]} {row[gain]:.3g}" for gain in GAINS)
-        energy = f"{row['consumption'] / 36:.1f} kWh/100 km"
-        print(f"{number}. {name}: {row['worth']:.0f} EUR (cost {row['cost']:.0f}, rank {ranks[name]} by cost; {energy}; {gains})")
+        facts = f"cost {row['cost']:.0f}, rank {ranks[name]} by cost; {row['consumption'] / 36:.1f} kWh/100 km; {gains}"
+        print(f"{number}. {name}: {row['worth']:.0f} EUR ({facts})")
 
 
 if __name__ == "__main__":

@@ -147,9 +147,7 @@ def test_a_drive_on_both_axles_splits_demands_and_adds_up(new_part: NewPart) -> 
 
 
 @pytest.mark.parametrize(("name", "axle", "other"), [("front_axle_control", 0, 1), ("rear_axle_control", 1, 0)])
-def test_a_drive_on_one_axle_has_its_mass_and_torque_there(
-    new_part: NewPart, name: str, axle: int, other: int
-) -> None:
+def test_a_drive_on_one_axle_has_its_mass_and_torque_there(new_part: NewPart, name: str, axle: int, other: int) -> None:
     part = new_part(name, mass=6.0)
     part["unit.mass"], part["unit.torque"], part["unit.regeneration"] = 84.0, 500.0, 700.0
     part["supply.discharge_limit"] = part["supply.charge_limit"] = 85e3

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from pathlib import Path
 
 import pytest
@@ -85,7 +85,7 @@ def test_what_parts_state_for_rules_is_what_they_give_to_a_simulation() -> None:
 
 
 @pytest.fixture(scope="module")
-def runs(space: OpenedSpace) -> Iterator[list[tuple[Configuration, Run]]]:
+def runs(space: OpenedSpace) -> list[tuple[Configuration, Run]]:
     """The base, then all that differ from it in a choice, each simulated once."""
     wanted = [BASE, *({**BASE, **other} for other in OTHERS)]
     configurations = [chosen(space, choices) for choices in wanted]
@@ -94,7 +94,7 @@ def runs(space: OpenedSpace) -> Iterator[list[tuple[Configuration, Run]]]:
     for configuration in configurations:
         with Runner(prepared[configuration.id]) as runner:
             found.append((configuration, runner.run(RunRequest(0, configuration.id, {}), keep=False)))
-    yield found
+    return found
 
 
 def chosen(space: OpenedSpace, choices: Mapping[str, str]) -> Configuration:
