@@ -1,0 +1,21 @@
+/* Shares the braking between machines and discs: the machines first, as far as they can and the car rolls fast enough. */
+#ifndef BRAKE_BLENDING_H
+#define BRAKE_BLENDING_H
+
+typedef struct {
+    struct {
+        double brake_demand, regeneration, speed;
+    } in;
+    struct {
+        double regeneration_demand, friction_demand;
+    } out;
+    struct {
+        double share;                /* of the braking that the machines may take over */
+        double end_speed, full_speed; /* m/s: below the one the machines do not brake, from the other on they do fully */
+    } par;
+} brake_blending;
+
+void brake_blending_init(brake_blending *self);
+void brake_blending_step(brake_blending *self);
+
+#endif
