@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from dse.analysis.deciding import Missed, Ranking, Standing, unit_of_objective
-from dse.analysis.phrases import difference, listed
+from dse.analysis.phrases import listed
 from dse.domain.definition import StudyDefinition
 from dse.units import parse_unit
 
@@ -46,7 +46,10 @@ def _must(ranking: Ranking, definition: StudyDefinition, winner: Standing, other
     if not apart:
         return f"{_label(objective.name, definition)} {change} at all: they are equal"
     share = f" ({100 * apart / abs(other.values[0]):.2g} %)" if other.values[0] else ""
-    return f"{_label(objective.name, definition)} {change} by more than {difference(apart, unit)}{share}"
+    return (
+        f"{_label(objective.name, definition)} {change} by more than {_number(apart / float(parse_unit(unit).factor))} {unit}".rstrip()
+        + share
+    )
 
 
 def _needs(missed: Missed, definition: StudyDefinition) -> str:
@@ -65,7 +68,12 @@ def _values(ranking: Ranking, definition: StudyDefinition, design: Standing) -> 
 
 
 def _quantity(si: float, unit: str) -> str:
-    return f"{parse_unit(unit).from_si(si):.4g} {unit}".rstrip()
+    return f"{_number(parse_unit(unit).from_si(si))} {unit}".rstrip()
+
+
+def _number(value: float) -> str:
+    """Four digits, or all of a whole number of up to seven."""
+    return f"{value:.0f}" if 1e4 <= abs(value) < 1e7 else f"{value:.4g}"
 
 
 def _label(name: str, definition: StudyDefinition) -> str:

@@ -12,6 +12,7 @@ import typer
 from dse.cli.app import DONE, RUNS_FAILED
 from dse.cli.arguments import Output
 from dse.cli.findings import say_findings
+from dse.cli.ranking import show_ranking
 from dse.cli.status import status_line
 from dse.cli.terminal import console, plain, plain_table, print_json, print_table, say
 
@@ -21,7 +22,7 @@ if TYPE_CHECKING:
     from dse.api import Explored, ExploreOptions, Plan, Progress, Results, Summary
     from dse.domain.study import Study
 
-_MOST_PROBLEMS, _MOST_NUMBERS = 5, 4
+_MOST_PROBLEMS, _MOST_NUMBERS, _MOST_SHOWN = 5, 4, 3
 _MOST_LOOKED_AT = 20_000
 """Runs that can be looked at in a second or two."""
 _NUMBER = re.compile(r"[-+]?\d+(\.\d+)?(e[-+]?\d+)?")
@@ -130,7 +131,10 @@ def _say(results: Results, summary: Summary, explored: Explored, following: str)
     if len(said) > _MOST_PROBLEMS:
         screen.print(f"  and {len(said) - _MOST_PROBLEMS} other problems: dse results {folder}", soft_wrap=True)
     if explored.new and not following.startswith("dse merge") and summary.finished <= _MOST_LOOKED_AT:
-        say_findings(results.essentials())
+        if results.definition.objectives:
+            show_ranking(results, results.best(_MOST_SHOWN))
+        else:
+            say_findings(results.essentials())
     if summary.failures:
         screen.print("to try failed runs again: the same command with --retry-failed", soft_wrap=True)
     screen.print(f"next: {following}", soft_wrap=True)

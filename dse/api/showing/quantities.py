@@ -11,7 +11,12 @@ def quantity(value: float, unit: str) -> str:
     """An SI number in *unit* as a person reads it; a dash where it is undefined."""
     from dse.units import parse_unit
 
-    return f"{parse_unit(unit).from_si(value):.4g} {unit}".rstrip() if not math.isnan(value) else "–"
+    return f"{shown(parse_unit(unit).from_si(value))} {unit}".rstrip() if not math.isnan(value) else "–"
+
+
+def shown(value: float) -> str:
+    """Four digits, or all of a whole number of up to seven: 16258, not 1.626e+04."""
+    return f"{value:.0f}" if 1e4 <= abs(value) < 1e7 else f"{value:.4g}"
 
 
 def checked_quantity(value: float, bar: float | None, unit: str) -> str:
@@ -20,16 +25,16 @@ def checked_quantity(value: float, bar: float | None, unit: str) -> str:
 
     if bar is None or not math.isfinite(value):
         return quantity(value, unit)
-    shown, size = parse_unit(unit).from_si(value), bar / float(parse_unit(unit).factor)
+    middle, size = parse_unit(unit).from_si(value), bar / float(parse_unit(unit).factor)
     if math.isnan(bar):
-        return f"{shown:.4g} ± ? {unit}".rstrip()
+        return f"{middle:.4g} ± ? {unit}".rstrip()
     if not 0.0 < size < math.inf:
-        return f"{shown:.4g} ± {'∞' if size else 0} {unit}".rstrip()
+        return f"{middle:.4g} ± {'∞' if size else 0} {unit}".rstrip()
     decimals = 1 - math.floor(math.log10(size))
-    digits = decimals + math.floor(math.log10(max(abs(shown), size))) + 1
+    digits = decimals + math.floor(math.log10(max(abs(middle), size))) + 1
     if decimals < 0 or digits > _MOST_DIGITS:
-        return f"{shown:.{_MOST_DIGITS}g} ± {size:.2g} {unit}".rstrip()
-    return f"{shown:.{decimals}f} ± {size:.{decimals}f} {unit}".rstrip()
+        return f"{middle:.{_MOST_DIGITS}g} ± {size:.2g} {unit}".rstrip()
+    return f"{middle:.{decimals}f} ± {size:.{decimals}f} {unit}".rstrip()
 
 
 def difference(value: float, unit: str) -> str:
@@ -38,4 +43,4 @@ def difference(value: float, unit: str) -> str:
 
     if math.isnan(value):
         return "–"
-    return f"{value / float(parse_unit(unit).factor):.4g} {unit}".rstrip()
+    return f"{shown(value / float(parse_unit(unit).factor))} {unit}".rstrip()

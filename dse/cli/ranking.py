@@ -1,0 +1,57 @@
+"""The best designs of a study on the terminal."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from dse.cli.terminal import plain_table, print_table, say
+
+if TYPE_CHECKING:
+    from dse.analysis import Ranking
+    from dse.api import Results
+
+_PLACES, _RUNS = 4, 3
+"""Places in which configurations differ, and runs of a design, that a table has room for."""
+
+
+def show_ranking(results: Results, found: Ranking) -> None:
+    """The designs as a table, and what would have to change for others."""
+    from dse.analysis import claim, what_would_change
+
+    say(f"{claim(found)}; {' and '.join(map(str, found.objectives))}", style="bold")
+    if found.best:
+        _print_table(results, found)
+    for sentence in what_would_change(found, results.definition):
+        say(f"  {sentence}")
+
+
+def _print_table(results: Results, found: Ranking) -> None:
+    from dse.analysis import unit_of_objective
+    from dse.api import difference, quantity
+
+    definition = results.definition
+    choices = [definition.configuration(each.configuration).choices for each in found.best]
+    paths = list(dict.fromkeys(path for chosen in choices for path in chosen))
+    differing = [path for path in paths if len({chosen.get(path) for chosen in choices}) > 1]
+    shown = differing[:_PLACES]
+    units = {variable.name: variable.unit for variable in definition.variables}
+    varied = list(dict.fromkeys(name for each in found.best for name in each.point))
+    margins = [entry.name for entry in definition.requirements]
+    headings = [f"sum({each.name})" if each.is_total else each.name for each in found.objectives]
+    table = plain_table("", "configuration", *headings, *varied, *shown, *(f"{m} margin" for m in margins), "runs")
+    for place, each in enumerate(found.best):
+        mark = "knee" if found.knee == place else f"{place + 1}." if len(headings) == 1 else ""
+        values = zip(each.values, found.objectives, strict=True)
+        requirements = {entry.name: entry.unit for entry in definition.requirements}
+        table.add_row(
+            mark,
+            each.configuration,
+            *(quantity(value, unit_of_objective(definition, objective)) for value, objective in values),
+            *(quantity(each.point[name], units[name]) if name in each.point else "–" for name in varied),
+            *(choices[place].get(path, "–") for path in shown),
+            *(difference(each.margins[name], requirements[name]) for name in margins),
+            ", ".join(map(str, each.runs[:_RUNS])) + (", …" if len(each.runs) > _RUNS else ""),
+        )
+    print_table(table)
+    if len(differing) > len(shown):
+        say(f"they differ in {len(differing) - len(shown)} more places; --format json tells all")
