@@ -8,11 +8,12 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from dse.domain.definition import DefinedObjective, DefinedRequirement, StudyDefinition
+from dse.domain.definition import DefinedRequirement, StudyDefinition
 from dse.domain.sampler import Objective, Role
 from dse.errors import closest, fail
 from dse.exploration import Designs, design_variable, designs_of, front_of, knee
 from dse.storage import RunTable
+from dse.testbench import compile_objective, with_composites
 
 _DIGITS = 10
 """Significant ones that are compared."""
@@ -68,7 +69,7 @@ def objectives_of(definition: StudyDefinition, minimize: Sequence[str], maximize
     """The objectives that are asked for, else those of the study. Raises DseError for what the study does not know."""
     wanted = [*((text, False) for text in minimize), *((text, True) for text in maximize)]
     if not wanted:
-        return [Objective(each.name, each.maximize, each.is_total) for each in definition.objectives]
+        return [Objective(each.name, each.maximize, each.is_total, each.is_composite) for each in definition.objectives]
     metrics = [metric.name for metric in definition.metrics if not metric.error_of]
     totals = list(dict.fromkeys(name for each in definition.configurations for name in each.totals))
     found = []
@@ -78,9 +79,12 @@ def objectives_of(definition: StudyDefinition, minimize: Sequence[str], maximize
             found.append(Objective(inner, largest, is_total=True))
         elif text.strip() in metrics:
             found.append(Objective(text.strip(), largest))
-        else:
+        elif text.strip().replace("(", "").replace(")", "").isidentifier():
             known = [*metrics, *(f"sum({name})" for name in totals)]
             raise fail(f"the study has neither a metric nor a sum '{text.strip()}'", None, closest(text, known))
+        else:
+            found.append(Objective(text.strip(), largest, is_composite=True))
+            compile_objective(found[-1], definition)
     return found
 
 
@@ -91,8 +95,9 @@ def ranked(table: RunTable, objectives: Sequence[Objective], number: int) -> Ran
         raise fail("the study has no objective", None, hint)
     definition = table.header.definition
     variables = tuple(map(design_variable, definition.variables))
-    totals = [each.name for each in objectives if each.is_total]
-    designs = designs_of(table.outcomes(table.numbers.tolist(), totals), variables, objectives)
+    totals = [name for each in objectives for name in each.totals]
+    outcomes = with_composites(table.outcomes(table.numbers.tolist(), totals), objectives, definition)
+    designs = designs_of(outcomes, variables, objectives)
     unfinished = _unfinished(designs, table)
     is_open = unfinished & (designs.failed == 0) & ~designs.failing.any(axis=1)
     signs = np.array([-1.0 if each.maximize else 1.0 for each in objectives])
@@ -150,8 +155,10 @@ class _Reader:
         return float(self._table.metric(requirement.metric)[worst])
 
 
-def unit_of_objective(definition: StudyDefinition, objective: Objective | DefinedObjective) -> str:
+def unit_of_objective(definition: StudyDefinition, objective: Objective) -> str:
     """The unit an objective is shown in."""
+    if objective.is_composite:
+        return compile_objective(objective, definition)[1].symbol
     if not objective.is_total:
         return next(metric.unit for metric in definition.metrics if metric.name == objective.name)
     found = (each.totals[objective.name].unit for each in definition.configurations if objective.name in each.totals)

@@ -46,10 +46,8 @@ def _must(ranking: Ranking, definition: StudyDefinition, winner: Standing, other
     if not apart:
         return f"{_label(objective.name, definition)} {change} at all: they are equal"
     share = f" ({100 * apart / abs(other.values[0]):.2g} %)" if other.values[0] else ""
-    return (
-        f"{_label(objective.name, definition)} {change} by more than {_number(apart / float(parse_unit(unit).factor))} {unit}".rstrip()
-        + share
-    )
+    by = f"{_number(apart / float(parse_unit(unit).factor))} {unit}".rstrip()
+    return f"{_label(objective.name, definition)} {change} by more than {by}{share}"
 
 
 def _needs(missed: Missed, definition: StudyDefinition) -> str:

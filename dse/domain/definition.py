@@ -58,11 +58,12 @@ class DefinedVariable:
 
 @dataclass(frozen=True, slots=True)
 class DefinedObjective:
-    """A metric, or the total of a property, that is to be small, or with *maximize* large."""
+    """What is to be small, or with *maximize* large, as an `Objective` has it."""
 
     name: str
     maximize: bool = False
     is_total: bool = False
+    is_composite: bool = False
 
 
 @dataclass(frozen=True, slots=True)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from enum import StrEnum
@@ -22,6 +23,9 @@ Point = tuple[float, ...]
 
 Grid = tuple[tuple[str, ...], ...]
 """Variables that are varied together, slice by slice, the others at their nominal values; () for all at once."""
+
+
+_SUM = re.compile(r"\bsum\(\s*(\w+)\s*\)")
 
 
 class Role(StrEnum):
@@ -64,11 +68,20 @@ class DesignVariable:
 
 @dataclass(frozen=True, slots=True)
 class Objective:
-    """What is to be as small as can be, or with *maximize* as large: a metric, or the *total* of a property."""
+    """What is to be as small as can be, or with *maximize* as large.
+
+    *name* is that of a metric, or of a property, whose total it is, or an expression in both.
+    """
 
     name: str
     maximize: bool = False
     is_total: bool = False
+    is_composite: bool = False
+
+    @property
+    def totals(self) -> tuple[str, ...]:
+        """The properties whose sums it is computed from."""
+        return (self.name,) if self.is_total else tuple(_SUM.findall(self.name)) if self.is_composite else ()
 
     def __str__(self) -> str:
         what = f"sum({self.name})" if self.is_total else self.name

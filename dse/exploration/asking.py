@@ -19,6 +19,7 @@ from dse.exploration.once_sampler import require_few
 from dse.exploration.requests import Requests
 from dse.exploration.variables import allowing, conditions_of
 from dse.storage import RunTable, StudyFolder
+from dse.testbench import with_composites
 
 _MOST_IDLE_ASKS = 100
 
@@ -95,8 +96,9 @@ class Asking:
             self._search.tell(self._outcomes(self._folder.table(sorted(set(self.asked))), self.asked))
 
     def _outcomes(self, table: RunTable, numbers: Sequence[int]) -> Outcomes:
-        totals = [objective.name for objective in self._study.objectives if objective.is_total]
-        return table.outcomes(numbers, totals)
+        objectives = self._study.objectives
+        totals = [name for objective in objectives for name in objective.totals]
+        return with_composites(table.outcomes(numbers, totals), objectives, self._folder.header.definition)
 
     def _require_known(self, candidates: Sequence[Candidate]) -> None:
         whole = candidates.configurations if isinstance(candidates, Everywhere) else None

@@ -7,7 +7,12 @@ from .catalogue import (
     same as same,
 )
 from .program import MetricProgram as MetricProgram, compile_metrics as compile_metrics, judge_failed as judge_failed
-from .rows import RowProgram as RowProgram, compile_rule as compile_rule, compile_value as compile_value
+from .rows import (
+    RowProgram as RowProgram,
+    compile_number as compile_number,
+    compile_rule as compile_rule,
+    compile_value as compile_value,
+)
 from .verdicts import (
     Codes as Codes,
     margin_to_bounds as margin_to_bounds,

@@ -12,9 +12,10 @@ from numpy.typing import NDArray
 from dse.domain.component import Type
 from dse.domain.expression import Expression
 from dse.errors import fail
-from dse.expression import Form, error_in, require_number, require_truth
+from dse.expression import error_in, require_number, require_truth
 from dse.metrics.compiler import Compiler
 from dse.metrics.machine import MetricProgram
+from dse.units import Dimension, describe
 
 _NAME = "value"
 
@@ -39,13 +40,19 @@ class RowProgram:
 
 def compile_value(expression: Expression, types: Mapping[str, Type], wanted: Type) -> RowProgram:
     """*expression* over the parameters *types*, of the dimension of *wanted*. Raises DseError."""
+    program, dimension = compile_number(expression, types)
+    if dimension != wanted.unit.dimension:
+        what = f"this is {describe(dimension)}, the parameter is {wanted}"
+        raise error_in(expression, expression.root.span, what, "multiply or divide it by a number with a unit")
+    return program
+
+
+def compile_number(expression: Expression, types: Mapping[str, Type]) -> tuple[RowProgram, Dimension]:
+    """*expression* over the parameters *types*, and the dimension it has. Raises DseError."""
     compiler = Compiler(types, frozenset(types), (), {})
     sort, register = compiler.compile(expression, expression.root)
     require_number(expression, expression.root, sort)
-    if sort.form is Form.NUMBER and sort.dimension != wanted.unit.dimension:
-        what = f"this is {sort}, the parameter is {wanted}"
-        raise error_in(expression, expression.root.span, what, "multiply or divide it by a number with a unit")
-    return _program(compiler, register)
+    return _program(compiler, register), sort.dimension
 
 
 def compile_rule(expression: Expression, types: Mapping[str, Type]) -> RowProgram:

@@ -9,6 +9,7 @@ from .facts import (
 )
 from .fuse import fuse_study as fuse_study
 from .numerics import numerics_as_data as numerics_as_data, numerics_of_element as numerics_of_element
+from .objectives import compile_objective as compile_objective, with_composites as with_composites
 from .prepare import prepare_bench as prepare_bench, with_facts as with_facts
 from .prepared import PreparedBench as PreparedBench, Recording as Recording
 from .runner import make_runner as make_runner

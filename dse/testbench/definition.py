@@ -64,7 +64,7 @@ def define(study: Study, prepared: Mapping[str, PreparedBench], space: str = "")
         ignored=_ignored(prepared),
         keep_waveforms=str(study.keep),
         dse=__version__,
-        objectives=tuple(DefinedObjective(o.name, o.maximize, o.is_total) for o in study.objectives),
+        objectives=tuple(DefinedObjective(o.name, o.maximize, o.is_total, o.is_composite) for o in study.objectives),
         derived={each.name: each.expression.text for each in bench.derived},
         constraints=tuple(constraint.text for constraint in study.constraints),
         correlations=tuple(DefinedCorrelation(*pair, value) for pair, value in sorted(study.correlations.items())),
@@ -124,7 +124,7 @@ def _grid(study: Study, prepared: Iterable[PreparedBench]) -> Grid | None:
 def configuration_of(prepared: PreparedBench, study: Study) -> DefinedConfiguration:
     """A configuration of *study* as it is stored."""
     elements = prepared.system.elements
-    totals = [objective.name for objective in study.objectives if objective.is_total]
+    totals = [name for objective in study.objectives for name in objective.totals]
     return replace(
         describe_configuration(prepared.configuration, study.bench.design, totals),
         start={element.name: dict(sorted(element.start.items())) for element in elements},

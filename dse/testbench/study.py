@@ -17,6 +17,7 @@ from dse.loading import Raw, read_setting
 from dse.testbench.definition import configuration_of, define, fmus_of
 from dse.testbench.error_bars import with_error_bars
 from dse.testbench.numerics import Say
+from dse.testbench.objectives import compile_objective
 from dse.testbench.prepare import prepare_bench
 from dse.testbench.prepared import PreparedBench, Setting
 from dse.testbench.select import digest_of, proposing, selected
@@ -103,13 +104,21 @@ def prepare_study(
     if not study.sampler.proposes:
         benches = preparing.benches(selected(study.bench.design, study.selection, study.where))
         require_variables(study, {name: bench.settings for name, bench in benches.items()})
-        return PreparedStudy(study, benches, define(study, benches), preparing)
+        return PreparedStudy(study, benches, _checked(study, define(study, benches)), preparing)
     opened = proposing(study)
     first = preparing.benches(opened.configurations(1))
     if not first:
         raise opened.nothing()
-    defined = define(study, first, digest_of(study))
+    defined = _checked(study, define(study, first, digest_of(study)))
     return PreparedStudy(study, {}, replace(defined, configurations=(), fmus={}), preparing, opened.architectures())
+
+
+def _checked(study: Study, definition: StudyDefinition) -> StudyDefinition:
+    """*definition*, if its objectives can be computed. Raises DseError."""
+    for objective in study.objectives:
+        if objective.is_composite:
+            compile_objective(objective, definition)
+    return definition
 
 
 def bench_study(bench: TestBench, selection: Selection | None = None) -> Study:

@@ -15,6 +15,7 @@ from dse.analysis import (
     of_box,
     ranked,
     study_data,
+    unit_of_objective,
     what_would_change,
 )
 from dse.domain.definition import DefinedObjective, DefinedTotal
@@ -33,6 +34,15 @@ def _table(*runs, **facts):
     return study(
         points, metrics, {"slip": 0.5}, variables=variables, choices=[{"motor": each} for each in choices], **facts
     )
+
+
+def _priced(table, costs):
+    definition = table.header.definition
+    priced = tuple(
+        replace(each, totals={"cost": DefinedTotal(costs[each.choices["motor"]], "EUR")})
+        for each in definition.configurations
+    )
+    return replace(table, header=replace(table.header, definition=replace(definition, configurations=priced)))
 
 
 RUNS = (
@@ -73,14 +83,7 @@ def test_what_is_to_be_large_wins_by_its_smallest_value():
 
 def test_metrics_and_sums_have_a_front_together():
     table = _table(*RUNS[:4], ("large", 0.2, 0, 3.0, 0.1), ("large", 0.2, 1, 3.5, 0.2))
-    costs = {"small": 10.0, "large": 30.0}
-    definition = table.header.definition
-    priced = tuple(
-        replace(each, totals={"cost": DefinedTotal(costs[each.choices["motor"]], "EUR")})
-        for each in definition.configurations
-    )
-    header = replace(table.header, definition=replace(definition, configurations=priced))
-    found = ranked(replace(table, header=header), [COST, USE], 5)
+    found = ranked(_priced(table, {"small": 10.0, "large": 30.0}), [COST, USE], 5)
     assert [each.values for each in found.best] == [(10.0, 5.5), (30.0, 3.5)]
 
 
@@ -128,3 +131,13 @@ def test_a_box_narrows_ranges_and_choices_and_leaves_conditions():
     narrowing = of_box(table.header.definition, best_boxes(study_data(table))[0])
     assert narrowing.where == {"motor": ("small",)}
     assert narrowing.ranges["gain"] == (pytest.approx(0.6, abs=0.02), 1.0)
+
+
+def test_an_objective_is_an_expression_in_metrics_and_sums_too():
+    table = _table(*RUNS[:4], ("large", 0.2, 0, 3.0, 0.1), ("large", 0.2, 1, 3.5, 0.2))
+    priced = _priced(table, {"small": 10.0, "large": 12.0})
+    (found,) = objectives_of(priced.header.definition, ("sum(cost) + 2 EUR * use",), ())
+    assert [each.values for each in ranked(priced, [found], 5).best] == [(19.0,), (21.0,), (22.0,)]
+    assert unit_of_objective(priced.header.definition, found) == "EUR"
+    with pytest.raises(DseError, match="cannot add currency and a plain number"):
+        objectives_of(priced.header.definition, ("sum(cost) + use",), ())
