@@ -87,6 +87,7 @@ bench: setup
 	$(BIN)/python benchmarks/bench_kernel.py
 	$(BIN)/python benchmarks/bench_study.py
 	$(BIN)/python benchmarks/bench_space.py
+	$(BIN)/python benchmarks/bench_evolution.py
 	$(BIN)/python benchmarks/bench_modelica.py
 	$(BIN)/python benchmarks/bench_startup.py
 

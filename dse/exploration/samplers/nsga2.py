@@ -9,7 +9,7 @@ from dse.exploration.optimising.evolution import EvolutionSampler
 
 
 class Nsga2(EvolutionSampler):
-    """NSGA-II (Deb et al. 2002) over configurations and variables together; for one to three objectives."""
+    """NSGA-II (Deb et al. 2002) over configurations and variables together."""
 
     name: ClassVar[str] = "nsga2"
 

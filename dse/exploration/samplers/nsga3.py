@@ -11,7 +11,7 @@ from dse.exploration.optimising.evolution import EvolutionSampler
 
 
 class Nsga3(EvolutionSampler):
-    """NSGA-III (Deb and Jain 2014) over configurations and variables together; for three objectives and more.
+    """NSGA-III (Deb and Jain 2014) over configurations and variables together, for two objectives or more.
 
     As many reference directions as the population has room for, evenly (Das and Dennis 1998).
     """
