@@ -12,6 +12,7 @@ import pytest
 
 import dse
 from dse.errors import DseError
+from dse.report import read_content
 
 FILES = {
     "components/interfaces.yaml": """\
@@ -168,6 +169,17 @@ def test_exports_say_it_alike(fine: dse.Results) -> None:
     assert [float(row["end.error"]) if row["end.error"] else None for row in table] == bars
 
 
+def test_the_page_is_given_what_the_table_has(fine: dse.Results) -> None:
+    rows, content = fine.to_pandas(), read_content(fine.folder)
+    checked = (rows["R1.certainty"] != "").to_numpy()
+    np.testing.assert_array_equal(content.runs.checked, checked)
+    np.testing.assert_array_equal(content.metrics[0].error, rows["end.error"])
+    # Here all doubts are the margins', and the page judges these itself.
+    assert not np.any(content.requirements[0].unsettled)
+    doubtful = (rows["R1.certainty"] == "doubtful").sum()
+    assert ("checked runs", f"{checked.sum()}, with {doubtful} doubtful verdicts") in content.facts
+
+
 def test_a_run_is_replayed_as_before(fine: dse.Results, workspace: dse.Workspace) -> None:
     number = int(fine.to_pandas()["end.error"].first_valid_index())
     replay = fine.replay(number, source=workspace.root / "testbenches" / "fine.pet.yaml")
@@ -182,6 +194,8 @@ def test_a_variation_that_fails_is_told_and_leaves_doubt(workspace: dse.Workspac
     assert checked["end.error"].isna().all()
     assert checked["check"].str.startswith("with half the step: mass.x became nan").all()
     assert set(results.summary.remarks) == set(checked.index)
+    unsettled = read_content(results.folder).requirements[0].unsettled
+    np.testing.assert_array_equal(unsettled, rows["R1.certainty"] == "doubtful")
 
 
 def test_error_bars_of_all_runs_tell_what_is_doubtful(workspace: dse.Workspace, tmp_path: Path) -> None:

@@ -357,6 +357,29 @@ def test_an_undefined_value_has_no_error_bar(sliced: ReportContent, open_report:
 
 
 @pytest.mark.thorough
+def test_what_finer_numerics_may_change_is_doubtful_and_follows_the_threshold(
+    sliced: ReportContent, open_report: Open
+) -> None:
+    runs = len(sliced.runs)
+    first, *others = sliced.metrics
+    assert (sliced.requirements[0].metric, sliced.requirements[0].at_most) == (first.name, 0.5)
+    # Passing runs pass by 0.1 and all bars but the last run's, which was not checked, are 0.06.
+    values = np.where(first.values <= 0.5, 0.4, 0.9)
+    checked = np.arange(runs) < runs - 1
+    column = dataclasses.replace(first, values=values, error=np.full(runs, 0.06))
+    content = dataclasses.replace(
+        sliced, metrics=(column, *others), runs=dataclasses.replace(sliced.runs, checked=checked)
+    )
+    passing = (overall_marks(content) == Mark.PASS) & checked
+    page = open_report(content)
+    settle(page)
+    assert page.inner_text("#doubtful").split()[1] == str(int(passing.sum()))
+    page.fill("#field-atMost-0", "0.6")
+    settle(page)
+    assert page.inner_text("#doubtful") == ""
+
+
+@pytest.mark.thorough
 def test_a_small_page_shows_every_verdict(sliced: ReportContent, open_report: Open) -> None:
     runs = len(sliced.runs)
     checked = tuple(dataclasses.replace(m, error=np.full(runs, 0.00022)) for m in sliced.metrics)

@@ -42,7 +42,8 @@ class Variable:
 class MetricColumn:
     """A metric; *values* holds one number per run in the unit shown, NaN where it is undefined.
 
-    *error* has the error bars, NaN where none can be measured, if the study made some.
+    *error* has the error bars, NaN where none can be measured, if the study made some; of `Runs.checked` alone, if that
+    is there.
     """
 
     name: str
@@ -54,7 +55,10 @@ class MetricColumn:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class RequirementRow:
-    """Bounds on *metric*, in its unit; *exercised* says for each run whether the requirement came into play."""
+    """Bounds on *metric*, in its unit; *exercised* says for each run whether the requirement came into play.
+
+    *unsettled*: finer numerics may change the verdict, whatever the margin. Where it is absent, that was not looked at.
+    """
 
     name: str
     title: str
@@ -62,6 +66,7 @@ class RequirementRow:
     at_most: float | None
     at_least: float | None
     exercised: Flags
+    unsettled: Flags | None = None
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -85,12 +90,16 @@ class FigureSpec:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Runs:
-    """One entry per run: its number, its configuration's id, whether it came to its end, and why not ("" if it did)."""
+    """One entry per run: its number, its configuration's id, whether it came to its end, and why not ("" if it did).
+
+    *checked* are those that have error bars, if not all or none have.
+    """
 
     numbers: NDArray[np.int64]
     configurations: tuple[str, ...]
     done: Flags
     problems: tuple[str, ...]
+    checked: Flags | None = None
 
     def __len__(self) -> int:
         return len(self.numbers)

@@ -33,7 +33,7 @@ from dse.report.content.nouns import (
     SamplerKind,
     Variable,
 )
-from dse.storage import RunTable, StudyFolder, damaged_study, read_all_waveforms
+from dse.storage import CERTAINTIES, ERROR_IN_BARS, Certainty, RunTable, StudyFolder, damaged_study, read_all_waveforms
 from dse.units import Unit, parse_unit
 
 MAX_WAVEFORMS = 4000
@@ -92,14 +92,15 @@ def _content(folder: StudyFolder, table: RunTable, waveforms: Mapping[int, Wavef
     constants = {entry.id: entry.constants for entry in definition.configurations}
     rows = _Rows(table.numbers, table.configurations, table.points, constants)
     figures = _figures(definition, rows, waveforms)
+    checked = np.isin(table.numbers, table.checks.numbers) if len(table.checks) else None
     return ReportContent(
         definition.title,
         _layout(folder.header.slices),
         folder.path.as_posix(),
-        Runs(table.numbers, table.configurations, table.done, table.problems),
+        Runs(table.numbers, table.configurations, table.done, table.problems, checked),
         tuple(_configuration(entry, definition) for entry in definition.configurations),
         tuple(map(_variable, definition.variables, table.coordinates().T)),
-        tuple(_metric(m, definition, table) for m in definition.metrics if not m.error_of),
+        tuple(_metric(m, table) for m in definition.metrics if not m.error_of),
         tuple(_requirement(entry, table, units[entry.metric]) for entry in definition.requirements),
         figures,
         folder.header.slices or (),
@@ -130,11 +131,10 @@ def _layout(slices: Grid | None) -> SamplerKind:
     return SamplerKind.SLICED if slices else SamplerKind.FULL_FACTORIAL
 
 
-def _metric(entry: DefinedMetric, definition: StudyDefinition, table: RunTable) -> MetricColumn:
+def _metric(entry: DefinedMetric, table: RunTable) -> MetricColumn:
     unit = parse_unit(entry.unit)
-    bars = [other.name for other in definition.metrics if other.error_of == entry.name]
     # A difference has no offset: 20 K apart are 20 degC apart.
-    error = table.metric(bars[0]) / float(unit.factor) if bars else None
+    error = table.errors(entry.name) / float(unit.factor) if table.has_checks else None
     return MetricColumn(entry.name, entry.title, entry.unit, _shown(table.metric(entry.name), unit), error)
 
 
@@ -165,7 +165,12 @@ def _requirement(entry: DefinedRequirement, table: RunTable, unit: Unit) -> Requ
     skipped = VERDICTS.index(Verdict.NOT_EXERCISED)
     exercised = table.done & (table.verdicts(entry.name) != skipped)
     low, high = _bound(entry.at_least, unit), _bound(entry.at_most, unit)
-    return RequirementRow(entry.name, entry.title, entry.metric, high, low, exercised)
+    unsettled = None
+    if len(table.checks):
+        doubtful = table.certainties(entry.name) == CERTAINTIES.index(Certainty.DOUBTFUL)
+        told = np.abs(table.margins(entry.name)) <= ERROR_IN_BARS * table.errors(entry.metric)
+        unsettled = doubtful & ~(told & exercised)
+    return RequirementRow(entry.name, entry.title, entry.metric, high, low, exercised, unsettled)
 
 
 def _figures(definition: StudyDefinition, rows: _Rows, waveforms: Mapping[int, Waveforms]) -> tuple[FigureSpec, ...]:
@@ -228,6 +233,15 @@ def _waveform_facts(kept: int, chosen: int, missing: int) -> str:
     return text + (f"; files of {missing} runs are gone or damaged: {_AGAIN}" if missing else "")
 
 
+def _checked(table: RunTable) -> str:
+    if not table.has_checks:
+        return ""
+    checked = len(table.checks) or int(np.count_nonzero(table.done))
+    doubtful = CERTAINTIES.index(Certainty.DOUBTFUL)
+    count = sum(int((table.certainties(name) == doubtful).sum()) for name in table.header.requirements)
+    return f"{checked}, with {count} doubtful verdicts"
+
+
 def _facts(folder: StudyFolder, table: RunTable, waveforms: str) -> tuple[tuple[str, str], ...]:
     header, definition = folder.header, folder.header.definition
     simulation = definition.simulation
@@ -239,6 +253,7 @@ def _facts(folder: StudyFolder, table: RunTable, waveforms: str) -> tuple[tuple[
         ("configurations", str(len(definition.configurations))),
         ("runs", f"{len(table)} of {header.runs}{extended}"),
         ("failed runs", str(int(np.count_nonzero(~table.done)))),
+        ("checked runs", _checked(table)),
         ("sampler", definition.sampler.kind.replace("_", " ")),
         ("seed", str(definition.seed)),
         ("simulation", f"{simulation.stop:g} s in steps of {simulation.step:g} s"),

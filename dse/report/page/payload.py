@@ -91,6 +91,8 @@ def _add_runs(content: ReportContent, block: Block) -> None:
     block.add("number", "i4", content.runs.numbers)
     block.add("configuration", "i4", np.array([place[name] for name in content.runs.configurations], dtype=np.int32))
     block.add("done", "u1", content.runs.done)
+    if content.runs.checked is not None:
+        block.add("checked", "u1", content.runs.checked)
     for index, variable in enumerate(content.variables):
         block.add(f"variable.{index}", "f8", variable.values)
     for index, metric in enumerate(content.metrics):
@@ -99,6 +101,8 @@ def _add_runs(content: ReportContent, block: Block) -> None:
             block.add(f"error.{index}", "f8", metric.error)
     for index, requirement in enumerate(content.requirements):
         block.add(f"exercised.{index}", "u1", requirement.exercised)
+        if requirement.unsettled is not None:
+            block.add(f"unsettled.{index}", "u1", requirement.unsettled)
 
 
 def _add_figure(figure: FigureSpec, index: int, columns: Block, waveforms: Block) -> Json:

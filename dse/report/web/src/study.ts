@@ -29,6 +29,8 @@ export interface Requirement {
   atMost: number | null;
   atLeast: number | null;
   exercised: Uint8Array;
+  /** Finer numerics may change the verdict, whatever the margin; null if that was not looked at. */
+  unsettled: Uint8Array | null;
 }
 
 export interface Configuration {
@@ -70,6 +72,8 @@ export interface Study {
   number: Int32Array;
   configuration: Int32Array;
   done: Uint8Array;
+  /** Which runs have error bars; null if all or none have. */
+  checked: Uint8Array | null;
   problems: Map<number, string>;
   variables: Variable[];
   metrics: Metric[];
@@ -122,6 +126,7 @@ export async function readStudy(): Promise<Study> {
     number: integers("number"),
     configuration: integers("configuration"),
     done: flags("done"),
+    checked: arrays.has("checked") ? flags("checked") : null,
     problems: new Map(source.problems),
     variables: source.variables.map((variable, i) => ({ ...variable, ...column(`variable.${i}`) })),
     metrics: source.metrics.map((metric, i) => ({
@@ -129,7 +134,11 @@ export async function readStudy(): Promise<Study> {
       ...column(`metric.${i}`),
       error: metric.checked ? floats(`error.${i}`) : null,
     })),
-    requirements: source.requirements.map((requirement, i) => ({ ...requirement, exercised: flags(`exercised.${i}`) })),
+    requirements: source.requirements.map((requirement, i) => ({
+      ...requirement,
+      exercised: flags(`exercised.${i}`),
+      unsettled: arrays.has(`unsettled.${i}`) ? flags(`unsettled.${i}`) : null,
+    })),
     configurations: source.configurations.map((configuration, i) => ({
       ...configuration,
       radial: source.radial?.[i]

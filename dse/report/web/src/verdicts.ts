@@ -12,7 +12,12 @@ export interface Threshold {
 export interface Judgement {
   each: Uint8Array[];
   overall: Uint8Array;
+  /** Which runs have a verdict that finer numerics may change. */
+  doubtful: Uint8Array;
 }
+
+/** How many error bars an error may be; dse/storage/checks.py says why. */
+const ERROR_IN_BARS = 2;
 
 export function judge(study: Study, thresholds: Threshold[]): Judgement {
   const each = study.requirements.map((_, index) => marksOf(study, index, thresholds[index]!));
@@ -24,7 +29,24 @@ export function judge(study: Study, thresholds: Threshold[]): Judgement {
     }
   }
   for (let run = 0; run < overall.length; run++) if (!study.done[run]) overall[run] = FAILED;
-  return { each, overall };
+  const doubtful = Uint8Array.from(overall, (_, run) => (thresholds.some((threshold, index) => isDoubtful(study, index, run, threshold)) ? 1 : 0));
+  return { each, overall, doubtful };
+}
+
+/** The error bar of a metric in one run; null if nobody has looked. */
+export function errorOf(study: Study, metric: number, run: number): number | null {
+  const isChecked = study.done[run] && (study.checked?.[run] ?? 1);
+  return isChecked ? (study.metrics[metric]!.error?.[run] ?? null) : null;
+}
+
+/** Whether finer numerics may change the verdict of a run on a requirement; false if nobody has looked. */
+export function isDoubtful(study: Study, index: number, run: number, threshold: Threshold): boolean {
+  const { metric, exercised, unsettled } = study.requirements[index]!;
+  if (unsettled?.[run]) return true;
+  const error = errorOf(study, metric, run);
+  if (error === null || !exercised[run]) return false;
+  const by = margin(study.metrics[metric]!.values[run]!, threshold);
+  return Number.isNaN(by) ? error === Infinity : !(Math.abs(by) > ERROR_IN_BARS * error);
 }
 
 /** Positive inside the bounds, NaN where the metric is undefined. */

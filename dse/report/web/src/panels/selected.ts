@@ -3,7 +3,7 @@ import { el } from "../dom";
 import { checked, number, withUnit } from "../format";
 import type { Store } from "../store";
 import type { Study } from "../study";
-import { CLASSES, margin, SIGNS, WORDS, type Threshold } from "../verdicts";
+import { CLASSES, errorOf, isDoubtful, margin, SIGNS, type Threshold, WORDS } from "../verdicts";
 
 export function createSelected(store: Store): HTMLElement {
   const box = el("div", { class: "selected" });
@@ -71,6 +71,8 @@ function parameters(study: Study, run: number): HTMLElement[] {
   return parts;
 }
 
+const DOUBT = "Finer numerics may change it: the margin is within two error bars, or a repetition gave another verdict or none.";
+
 function metricsTable(store: Store, run: number): HTMLElement {
   const { study, state } = store;
   const { each } = store.judgement();
@@ -79,7 +81,7 @@ function metricsTable(store: Store, run: number): HTMLElement {
   study.metrics.forEach((metric, index) => {
     const value = metric.values[run]!;
     const bound = study.requirements.flatMap((requirement, place) => (requirement.metric === index ? [place] : []));
-    const error = study.done[run] ? (metric.error?.[run] ?? null) : null;
+    const error = errorOf(study, index, run);
     const shown = study.done[run] ? withUnit(checked(value, error, metric.text), metric.unit) : "\u2013";
     const name = el("th", { scope: "row", title: metric.name }, metric.title);
     if (!bound.length) {
@@ -90,7 +92,7 @@ function metricsTable(store: Store, run: number): HTMLElement {
       const threshold = state.thresholds[place]!;
       const mark = each[place]![run]!;
       const by = margin(value, threshold);
-      const isClose = error !== null && Math.abs(by) <= error;
+      const isOpen = isDoubtful(study, place, run, threshold);
       body.append(
         el(
           "tr",
@@ -101,8 +103,8 @@ function metricsTable(store: Store, run: number): HTMLElement {
           el("td", { class: mark < 2 ? CLASSES[mark]! : "muted" }, study.done[run] && !Number.isNaN(by) ? signed(by, metric.unit) : "\u2013"),
           el(
             "td",
-            { class: `verdict ${CLASSES[mark]}`, title: isClose ? "The margin is smaller than the error bar." : "" },
-            `${SIGNS[mark]} ${WORDS[mark]}${isClose ? ", within the error bar" : ""}`,
+            { class: `verdict ${CLASSES[mark]}`, title: isOpen ? DOUBT : "" },
+            `${SIGNS[mark]} ${WORDS[mark]}${isOpen ? ", doubtful" : ""}`,
           ),
         ),
       );

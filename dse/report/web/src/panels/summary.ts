@@ -20,7 +20,9 @@ export function createSummary(store: Store): HTMLElement {
   const box = el("div", { class: "summary" }, head, bar, legend);
   const draw = (): void => {
     const { study } = store;
-    const counts = tally(study, store.judgement().overall, scope(store));
+    const { overall, doubtful } = store.judgement();
+    const counts = tally(study, overall, scope(store));
+    const open = tally(study, overall.map((mark, run) => (doubtful[run] ? mark : FAIL)), scope(store))[PASS]!;
     const total = counts.reduce((sum, value) => sum + value, 0);
     const what = study.requirements.length
       ? ` of ${group(total)} runs meet every requirement`
@@ -29,6 +31,7 @@ export function createSummary(store: Store): HTMLElement {
       el("b", { id: "passing" }, group(counts[PASS]!)),
       what,
       el("span", { class: "muted" }, ` (${percent(counts[PASS]!, total)})`),
+      el("span", { id: "doubtful" }, open ? `, ${group(open)} of them doubtful: ringed in the plot` : ""),
     );
     bar.replaceChildren(
       ...ORDER.filter((mark) => counts[mark]).map((mark) => {

@@ -82,11 +82,11 @@ function paintGround(canvas: HTMLCanvasElement, store: Store, plane: Plane): Fra
     paintRegions(pen, frame, plane.fields, regions, fill, colours);
     if (metric && fill) drawColourBar(pen, frame, width, metric, fill.scale, colours);
     drawAxes(pen, frame, horizontal, vertical, colours);
-    paintPoints(pen, frame, study, plane, store.judgement().overall, colours);
+    paintPoints(pen, frame, study, plane, store.judgement(), colours);
     writeLabels(pen, frame, study, plane.fields, state.thresholds, regions, metric === null, colours);
   } else {
     drawAxes(pen, frame, horizontal, vertical, colours);
-    paintPoints(pen, frame, study, plane, store.judgement().overall, colours);
+    paintPoints(pen, frame, study, plane, store.judgement(), colours);
   }
   return frame;
 }

@@ -2,7 +2,7 @@
 import type { Plane } from "../plane/plane";
 import type { Study } from "../study";
 import { channels, type Palette } from "../theme";
-import { FAIL, FAILED, NOT_EXERCISED, PASS } from "../verdicts";
+import { FAIL, FAILED, NOT_EXERCISED, PASS, type Judgement } from "../verdicts";
 import type { Frame } from "./frame";
 
 const MOST_DRAWN = 6000;
@@ -14,11 +14,14 @@ export function paintPoints(
   frame: Frame,
   study: Study,
   plane: Plane,
-  marks: Uint8Array,
+  { overall: marks, doubtful }: Judgement,
   colours: Palette,
 ): void {
   const total = plane.on.length + plane.beside.length;
-  if (total > MOST_DRAWN) return stampPoints(pen, frame, study, plane, marks, colours);
+  if (total > MOST_DRAWN) {
+    stampPoints(pen, frame, study, plane, marks, colours);
+    return paintRings(pen, frame, study, plane, doubtful, 0.4, colours);
+  }
   const spacing = Math.sqrt(((frame.right - frame.left) * (frame.bottom - frame.top)) / Math.max(1, total));
   const size = Math.min(1, Math.max(0.4, spacing / 22));
   const groups: number[][] = Array.from({ length: SHADES }, () => []);
@@ -32,6 +35,33 @@ export function paintPoints(
     const runs = Array.from(plane.on).filter((run) => marks[run] === mark);
     drawMark(pen, frame, study, plane, runs, mark, size, colours);
   }
+  paintRings(pen, frame, study, plane, doubtful, size, colours);
+}
+
+/** A ring around runs with a verdict that finer numerics may change. */
+function paintRings(
+  pen: CanvasRenderingContext2D,
+  frame: Frame,
+  study: Study,
+  plane: Plane,
+  doubtful: Uint8Array,
+  size: number,
+  colours: Palette,
+): void {
+  const radius = 6 * Math.max(0.7, size);
+  pen.beginPath();
+  for (const run of plane.on) {
+    if (!doubtful[run]) continue;
+    const [x, y] = placeOf(frame, study, plane, run);
+    pen.moveTo(x + radius, y);
+    pen.arc(x, y, radius, 0, 2 * Math.PI);
+  }
+  pen.strokeStyle = colours.plot;
+  pen.lineWidth = 3.2;
+  pen.stroke();
+  pen.strokeStyle = colours.ink;
+  pen.lineWidth = 1.4;
+  pen.stroke();
 }
 
 function drawMark(
