@@ -6,20 +6,15 @@ It is computed from the stored runs whenever it is asked for, of whatever sample
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+
+import numpy as np
 
 from dse.domain.bench import VERDICTS, Verdict
 from dse.errors import closest, fail
+from dse.exploration.belief import Belief, shapes_of, single_threaded
+from dse.exploration.level_set import Array
 from dse.exploration.variables import design_variable, unit_of
-
-if TYPE_CHECKING:
-    import numpy as np
-    from numpy.typing import NDArray
-
-    from dse.exploration.belief import Belief
-    from dse.storage import RunTable
-
-    Array = NDArray[np.float64]
+from dse.storage import RunTable
 
 _AT_ONCE = 4096
 
@@ -38,8 +33,6 @@ class Chances:
     @property
     def misjudged(self) -> Array:
         """How probable it is that another verdict than the most probable one holds, (m,)."""
-        import numpy as np
-
         return np.asarray(1 - np.maximum(np.maximum(self.passing, self.failing), self.without_verdict))
 
 
@@ -51,10 +44,6 @@ class Band:
     """
 
     def __init__(self, table: RunTable, requirement: str, configuration: str) -> None:
-        import numpy as np
-
-        from dse.exploration.belief import Belief, shapes_of, single_threaded
-
         header = table.header
         if requirement not in header.requirements:
             raise fail(f"there is no requirement '{requirement}'", None, closest(requirement, header.requirements))
@@ -71,14 +60,10 @@ class Band:
         margins = np.where(is_judged, table.margins(requirement)[rows], np.nan)
         points = unit_of(table.coordinates()[rows], self._variables)
         with single_threaded():
-            self._belief: Belief = Belief.of(points, margins, shapes_of(points, margins))
+            self._belief = Belief.of(points, margins, shapes_of(points, margins))
 
     def at(self, points: Array) -> Chances:
         """At *points*, (m, variables), in SI; what the configuration does not have of them does not matter."""
-        import numpy as np
-
-        from dse.exploration.belief import single_threaded
-
         unit = unit_of(np.where(self._has, points, self._nominal), self._variables)
         passing, failing = np.empty(len(unit)), np.empty(len(unit))
         with single_threaded():
