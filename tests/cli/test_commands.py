@@ -16,7 +16,7 @@ import pytest
 from defusedxml import ElementTree
 
 COMMANDS = (
-    "init check components build enumerate space simulate run explore status results report figure replay cache".split()  # noqa: SIM905  # reads as the help does
+    "init check components build enumerate space simulate run explore status results findings report figure replay cache".split()  # noqa: SIM905  # reads as the help does
 )
 
 
@@ -142,6 +142,14 @@ def test_another_study_does_not_overwrite_a_folder(dse, explored):
 
 
 @pytest.mark.thorough
+def test_findings_are_told_and_given_as_data(dse, explored):
+    told = dse("findings", str(explored)).stdout
+    data = json.loads(dse("findings", str(explored), "--format", "json").stdout)
+    assert {each["topic"] for each in data} <= {line.removesuffix(":") for line in told.splitlines()}
+    assert all(f"  {each['text']}\n" in told for each in data)
+    assert any(each["topic"] == "requirements met" and each["facts"]["met"] for each in data)
+
+
 def test_results_come_in_every_format(dse, explored, tmp_path):
     rows = list(csv.DictReader(io.StringIO(dse("results", str(explored)).stdout)))
     runs = json.loads(dse("results", str(explored), "--format", "json").stdout)["runs"]

@@ -47,6 +47,7 @@ MAY_IMPORT = {
     "export uvl acc_vehicle -o {o}.uvl": SPACE,
     "export csv acc_vehicle -o {o}.csv": SPACE,
     "results {s}": {"numpy"},
+    "findings {s}": {"networkx", "numpy", "pandas", "pint", "pyarrow", "ruamel.yaml", "scipy"},  # scikit-learn's pandas
     "status {s}": {"numpy"},
     "report {s} -o {o}.html": RUNS,
     "figure {s} -o {o}": DRAWN,
@@ -64,6 +65,7 @@ MAY_IMPORT = {
 }
 SLOW = (
     "results",
+    "findings",
     "status",
     "report",
     "figure",
