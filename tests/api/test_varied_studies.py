@@ -9,6 +9,7 @@ from pathlib import Path
 import pytest
 
 import dse
+from dse.api import Towards, refine
 from dse.api.studies.bench import Bench
 from dse.testbench.study import with_values
 
@@ -66,3 +67,32 @@ def test_a_derived_parameter_is_what_it_would_be_if_it_were_given(varied):
     run = Bench(bench).simulate(row["configuration"])
     assert run.metrics["gap_undershoot"] == row["gap_undershoot"]
     assert run.metrics["consumption"] == row["consumption"]
+
+
+def test_designs_are_ranked_over_their_conditions(varied):
+    _, results = varied
+    found = results.best(3, minimize=["consumption"])
+    values = [each.values[0] for each in found.best]
+    assert values == sorted(values)
+    frame = results.to_pandas()
+    for each in found.best:
+        runs = frame.loc[list(each.runs)]
+        assert set(runs["world.lead_speed"]) == {50 / 3.6, 60 / 3.6}
+        assert not runs[["R1.verdict", "R2.verdict"]].isin(["fail"]).any(axis=None)
+        assert each.values[0] == runs["consumption"].max()
+
+
+@pytest.mark.parametrize("towards", [Towards.AROUND, Towards.FRONT, Towards.BAND])
+def test_the_next_study_can_be_read_and_lies_within_the_last(varied, towards, monkeypatch):
+    study, results = varied
+    place = results.folder.parents[1]
+    monkeypatch.chdir(place)
+    (place / "testbenches" / "next.pet.yaml").write_text(refine(results.folder, "next", towards, run=0, share=0.2))
+    narrowed = dse.open(place).studies["next"].noun
+    wide = {variable.name: variable for variable in study.noun.variables}
+    assert [variable.name for variable in narrowed.variables] == [*wide]
+    for variable in narrowed.variables:
+        assert wide[variable.name].low <= variable.low <= variable.high <= wide[variable.name].high
+    assert narrowed.selection.ids
+    assert [each.expression.text for each in narrowed.bench.derived] == ["5 s * controller.kp_gap"]
+    assert (narrowed.sampler.name == "boundary") == (towards is Towards.BAND)
