@@ -78,8 +78,9 @@ def test_256_runs_misjudge_less_than_a_thousandth_of_four_ranges() -> None:
     assert np.median(shares) < 0.001
 
 
-def test_the_last_digits_of_results_do_not_change_what_is_asked() -> None:
-    assert searched(two, 40, noise=1e-13) == searched(two, 40)
+@pytest.mark.parametrize("margins", [two, hole])
+def test_the_last_digits_of_results_do_not_change_what_is_asked(margins: Margins) -> None:
+    assert searched(margins, 40, noise=1e-13) == searched(margins, 40)
 
 
 def test_more_samples_keep_the_points_that_are_there() -> None:
