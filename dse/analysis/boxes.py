@@ -240,8 +240,8 @@ def _confirmed(limits: tuple[Limit, ...], data: StudyData, met: Rows, others: Ro
         inside = holds(limits, data) & others
         best, least = limits, _CHANCE
         for number, limit in enumerate(limits):
-            for looser in looser(limit):
-                rest = (*limits[:number], *looser, *limits[number + 1 :])
+            for freed in looser(limit):
+                rest = (*limits[:number], *freed, *limits[number + 1 :])
                 beyond = holds(rest, data) & others & ~inside
                 chance = float(bdtr(int(met[beyond].sum()), int(beyond.sum()), density))
                 if round(chance, 9) > least:
