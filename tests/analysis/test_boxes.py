@@ -96,10 +96,10 @@ def test_whether_a_factor_is_there_is_for_its_choice_to_say():
     choices = [{"controller": "plain" if number % 2 else "tuned"} for number in range(600)]
     points[1::2, 1] = np.nan
     table = study(points, {"y": np.nan_to_num(points[:, 1])}, {"y": 0.4}, choices=choices)
-    one, *_ = best_boxes(study_data(table), "R1")
-    assert condition(one.limits).endswith(" (where it is there)")
-    assert condition(one.limits).startswith("x2 < 0.")
-    assert one.coverage > 0.95
+    (box,) = best_boxes(study_data(table), "R1")
+    assert condition(box.limits).startswith("x2 < 0.")
+    assert condition(box.limits).endswith(" (where it is there)")
+    assert box.coverage > 0.95
 
 
 def test_values_are_told_as_those_that_are_in():
