@@ -1,4 +1,4 @@
-from .boxes import Box as Box, Limit as Limit, best_boxes as best_boxes
+from .boxes import Box as Box, best_boxes as best_boxes
 from .conditions import Condition as Condition, WorstCase as WorstCase, worst_case as worst_case
 from .data import ALL as ALL, Factor as Factor, StudyData as StudyData
 from .deciding import (
@@ -29,6 +29,7 @@ from .first_order import (
 )
 from .importance import Importance as Importance, Importances as Importances, importances as importances
 from .learnt import essentials as essentials, findings as findings
+from .limits import Limit as Limit
 from .narrowing import (
     Narrowing as Narrowing,
     around as around,

@@ -7,13 +7,13 @@ runs that it was not made from; a box that they do not confirm is luck, and is n
 
 from __future__ import annotations
 
-from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy as np
 
 from dse.analysis.cells import effective
 from dse.analysis.data import ALL, Factor, Floats, Rows, StudyData, withheld
+from dse.analysis.limits import Limit, holds, looser
 from dse.analysis.probability import Interval, wilson
 
 LEAST = 60
@@ -30,17 +30,8 @@ _LUCK = 0.001
 _CHANCE = 0.05
 _LEAST_COVERAGE = 0.1
 _LEAST_DENSITY = 0.5
+_DIGITS = 9
 _SEED = 0
-
-
-@dataclass(frozen=True, slots=True)
-class Limit:
-    """A factor's place is between *low* and *high*, NaN where it is not limited; or it is one of *levels*."""
-
-    factor: Factor
-    low: float
-    high: float
-    levels: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -60,7 +51,7 @@ class Box:
 
     def holds(self, data: StudyData) -> Rows:
         """Which runs are inside, (n,)."""
-        return _holds(self.limits, data)
+        return holds(self.limits, data)
 
 
 def best_boxes(data: StudyData, requirement: str = ALL, most: int = 3) -> tuple[Box, ...]:
@@ -117,9 +108,14 @@ class _Inside:
         return tuple(self._limit(k) for k in range(len(self._data.factors)) if self._is_limited(k))
 
     def _peel(self) -> bool:
-        """Take off the slice that leaves the purest box; False if none leaves a purer one that is large enough."""
+        """Take off the slice that gains most for the runs it costs; False if none that leaves enough gains anything.
+
+        A level of a choice costs many at once: what a number gains in as many steps counts as much (Kwakkel and
+        Jaxa-Rozen 2016).
+        """
         here = self._rows(*self._box())
-        best, score = None, (self._density(here), 0.0)
+        usual, count = self._density(here), int(here.sum())
+        best, most = None, 0.0
         for k, factor in enumerate(self._data.factors):
             x = self._data.places[here, k]
             x = x[~np.isnan(x)]
@@ -127,12 +123,13 @@ class _Inside:
                 continue
             for box in self._peeled(k, factor, x):
                 rows = self._rows(*box)
-                if rows.sum() < max(_LEAST_SUPPORT * len(rows), _LEAST_RUNS):
+                left = int(rows.sum())
+                if not max(_LEAST_SUPPORT * len(rows), _LEAST_RUNS) <= left < count:
                     continue
                 # By few digits: the first of equals on every machine.
-                worth = (round(self._density(rows), 9), float(rows.sum()))
-                if worth[0] > score[0] + 1e-9 or (best is not None and worth > score):
-                    best, score = box, worth
+                gain = round((self._density(rows) - usual) / (count - left), _DIGITS)
+                if gain > most:
+                    best, most = box, gain
         if best is None:
             return False
         self._set(best)
@@ -198,9 +195,8 @@ class _Inside:
 
     def _rows(self, low: Floats, high: Floats, out: list[frozenset[float]]) -> Rows:
         places = self._data.places
-        # A factor that is absent meets no limit, and needs to meet none.
-        with np.errstate(invalid="ignore"):
-            inside = ((places >= low) | np.isneginf(low)) & ((places <= high) | np.isposinf(high))
+        # Whether a factor is there at all is for choices to say.
+        inside = ((places >= low) & (places <= high)) | np.isnan(places)
         rows = np.asarray(inside.all(axis=1), dtype=np.bool_)
         for k, levels in enumerate(out):
             if levels:
@@ -230,54 +226,36 @@ class _Inside:
         below, above = x[x < low], x[x > high]
         low = (low + float(below[-1])) / 2 if len(below) else low
         high = (high + float(above[0])) / 2 if len(above) else high
-        return Limit(factor, low if np.isfinite(low) else np.nan, high if np.isfinite(high) else np.nan)
+        is_conditional = bool(np.isnan(x).any())
+        return Limit(factor, _end(low), _end(high), conditional=is_conditional)
 
 
 _Sides = tuple[Floats, Floats, list[frozenset[float]]]
 
 
-def _allowed(limit: Limit, factor: Factor, places: Floats) -> Rows:
-    if factor.is_choice:
-        allowed = [factor.level(place) in limit.levels for place in np.nan_to_num(places).tolist()]
-        return np.array(allowed, dtype=np.bool_) & ~np.isnan(places)
-    above = (places >= limit.low) | np.isnan(limit.low)
-    return np.asarray(above & ((places <= limit.high) | np.isnan(limit.high)), dtype=np.bool_)
+def _end(place: float) -> float:
+    return place if np.isfinite(place) else np.nan
 
 
 def _confirmed(limits: tuple[Limit, ...], data: StudyData, met: Rows, others: Rows) -> tuple[Limit, ...]:
     """Without the limits beyond which the *others* pass about as often as inside (Bryant and Lempert 2010)."""
     from scipy.special import bdtr
 
-    whole = _holds(limits, data) & others
+    whole = holds(limits, data) & others
     density = met[whole].mean() if whole.any() else 0.0
     while True:
-        inside = _holds(limits, data) & others
+        inside = holds(limits, data) & others
         best, least = limits, _CHANCE
         for number, limit in enumerate(limits):
-            for looser in _looser(limit):
-                rest = (*limits[:number], *looser, *limits[number + 1 :])
-                beyond = _holds(rest, data) & others & ~inside
+            for freed in looser(limit):
+                rest = (*limits[:number], *freed, *limits[number + 1 :])
+                beyond = holds(rest, data) & others & ~inside
                 chance = float(bdtr(int(met[beyond].sum()), int(beyond.sum()), density))
                 if round(chance, 9) > least:
                     best, least = rest, round(chance, 9)
         if best is limits:
             return limits
         limits = best
-
-
-def _looser(limit: Limit) -> list[tuple[Limit, ...]]:
-    """With one of its bounds only, or not at all."""
-    if np.isnan(limit.low) or np.isnan(limit.high):
-        return [()]
-    return [(Limit(limit.factor, limit.low, np.nan),), (Limit(limit.factor, np.nan, limit.high),)]
-
-
-def _holds(limits: Iterable[Limit], data: StudyData) -> Rows:
-    inside = np.ones(len(data), dtype=np.bool_)
-    for limit in limits:
-        k = data.factor(limit.factor.name)
-        inside &= _allowed(limit, data.factors[k], data.places[:, k])
-    return inside
 
 
 def _judged(limits: tuple[Limit, ...], data: StudyData, met: Rows, others: Rows, passing: float) -> Box | None:

@@ -127,10 +127,12 @@ def _worst(data: StudyData, over: str, name: str) -> Iterable[Finding]:
     text = f"{requirement_label(data, name)}: worst at {over} = {value(factor, found.worst.place)}"
     if found.worst.met:
         text += f", met there in {likely(found.worst.met.share)}"
+    if silent := [value(factor, each.place) for each in found.conditions if each.met is None]:
+        text += f"; at {listed(silent)} no run says whether it is met"
     if found.complete:
         text += f"; {found.passing} of {found.complete} designs meet it at all {len(found.conditions)} values"
     if found.best >= 0:
-        text += f", run {found.best} being the worst of the one with most to spare"
+        text += f", the one with most to spare has its worst in run {found.best}"
     if found.incomplete and found.complete:
         text += f"; {found.incomplete} designs were not run at all of them"
     return [Finding(Topic.CONDITIONS, name, text, asdict(found))]

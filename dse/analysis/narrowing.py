@@ -8,8 +8,9 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from dse.analysis.boxes import Box, Limit
+from dse.analysis.boxes import Box
 from dse.analysis.deciding import Standing
+from dse.analysis.limits import Limit
 from dse.domain.definition import DefinedVariable, StudyDefinition
 from dse.domain.sampler import DesignVariable, Role
 from dse.errors import fail

@@ -7,8 +7,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from dse.analysis.boxes import Limit
 from dse.analysis.data import ALL, Factor, StudyData
+from dse.analysis.limits import Limit
 from dse.analysis.probability import Interval
 from dse.units import parse_unit
 
@@ -26,7 +26,7 @@ def difference(si: float, unit: str) -> str:
 def percent(share: float) -> str:
     """Whole percents, and a digit more near the ends, where nothing but 0 is 0 and nothing but 1 is 100."""
     shown = 100 * share
-    if shown in (0.0, 100.0) or 1 <= shown < 99:
+    if shown in (0.0, 100.0) or 1 <= round(shown) < 99:
         return f"{shown:.0f} %"
     return f"{min(max(shown, 0.1), 99.9):.1f} %"
 
@@ -90,8 +90,10 @@ def _limit(limit: Limit) -> str:
         return _is(factor.name, [quantity(v, factor.unit) for v in inside])
     low, high = (quantity(factor.value(p), factor.unit) if p == p else "" for p in (limit.low, limit.high))  # noqa: PLR0124  # NaN
     if low and high:
-        return f"{low.removesuffix(factor.unit).rstrip()} < {factor.name} < {high}"
-    return f"{factor.name} < {high}" if high else f"{factor.name} > {low}"
+        text = f"{low.removesuffix(factor.unit).rstrip()} < {factor.name} < {high}"
+    else:
+        text = f"{factor.name} < {high}" if high else f"{factor.name} > {low}"
+    return f"{text} (where it is there)" if limit.conditional else text
 
 
 def _is(name: str, values: Sequence[str]) -> str:

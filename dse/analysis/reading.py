@@ -92,7 +92,7 @@ def _weighted(data: StudyData, on_grid: bool) -> StudyData:
 def _different(data: StudyData) -> int:
     """Into how many values the runs are, at most, different in a variable that may have any value."""
     counts = [
-        len(np.unique(np.round(column[~np.isnan(column)], _DIGITS))) + int(np.isnan(column).sum())
+        len(np.unique(np.round(np.nan_to_num(column, nan=-1.0), _DIGITS)))
         for factor, column in zip(data.factors, data.places.T, strict=True)
         if factor.variable is not None and not factor.variable.values
     ]

@@ -64,6 +64,8 @@ def robust_centre(data: StudyData, requirement: str = ALL) -> Centre:
             best = Centre(int(data.numbers[rows[inside]][first]), margin, int(near.sum()) - 1, int(limits[first]))
     if best is None:
         raise withheld(requirement, "no number differs between runs with the same choices: there is no robust centre")
+    if best.margin <= 0:
+        raise withheld(requirement, "no run that meets it does so at another condition, or right beside it, too")
     if best.around < _LEAST_AROUND:
         raise withheld(requirement, f"around the best point there are {best.around} other runs: too few for a margin")
     return best

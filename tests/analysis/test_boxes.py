@@ -90,6 +90,18 @@ def test_limits_are_told_in_the_units_of_the_variables():
     assert condition(box.limits) == "lead.speed < 94.5 km/h and k < 0.263 1/s"
 
 
+def test_whether_a_factor_is_there_is_for_its_choice_to_say():
+    """Runs without x2 all pass; with it, those where it is below 0.4."""
+    points = even(600, 2)
+    choices = [{"controller": "plain" if number % 2 else "tuned"} for number in range(600)]
+    points[1::2, 1] = np.nan
+    table = study(points, {"y": np.nan_to_num(points[:, 1])}, {"y": 0.4}, choices=choices)
+    (box,) = best_boxes(study_data(table), "R1")
+    assert condition(box.limits).startswith("x2 < 0.")
+    assert condition(box.limits).endswith(" (where it is there)")
+    assert box.coverage > 0.95
+
+
 def test_values_are_told_as_those_that_are_in():
     values = (10.0, 20.0, 40.0, 80.0)
     column = np.random.default_rng(0).choice(values, size=400)

@@ -58,6 +58,14 @@ def test_a_design_that_fails_under_a_condition_has_no_margin():
     assert found.margin == pytest.approx(0.1)
 
 
+def test_designs_that_all_fail_under_a_condition_have_no_centre():
+    points = _grid(11)
+    variables = [variable("x1"), variable("x2", role="condition")]
+    data = study_data(study(points, {"y": points[:, 1]}, {"y": 0.5}, variables=variables))
+    with pytest.raises(DseError, match="at another condition"):
+        robust_centre(data, "R1")
+
+
 @pytest.mark.parametrize(("count", "bound", "why"), [(1, 1.0, "no number differs"), (2, 1.0, "1 other runs")])
 def test_few_runs_have_no_robust_centre(count, bound, why):
     points = np.linspace(0.4, 0.6, count).reshape(-1, 1)
