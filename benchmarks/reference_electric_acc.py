@@ -3,9 +3,9 @@
 ``python benchmarks/reference_electric_acc.py out/electric_acc_subset [--workers 2] [--best 5]`` explores
 ``electric_acc_subset.pet.yaml`` into that folder, if it is not explored yet, and ranks its configurations.
 
-A configuration with its gains is feasible if no requirement fails under any condition, and each was exercised under
-one. A configuration is worth its cost and the energy of 200,000 km with the best of its feasible gains: the statically
-cheapest use too much or fail, the thriftiest cost too much.
+A design (a configuration with gains) is feasible if no requirement fails at any condition and each is exercised at
+one; it is worth its consumption at the condition where that is worst. A configuration is ranked by the best of its
+feasible designs. Gains are values of a grid, so that an optimiser can be given the very same designs.
 """
 
 from __future__ import annotations
@@ -21,8 +21,6 @@ if TYPE_CHECKING:
 
 STUDY = Path(__file__).with_name("electric_acc_subset.pet.yaml")
 GAINS = ("controller.kp_gap", "controller.kd_gap")
-DISTANCE = 200_000e3  # m
-PRICE = 0.30 / 3.6e6  # EUR/J
 
 
 def main() -> None:
@@ -45,29 +43,32 @@ def costs(results: dse.Results) -> pd.Series:
 
 
 def ranking(runs: pd.DataFrame, cost: pd.Series) -> pd.DataFrame:
-    """A row for each configuration, the best first, infeasible ones last: `cost`, `consumption`, `worth`, gains."""
+    """A row for each configuration, the best first: `consumption` (J/m, NaN if infeasible), gains, `cost`, `feasible`.
+
+    The last is the number of feasible designs.
+    """
     verdicts = runs[[name for name in runs if name.endswith(".verdict")]]
     runs = runs.assign(failed=(verdicts == "fail").any(axis=1) | (runs["outcome"] != "done"))
     design = ["configuration", *GAINS]
-    passed = verdicts.eq("pass").groupby([runs[name] for name in design]).any().all(axis=1)
-    tried = runs.groupby(design).agg(failed=("failed", "any"), consumption=("consumption", "mean"))
-    tried["feasible"] = passed & ~tried["failed"]
-    tried["worth"] = tried.index.get_level_values("configuration").map(cost) + PRICE * DISTANCE * tried["consumption"]
-    best = tried[tried["feasible"]].reset_index().sort_values(["worth", *design]).groupby("configuration").first()
-    table = best.reindex(cost.index).assign(cost=cost)
-    table["feasible gains"] = tried["feasible"].groupby("configuration").sum()
-    return table.sort_values(["worth", "cost"])
+    exercised = verdicts.eq("pass").groupby([runs[name] for name in design]).any().all(axis=1)
+    tried = runs.groupby(design).agg(failed=("failed", "any"), consumption=("consumption", "max"))
+    feasible = tried[exercised & ~tried["failed"]].reset_index().sort_values(["consumption", *design])
+    best = feasible.groupby("configuration").first()
+    table = best.reindex(cost.index)[["consumption", *GAINS]].assign(cost=cost)
+    table["feasible"] = feasible.groupby("configuration").size().reindex(cost.index, fill_value=0)
+    return table.sort_values(["consumption", "cost"])
 
 
 def show(table: pd.DataFrame, best: int) -> None:
-    feasible = table.dropna(subset=["worth"])
-    print(f"{len(table)} configurations, {len(feasible)} feasible with some gains")
-    print(f"worth of the feasible: {feasible['worth'].min():.0f} … {feasible['worth'].max():.0f} EUR")
+    feasible = table.dropna(subset=["consumption"])
+    energy = feasible["consumption"] / 3600  # kWh/km
+    print(f"{len(table)} configurations, {len(feasible)} feasible, {table['feasible'].sum()} feasible designs")
+    print(f"consumption of the feasible: {energy.min():.4f} … {energy.max():.4f} kWh/km")
     ranks = table["cost"].rank(method="min").astype(int)
     for number, (name, row) in enumerate(feasible.head(best + 1).iterrows(), 1):
         gains = ", ".join(f"{gain.split('.')[1]} {row[gain]:.3g}" for gain in GAINS)
-        facts = f"cost {row['cost']:.0f}, rank {ranks[name]} by cost; {row['consumption'] / 36:.1f} kWh/100 km; {gains}"
-        print(f"{number}. {name}: {row['worth']:.0f} EUR ({facts})")
+        facts = f"{gains}; {row['feasible']:.0f} feasible; cost {row['cost']:.0f} EUR, rank {ranks[name]}"
+        print(f"{number}. {name}: {energy[name]:.4f} kWh/km ({facts})")
 
 
 if __name__ == "__main__":
