@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from dse.domain.sampler import Architecture, Architectures
-from dse.exploration.optimising.designs import Design
+from dse.errors import fail
+from dse.exploration.optimising.designs import Cases, Design
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -19,6 +20,9 @@ _CROSSED = 0.9
 _SBX = 15.0
 _MUTATION = 20.0
 """Distribution indices of simulated binary crossover and polynomial mutation (Deb and Agrawal 1995; Deb 2001)."""
+
+_TURNS = 20
+"""Rounds of drawing without enough new designs after which there are as many as there are."""
 
 Wish = tuple[str, str | None]
 
@@ -39,6 +43,23 @@ class Breeding:
         drawn = self._space.stratified(number - number // 2, seed), self._space.draw(number // 2, seed)
         mixed = [drawn[place % 2][place // 2] for place in range(number)]
         return [Design(each, tuple(point)) for each, point in zip(mixed, unit, strict=True)]
+
+    def begin(self, number: int, seed: int, cases: Cases) -> list[Design]:
+        """As `fresh`. Raises DseError if there is none."""
+        found = self.fresh(number, seed, cases)
+        if not found:
+            raise fail("the sampler finds no design that the constraints between variables allow")
+        return found
+
+    def fresh(self, number: int, seed: int, cases: Cases) -> list[Design]:
+        """Up to *number* first designs that *cases* takes; more are drawn in place of those it does not."""
+        found: list[Design] = []
+        for turn in range(_TURNS):
+            for design in self.first(number, seed + turn):
+                if len(found) == number:
+                    return found
+                found += [design] * cases.take(design)
+        return found
 
     def children(self, one: Design, other: Design, random: np.random.Generator) -> tuple[Design, Design]:
         """Two children of two parents, mutated."""

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from dse.domain.sampler import Architecture, Brief, Candidate, DesignVariable, Outcomes, Point, Role
-from dse.exploration.variables import scaled
+from dse.exploration.variables import scaled, unit_of
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -36,22 +36,28 @@ class Cases:
         self._brief = brief
         self._columns = {role: [i for i, v in enumerate(brief.variables) if v.role is role] for role in Role}
         self._cases = list(product(brief.conditions or ((),), _draws(brief, draws)))
+        self._nominal = np.array([variable.nominal for variable in brief.variables])
         self._idle: dict[str, NDArray[np.bool_]] = {}
+        self._taken: set[tuple[str, Point]] = set()
 
     def __len__(self) -> int:
         return len(self._cases)
 
     def candidate(self, design: Design, case: int) -> Candidate:
         """The run of *design* in a case, by its number. What its configuration is known not to have is nominal."""
-        whole = np.empty(len(self._brief.variables))
-        condition, drawn = self._cases[case]
-        whole[self._columns[Role.DESIGN]] = scaled(np.array([design.unit]), self.variables)[0]
-        whole[self._columns[Role.CONDITION]] = condition
-        whole[self._columns[Role.UNCERTAIN]] = drawn
-        idle = self._idle.get(design.architecture.id)
-        if idle is not None:
-            whole = np.where(idle, [variable.nominal for variable in self._brief.variables], whole)
-        return Candidate(design.architecture.id, tuple(whole.tolist()))
+        return Candidate(design.architecture.id, tuple(self._points([design], case)[0].tolist()))
+
+    def units(self, designs: Sequence[Design]) -> NDArray[np.float64]:
+        """Where *designs* are run, (n, design variables), in the unit cube; what they do not have is nominal."""
+        return unit_of(self._points(designs, 0)[:, self._columns[Role.DESIGN]], self.variables)
+
+    def take(self, design: Design) -> bool:
+        """Whether *design* is allowed and was not taken before; then it is."""
+        key = self.key(design)
+        if key in self._taken or not self.is_allowed(design):
+            return False
+        self._taken.add(key)
+        return True
 
     def key(self, design: Design) -> tuple[str, Point]:
         """What *design* is known by among runs: its configuration, and the values of its design variables."""
@@ -62,17 +68,30 @@ class Cases:
         """Whether it may be run in all cases."""
         if self._brief.allowed is None:
             return True
-        points = np.array([self.candidate(design, case).point for case in range(len(self))])
-        return bool(self._brief.allowed(points).all())
+        points = [self._points([design], case) for case in range(len(self))]
+        return bool(self._brief.allowed(np.concatenate(points)).all())
 
     def learn(self, asked: Sequence[Candidate], outcomes: Outcomes) -> None:
         """See from what came of those *asked* for which variables their configurations do not have."""
         told = np.array([outcomes.points[variable.name] for variable in self._brief.variables]).T
         for candidate, row in zip(asked, told.reshape(len(asked), -1), strict=True):
+            self._taken.add((candidate.configuration, tuple(row[self._columns[Role.DESIGN]].tolist())))
             idle = row != np.array(candidate.point)
             if idle.any():
                 known = self._idle.get(candidate.configuration)
                 self._idle[candidate.configuration] = idle if known is None else idle | known
+
+    def _points(self, designs: Sequence[Design], case: int) -> NDArray[np.float64]:
+        whole = np.empty((len(designs), len(self._brief.variables)))
+        condition, drawn = self._cases[case]
+        whole[:, self._columns[Role.DESIGN]] = scaled(np.array([design.unit for design in designs]), self.variables)
+        whole[:, self._columns[Role.CONDITION]] = condition
+        whole[:, self._columns[Role.UNCERTAIN]] = drawn
+        for row, design in enumerate(designs):
+            idle = self._idle.get(design.architecture.id)
+            if idle is not None:
+                whole[row, idle] = self._nominal[idle]
+        return whole
 
 
 def _of(brief: Brief, role: Role) -> tuple[DesignVariable, ...]:

@@ -3,24 +3,33 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
+from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from dse.domain.bench import Verdict
 from dse.domain.sampler import DesignVariable, Objective, Outcomes
-from dse.exploration.designs import designs_of, violations
+from dse.exploration.designs import Designs, designs_of, violations
 
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    Array = NDArray[np.float64]
+Array = NDArray[np.float64]
 
 Key = tuple[str, tuple[float, ...]]
 """A design by its configuration and the values of its design variables."""
 
 _DIGITS = 10
 """Significant ones that are compared: the last bits of another machine do not matter."""
+
+
+class Worth(NamedTuple):
+    """What n designs are worth: *objectives*, (n, m), to be minimised, and *violations*, (n,), 0 where all requirements
+    are met. *slack*, (n, r + 1), tells by how much each is met, or with a minus missed, -1 … 1, and last whether they
+    have all values that are looked for, 1 or -1; NaN where it is not known.
+    """
+
+    objectives: Array
+    violations: Array
+    slack: Array
 
 
 class Judge:
@@ -34,8 +43,8 @@ class Judge:
         self._signs = np.array([-1.0 if each.maximize else 1.0 for each in objectives])
         self._scale: Array | None = None
 
-    def judged(self, told: Sequence[Outcomes], wanted: Sequence[Key]) -> tuple[Array, Array]:
-        """Objectives, (n, objectives), to be minimised, and violations, (n,), of n designs that are among those *told*.
+    def judged(self, told: Sequence[Outcomes], wanted: Sequence[Key]) -> Worth:
+        """What n designs are worth that are among those *told*.
 
         A design that lacks the value of an objective violates by 1 + the number of requirements more.
         """
@@ -47,7 +56,9 @@ class Judge:
         rows = [place[key] for key in wanted]
         lacking = np.isnan(designs.objectives).any(axis=1) * (1.0 + designs.margins.shape[1])
         violation = violations(designs, self._scale) + lacking
-        return _rounded(self._signs * designs.objectives[rows]), _rounded(violation[rows])
+        slack = np.column_stack([_slack(designs, self._scale), np.where(designs.failed + lacking > 0, -1.0, 1.0)])
+        objectives = self._signs * designs.objectives[rows]
+        return Worth(_rounded(objectives), _rounded(violation[rows]), _rounded(slack[rows]))
 
 
 def lost(outcomes: Outcomes, objectives: Sequence[Objective]) -> list[bool]:
@@ -72,6 +83,14 @@ def joined(told: Sequence[Outcomes]) -> Outcomes:
         {name: tuple(one for each in told for one in each.verdicts[name]) for name in first.verdicts},
         {name: np.concatenate([each.totals[name] for each in told]) for name in first.totals},
     )
+
+
+def _slack(designs: Designs, scale: Array) -> Array:
+    """The worst margins between -1 and 1, 0 at the bound; -1 if nothing exercised them, unless runs failed."""
+    share = designs.margins / scale
+    known = np.where(np.isfinite(share), share / (1 + np.abs(share)), np.where(designs.failing, -1.0, 1.0))
+    is_open = ~designs.failing & ~designs.shown
+    return np.asarray(np.where(is_open, np.where(designs.failed[:, None] > 0, np.nan, -1.0), known))
 
 
 def _usual(sizes: Array) -> Array:

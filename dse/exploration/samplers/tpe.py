@@ -1,0 +1,128 @@
+"""Where good designs are dense, and bad ones are not."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any, ClassVar
+
+from pydantic import Field
+
+from dse.domain.sampler import Brief
+from dse.exploration.optimising.breeding import Breeding
+from dse.exploration.optimising.designs import Cases, Design
+from dse.exploration.optimising.judging import Worth
+from dse.exploration.optimising.searching import OptimizingSampler, Proposer
+from dse.exploration.proposing import space_of
+
+if TYPE_CHECKING:
+    from optuna.distributions import BaseDistribution
+
+_DIGITS = 9
+"""Decimals of a place in a range: the last bits of another machine do not matter."""
+
+_TRIES = 50
+"""Proposals in a row that were made before, after which one is bred, and then as many after which there are no more."""
+
+_ABSENT = ""
+
+
+class Tpe(OptimizingSampler):
+    """Tree-structured Parzen estimators (Bergstra et al. 2011; several objectives: Ozaki et al. 2022) over
+    configurations and variables together: *first* designs fill the space, then come *batch* at a time.
+    """
+
+    name: ClassVar[str] = "tpe"
+    package: ClassVar[str] = "optuna"
+    examples: ClassVar[tuple[Mapping[str, Any], ...]] = (
+        {"evaluations": 30},
+        {"evaluations": 20, "first": 4, "batch": 1, "draws": 2},
+    )
+
+    first: int = Field(default=16, ge=1)
+    batch: int = Field(default=4, ge=1)
+
+    def proposer(self, brief: Brief, cases: Cases) -> Proposer:
+        """Optuna's."""
+        return _Estimators(self, brief, cases)
+
+
+class _Estimators:
+    def __init__(self, sampler: Tpe, brief: Brief, cases: Cases) -> None:
+        import numpy as np
+        import optuna
+
+        optuna.logging.set_verbosity(optuna.logging.WARNING)
+        self._space, self._cases = space_of(brief), cases
+        self._breeding = Breeding(self._space, len(cases.variables))
+        self._first, self._batch, self._seed = sampler.first, sampler.batch, brief.seed
+        self._random = np.random.default_rng(brief.seed)
+        self._estimators = optuna.samplers.TPESampler(
+            n_startup_trials=1, seed=brief.seed % (1 << 32), multivariate=True, constant_liar=False
+        )
+        self._study = optuna.create_study(directions=["minimize"] * len(brief.objectives), sampler=self._estimators)
+        self._distributions = self._all()
+        self._varied = {name: each for name, each in self._distributions.items() if not each.single()}
+        self._asked: list[Design] = []
+
+    def next(self) -> list[Design]:
+        """The first designs; then what the estimators draw."""
+        if not self._study.get_trials(deepcopy=False):
+            self._asked = self._breeding.begin(self._first, self._seed, self._cases)
+        else:
+            drawn = (self._fresh() for _ in range(self._batch))
+            self._asked = [design for design in drawn if design is not None]
+        return self._asked
+
+    def tell(self, worth: Worth) -> None:
+        """Add them to what the estimators know; the objectives of a design that is none to take are not looked at."""
+        import numpy as np
+        from optuna.trial import create_trial
+
+        sound = np.where(worth.violations[:, None] > 0, 0.0, worth.objectives).tolist()
+        for design, values, violation in zip(self._asked, sound, worth.violations.tolist(), strict=True):
+            trial = create_trial(
+                values=values,
+                params=self._parameters(design),
+                distributions=self._distributions,
+                constraints={"requirements": violation},
+            )
+            self._study.add_trial(trial)
+
+    def _all(self) -> dict[str, BaseDistribution]:
+        from optuna.distributions import CategoricalDistribution, FloatDistribution
+
+        choices = {
+            place: CategoricalDistribution(list(dict.fromkeys([*(c or _ABSENT for c in known), _ABSENT])))
+            for place, known in self._space.alternatives.items()
+        }
+        units = {str(number): FloatDistribution(0.0, 1.0) for number in range(len(self._cases.variables))}
+        return {**choices, **units}
+
+    def _parameters(self, design: Design) -> dict[str, Any]:
+        choices = {place: design.architecture.choices.get(place, _ABSENT) for place in self._space.alternatives}
+        return {**choices, **{str(number): share for number, share in enumerate(design.unit)}}
+
+    def _fresh(self) -> Design | None:
+        """A design that was not asked for before; where the estimators have none any more, one that is drawn."""
+        for _ in range(_TRIES):
+            design = self._drawn()
+            if self._cases.take(design):
+                return design
+        return next(iter(self._breeding.fresh(1, int(self._random.integers(1 << 31)), self._cases)), None)
+
+    def _drawn(self) -> Design:
+        from optuna.trial import TrialState, create_trial
+
+        trial = create_trial(state=TrialState.RUNNING)
+        drawn = self._estimators.sample_relative(self._study, trial, self._varied) if self._varied else {}
+        unit = tuple(round(drawn[str(number)], _DIGITS) for number in range(len(self._cases.variables)))
+        wishes = [
+            (place, drawn.get(place) or None)
+            for place, choices in self._space.alternatives.items()
+            if drawn.get(place) or None in choices
+        ]
+        wishes = [wishes[index] for index in self._random.permutation(len(wishes)).tolist()]
+        return Design(self._space.completed(wishes, int(self._random.integers(1 << 31))), unit)
+
+
+SAMPLER = Tpe
