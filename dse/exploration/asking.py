@@ -86,7 +86,9 @@ class Asking:
         self._idle = 0 if fresh else self._idle + 1
         if self._idle > _MOST_IDLE_ASKS:
             raise self._refused(f"asked {self._idle} times in a row for runs that are there")
-        self._folder.ask(self._made, map(self.requests.__getitem__, fresh), len(self._wanted))
+        # Of a study that is asked once and is new, every run is wanted: a set of them would take 60 bytes for each.
+        wanted = len(self._wanted) or len(fresh)
+        self._folder.ask(self._made, map(self.requests.__getitem__, fresh), wanted)
         self._made += 1
         return True
 
@@ -118,7 +120,6 @@ class Asking:
             for name in candidates.configurations:
                 self.requests.append(name, _once_each(self._settled(name, candidates.points)), self._has(name))
             self.asked = range(first, self.requests.end)
-            self._wanted.update(self.asked)
             return self.asked
         asked = []
         for name, points in _together(candidates, len(self._study.variables), self._refused):
@@ -164,8 +165,14 @@ class Asking:
 
 def _once_each(points: NDArray[np.float64]) -> NDArray[np.float64]:
     """Each of *points* the first time only."""
-    first = np.unique(points, axis=0, return_index=True)[1] if points.shape[1] else np.zeros(1, dtype=np.intp)
-    return points if len(first) == len(points) else points[np.sort(first)]
+    if not points.shape[1]:
+        return points[:1]
+    order = np.lexsort(points.T)  # the first of equals comes first
+    is_new = np.ones(len(points), dtype=np.bool_)
+    for column in points.T:
+        is_new[order[1:]] &= column[order[1:]] == column[order[:-1]]
+    is_new[order[1:]] = ~is_new[order[1:]]
+    return points if is_new.all() else points[is_new]
 
 
 def _together(
