@@ -26,7 +26,10 @@ class SamplerKind(StrEnum):
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Variable:
-    """A design variable; *values* holds one number per run, in the unit shown (as do all bounds)."""
+    """A design variable; *values* holds one number per run, in the unit shown (as do all bounds).
+
+    Configurations that *lack* it are known by their places; their runs have the nominal value, to stand somewhere.
+    """
 
     name: str
     title: str
@@ -36,6 +39,7 @@ class Variable:
     levels: int | None
     nominal: float
     values: Floats
+    lack: tuple[int, ...] = ()
 
 
 @dataclass(frozen=True, slots=True, eq=False)

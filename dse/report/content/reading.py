@@ -99,7 +99,7 @@ def _content(folder: StudyFolder, table: RunTable, waveforms: Mapping[int, Wavef
         folder.path.as_posix(),
         Runs(table.numbers, table.configurations, table.done, table.problems, checked),
         tuple(_configuration(entry, definition) for entry in definition.configurations),
-        tuple(map(_variable, definition.variables, table.coordinates().T)),
+        tuple(map(_variable, definition.variables, table.coordinates().T, _lacking(folder))),
         tuple(_metric(m, table) for m in definition.metrics if not m.error_of),
         tuple(_requirement(entry, table, units[entry.metric]) for entry in definition.requirements),
         figures,
@@ -154,11 +154,20 @@ def _configuration(entry: DefinedConfiguration, definition: StudyDefinition) -> 
     return ConfigurationEntry(entry.id, choices, properties)
 
 
-def _variable(entry: DefinedVariable, coordinates: Floats) -> Variable:
+def _lacking(folder: StudyFolder) -> list[tuple[int, ...]]:
+    """For each variable the places of the configurations that do not have it."""
+    header = folder.header
+    has = np.array([header.has(name) for name in header.configurations], dtype=np.bool_)
+    return [tuple(np.flatnonzero(~column).tolist()) for column in has.reshape(-1, len(header.variables)).T]
+
+
+def _variable(entry: DefinedVariable, coordinates: Floats, lack: tuple[int, ...]) -> Variable:
     unit = parse_unit(entry.unit)
     values = _shown(coordinates, unit)
-    low, high, nominal = (unit.from_si(value) for value in (entry.low, entry.high, entry.nominal))
-    return Variable(entry.name, entry.title, entry.unit, low, high, entry.levels or None, nominal, values)
+    # The bench's own value, which the nominal one may be, need not lie in the range.
+    nominal = min(max(entry.nominal, entry.low), entry.high)
+    low, high, nominal = (unit.from_si(value) for value in (entry.low, entry.high, nominal))
+    return Variable(entry.name, entry.title, entry.unit, low, high, entry.levels or None, nominal, values, lack)
 
 
 def _requirement(entry: DefinedRequirement, table: RunTable, unit: Unit) -> RequirementRow:

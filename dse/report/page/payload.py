@@ -59,6 +59,7 @@ def _document(content: ReportContent) -> Json:
                 "low": v.low,
                 "high": v.high,
                 "nominal": v.nominal,
+                "lack": v.lack,
             }
             for v in content.variables
         ],

@@ -20,6 +20,8 @@ export interface Variable extends Column {
   low: number;
   high: number;
   nominal: number;
+  // Places of the configurations that do not have it.
+  lack: number[];
 }
 
 export interface Requirement {
@@ -91,7 +93,7 @@ interface Document {
   sampler: Sampler;
   runs: number;
   mostCentres: number;
-  variables: { name: string; title: string; unit: string; low: number; high: number; nominal: number }[];
+  variables: { name: string; title: string; unit: string; low: number; high: number; nominal: number; lack: number[] }[];
   metrics: { name: string; title: string; unit: string; checked: boolean }[];
   requirements: { name: string; title: string; metric: number; atMost: number | null; atLeast: number | null }[];
   configurations: { id: string; choices: [string, string][]; properties: [string, string][] }[];

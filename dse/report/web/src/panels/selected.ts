@@ -2,7 +2,7 @@
 import { el } from "../dom";
 import { checked, number, withUnit } from "../format";
 import type { Store } from "../store";
-import type { Study } from "../study";
+import type { Study, Variable } from "../study";
 import { CLASSES, errorOf, isDoubtful, margin, SIGNS, type Threshold, WORDS } from "../verdicts";
 
 export function createSelected(store: Store): HTMLElement {
@@ -31,10 +31,15 @@ export function yamlOf(study: Study, run: number): string {
     `configuration: ${scalar(study.configurations[study.configuration[run]!]!.id)}`,
   ];
   if (study.variables.length) lines.push("parameters:");
-  for (const { name, unit, values } of study.variables) {
+  for (const { name, unit, values } of variablesOf(study, run)) {
     lines.push(`  ${scalar(name)}: ${unit ? scalar(`${values[run]} ${unit}`) : String(values[run])}`);
   }
   return lines.join("\n") + "\n";
+}
+
+// Those that the run's configuration has.
+function variablesOf(study: Study, run: number): Variable[] {
+  return study.variables.filter(({ lack }) => !lack.includes(study.configuration[run]!));
 }
 
 // Anything beyond plain words is quoted; a JSON string is a YAML string.
@@ -59,7 +64,7 @@ function heading(store: Store, run: number): HTMLElement {
 
 function parameters(study: Study, run: number): HTMLElement[] {
   const list = el("dl", { class: "parameters" });
-  for (const { title, name, unit, values, text } of study.variables) {
+  for (const { title, name, unit, values, text } of variablesOf(study, run)) {
     list.append(el("div", { title: name }, el("dt", {}, title), el("dd", {}, withUnit(text(values[run]!), unit))));
   }
   const configuration = study.configurations[study.configuration[run]!]!;

@@ -75,8 +75,8 @@ function columnsOf(store: Store): Column[] {
   const columns: Column[] = [
     { key: "run", title: "Run", numeric: true, sort: (run) => study.number[run]!, text: (run) => String(study.number[run]), marks: null },
   ];
-  study.variables.forEach(({ values, text, ...variable }, index) => {
-    columns.push({ key: `variable.${index}`, title: axisLabel(variable), numeric: true, sort: (run) => values[run]!, text: (run) => text(values[run]!), marks: null });
+  study.variables.forEach(({ values, text, lack, ...variable }, index) => {
+    columns.push({ key: `variable.${index}`, title: axisLabel(variable), numeric: true, sort: (run) => values[run]!, text: (run) => (lack.includes(study.configuration[run]!) ? "\u2013" : text(values[run]!)), marks: null });
   });
   study.metrics.forEach(({ values, text, ...metric }, index) => {
     const judged = requirementOf(study, index);
