@@ -15,7 +15,10 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 _CROSSED = 0.9
-"""How often parents are crossed; else a child has all of one."""
+"""How often parents are crossed; else each child has all of one, but for mutations."""
+
+_CHOOSING = 0.5
+"""The same where there are choices: as many children are a parent with about one other choice."""
 
 _SBX = 15.0
 _MUTATION = 20.0
@@ -63,7 +66,7 @@ class Breeding:
 
     def children(self, one: Design, other: Design, random: np.random.Generator) -> tuple[Design, Design]:
         """Two children of two parents, mutated."""
-        is_crossed = random.random() < _CROSSED
+        is_crossed = random.random() < (_CHOOSING if self._open else _CROSSED)
         units = np.array([[one.unit], [other.unit]])
         if self._variables:
             units = _varied(units, is_crossed, random)
