@@ -8,6 +8,7 @@ import pytest
 from definitions import stored_definition
 from rich.console import Console
 
+import dse
 from dse.api.showing.quantities import checked_quantity
 from dse.cli.runs import metric_table
 from dse.domain.definition import DefinedMetric
@@ -41,5 +42,5 @@ def test_without_requirements_there_is_nothing_but_metric_and_value():
     run = Run(RunRequest(0, "abc", {}), Outcome.DONE, {"end": 2.0}, ())
     screen = Console(width=80)
     with screen.capture() as shown:
-        screen.print(metric_table(run, definition))
+        screen.print(metric_table(dse.Run(run, definition)))
     assert [line.split() for line in shown.get().splitlines()] == [["metric", "value"], ["End", "2", "m"]]
