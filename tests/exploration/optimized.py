@@ -70,13 +70,18 @@ def brief(some: tuple[DesignVariable, ...], *objectives: str, seed: int = 1, **m
     return Brief(some, (), seed, none, **{"space": One(), "objectives": wanted, **more})  # type: ignore[arg-type]
 
 
-def drive(sampler: Sampler, given: Brief, function: Function) -> Driven:
-    """All asks of the sampler, answered by *function*."""
+def drive(
+    sampler: Sampler, given: Brief, function: Function, has: Callable[[str], Sequence[bool]] | None = None
+) -> Driven:
+    """All asks of the sampler, answered by *function*; what a configuration does not have is told as nominal."""
+    nominal = np.array([variable.nominal for variable in given.variables])
     search = sampler.start(given)
     driven = Driven()
     while asked := list(search.ask()):
         points = np.array([candidate.point for candidate in asked]).reshape(len(asked), -1)
         names = tuple(candidate.configuration for candidate in asked)
+        if has is not None:
+            points = np.where([has(name) for name in names], points, nominal)
         metrics, margins = function(names, points)
         done = np.all([np.isfinite(values) for values in metrics.values()], axis=0)
         verdicts = {

@@ -8,7 +8,7 @@ from typing import cast
 import numpy as np
 from numpy.typing import NDArray
 
-from dse.exploration.level_set import LevelSet, likeliest
+from dse.exploration.level_set import LevelSet, Shape, likeliest
 from dse.exploration.optimising.designs import Cases, Design
 from dse.exploration.optimising.judging import Worth
 
@@ -58,25 +58,40 @@ def scalar(objectives: Array, weights: Array) -> Array:
     return cast(Array, weighted.max(axis=1) + _TAIL * weighted.sum(axis=1))
 
 
+class Shapes:
+    """The shapes of processes, by what they are of: found again when there is a quarter more to go by."""
+
+    def __init__(self) -> None:
+        self._known: dict[int, tuple[int, Shape]] = {}
+
+    def through(self, what: int, points: Array, values: Array) -> LevelSet:
+        """The process through *values*, (n,), at *points*, (n, d)."""
+        number, shape = self._known.get(what, (0, None))
+        if shape is None or len(shape.lengths) != points.shape[1] or 4 * len(points) > 5 * number:
+            shape = likeliest(points, values)
+            self._known[what] = len(points), shape
+        return LevelSet.through(points, values, shape)
+
+
 class Improvement:
     """How much *points*, (n, columns), of which so much is *known*, are likely to be improved on.
 
     *objective*, (n,), is what is to be small, NaN where there is none.
     """
 
-    def __init__(self, points: Array, known: Worth, objective: Array) -> None:
+    def __init__(self, points: Array, known: Worth, objective: Array, shapes: Shapes) -> None:
         varied = np.ptp(points, axis=0) > 0
         self._varied = varied if varied.any() else np.arange(points.shape[1]) < 1
         those = points[:, self._varied]
         self._requirements = [
-            _through(those[there], column[there])
-            for column in known.slack.T
+            shapes.through(number, those[there], column[there])
+            for number, column in enumerate(known.slack.T)
             if (there := np.isfinite(column)).any() and (column[there] <= 0).any()
         ]
         there = np.isfinite(objective)
         met = there & (known.violations == 0)
         self._least = float(objective[met].min()) if met.any() else None
-        self._worth = _through(those[there], objective[there]) if met.any() else None
+        self._worth = shapes.through(-1, those[there], objective[there]) if met.any() else None
 
     def best(self, points: Array, number: int) -> list[int]:
         """The numbers of up to *number* of *points*, (m, columns), the most promising first.
@@ -103,10 +118,6 @@ class Improvement:
             if worth is not None and least is not None:
                 least = min(least, float(worth.mean[found[-1]]))
         return found
-
-
-def _through(points: Array, values: Array) -> LevelSet:
-    return LevelSet.through(points, values, likeliest(points, values))
 
 
 def _log_improvement(z: Array) -> Array:

@@ -57,6 +57,9 @@ class _Promising:
     def __init__(self, sampler: MixedGp, brief: Brief, cases: Cases) -> None:
         import numpy as np
 
+        from dse.exploration.optimising.improving import Shapes
+
+        self._shapes = Shapes()
         self._space, self._cases, self._sampler, self._seed = space_of(brief), cases, sampler, brief.seed
         self._breeding = Breeding(self._space, len(cases.variables))
         self._objectives = len(brief.objectives)
@@ -87,7 +90,10 @@ class _Promising:
         weights = np.maximum(self._random.dirichlet(np.ones(self._objectives)), 1e-6)
         worth = scalar(known.objectives, weights)
         alternatives = self._space.alternatives
-        improvement = Improvement(encoded(self._designs, self._cases, alternatives), known, worth)
+        told = encoded(self._designs, self._cases, alternatives)
+        if not told.shape[1]:
+            return []
+        improvement = Improvement(told, known, worth, self._shapes)
         order = np.lexsort([np.nan_to_num(worth), known.violations])
         pool = self._pool([self._designs[number] for number in order[:_PARENTS].tolist()])
         # Twice: where the first pool promises most, the second looks closer.
