@@ -88,6 +88,7 @@ bench: setup
 	$(BIN)/python benchmarks/bench_study.py
 	$(BIN)/python benchmarks/bench_space.py
 	$(BIN)/python benchmarks/bench_evolution.py
+	$(BIN)/python benchmarks/bench_optimise.py --only nsga2
 	$(BIN)/python benchmarks/bench_modelica.py
 	$(BIN)/python benchmarks/bench_startup.py
 

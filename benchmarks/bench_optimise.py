@@ -139,12 +139,15 @@ def main() -> None:
     options.add_argument("--seeds", type=int, default=10)
     options.add_argument("--peers", type=Path)
     options.add_argument("--models", action="store_true")
+    options.add_argument("--only", nargs="*", default=[], help="names of samplers")
     given = options.parse_args()
     warnings.filterwarnings("ignore")
     for objectives in (1, 2):
         problem = Goldstein(objectives)
         word = "least objective" if objectives == 1 else f"volume up to {REFERENCE}"
         for name, (evaluations, run) in contestants(problem, given).items():
+            if given.only and name not in given.only:
+                continue
             print(
                 f"{objectives} objective{'s'[: objectives - 1]}, {evaluations} evaluations, {name}: ",
                 end="",
@@ -180,14 +183,14 @@ def contestants(problem: Goldstein, given: argparse.Namespace) -> dict[str, tupl
     sys.path.append(str(given.peers))
     from sb_arch_opt.algo.pymoo_interface import get_nsga2
 
-    found["SBArchOpt's NSGA-II"] = (
+    found["sbarchopt_nsga2"] = (
         evaluations,
         lambda seed: theirs(number, lambda _: get_nsga2(FIRST if given.models else POPULATION), evaluations, seed),
     )
     if given.models:
         from sb_arch_opt.algo.arch_sbo import get_arch_sbo_gp
 
-        found["SBArchOpt's GP"] = (
+        found["sbarchopt_gp"] = (
             evaluations,
             lambda seed: theirs(number, lambda p: get_arch_sbo_gp(p, init_size=FIRST), evaluations, seed),
         )

@@ -1,4 +1,5 @@
 from .boxes import Box as Box, best_boxes as best_boxes
+from .claims import Stage as Stage, stages as stages, static_bound as static_bound, strength as strength
 from .conditions import Condition as Condition, WorstCase as WorstCase, worst_case as worst_case
 from .data import ALL as ALL, Factor as Factor, StudyData as StudyData
 from .deciding import (

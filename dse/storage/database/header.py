@@ -11,7 +11,6 @@ from numpy.typing import NDArray
 from dse.domain.definition import StudyDefinition
 from dse.storage.database.definition import fingerprint
 from dse.storage.rows import Measures
-from dse.units import parse_unit
 
 
 @dataclass(frozen=True)
@@ -70,6 +69,8 @@ class StudyHeader:
 
     @cached_property
     def _totals(self) -> dict[str, dict[str, float]]:
+        from dse.units import parse_unit
+
         return {
             each.id: {name: parse_unit(total.unit).to_si(total.value) for name, total in each.totals.items()}
             for each in self.definition.configurations
