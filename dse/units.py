@@ -197,22 +197,24 @@ def parse_unit(text: str) -> Unit:
     known = _remembered()
     if text not in known:
         known[text] = _read(text)
-    factor, offset, dimension = known[text]
-    return Unit(text, factor, offset, dimension)
+    meaning = known[text]
+    if meaning is None:
+        raise UnitError(f"unknown unit '{text}'")
+    return Unit(text, *meaning)
 
 
 _Meaning = tuple[Fraction, Fraction, Dimension]
 
 
-def _read(text: str) -> _Meaning:
-    """Factor, offset and dimension of a unit, by pint."""
+def _read(text: str) -> _Meaning | None:
+    """Factor, offset and dimension of a unit, by pint; None for what is none."""
     registry: Any = _registry()
     try:
         parsed = registry.parse_units(_pint_spelling(text))
         zero = registry.Quantity(Fraction(0), parsed).to_base_units()
         one = registry.Quantity(Fraction(1), parsed).to_base_units()
-    except Exception as error:  # pint's tokenizer leaks library errors for malformed text
-        raise UnitError(f"unknown unit '{text}'") from error
+    except Exception:  # noqa: BLE001  # pint's tokenizer leaks library errors for malformed text
+        return None
     offset = Fraction(str(zero.magnitude))
     dimension = tuple(
         sorted((str(name).strip("[]"), Fraction(exponent)) for name, exponent in one.dimensionality.items())
@@ -270,7 +272,7 @@ _MOST_KEPT = 4096
 
 
 @lru_cache(maxsize=1)
-def _remembered() -> dict[str, _Meaning]:
+def _remembered() -> dict[str, _Meaning | None]:
     """What is known of units, from earlier processes too; what is new is handed on when this one ends."""
     import atexit
 
@@ -285,12 +287,12 @@ def _remembered() -> dict[str, _Meaning]:
     return known
 
 
-def _kept() -> dict[str, _Meaning]:
+def _kept() -> dict[str, _Meaning | None]:
     import json
 
     try:
         entries = json.loads(kept(*_shelf()) or b"{}")
-        return {text: _meaning(*entry) for text, entry in entries.items()}
+        return {text: entry and _meaning(*entry) for text, entry in entries.items()}
     except (TypeError, ValueError, AttributeError, ZeroDivisionError, RecursionError):
         return {}
 
@@ -299,14 +301,15 @@ def _meaning(factor: list[int], offset: list[int], dimension: list[tuple[str, li
     return Fraction(*factor), Fraction(*offset), tuple((str(name), Fraction(*power)) for name, power in dimension)
 
 
-def _keep(known: dict[str, _Meaning]) -> None:
+def _keep(known: dict[str, _Meaning | None]) -> None:
     import json
 
-    entries = {
-        text: [factor.as_integer_ratio(), offset.as_integer_ratio(), [(n, p.as_integer_ratio()) for n, p in dimension]]
-        for text, (factor, offset, dimension) in known.items()
-    }
+    entries = {text: meaning and _plain(*meaning) for text, meaning in known.items()}
     keep(*_shelf(), json.dumps(entries).encode(), most=4)
+
+
+def _plain(factor: Fraction, offset: Fraction, dimension: Dimension) -> list[object]:
+    return [factor.as_integer_ratio(), offset.as_integer_ratio(), [(n, p.as_integer_ratio()) for n, p in dimension]]
 
 
 @lru_cache(maxsize=1)

@@ -48,6 +48,9 @@ MAY_IMPORT = {
     "export csv acc_vehicle -o {o}.csv": SPACE,
     "results {s}": {"numpy"},
     "findings {s}": {"networkx", "numpy", "pandas", "pint", "pyarrow", "ruamel.yaml", "scipy"},  # scikit-learn's pandas
+    "best {s} --minimize consumption": RUNS,
+    "pareto {s} --minimize consumption --minimize final_speed": RUNS,
+    "refine {s} --around 0": RUNS,
     "status {s}": {"numpy"},
     "report {s} -o {o}.html": RUNS,
     "figure {s} -o {o}": DRAWN,
@@ -66,6 +69,9 @@ MAY_IMPORT = {
 SLOW = (
     "results",
     "findings",
+    "best",
+    "pareto",
+    "refine",
     "status",
     "report",
     "figure",
