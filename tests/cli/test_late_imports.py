@@ -120,6 +120,7 @@ def test_a_command_imports_what_it_needs(imported, tmp_path, request, command):
     words = {"o": tmp_path / "new"}
     if "{s}" in command:
         words["s"] = request.getfixturevalue("explored")
+        imported("results", words["s"])  # remembers its units
     if "{f}" in command:
         dse = request.getfixturevalue("dse")
         words["f"] = dse("build", "pd_acc", "--output", str(tmp_path)).stdout and next(tmp_path.rglob("*.fmu"))
