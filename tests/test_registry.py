@@ -44,16 +44,16 @@ def test_every_sampler_that_comes_with_dse_is_found() -> None:
 
 
 def test_what_is_unknown_is_told_where_it_stands(offer: object) -> None:
-    offer("others", "X = 1\n", {"morris": "X"})
-    with pytest.raises(DseError, match=r"gains\.pet\.yaml:9:10: unknown sampler 'moris'[\s\S]*'morris'"):
+    offer("others", "X = 1\n", {"saltelli": "X"})
+    with pytest.raises(DseError, match=r"gains\.pet\.yaml:9:10: unknown sampler 'moris'[\s\S]*'saltelli'"):
         registry().get("moris", WHERE)
 
 
 def test_two_packages_that_offer_the_same_name_are_both_named(offer: object) -> None:
-    offer("one", "X = 1\n", {"morris": "X", "sobol": "X"})
-    offer("two", "X = 2\n", {"morris": "X"})
-    with pytest.raises(DseError, match=r"'morris' is offered by several packages: (one, two|two, one)"):
-        registry().get("morris", WHERE)
+    offer("one", "X = 1\n", {"saltelli": "X", "sobol": "X"})
+    offer("two", "X = 2\n", {"saltelli": "X"})
+    with pytest.raises(DseError, match=r"'saltelli' is offered by several packages: (one, two|two, one)"):
+        registry().get("saltelli", WHERE)
     with pytest.raises(DseError, match="'sobol' is offered by several packages: dse, one"):
         registry().get("sobol", WHERE)
 

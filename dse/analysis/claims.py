@@ -50,7 +50,7 @@ def strength(ranking: Ranking, runs: int, bounds: Sequence[float | None], defini
     for column, (objective, bound) in enumerate(zip(ranking.objectives, bounds, strict=True)):
         unit = unit_of_objective(definition, objective)
         if bound is None:
-            said.append(f"nothing but simulation bounds {objective.name}")
+            said += [] if objective.is_total else [f"nothing but simulation bounds {objective.name}"]
             continue
         values = [one.values[column] for one in ranking.best]
         word, best = ("more", max) if objective.maximize else ("less", min)

@@ -12,7 +12,7 @@ from dse.domain.definition import DefinedRequirement, StudyDefinition
 from dse.domain.sampler import Objective, Role
 from dse.errors import closest, fail
 from dse.exploration import Designs, design_variable, designs_of, front_of, knee
-from dse.storage import RunTable
+from dse.storage import CERTAINTIES, Certainty, RunTable
 from dse.testbench import compile_objective, with_composites
 
 _DIGITS = 10
@@ -34,7 +34,8 @@ class Standing:
 
     *values* are its objectives (SI) at the condition where they are worst, *margins* (SI) by requirement those of its
     worst run that exercised it; *runs* are the numbers of its runs, of which *failed* failed to run. It *is_whole* if
-    it was run at as many conditions as any other.
+    it was run at as many conditions as any other. Verdicts on the requirements *doubtful* may be others with finer
+    numerics, in some run.
     """
 
     configuration: str
@@ -45,6 +46,7 @@ class Standing:
     missed: tuple[Missed, ...] = ()
     failed: int = 0
     is_whole: bool = True
+    doubtful: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -124,6 +126,8 @@ class _Reader:
     def __init__(self, table: RunTable, designs: Designs, decided: Sequence[str]) -> None:
         self._table, self._designs, self._decided = table, designs, decided
         self._requirements = {entry.name: entry for entry in table.header.definition.requirements}
+        unsure = CERTAINTIES.index(Certainty.DOUBTFUL)
+        self._doubtful = {name: table.certainties(name) == unsure for name in self._requirements if table.has_checks}
 
     def of(self, row: int) -> Standing:
         """Design number *row*."""
@@ -139,6 +143,7 @@ class _Reader:
             tuple(self._table.numbers[designs.rows[row]].tolist()),
             tuple(self._missed(row)),
             int(designs.failed[row]),
+            doubtful=tuple(name for name, unsure in self._doubtful.items() if unsure[designs.rows[row]].any()),
         )
 
     def _missed(self, row: int) -> Iterator[Missed]:

@@ -51,7 +51,7 @@ def explore_and_show(study: Study, folder: Path, options: ExploreOptions, *, gat
         raise KeyboardInterrupt(f"{folder}: {stop}") from None
     results = Results(options.folder(folder), explored)
     summary = results.summary
-    _say(results, summary, explored, f"dse merge {folder}" if options.shard else f"dse report {folder}")
+    _say(study, results, summary, explored, f"dse merge {folder}" if options.shard else f"dse report {folder}")
     failed = summary.failed or (gate and not summary.is_passed)
     raise typer.Exit(RUNS_FAILED if failed else DONE)
 
@@ -93,7 +93,7 @@ def _duration(seconds: float) -> str:
     return "less than a second" if seconds < 1 else f"about {timedelta(seconds=round(seconds))}"
 
 
-def _say(results: Results, summary: Summary, explored: Explored, following: str) -> None:
+def _say(study: Study, results: Results, summary: Summary, explored: Explored, following: str) -> None:
 
     from dse.api import requirement_labels
 
@@ -132,7 +132,7 @@ def _say(results: Results, summary: Summary, explored: Explored, following: str)
         screen.print(f"  and {len(said) - _MOST_PROBLEMS} other problems: dse results {folder}", soft_wrap=True)
     if explored.new and not following.startswith("dse merge") and summary.finished <= _MOST_LOOKED_AT:
         if results.definition.objectives:
-            show_ranking(results, results.best(_MOST_SHOWN))
+            show_ranking(results, results.best(_MOST_SHOWN), study)
         else:
             say_findings(results.essentials())
     if summary.failures:

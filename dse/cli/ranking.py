@@ -9,18 +9,24 @@ from dse.cli.terminal import plain_table, print_table, say
 if TYPE_CHECKING:
     from dse.analysis import Ranking
     from dse.api import Results
+    from dse.domain.study import Study
 
 _PLACES, _RUNS = 4, 3
 """Places in which configurations differ, and runs of a design, that a table has room for."""
 
 
-def show_ranking(results: Results, found: Ranking) -> None:
-    """The designs as a table, and what would have to change for others."""
+def show_ranking(results: Results, found: Ranking, study: Study | None = None) -> None:
+    """The designs as a table, how strong it is that they are best, and what would have to change for others.
+
+    What bounds sums of properties is told if the *study* is known.
+    """
     from dse.analysis import claim, what_would_change
 
     say(f"{claim(found)}; {' and '.join(map(str, found.objectives))}", style="bold")
     if found.best:
         _print_table(results, found)
+    for line in results.strength(found, study):
+        say(f"  {line}")
     for sentence in what_would_change(found, results.definition):
         say(f"  {sentence}")
 
@@ -49,7 +55,10 @@ def _print_table(results: Results, found: Ranking) -> None:
             *(quantity(value, unit_of_objective(definition, objective)) for value, objective in values),
             *(quantity(each.point[name], units[name]) if name in each.point else "–" for name in varied),
             *(choices[place].get(path, "–") for path in shown),
-            *(difference(each.margins[name], requirements[name]) for name in margins),
+            *(
+                difference(each.margins[name], requirements[name]) + " (doubtful)" * (name in each.doubtful)
+                for name in margins
+            ),
             ", ".join(map(str, each.runs[:_RUNS])) + (", …" if len(each.runs) > _RUNS else ""),
         )
     print_table(table)

@@ -19,6 +19,7 @@ if TYPE_CHECKING:
 
     from dse.analysis import Finding, Ranking
     from dse.api.studies.replaying import Replay
+    from dse.domain import study as nouns
     from dse.domain.definition import StudyDefinition
     from dse.errors import Problem
     from dse.exploration import Explored
@@ -157,6 +158,37 @@ class Results:
             return ranked(folder.table(), wanted, number)
 
         return self._read(answer)
+
+    def strength(self, ranking: Ranking, study: nouns.Study | None = None) -> tuple[str, ...]:
+        """How strong it is that the designs of *ranking* are best: among how much, and how it came about.
+
+        With the *study* also what no configuration of its design space can beat.
+        """
+        from dse.analysis import stages, static_bound, strength
+        from dse.space import open_space
+
+        space = open_space(study.bench.design, where=study.selection.where) if study else None
+        bounds = [static_bound(space, each) if space else None for each in ranking.objectives]
+        table = self._read(lambda store: store.table())
+        said = [strength(ranking, len(table), bounds, self.definition)]
+        ends = [round(len(table) * share) for share in (0.25, 0.5, 0.75)]
+        shares = [
+            stage.volume for stage in stages(table, ranking.objectives, [int(table.numbers[end]) for end in ends])
+        ]
+        if len(ranking.objectives) > 1 and not any(share != share for share in shares):  # noqa: PLR0124  # NaN
+            told = ", ".join(f"{100 * share:.0f} %" for share in shares)
+            said.append(f"of the volume the front dominates, a quarter, half and three quarters of the runs had {told}")
+        return tuple(said)
+
+    def study(self) -> nouns.Study | None:
+        """The study, read from the workspace around the current folder; None if it is not there."""
+        from dse.api.naming import workspace_of
+        from dse.errors import DseError
+
+        try:
+            return workspace_of(self.definition.study).study(self.definition.study)
+        except DseError:
+            return None
 
     def replay(self, number: int, *, source: str | Path | None = None, fmi: int = 2) -> Replay:
         """Simulate a run again and compare; its study is found in the workspace here, or in the file *source*."""

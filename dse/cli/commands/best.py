@@ -65,4 +65,4 @@ def _show(results: Results, found: Ranking, form: Output) -> None:
 
         print_json(asdict(found))
     else:
-        show_ranking(results, found)
+        show_ranking(results, found, results.study())
