@@ -45,8 +45,8 @@ def test_every_sampler_that_comes_with_dse_is_found() -> None:
 
 def test_what_is_unknown_is_told_where_it_stands(offer: object) -> None:
     offer("others", "X = 1\n", {"saltelli": "X"})
-    with pytest.raises(DseError, match=r"gains\.pet\.yaml:9:10: unknown sampler 'moris'[\s\S]*'saltelli'"):
-        registry().get("moris", WHERE)
+    with pytest.raises(DseError, match=r"gains\.pet\.yaml:9:10: unknown sampler 'saltell'[\s\S]*'saltelli'"):
+        registry().get("saltell", WHERE)
 
 
 def test_two_packages_that_offer_the_same_name_are_both_named(offer: object) -> None:
