@@ -46,8 +46,8 @@ def main() -> None:
             brief = Brief(
                 study.variables, (), seed, known.outcomes([]), space, study.objectives, conditions_of(study.variables)
             )
-            tried, invalid = search(sampler, brief, known)
-            found.append((len(wanted & tried), invalid))
+            tried, wrong = search(sampler, brief, known)
+            found.append((len(wanted & tried), wrong))
         all_five = sum(number == _BEST for number, _ in found)
         told = ", ".join(str(number) for number, _ in found)
         print(
