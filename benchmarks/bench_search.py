@@ -50,9 +50,8 @@ def main() -> None:
             found.append((len(wanted & tried), wrong))
         all_five = sum(number == _BEST for number, _ in found)
         told = ", ".join(str(number) for number, _ in found)
-        print(
-            f"{name} {facts}: all five in {all_five} of {given.seeds} seeds ({told}); {sum(i for _, i in found)} invalid"
-        )
+        invalid = sum(number for _, number in found)
+        print(f"{name} {facts}: all five in {all_five} of {given.seeds} seeds ({told}); {invalid} invalid")
 
 
 def best_designs(table: pd.DataFrame) -> set[tuple[Any, ...]]:
