@@ -61,7 +61,9 @@ def robust_centre(data: StudyData, requirement: str = ALL) -> Centre:
         margin = float(margins[first])
         if best is None or round(margin, _DIGITS) > round(best.margin, _DIGITS):
             near = np.abs(points - points[np.flatnonzero(inside)[first]]).max(axis=1) < margin
-            best = Centre(int(data.numbers[rows[inside]][first]), margin, int(near.sum()) - 1, int(limits[first]))
+            best = Centre(
+                int(data.numbers[rows[inside]][first]), margin, max(int(near.sum()) - 1, 0), int(limits[first])
+            )
     if best is None:
         raise withheld(requirement, "no number differs between runs with the same choices: there is no robust centre")
     if best.margin <= 0:
