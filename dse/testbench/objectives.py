@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
+import numpy as np
+
 from dse.domain.component import Kind, Type
 from dse.domain.definition import StudyDefinition
 from dse.domain.expression import Call, Name, Node
@@ -38,6 +40,9 @@ def with_composites(outcomes: Outcomes, objectives: Sequence[Objective], definit
     columns = {**outcomes.metrics, **{f"sum({name})": column for name, column in outcomes.totals.items()}}
     made = {}
     for each in wanted:
+        if not len(outcomes):  # of a new study whose sampler proposes configurations no sum is known yet
+            made[each.name] = outcomes.done.astype(np.float64)
+            continue
         program, _ = compile_objective(each, definition)
         made[each.name] = program.rows({name: columns[name] for name in program.names})
     return replace(outcomes, metrics={**outcomes.metrics, **made})

@@ -96,3 +96,31 @@ def test_the_next_study_can_be_read_and_lies_within_the_last(varied, towards, mo
     assert narrowed.selection.ids
     assert [each.expression.text for each in narrowed.bench.derived] == ["5 s * controller.kp_gap"]
     assert (narrowed.sampler.name == "boundary") == (towards is Towards.BAND)
+
+
+SEARCH = """study: search
+testbench: acc_following
+design_variables: {controller.kp_speed: {range: [0.1 1/s, 3 1/s], scale: log}}
+objectives: ["minimize sum(cost) + 1000 EUR/kWh * consumption * 10 km"]
+sampler: {nsga2: {population: 4, evaluations: 7}}
+keep_waveforms: none
+"""
+
+
+def test_a_search_over_the_whole_space_goes_on_where_it_was(varied):
+    """What it looks for is known only when configurations are."""
+    place = varied[1].folder.parents[1]
+    (place / "testbenches" / "search.pet.yaml").write_text(SEARCH, encoding="utf-8")
+    study = dse.open(place).studies["search"]
+    results = study.explore(place / "out" / "search", workers=1)
+    first = results.to_pandas()
+    assert 4 <= len(first) <= 7
+    assert len(set(first["configuration"])) == len(results.definition.configurations) > 1
+    again = study.explore(place / "out" / "search", workers=1)
+    assert again.explored is not None
+    assert again.explored.simulated == 0
+    assert again.to_pandas().equals(first)
+    totals = {each.id: each.totals["cost"].value for each in results.definition.configurations}
+    for each in results.best().best:
+        consumption = first.loc[each.runs[0], "consumption"]
+        assert each.values[0] == pytest.approx(totals[each.configuration] + 1000 / 3.6e6 * consumption * 1e4)
