@@ -1,6 +1,8 @@
 // What the reader has chosen. Parts of the page subscribe; changes of one animation frame arrive together.
-import { judge, type Judgement, type Threshold } from "./verdicts";
+import { maskOf, type Brush } from "./brushing";
+import { createPlanes, type Plane } from "./plane/plane";
 import type { Study } from "./study";
+import { judge, type Judgement, type Threshold } from "./verdicts";
 
 export type Filter = "all" | 0 | 1 | 2 | 3;
 
@@ -17,6 +19,14 @@ export interface State {
   selected: number;
   filter: Filter;
   sort: { column: string; descending: boolean };
+  /** Ranges that were dragged on axes; runs outside of any are set back everywhere. */
+  brushes: readonly Brush[];
+  /** Runs pinned for comparison, at most MOST_PINS. */
+  pins: readonly number[];
+  /** Run under the pointer, -1 for none. */
+  hovered: number;
+  /** The view that is open, by its name. */
+  view: string;
   theme: "light" | "dark";
 }
 
@@ -31,11 +41,18 @@ export interface Store {
   /** Tells the listeners now what they would hear with the next frame. */
   flush(): void;
   judgement(): Judgement;
+  plane(): Plane;
+  /** Which runs lie within all brushes, 1 for each; null if there is no brush. */
+  within(): Uint8Array | null;
 }
+
+export const MOST_PINS = 5;
 
 export function createStore(study: Study, initial: State): Store {
   let state = initial;
   let judged: { thresholds: Threshold[]; judgement: Judgement } | null = null;
+  let brushed: { brushes: readonly Brush[]; mask: Uint8Array | null } | null = null;
+  const planes = createPlanes(study);
   let pending: Set<keyof State> | null = null;
   const listeners: Listener[] = [];
 
@@ -70,6 +87,11 @@ export function createStore(study: Study, initial: State): Store {
         judged = { thresholds: state.thresholds, judgement: judge(study, state.thresholds) };
       }
       return judged.judgement;
+    },
+    plane: () => planes(state),
+    within() {
+      if (brushed?.brushes !== state.brushes) brushed = { brushes: state.brushes, mask: maskOf(study, state.brushes) };
+      return brushed.mask;
     },
   };
 }

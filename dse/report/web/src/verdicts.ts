@@ -7,6 +7,8 @@ export * from "./marks";
 export interface Threshold {
   atMost: number | null;
   atLeast: number | null;
+  /** Left out of the verdict on a run; its own verdict is there all the same. */
+  off?: boolean;
 }
 
 export interface Judgement {
@@ -22,14 +24,15 @@ const ERROR_IN_BARS = 2;
 export function judge(study: Study, thresholds: Threshold[]): Judgement {
   const each = study.requirements.map((_, index) => marksOf(study, index, thresholds[index]!));
   const overall = new Uint8Array(study.size);
-  for (const marks of each) {
+  for (const [index, marks] of each.entries()) {
+    if (thresholds[index]!.off) continue;
     for (let run = 0; run < overall.length; run++) {
       if (marks[run] === FAIL) overall[run] = FAIL;
       else if (marks[run] === NOT_EXERCISED && overall[run] === PASS) overall[run] = NOT_EXERCISED;
     }
   }
   for (let run = 0; run < overall.length; run++) if (!study.done[run]) overall[run] = FAILED;
-  const doubtful = Uint8Array.from(overall, (_, run) => (thresholds.some((threshold, index) => isDoubtful(study, index, run, threshold)) ? 1 : 0));
+  const doubtful = Uint8Array.from(overall, (_, run) => (thresholds.some((threshold, index) => !threshold.off && isDoubtful(study, index, run, threshold)) ? 1 : 0));
   return { each, overall, doubtful };
 }
 

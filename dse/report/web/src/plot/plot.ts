@@ -23,7 +23,7 @@ export interface Plot {
 
 const REPAINTED: (keyof State)[] = ["configuration", "x", "y", "fixed", "thresholds", "fill", "theme"];
 
-export function createPlot(store: Store, planes: (state: State) => Plane): Plot {
+export function createPlot(store: Store): Plot {
   const ground = el("canvas", { class: "ground", "aria-hidden": "true" });
   const overlay = el("canvas", { class: "overlay", "aria-hidden": "true" });
   const surface = el("div", {
@@ -36,7 +36,7 @@ export function createPlot(store: Store, planes: (state: State) => Plane): Plot 
   }, ground, overlay);
   let frame: Frame | null = null;
   let hovered = -1;
-  const plane = (): Plane => planes(store.state);
+  const plane = store.plane;
 
   const repaint = (): void => {
     const started = performance.now();
