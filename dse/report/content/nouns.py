@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dse.errors import Problem
+from dse.report.content.insight import Insight
 
 Floats = NDArray[np.float64]
 Flags = NDArray[np.bool_]
@@ -124,8 +125,8 @@ class ReportContent:
 
     *slices* are names of variables that were varied together, for a sliced study. *study_folder* is what the
     reader types in ``dse replay``; the page, which may be anywhere, leaves it out. *facts* are shown as they stand, in
-    order. *missing* is what of the study could not be read. Raises ValueError for what no study has. From here on the
-    arrays cannot be written to, as many figures read them.
+    order. *missing* is what of the study could not be read, *insight* what its runs tell, for the page. Raises
+    ValueError for what no study has. From here on the arrays cannot be written to, as many figures read them.
     """
 
     title: str
@@ -140,6 +141,7 @@ class ReportContent:
     slices: tuple[tuple[str, ...], ...] = ()
     facts: tuple[tuple[str, str], ...] = ()
     missing: tuple[Problem, ...] = ()
+    insight: Insight | None = None
 
     def __post_init__(self) -> None:
         if flaws := [*_flaws(self)]:
