@@ -68,7 +68,7 @@ def _stages(table: RunTable, ranking: Ranking, definition: StudyDefinition) -> t
 
 
 def _best_by(table: RunTable, ranking: Ranking, ends: list[int], definition: StudyDefinition) -> list[float]:
-    """Of one objective the best feasible value by each of *ends*, NaN before there is one; of several objectives NaN."""
+    """Of one objective the best feasible value by each of *ends*, NaN before there is one, of several NaN."""
     if len(ranking.objectives) > 1:
         return [float("nan")] * len(ends)
     objective = ranking.objectives[0]
