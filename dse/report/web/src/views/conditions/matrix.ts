@@ -50,7 +50,7 @@ function cellOf(store: Store, cell: Cell, chosen: Chosen, designs: string[]): HT
   const unit = chosen.requirement < 0 ? "" : study.metrics[study.requirements[chosen.requirement]!.metric]!.unit;
   const worst = Number.isNaN(cell.margin) ? "" : chosen.requirement < 0 ? `${cell.margin < 0 ? "\u2212" : "+"}${percent(Math.abs(cell.margin), 1)}` : withUnit(`${cell.margin > 0 ? "+" : ""}${number(cell.margin, 3)}`, unit);
   const passing = passingDesigns(store, cell, chosen, designs);
-  const head = chosen.whole ? `${percent(passing[0], passing[1])} of designs pass` : cell.runs.length > 1 ? `${SIGNS[mark]} ${group(cell.counts[PASS]!)} of ${group(cell.runs.length)} runs pass` : `${SIGNS[mark]} ${WORDS[mark]}`;
+  const head = chosen.whole ? `${passing[0] ? percent(passing[0], passing[1]) : "0\u202f%"} of designs pass` : cell.runs.length > 1 ? `${SIGNS[mark]} ${group(cell.counts[PASS]!)} of ${group(cell.runs.length)} runs pass` : `${SIGNS[mark]} ${WORDS[mark]}`;
   const detail = chosen.whole ? `${group(passing[0])} of ${group(passing[1])}` : "";
   const box = el(
     "button",
