@@ -40,8 +40,7 @@ def _sentences(table: RunTable, naming: Naming) -> Iterator[str]:
         f"Each run simulates {simulation.stop:g} s in steps of {simulation.step:g} s, "
         f"recorded every {simulation.record_every:g} s{method}."
     )
-    sampler = definition.sampler.kind.replace("_", " ")
-    yield f"Runs were chosen by {sampler}{_options(definition, naming)}; seed {definition.seed}."
+    yield _sampled(definition, naming)
     if definition.objectives:
         yield f"Wanted: {' and '.join(naming.objectives(definition))}."
     for name, expression in definition.derived.items():
@@ -50,6 +49,13 @@ def _sentences(table: RunTable, naming: Naming) -> Iterator[str]:
         yield f"Only points with {rule} were asked for."
     for pair in definition.correlations:
         yield f"{naming.titled(pair.one)} and {naming.titled(pair.other)} are correlated by {pair.value:g}."
+
+
+def _sampled(definition: StudyDefinition, naming: Naming) -> str:
+    if not definition.variables:
+        return "Each configuration was run once, at its nominal parameters."
+    sampler = definition.sampler.kind.replace("_", " ")
+    return f"Runs were chosen by {sampler}{_options(definition, naming)}; seed {definition.seed}."
 
 
 def _options(definition: StudyDefinition, naming: Naming) -> str:

@@ -6,10 +6,11 @@ import { overviewView } from "./overview/overview";
 import { plotView } from "./plot";
 import { runsView } from "./runs";
 import { studyView } from "./study";
+import { understandingView } from "./understanding/understanding";
 import type { View } from "./view";
 
 // A study with a plane opens at its plot: that picture says in a glance what the overview says in sentences.
 const withoutPlane: View = { ...overviewView, suits: (study) => overviewView.suits(study) && !plotted(study) };
 const withPlane: View = { ...overviewView, suits: (study) => overviewView.suits(study) && plotted(study) };
 
-export const VIEWS: readonly View[] = [withoutPlane, plotView, withPlane, conditionsView, runsView, figuresView, studyView];
+export const VIEWS: readonly View[] = [withoutPlane, plotView, withPlane, understandingView, conditionsView, runsView, figuresView, studyView];

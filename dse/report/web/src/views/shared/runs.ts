@@ -31,6 +31,13 @@ export function placeOf(study: Study, run: number): string {
   const parts = study.variables
     .filter(({ lack }) => !lack.includes(study.configuration[run]!))
     .map(({ title, unit, text, values }) => `${title} ${withUnit(text(values[run]!), unit)}`);
-  if (study.configurations.length > 1) parts.unshift(study.configurations[study.configuration[run]!]!.id);
+  if (study.configurations.length > 1) parts.unshift(architectureOf(study, study.configuration[run]!));
   return parts.join(", ");
+}
+
+/** What was chosen at the places where configurations differ, with the id. */
+export function architectureOf(study: Study, configuration: number): string {
+  const { id, choices } = study.configurations[configuration]!;
+  const differing = choices.filter(([place, choice]) => study.configurations.some((other) => (other.choices.find(([name]) => name === place)?.[1] ?? "") !== choice));
+  return [id, ...differing.map(([place, choice]) => `${place} ${choice}`)].join(", ");
 }
