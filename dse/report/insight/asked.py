@@ -63,8 +63,9 @@ def _options(definition: StudyDefinition, naming: Naming) -> str:
     if slices:
         planes = "; ".join(" × ".join(map(naming.titled, names)) for names in slices)
         return f", varying together {planes}, all else at its nominal value"
-    plain = {k: v for k, v in definition.sampler.options.items() if isinstance(v, int | float | str)}
-    return "".join(f", {key.replace('_', ' ')} {value}" for key, value in plain.items())
+    plain = {key: value for key, value in definition.sampler.options.items() if isinstance(value, int | float | str)}
+    said = {key: ("no", "yes")[value] if isinstance(value, bool) else value for key, value in plain.items()}
+    return "".join(f", {key.replace('_', ' ')} {value}" for key, value in said.items())
 
 
 def _spread(variable: DefinedVariable) -> str:

@@ -21,7 +21,7 @@ from dse.storage import NO_CHECKS, RunTable
 from dse.units import parse_unit
 
 SIZE = 31
-MOST_RUNS = 300
+MOST_RUNS = 500
 """What is known from more is no clearer by much, and takes the cube of their number."""
 
 MOST_MAPS = 6

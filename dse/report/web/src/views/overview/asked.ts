@@ -11,7 +11,7 @@ export function createAsked(study: Study, asked: Asked): HTMLElement {
       "tr",
       {},
       el("th", { scope: "row", title: variable.name }, variable.title),
-      el("td", {}, asked.roles[index] ?? ""),
+      el("td", { class: "role" }, asked.roles[index] ?? ""),
       el("td", { class: "numeric" }, withUnit(`${number(variable.low)} \u2026 ${number(variable.high)}`, variable.unit)),
       el("td", {}, asked.spreads[index] ?? ""),
       el("td", { class: "numeric" }, withUnit(number(variable.nominal), variable.unit)),

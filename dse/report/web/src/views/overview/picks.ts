@@ -5,6 +5,7 @@ import { studyThresholds, type Store } from "../../store";
 import type { Study } from "../../study";
 import { PASS, SIGNS, CLASSES, WORDS } from "../../verdicts";
 import { worstMargin } from "../shared/margins";
+import { aimOf } from "../shared/aims";
 import { planeName } from "../shared/planes";
 import { openRun, placeOf, positionOf } from "../shared/runs";
 import { isAsStudied } from "../shared/thresholds";
@@ -17,6 +18,8 @@ interface Choice {
   why: string;
   /** Found by Python, at the study's own thresholds. */
   stored?: boolean;
+  /** Stands for all runs of its design, which have verdicts of their own. */
+  design?: boolean;
 }
 
 export function createPicks(store: Store): HTMLElement {
@@ -33,13 +36,13 @@ export function createPicks(store: Store): HTMLElement {
   return box;
 }
 
-function button(store: Store, { name, run, why, stored }: Choice, moved: boolean): HTMLElement {
+function button(store: Store, { name, run, why, stored, design }: Choice, moved: boolean): HTMLElement {
   const { study, state } = store;
   const mark = store.judgement().overall[run]!;
   return el(
     "button",
     { type: "button", class: `pick${state.selected === run ? " chosen" : ""}`, click: () => openRun(store, run) },
-    el("span", { class: "pick-head" }, el("b", {}, name), el("span", { class: `badge ${CLASSES[mark]}` }, `${SIGNS[mark]} ${WORDS[mark]}`)),
+    el("span", { class: "pick-head" }, el("b", {}, name), !design && el("span", { class: `badge ${CLASSES[mark]}` }, `${SIGNS[mark]} ${WORDS[mark]}`)),
     el("span", { class: "pick-run" }, `Run ${study.number[run]}`),
     el("span", { class: "pick-why" }, why),
     el("span", { class: "pick-place" }, placeOf(study, run)),
@@ -56,9 +59,9 @@ function searched(study: Study): Choice[] {
   const shown = objectives.length === 1 ? picks.slice(0, MOST_BEST).map((_, index) => index) : [...new Set([0, knee, picks.length - 1])].filter((index) => index >= 0 && index < picks.length);
   return shown.map((index) => {
     const pick = picks[index]!;
-    const values = pick.values.map((value, place) => `${objectives[place]!.replace(/^(minimize|maximize) /, "")} ${withUnit(number(value, 4), units[place]!)}`).join(", ");
+    const values = pick.values.map((value, place) => `${aimOf(objectives[place]!)} ${withUnit(number(value, 4), units[place]!)}`).join(", ");
     const name = objectives.length === 1 ? (index ? `Best design, place ${index + 1}` : "Best design") : index === knee ? "Knee of the front" : index ? "Other end of the front" : "One end of the front";
-    return { name, run: positionOf(study, pick.run), why: `${values}; its worst run`, stored: true };
+    return { name, run: positionOf(study, pick.run), why: `${values}; shown is its run with the least margin`, stored: true, design: true };
   }).filter(({ run }) => run >= 0);
 }
 

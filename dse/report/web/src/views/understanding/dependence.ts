@@ -71,7 +71,7 @@ function mini(store: Store, part: Part, response: Response, { factor, places, me
   return createPainted(store, "mini", `Mean of ${metric.title} along ${axis.title}: ${values}`, (canvas) => paintChart(canvas, chart, palette())).element;
 }
 
-// Levels have no order: nothing is drawn between them.
-function whiskers(at: Float64Array, low: Float64Array, high: Float64Array): Chart["drawn"] {
+/** Levels have no order: nothing is drawn between them. */
+export function whiskers(at: Float64Array, low: Float64Array, high: Float64Array): Chart["drawn"] {
   return Array.from(at, (x, index) => ({ kind: "band" as const, label: "", x: Float64Array.of(x - 0.12, x + 0.12), low: Float64Array.of(low[index]!, low[index]!), high: Float64Array.of(high[index]!, high[index]!) }));
 }

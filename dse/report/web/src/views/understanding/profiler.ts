@@ -10,6 +10,7 @@ import { palette } from "../../theme";
 import { createPainted, type Painted } from "../shared/painting";
 import { levelAt, placesOf, placeText, valueAt } from "../shared/places";
 import { planeName } from "../shared/planes";
+import { whiskers } from "./dependence";
 import { predict } from "./formula";
 
 const STEPS = 41;
@@ -122,6 +123,7 @@ function createControl(store: Store, part: Part, profile: Profile, response: Res
     const { at, values } = curve(part, profile, factor, places());
     const x = Float64Array.from(at, (place, index) => (isChoice ? index : valueAt(axis, place)));
     const y = Float64Array.from(values);
+    const [below, above] = [y.map((each) => each - profile.error), y.map((each) => each + profile.error)];
     const here = places()[factor]!;
     return {
       name: "profile",
@@ -130,7 +132,7 @@ function createControl(store: Store, part: Part, profile: Profile, response: Res
       x: { title: axis.title, unit: axis.unit, log: false, low: isChoice ? -0.5 : axis.values[0]!, high: isChoice ? axis.levels.length - 0.5 : axis.values.at(-1)!, names: isChoice ? axis.levels : [] },
       y: { title: metric.title, unit: metric.unit, log: false, low: range[0], high: range[1], names: [] },
       drawn: [
-        { kind: "band", label: "", x, low: y.map((each) => each - profile.error), high: y.map((each) => each + profile.error) },
+        ...(isChoice ? whiskers(x, below, above) : [{ kind: "band" as const, label: "", x, low: below, high: above }]),
         isChoice ? { kind: "points", label: "", verdict: null, x, y, runs: new Int32Array(x.length) } : { kind: "line", label: "", x, y },
         { kind: "rule", label: "", axis: "x", value: isChoice ? levelAt(axis, here) : valueAt(axis, here) },
         ...bounds(store, response),

@@ -6,6 +6,7 @@ import type { Search } from "../../insight";
 import { paintChart } from "../../plot/chart";
 import type { Store } from "../../store";
 import { palette } from "../../theme";
+import { aimOf } from "../shared/aims";
 import { createPainted } from "../shared/painting";
 
 export function createSearch(store: Store, search: Search): HTMLElement {
@@ -14,7 +15,7 @@ export function createSearch(store: Store, search: Search): HTMLElement {
   const known = stages.filter(({ volume, best }) => (several ? volume : best) !== null);
   const said = [
     `${group(feasible)} of ${count(designs, "design")} meet all requirements under all conditions they were run at`,
-    several ? `${picks.length} of them are on the front of ${objectives.join(" and ")}` : `the best has ${objectives[0]} at ${picks.length ? withUnit(number(picks[0]!.values[0]!, 4), units[0]!) : "none"}`,
+    several ? `${picks.length} of them are on the front of ${objectives.join(" and ")}` : `the best has ${aimOf(objectives[0]!)} ${picks.length ? withUnit(number(picks[0]!.values[0]!, 4), units[0]!) : "none"}`,
     ...(unfinished ? [`${count(unfinished, "design")} lack runs and count neither way`] : []),
   ];
   const text = el("p", { class: "sentence", id: "search" }, `${said.join("; ")}.`);
@@ -27,14 +28,16 @@ export function createSearch(store: Store, search: Search): HTMLElement {
     name: "search",
     title: "",
     note: "",
-    x: { title: "runs made", unit: "", log: false, low: 0, high: stages.at(-1)!.runs, names: [] },
-    y: { title: several ? "volume the front dominates" : objectives[0]!, unit: several ? "%" : units[0]!, log: false, low: low - rim, high: high + rim, names: [] },
+    x: { title: "study after", unit: "runs", log: false, low: 0, high: stages.at(-1)!.runs, names: [] },
+    y: { title: several ? "volume the front dominates" : aimOf(objectives[0]!), unit: several ? "%" : units[0]!, log: false, low: low - rim, high: high + rim, names: [] },
     drawn: [
       { kind: "steps", label: "", x: at, y: Float64Array.from(values) },
       { kind: "points", label: "", verdict: null, x: at, y: Float64Array.from(values), runs: new Int32Array(at.length) },
     ],
   };
   const label = `${chart.y.title} after so many runs: ${known.map(({ runs }, index) => `${number(values[index]!, 3)} after ${runs}`).join(", ")}`;
-  const hint = several ? "As a share of what all designs of the study dominate at its end, up to the worst feasible value of each objective. Still rising at the end: more runs would find more." : "The best feasible value so far. Still moving at the end: more runs would find more.";
+  const what = several ? "As a share of what all designs of the study dominate at its end, up to the worst feasible value of each objective." : "The best feasible value so far.";
+  const since = known[values.findIndex((value) => Math.abs(value - values.at(-1)!) <= 1e-9 * Math.abs(value))]!.runs;
+  const hint = since === stages.at(-1)!.runs ? `${what} It still changed at the end: more runs would probably find more.` : `${what} It has not changed since run ${group(since)}.`;
   return el("div", {}, text, createPainted(store, "mini wide-mini", label, (canvas) => paintChart(canvas, chart, palette())).element, el("p", { class: "hint" }, hint));
 }
