@@ -29,6 +29,7 @@ class Variable:
     """A design variable; *values* holds one number per run, in the unit shown (as do all bounds).
 
     Configurations that *lack* it are known by their places; their runs have the nominal value, to stand somewhere.
+    *labels* are what the values 0, 1, … are called, if they are no quantities.
     """
 
     name: str
@@ -40,6 +41,7 @@ class Variable:
     nominal: float
     values: Floats
     lack: tuple[int, ...] = ()
+    labels: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -60,6 +60,7 @@ def _document(content: ReportContent) -> Json:
                 "high": v.high,
                 "nominal": v.nominal,
                 "lack": v.lack,
+                "labels": v.labels,
             }
             for v in content.variables
         ],

@@ -1,6 +1,6 @@
 // The study as the page sees it: typed columns, one value per run, in the units shown.
 import { readCharted, type Charted } from "./chart";
-import { columnText } from "./format";
+import { columnText, number } from "./format";
 import { unpack, type Entry, type Numbers } from "./packing";
 
 export interface Column {
@@ -22,6 +22,8 @@ export interface Variable extends Column {
   nominal: number;
   // Places of the configurations that do not have it.
   lack: number[];
+  /** What the values 0, 1, … are called; none where they are quantities. */
+  labels: string[];
 }
 
 export interface Requirement {
@@ -93,7 +95,7 @@ interface Document {
   sampler: Sampler;
   runs: number;
   mostCentres: number;
-  variables: { name: string; title: string; unit: string; low: number; high: number; nominal: number; lack: number[] }[];
+  variables: { name: string; title: string; unit: string; low: number; high: number; nominal: number; lack: number[]; labels: string[] }[];
   metrics: { name: string; title: string; unit: string; checked: boolean }[];
   requirements: { name: string; title: string; metric: number; atMost: number | null; atLeast: number | null }[];
   configurations: { id: string; choices: [string, string][]; properties: [string, string][] }[];
@@ -130,7 +132,7 @@ export async function readStudy(): Promise<Study> {
     done: flags("done"),
     checked: arrays.has("checked") ? flags("checked") : null,
     problems: new Map(source.problems),
-    variables: source.variables.map((variable, i) => ({ ...variable, ...column(`variable.${i}`) })),
+    variables: source.variables.map((variable, i) => ({ ...variable, ...column(`variable.${i}`), ...named(variable.labels) })),
     metrics: source.metrics.map((metric, i) => ({
       ...metric,
       ...column(`metric.${i}`),
@@ -164,6 +166,10 @@ export async function readStudy(): Promise<Study> {
     facts: source.facts,
     waveforms: () => (waveforms ??= unpack(source.waveforms, block("waveforms"))),
   };
+}
+
+function named(labels: string[]): Pick<Column, "text"> | null {
+  return labels.length ? { text: (value) => labels[value] ?? number(value) } : null;
 }
 
 export function axisLabel(column: { title: string; unit: string }): string {
