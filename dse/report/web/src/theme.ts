@@ -14,6 +14,7 @@ export interface Palette {
   target: string;
   current: string;
   requirements: string[];
+  pins: string[];
   ramp: string[];
   font: string;
 }
@@ -35,6 +36,7 @@ export function palette(): Palette {
     target: read("target"),
     current: read("current"),
     requirements: list("requirements"),
+    pins: list("pins"),
     ramp: list("ramp"),
     font: getComputedStyle(document.body).fontFamily,
   };

@@ -101,6 +101,7 @@ function writeLabels(
   nameFeasible: boolean,
   colours: Palette,
 ): void {
+  const on = study.requirements.map((_, index) => index).filter((index) => !thresholds[index]!.off);
   const taken: Spot[] = [];
   const ratio = pen.getTransform().a;
   const failing = path(regions.sides.flatMap(({ rings }) => rings));
@@ -120,20 +121,21 @@ function writeLabels(
   }
   for (const group of sameOpen(regions.open)) {
     const exercised = fields.exercised(group[0]!)!;
-    const names = group.length === study.requirements.length ? [] : group.map((index) => study.requirements[index]!.title);
+    const names = group.length === on.length ? [] : group.map((index) => study.requirements[index]!.title);
     labelRegion(pen, frame, fields, (node) => exercised[node]! < 0.5, ["not exercised", ...names.slice(0, 3)], colours.plot, colours, taken);
   }
-  const known = fields.known();
+  const known = fields.known(on);
   if (known) labelRegion(pen, frame, fields, (node) => known[node]! < 0.5, ["no result"], colours.plot, colours, taken);
-  if (nameFeasible && study.requirements.length) {
-    labelRegion(pen, frame, fields, meetsAll(study, fields, thresholds), ["all requirements met"], colours.feasible, colours, taken);
+  if (nameFeasible && on.length) {
+    const met = on.length === study.requirements.length ? "all requirements met" : "requirements switched on are met";
+    labelRegion(pen, frame, fields, meetsAll(study, fields, thresholds, on), [met], colours.feasible, colours, taken);
   }
 }
 
-function meetsAll(study: Study, fields: NonNullable<Plane["fields"]>, thresholds: Threshold[]): (node: number) => boolean {
-  const known = fields.known();
-  const parts = study.requirements.map(({ metric }, index) => ({
-    field: fields.metric(metric),
+function meetsAll(study: Study, fields: NonNullable<Plane["fields"]>, thresholds: Threshold[], on: number[]): (node: number) => boolean {
+  const known = fields.known(on);
+  const parts = on.map((index) => ({
+    field: fields.metric(study.requirements[index]!.metric),
     exercised: fields.exercised(index),
     high: thresholds[index]!.atMost ?? Infinity,
     low: thresholds[index]!.atLeast ?? -Infinity,

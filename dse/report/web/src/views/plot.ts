@@ -1,5 +1,5 @@
 // The cockpit: constraint plot, or a table where there is no plane, with thresholds and waveforms beside it.
-import { card, el } from "../dom";
+import { addTools, card, el } from "../dom";
 import { createConfigurations } from "../panels/configurations";
 import { createControls } from "../panels/controls";
 import { createSelected } from "../panels/selected";
@@ -10,7 +10,7 @@ import { createWaveforms } from "../panels/waveforms";
 import { plotted } from "../plane/plane";
 import { attachInteraction } from "../plot/interact";
 import { createPlot } from "../plot/plot";
-import type { Store } from "../store";
+import type { State, Store } from "../store";
 import type { View } from "./view";
 
 export const plotView: View = {
@@ -19,16 +19,22 @@ export const plotView: View = {
   suits: () => true,
   create(store) {
     const { study } = store;
-    const thresholds = study.requirements.length ? [card("requirements", "Thresholds", createThresholds(store))] : [];
-    const run = card("run", "Selected run", createSelected(store));
+    const { box, reset } = createThresholds(store);
+    const thresholds = study.requirements.length ? [addTools(card("requirements", "Requirements", box), reset)] : [];
+    const selected = createSelected(store);
+    const run = card("run", "Selected run", selected.box);
+    run.querySelector("h2")!.append(selected.name);
     const waves = study.figures.length ? [card("waves", "Waveforms", createWaveforms(store))] : [];
     const column = (name: string, ...cards: HTMLElement[]): HTMLElement => el("div", { class: name }, ...cards);
-    if (plotted(study)) return column("columns", column("left", plotCard(store), ...thresholds), column("right", run, ...waves));
+    const beside = [column("decide", ...thresholds, run), ...(waves.length ? [column("watch", ...waves)] : [])];
+    if (plotted(study)) return column("cockpit", column("look", plotCard(store)), column("beside", ...beside));
     const title = study.variables.length ? "Runs" : "Configurations";
     const list = study.variables.length ? createTable(store) : createConfigurations(store);
-    return column("columns", column("wide", card("overview", title, createSummary(store), list)), column("left", run, ...thresholds), column("right", ...waves));
+    return column("cockpit", column("look", card("overview", title, createSummary(store), list)), column("beside", ...beside));
   },
 };
+
+const EXPLAINED: (keyof State)[] = ["configuration", "x", "y", "fixed", "selected"];
 
 function plotCard(store: Store): HTMLElement {
   const plot = createPlot(store);
@@ -42,6 +48,8 @@ function plotCard(store: Store): HTMLElement {
     note.textContent = `${plot.plane().note} ${hint}`;
   };
   explain();
-  store.subscribe(explain);
+  store.subscribe((_, changed) => {
+    if (EXPLAINED.some((key) => changed.has(key))) explain();
+  });
   return card("constraint", "Constraint plot", createControls(store), createSummary(store), plot.element, note);
 }
