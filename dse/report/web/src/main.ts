@@ -1,8 +1,10 @@
 // Puts the page together.
+import { followAddress, readFragment } from "./address";
 import { startingRun } from "./actions";
 import { createAnnouncement } from "./announce";
 import { el } from "./dom";
 import { count } from "./format";
+import { createBrushes } from "./panels/brushes";
 import { plotted, startingPoint } from "./plane/plane";
 import { createStore, studyThresholds, whileShown, type State, type Store } from "./store";
 import { readStudy, type Study } from "./study";
@@ -17,7 +19,10 @@ async function start(): Promise<void> {
     const store = createStore(study, initial(study, theme));
     const selected = startingRun(store, plotted(study) ? candidates(store) : study.number.keys());
     store.set({ selected, configuration: selected < 0 ? 0 : study.configuration[selected]! });
+    const start = store.state;
+    store.set(readFragment(study, location.hash.slice(1), start));
     page.replaceChildren(header(store), ...createViews(store), createAnnouncement(store));
+    followAddress(store, start);
     document.documentElement.dataset["ready"] = "yes";
   } catch (error) {
     const hint = "DecompressionStream" in window ? "" : " This browser is too old: it cannot unpack the data (DecompressionStream).";
@@ -109,7 +114,8 @@ function createViews(store: Store): HTMLElement[] {
     if (changed.has("view")) show();
   });
   show();
-  return suited.length > 1 ? [list, main] : [main];
+  const { chips, form } = createBrushes(store);
+  return [el("nav", { class: "navigation" }, suited.length > 1 && list, el("span", { class: "spring" }), form), chips, main];
 }
 
 void start();

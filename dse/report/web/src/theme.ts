@@ -13,6 +13,7 @@ export interface Palette {
   broken: string;
   target: string;
   current: string;
+  accent: string;
   requirements: string[];
   pins: string[];
   ramp: string[];
@@ -35,6 +36,7 @@ export function palette(): Palette {
     broken: read("broken"),
     target: read("target"),
     current: read("current"),
+    accent: read("accent"),
     requirements: list("requirements"),
     pins: list("pins"),
     ramp: list("ramp"),

@@ -2,7 +2,9 @@
 import { el } from "../dom";
 import { checked, count, number, withUnit } from "../format";
 import type { Store } from "../store";
-import type { Study, Variable } from "../study";
+import { copyText } from "../save";
+import type { Study } from "../study";
+import { variablesOf, yamlOf } from "../yaml";
 import { CLASSES, errorOf, isDoubtful, margin, SIGNS, type Threshold, WORDS } from "../verdicts";
 
 const ROOMY = "(min-width: 1800px)";
@@ -37,32 +39,6 @@ export function createSelected(store: Store): { box: HTMLElement; name: HTMLElem
 
 export function badge(mark: number): HTMLElement {
   return el("span", { class: `badge ${CLASSES[mark]}` }, `${SIGNS[mark]} ${WORDS[mark]}`);
-}
-
-export function yamlOf(study: Study, run: number): string {
-  const lines = [
-    `# run ${study.number[run]} of ${study.title.replace(/\s+/g, " ")}`,
-    `configuration: ${scalar(study.configurations[study.configuration[run]!]!.id)}`,
-  ];
-  if (study.variables.length) lines.push("parameters:");
-  for (const { name, unit, values } of variablesOf(study, run)) {
-    lines.push(`  ${scalar(name)}: ${unit ? scalar(`${values[run]} ${unit}`) : String(values[run])}`);
-  }
-  return lines.join("\n") + "\n";
-}
-
-// Those that the run's configuration has.
-function variablesOf(study: Study, run: number): Variable[] {
-  return study.variables.filter(({ lack }) => !lack.includes(study.configuration[run]!));
-}
-
-// Anything beyond plain words is quoted; a JSON string is a YAML string.
-function scalar(text: string): string {
-  return /^[A-Za-z0-9_.+-][A-Za-z0-9_.+\-/%\u00b0 ]*$/.test(text) && !/^[-?]|\s$|^[\d.]+$|^(true|false|null|~)$/i.test(text)
-    ? text
-    : /^-?[\d.]+(e[-+]?\d+)? [A-Za-z%/.0-9\u00b0]+$/.test(text)
-      ? text
-      : JSON.stringify(text);
 }
 
 function parameters(study: Study, run: number): HTMLElement[] {
@@ -146,6 +122,7 @@ function yamlParts(study: Study, run: number, open: boolean, toggled: (open: boo
       id: "copy-yaml",
       type: "button",
       click: () => {
+        details.open = true;
         void copyText(text, shown).then((done) => (said.textContent = done ? "copied" : "selected: press Ctrl+C"));
       },
     },
@@ -153,16 +130,4 @@ function yamlParts(study: Study, run: number, open: boolean, toggled: (open: boo
   );
   const details = el("details", { class: "yaml", open, toggle: () => toggled(details.open) }, el("summary", {}, "Parameters as YAML"), shown);
   return [details, el("div", { class: "copy" }, said, copy)];
-}
-
-async function copyText(text: string, shown: HTMLElement): Promise<boolean> {
-  try {
-    await navigator.clipboard.writeText(text);
-    return true;
-  } catch {
-    // A page opened from disk may not reach the clipboard; then the text is at least selected.
-    (shown.parentElement as HTMLDetailsElement).open = true;
-    getSelection()?.selectAllChildren(shown);
-    return false;
-  }
 }

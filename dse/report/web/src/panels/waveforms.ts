@@ -22,16 +22,19 @@ interface Chart {
 
 const SHOWN: (keyof State)[] = ["selected", "hovered", "pins"];
 
-export function createWaveforms(store: Store): HTMLElement {
+/** The charts, and the button that pins the selected run. */
+export function createWaveforms(store: Store): { box: HTMLElement; pin: HTMLElement } {
   const notice = el("div", { class: "missing" });
-  const legend = el("div", { class: "lines" });
+  const legend = el("div", { class: "curves" });
   const figures = el("div", { class: "figures" });
+  const pin = el("button", { id: "pin", type: "button", click: () => togglePin(store, store.state.selected) });
   const box = el("div", { class: "waveforms" }, legend, notice, figures);
   let blocks: Map<string, Numbers> | null = null;
   let charts: Chart[] = [];
 
   const show = (): void => {
     drawLegend(store, legend);
+    drawPin(store, pin);
     if (!blocks) return;
     const run = runShown(store);
     const drawn = [run, ...store.state.pins].some((each) => isKept(store, each));
@@ -53,12 +56,12 @@ export function createWaveforms(store: Store): HTMLElement {
     blocks = unpacked;
     show();
   });
-  return box;
+  return { box, pin };
 }
 
 /** The figures' canvases, for a picture. */
-export function waveformCanvases(box: HTMLElement): [string, HTMLCanvasElement][] {
-  return Array.from(box.querySelectorAll("figure"), (figure) => [figure.querySelector("b")!.textContent!, figure.querySelector("canvas")!]);
+export function waveformCanvases(box: HTMLElement): [string, HTMLCanvasElement[]][] {
+  return Array.from(box.querySelectorAll("figure"), (figure) => [figure.querySelector("b")!.textContent!, [figure.querySelector("canvas")!]]);
 }
 
 function runShown(store: Store): number {
@@ -93,17 +96,17 @@ function drawLegend(store: Store, box: HTMLElement): void {
     const unpin = el("button", { id: `unpin-${index}`, class: "bare", type: "button", title: `Unpin ${name}`, "aria-label": `Unpin ${name}`, click: () => togglePin(store, pin) }, "\u00d7");
     parts.push(el("span", { class: "entry-key pin" }, key(colours.pins[index]!), el("b", {}, name), unpin));
   });
-  const pinned = state.pins.includes(state.selected);
-  const full = !pinned && state.pins.length >= MOST_PINS;
-  parts.push(
-    el(
-      "button",
-      { id: "pin", type: "button", "aria-pressed": String(pinned), disabled: state.selected < 0 || full, title: full ? `${MOST_PINS} runs are pinned: unpin one first` : "Key P on the plot, or a click with Shift, pins, too", click: () => togglePin(store, store.state.selected) },
-      pinned ? "Unpin selected" : "Pin selected",
-    ),
-  );
   box.replaceChildren(...parts);
   if (focused) (document.getElementById(focused) ?? document.getElementById("pin"))?.focus();
+}
+
+function drawPin({ state }: Store, pin: HTMLButtonElement): void {
+  const pinned = state.pins.includes(state.selected);
+  const full = !pinned && state.pins.length >= MOST_PINS;
+  pin.textContent = pinned ? "Unpin selected" : "Pin selected";
+  pin.setAttribute("aria-pressed", String(pinned));
+  pin.disabled = state.selected < 0 || full;
+  pin.title = full ? `${MOST_PINS} runs are pinned: unpin one first` : "Key P on the plot, or a click with Shift, pins, too";
 }
 
 function missing({ study }: Store, run: number): HTMLElement {
