@@ -22,17 +22,20 @@ from dse.domain.definition import (
 from dse.domain.run import Outcome, Run, Waveforms
 from dse.domain.sampler import Grid
 from dse.errors import DseError, Location, Problem
+from dse.report.content.architecture import parts_and_links
 from dse.report.content.nouns import (
     ConfigurationEntry,
     FigureSpec,
     Floats,
     MetricColumn,
+    Property,
     ReportContent,
     RequirementRow,
     Runs,
     SamplerKind,
     Variable,
 )
+from dse.report.content.objectives import composites_of, objectives_of
 from dse.storage import CERTAINTIES, ERROR_IN_BARS, Certainty, RunTable, StudyFolder, damaged_study, read_all_waveforms
 from dse.units import Unit, parse_unit
 
@@ -105,6 +108,8 @@ def _content(folder: StudyFolder, table: RunTable, waveforms: Mapping[int, Wavef
         figures,
         folder.header.slices or (),
         _facts(folder, table, told),
+        objectives=objectives_of(definition),
+        composites=composites_of(definition, table),
     )
 
 
@@ -150,15 +155,18 @@ def _bound(value: float | None, unit: Unit) -> float | None:
 
 def _configuration(entry: DefinedConfiguration, definition: StudyDefinition) -> ConfigurationEntry:
     choices = {place: entry.choices[place] for place in definition.design.places if place in entry.choices}
-    properties = {name: f"{total.value:g} {total.unit}".rstrip() for name, total in entry.totals.items()}
-    return ConfigurationEntry(entry.id, choices, properties)
+    properties = {name: Property(total.value, total.unit) for name, total in entry.totals.items()}
+    return ConfigurationEntry(entry.id, choices, properties, *parts_and_links(entry))
 
 
 def _lacking(folder: StudyFolder) -> list[tuple[int, ...]]:
     """For each variable the places of the configurations that do not have it."""
     header = folder.header
     has = np.array([header.has(name) for name in header.configurations], dtype=np.bool_)
-    return [tuple(np.flatnonzero(~column).tolist()) for column in has.reshape(-1, len(header.variables)).T]
+    return [
+        tuple(np.flatnonzero(~column).tolist())
+        for column in has.reshape(len(header.configurations), len(header.variables)).T
+    ]
 
 
 def _variable(entry: DefinedVariable, coordinates: Floats, lack: tuple[int, ...]) -> Variable:
@@ -167,7 +175,8 @@ def _variable(entry: DefinedVariable, coordinates: Floats, lack: tuple[int, ...]
     # The bench's own value, which the nominal one may be, need not lie in the range.
     nominal = min(max(entry.nominal, entry.low), entry.high)
     low, high, nominal = (unit.from_si(value) for value in (entry.low, entry.high, nominal))
-    return Variable(entry.name, entry.title, entry.unit, low, high, entry.levels or None, nominal, values, lack)
+    levels = entry.levels or None
+    return Variable(entry.name, entry.title, entry.unit, low, high, levels, nominal, values, lack, entry.role)
 
 
 def _requirement(entry: DefinedRequirement, table: RunTable, unit: Unit) -> RequirementRow:
