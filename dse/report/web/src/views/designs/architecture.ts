@@ -8,6 +8,7 @@ const BOX = 34;
 const STRETCH = 1.2;
 const EDGE = 8;
 const CHARACTERS = 26;
+const LARGEST = 1.2;
 
 export function createArchitectures(model: Model): HTMLElement {
   const box = el("div", { class: "architectures" });
@@ -46,6 +47,7 @@ function draw({ parts, links, width, height }: Picture, configuration: Configura
   const bottom = Math.max(...middles) * STRETCH + BOX / 2 + EDGE;
   const said = parts.map(([path], index) => `${path}${configuration.parts[index] ? `: ${configuration.parts[index]}` : ""}`).join(", ");
   const svg = shape("svg", { viewBox: `0 ${top} ${width} ${Math.min(bottom, height * STRETCH + EDGE) - top}`, role: "img", "aria-label": said, class: "architecture" });
+  svg.style.maxWidth = `${LARGEST * width}px`;
   for (const [a, b] of links) svg.append(shape("path", { class: "link", d: line(parts[a]!, parts[b]!) }));
   parts.forEach(([path, x, middle, wide], index) => {
     const component = configuration.parts[index]!;

@@ -10,6 +10,7 @@ import { seriesColour } from "./colouring";
 import { scaleOf } from "./judging";
 import { choiceAt, configurationOf, hasVariable, MOST_COMPARED, nameOf, togglePick, type Model } from "./model";
 import { createOverlay } from "./overlay";
+import { short } from "./short";
 import { designColumns } from "./values";
 
 export function createCompare(model: Model): HTMLElement {
@@ -30,7 +31,7 @@ export function createCompare(model: Model): HTMLElement {
     if (["picked", "pins", "criteria", "demand", "thresholds", "theme"].some((key) => changed.has(key as "picked"))) draw();
   });
   draw();
-  return el("div", { class: "comparing", id: "comparing" }, hint, pins, table, more);
+  return el("div", { id: "comparing" }, hint, pins, el("div", { class: "comparing" }, table, more));
 }
 
 function tableOf(model: Model): HTMLElement {
@@ -57,7 +58,7 @@ function choiceRows(model: Model): HTMLElement[] {
   const places = [...new Set(configurations.flatMap((one) => study.configurations[one]!.choices.map(([name]) => name)))];
   const differing = places.filter((name) => configurations.some((one) => choiceAt(store, one, name) !== choiceAt(store, configurations[0]!, name)));
   const shown = differing.length ? differing : places;
-  const rows = shown.map((name) => el("tr", {}, el("th", { scope: "row" }, name), ...configurations.map((one) => el("td", {}, choiceAt(store, one, name) || "\u2013"))));
+  const rows = shown.map((name) => el("tr", {}, el("th", { scope: "row" }, short(name)), ...configurations.map((one) => el("td", {}, short(choiceAt(store, one, name) || "\u2013")))));
   const alike = places.length - differing.length;
   const title = !differing.length ? "Choices (all alike)" : alike ? `Choices (${alike} more are alike)` : "Choices";
   return group(title, rows, configurations.length);
@@ -78,11 +79,12 @@ function numberRow(model: Model, key: string): HTMLElement {
   const column = model.column(key);
   const known = picked.map((design) => (hasVariable(model, key, design) ? column.values[design]! : NaN)).filter((value) => !Number.isNaN(value));
   const best = column.sense === "max" ? Math.max(...known) : Math.min(...known);
-  const tells = column.sense !== "" && !key.startsWith("variable.") && known.length > 1 && known.some((value) => value !== best);
+  const tells = column.sense !== "" && !key.startsWith("variable.") && known.length > 1 && known.some((value) => column.text(value) !== column.text(best));
   const cells = picked.map((design) => {
     const value = column.values[design]!;
     if (!hasVariable(model, key, design) || Number.isNaN(value)) return el("td", {}, "\u2013");
-    const isBest = tells && value === best;
+    // What reads alike is alike.
+    const isBest = tells && column.text(value) === column.text(best);
     const range = column.sense === "" ? rangeOf(model, key, design) : "";
     return el("td", { class: isBest ? "best" : "" }, range || column.text(value), isBest && el("span", { class: "unseen" }, " (best)"));
   });

@@ -8,6 +8,7 @@ import { variablesOf } from "./grouping";
 import { scaleOf } from "./judging";
 import { configurationOf, MOST_COMPARED, nameOf, type Model } from "./model";
 import { changesBetween, nearestDesign, type Change } from "./nearest";
+import { short } from "./short";
 
 export function createReasons(model: Model): HTMLElement {
   const box = el("div", { class: "reasons", id: "reasons" });
@@ -114,5 +115,5 @@ function waysOut(model: Model, design: number): HTMLElement[] {
 
 function changeItem({ title, from, to, share }: Change): HTMLElement {
   const way = Number.isNaN(share) ? "" : ` (${share > 0 ? "up" : "down"} by ${percent(Math.abs(share), 1)} of its range)`;
-  return el("li", {}, el("b", {}, title), ` ${from} \u2192 ${to}${way}`);
+  return el("li", {}, el("b", {}, short(title)), " ", short(from), " \u2192 ", short(to), way);
 }

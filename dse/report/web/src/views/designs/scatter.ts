@@ -275,5 +275,6 @@ function noteOf(model: Model, { cloud, places: { a, b } }: Drawn): string {
   if (choices.points === "runs" || choices.criteria.length < 2) return told + hint;
   const onFront = model.front().reduce((sum, one) => sum + one, 0);
   const names = choices.criteria.map(({ column, maximize }) => `${model.column(column).title} ${maximize ? "\u2191" : "\u2193"}`).join(", ");
-  return `${told} Ringed: the ${onFront} feasible on the Pareto front of ${names}.${hint}`;
+  const front = onFront ? ` Ringed: the ${onFront} on the Pareto front of ${names}, among feasible designs.` : "";
+  return told + front + hint;
 }
