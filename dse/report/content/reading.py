@@ -23,17 +23,20 @@ from dse.domain.run import Outcome, Run, Waveforms
 from dse.domain.sampler import Grid
 from dse.domain.study import TESTBENCH
 from dse.errors import DseError, Location, Problem
+from dse.report.content.architecture import parts_and_links
 from dse.report.content.nouns import (
     ConfigurationEntry,
     FigureSpec,
     Floats,
     MetricColumn,
+    Property,
     ReportContent,
     RequirementRow,
     Runs,
     SamplerKind,
     Variable,
 )
+from dse.report.content.objectives import composites_of, objectives_of
 from dse.storage import CERTAINTIES, ERROR_IN_BARS, Certainty, RunTable, StudyFolder, damaged_study, read_all_waveforms
 from dse.units import Unit, parse_unit
 
@@ -108,6 +111,8 @@ def _content(folder: StudyFolder, table: RunTable, waveforms: Mapping[int, Wavef
         figures,
         folder.header.slices or (),
         _facts(folder, table, told),
+        objectives=objectives_of(definition),
+        composites=composites_of(definition, table),
     )
 
 
@@ -162,15 +167,18 @@ def _bound(value: float | None, unit: Unit) -> float | None:
 
 def _configuration(entry: DefinedConfiguration, definition: StudyDefinition) -> ConfigurationEntry:
     choices = {place: entry.choices[place] for place in definition.design.places if place in entry.choices}
-    properties = {name: f"{total.value:g} {total.unit}".rstrip() for name, total in entry.totals.items()}
-    return ConfigurationEntry(entry.id, choices, properties)
+    properties = {name: Property(total.value, total.unit) for name, total in entry.totals.items()}
+    return ConfigurationEntry(entry.id, choices, properties, *parts_and_links(entry))
 
 
 def _lacking(folder: StudyFolder) -> list[tuple[int, ...]]:
     """For each variable the places of the configurations that do not have it."""
     header = folder.header
     has = np.array([header.has(name) for name in header.configurations], dtype=np.bool_)
-    return [tuple(np.flatnonzero(~column).tolist()) for column in has.reshape(-1, len(header.variables)).T]
+    return [
+        tuple(np.flatnonzero(~column).tolist())
+        for column in has.reshape(len(header.configurations), len(header.variables)).T
+    ]
 
 
 def _variable(entry: DefinedVariable, coordinates: Floats, lack: tuple[int, ...]) -> Variable:
@@ -181,7 +189,7 @@ def _variable(entry: DefinedVariable, coordinates: Floats, lack: tuple[int, ...]
     low, high, nominal = (unit.from_si(value) for value in (entry.low, entry.high, nominal))
     levels = entry.levels or None
     labels = tuple(entry.label(float(value)) for value in range(int(entry.high) + 1)) if entry.labels else ()
-    return Variable(entry.name, entry.title, entry.unit, low, high, levels, nominal, values, lack, labels)
+    return Variable(entry.name, entry.title, entry.unit, low, high, levels, nominal, values, lack, labels, entry.role)
 
 
 def _requirement(entry: DefinedRequirement, table: RunTable, unit: Unit) -> RequirementRow:

@@ -1,6 +1,6 @@
 // The study as the page sees it: typed columns, one value per run, in the units shown.
 import { readCharted, type Charted } from "./chart";
-import { columnText, number } from "./format";
+import { columnText, number, withUnit } from "./format";
 import { unpack, type Entry, type Numbers } from "./packing";
 
 export interface Column {
@@ -24,6 +24,24 @@ export interface Variable extends Column {
   lack: number[];
   /** What the values 0, 1, … are called; none where they are quantities. */
   labels: string[];
+  role: "design" | "condition" | "uncertain";
+}
+
+/** A property: `values` holds one number per configuration, not per run, NaN where it has none. */
+export type Property = Column;
+
+export interface Objective {
+  /** Key of a column. */
+  column: string;
+  maximize: boolean;
+}
+
+/** Where parts stand that hang together alike: path, left edge, middle and width of each, and linked pairs. */
+export interface Picture {
+  parts: [string, number, number, number][];
+  links: [number, number][];
+  width: number;
+  height: number;
 }
 
 export interface Requirement {
@@ -40,7 +58,11 @@ export interface Requirement {
 export interface Configuration {
   id: string;
   choices: [string, string][];
+  /** As text with units. */
   properties: [string, string][];
+  /** Its place among the pictures, -1 for none, and what stands in each part. */
+  picture: number;
+  parts: string[];
   radial: Radial | null;
 }
 
@@ -83,6 +105,11 @@ export interface Study {
   metrics: Metric[];
   requirements: Requirement[];
   configurations: Configuration[];
+  properties: Property[];
+  /** What objectives compute from metrics and properties, one value per run. */
+  composites: Column[];
+  objectives: Objective[];
+  pictures: Picture[];
   slices: number[][];
   figures: Figure[];
   charted: Charted[];
@@ -95,10 +122,17 @@ interface Document {
   sampler: Sampler;
   runs: number;
   mostCentres: number;
-  variables: { name: string; title: string; unit: string; low: number; high: number; nominal: number; lack: number[]; labels: string[] }[];
+  variables: { name: string; title: string; unit: string; low: number; high: number; nominal: number; lack: number[]; role: Variable["role"]; labels: string[] }[];
   metrics: { name: string; title: string; unit: string; checked: boolean }[];
   requirements: { name: string; title: string; metric: number; atMost: number | null; atLeast: number | null }[];
-  configurations: { id: string; choices: [string, string][]; properties: [string, string][] }[];
+  configurations: { id: string; choices: [string, string][] }[];
+  properties: { name: string; title: string; unit: string }[];
+  composites: { name: string; title: string; unit: string }[];
+  objectives: Objective[];
+  pictures: Picture[];
+  pictureOf: number[];
+  components: string[];
+  partsOf: number[][];
   slices: number[][];
   problems: [number, string][];
   figures: { name: string; title: string; unit: string; current: string; target: string; shape: Figure["shape"] }[];
@@ -121,6 +155,7 @@ export async function readStudy(): Promise<Study> {
   });
   const range = (name: string): { low: Float64Array; high: Float64Array } | null =>
     arrays.has(`${name}.low`) ? { low: floats(`${name}.low`), high: floats(`${name}.high`) } : null;
+  const properties = source.properties.map((property, i) => ({ ...property, ...column(`property.${i}`) }));
   let waveforms: Promise<Map<string, Numbers>> | undefined;
   return {
     title: source.title,
@@ -145,6 +180,9 @@ export async function readStudy(): Promise<Study> {
     })),
     configurations: source.configurations.map((configuration, i) => ({
       ...configuration,
+      properties: properties.filter(({ values }) => !Number.isNaN(values[i])).map(({ name, unit, values }): [string, string] => [name, withUnit(number(values[i]!, 6), unit)]),
+      picture: source.pictureOf[i]!,
+      parts: source.partsOf[i]!.map((code) => source.components[code]!),
       radial: source.radial?.[i]
         ? {
             centres: integers(`radial.${i}.centres`),
@@ -154,6 +192,10 @@ export async function readStudy(): Promise<Study> {
           }
         : null,
     })),
+    properties,
+    composites: source.composites.map((composite, i) => ({ ...composite, ...column(`composite.${i}`) })),
+    objectives: source.objectives,
+    pictures: source.pictures,
     slices: source.slices,
     figures: source.figures.map((figure, i) => ({
       ...figure,
