@@ -30,4 +30,5 @@ from .figure import (
     drawings as drawings,
 )
 from .figures.waveforms import draw_run as draw_run
+from .insight.reading import insight_of as insight_of, read_insight as read_insight
 from .page.html import write_report as write_report

@@ -1,6 +1,7 @@
 // The study as the page sees it: typed columns, one value per run, in the units shown.
 import { readCharted, type Charted } from "./chart";
 import { columnText, number, withUnit } from "./format";
+import { readInsight, type Insight } from "./insight";
 import { unpack, type Entry, type Numbers } from "./packing";
 
 export interface Column {
@@ -114,6 +115,10 @@ export interface Study {
   figures: Figure[];
   charted: Charted[];
   facts: [string, string][];
+  /** What was asked and what the runs tell; null for a page that was made without. */
+  insight: Insight | null;
+  /** What of the study could not be read. */
+  missing: string[];
   waveforms: () => Promise<Map<string, Numbers>>;
 }
 
@@ -139,6 +144,8 @@ interface Document {
   charted: Charted[];
   facts: [string, string][];
   radial?: boolean[];
+  insight?: unknown;
+  missing?: string[];
   columns: Entry[];
   waveforms: Entry[];
 }
@@ -206,6 +213,8 @@ export async function readStudy(): Promise<Study> {
     })),
     charted: readCharted(source.charted, arrays),
     facts: source.facts,
+    insight: readInsight(source.insight, arrays),
+    missing: source.missing ?? [],
     waveforms: () => (waveforms ??= unpack(source.waveforms, block("waveforms"))),
   };
 }
