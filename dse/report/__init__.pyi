@@ -12,6 +12,7 @@ from .charts.problems import chart_problems as chart_problems
 from .content.nouns import (
     ConfigurationEntry as ConfigurationEntry,
     MetricColumn as MetricColumn,
+    Property as Property,
     ReportContent as ReportContent,
     RequirementRow as RequirementRow,
     Runs as Runs,

@@ -185,6 +185,7 @@ def test_a_click_selects_the_run_under_it(sliced: ReportContent, open_report: Op
     assert selected(page) == 24
     page.wait_for_selector(".figures[data-run='24'] .u-wrap")
     value = sliced.metrics[0].values[24]
+    page.click(".numbers summary")
     shown = page.inner_text("#metrics tbody tr:first-child td:nth-child(2)").replace("\u2212", "-").split("\u202f")
     assert float(shown[0]) == pytest.approx(value, abs=0.006)
     assert shown[1] == "%"

@@ -13,6 +13,7 @@ from dse.report.charts.chart import Axis, Chart, Drawn, Limits, Points, Rule, li
 from dse.report.content.nouns import FigureSpec, ReportContent, SamplerKind
 from dse.report.figure import ShownFigure
 from dse.report.interpolation.radial import MOST_CENTRES, radial_fields
+from dse.report.page.designs import designs_of
 from dse.report.page.insight import insight_json
 from dse.report.page.packing import Block, quantise, second_differences
 
@@ -33,6 +34,7 @@ def payload_of(content: ReportContent, shown: Sequence[ShownFigure] = ()) -> Pay
     columns, waveforms = Block(), Block()
     document = _document(content)
     _add_runs(content, columns)
+    document |= designs_of(content, columns)
     figures = [_add_figure(figure, index, columns, waveforms) for index, figure in enumerate(content.figures)]
     document["figures"] = figures
     document["facts"] = [*([k, v] for k, v in content.facts), *_storage_facts(content, figures)]
@@ -64,6 +66,8 @@ def _document(content: ReportContent) -> Json:
                 "high": v.high,
                 "nominal": v.nominal,
                 "lack": v.lack,
+                "labels": v.labels,
+                "role": str(v.role),
             }
             for v in content.variables
         ],
@@ -81,10 +85,7 @@ def _document(content: ReportContent) -> Json:
             }
             for r in content.requirements
         ],
-        "configurations": [
-            {"id": c.id, "choices": list(c.choices.items()), "properties": list(c.properties.items())}
-            for c in content.configurations
-        ],
+        "configurations": [{"id": c.id, "choices": list(c.choices.items())} for c in content.configurations],
         # One variable by itself spans no plane.
         "slices": [[variables.index(name) for name in names] for names in content.slices if len(names) > 1],
         "problems": [[row, text] for row, text in enumerate(content.runs.problems) if text],

@@ -1,6 +1,6 @@
 // The study as the page sees it: typed columns, one value per run, in the units shown.
 import { readCharted, type Charted } from "./chart";
-import { columnText } from "./format";
+import { columnText, number, withUnit } from "./format";
 import { readInsight, type Insight } from "./insight";
 import { unpack, type Entry, type Numbers } from "./packing";
 
@@ -23,6 +23,26 @@ export interface Variable extends Column {
   nominal: number;
   // Places of the configurations that do not have it.
   lack: number[];
+  /** What the values 0, 1, … are called; none where they are quantities. */
+  labels: string[];
+  role: "design" | "condition" | "uncertain";
+}
+
+/** A property: `values` holds one number per configuration, not per run, NaN where it has none. */
+export type Property = Column;
+
+export interface Objective {
+  /** Key of a column. */
+  column: string;
+  maximize: boolean;
+}
+
+/** Where parts stand that hang together alike: path, left edge, middle and width of each, and linked pairs. */
+export interface Picture {
+  parts: [string, number, number, number][];
+  links: [number, number][];
+  width: number;
+  height: number;
 }
 
 export interface Requirement {
@@ -39,7 +59,11 @@ export interface Requirement {
 export interface Configuration {
   id: string;
   choices: [string, string][];
+  /** As text with units. */
   properties: [string, string][];
+  /** Its place among the pictures, -1 for none, and what stands in each part. */
+  picture: number;
+  parts: string[];
   radial: Radial | null;
 }
 
@@ -82,6 +106,11 @@ export interface Study {
   metrics: Metric[];
   requirements: Requirement[];
   configurations: Configuration[];
+  properties: Property[];
+  /** What objectives compute from metrics and properties, one value per run. */
+  composites: Column[];
+  objectives: Objective[];
+  pictures: Picture[];
   slices: number[][];
   figures: Figure[];
   charted: Charted[];
@@ -98,10 +127,17 @@ interface Document {
   sampler: Sampler;
   runs: number;
   mostCentres: number;
-  variables: { name: string; title: string; unit: string; low: number; high: number; nominal: number; lack: number[] }[];
+  variables: { name: string; title: string; unit: string; low: number; high: number; nominal: number; lack: number[]; role: Variable["role"]; labels: string[] }[];
   metrics: { name: string; title: string; unit: string; checked: boolean }[];
   requirements: { name: string; title: string; metric: number; atMost: number | null; atLeast: number | null }[];
-  configurations: { id: string; choices: [string, string][]; properties: [string, string][] }[];
+  configurations: { id: string; choices: [string, string][] }[];
+  properties: { name: string; title: string; unit: string }[];
+  composites: { name: string; title: string; unit: string }[];
+  objectives: Objective[];
+  pictures: Picture[];
+  pictureOf: number[];
+  components: string[];
+  partsOf: number[][];
   slices: number[][];
   problems: [number, string][];
   figures: { name: string; title: string; unit: string; current: string; target: string; shape: Figure["shape"] }[];
@@ -126,6 +162,7 @@ export async function readStudy(): Promise<Study> {
   });
   const range = (name: string): { low: Float64Array; high: Float64Array } | null =>
     arrays.has(`${name}.low`) ? { low: floats(`${name}.low`), high: floats(`${name}.high`) } : null;
+  const properties = source.properties.map((property, i) => ({ ...property, ...column(`property.${i}`) }));
   let waveforms: Promise<Map<string, Numbers>> | undefined;
   return {
     title: source.title,
@@ -137,7 +174,7 @@ export async function readStudy(): Promise<Study> {
     done: flags("done"),
     checked: arrays.has("checked") ? flags("checked") : null,
     problems: new Map(source.problems),
-    variables: source.variables.map((variable, i) => ({ ...variable, ...column(`variable.${i}`) })),
+    variables: source.variables.map((variable, i) => ({ ...variable, ...column(`variable.${i}`), ...named(variable.labels) })),
     metrics: source.metrics.map((metric, i) => ({
       ...metric,
       ...column(`metric.${i}`),
@@ -150,6 +187,9 @@ export async function readStudy(): Promise<Study> {
     })),
     configurations: source.configurations.map((configuration, i) => ({
       ...configuration,
+      properties: properties.filter(({ values }) => !Number.isNaN(values[i])).map(({ name, unit, values }): [string, string] => [name, withUnit(number(values[i]!, 6), unit)]),
+      picture: source.pictureOf[i]!,
+      parts: source.partsOf[i]!.map((code) => source.components[code]!),
       radial: source.radial?.[i]
         ? {
             centres: integers(`radial.${i}.centres`),
@@ -159,6 +199,10 @@ export async function readStudy(): Promise<Study> {
           }
         : null,
     })),
+    properties,
+    composites: source.composites.map((composite, i) => ({ ...composite, ...column(`composite.${i}`) })),
+    objectives: source.objectives,
+    pictures: source.pictures,
     slices: source.slices,
     figures: source.figures.map((figure, i) => ({
       ...figure,
@@ -173,6 +217,10 @@ export async function readStudy(): Promise<Study> {
     missing: source.missing ?? [],
     waveforms: () => (waveforms ??= unpack(source.waveforms, block("waveforms"))),
   };
+}
+
+function named(labels: string[]): Pick<Column, "text"> | null {
+  return labels.length ? { text: (value) => labels[value] ?? number(value) } : null;
 }
 
 export function axisLabel(column: { title: string; unit: string }): string {

@@ -1,6 +1,7 @@
 // Where the plot lies on the canvas and how data become pixels.
 import { scaleLinear, type ScaleContinuousNumeric } from "d3-scale";
-import { axisLabel, type Variable } from "../study";
+import type { Zoom } from "../store";
+import { axisLabel } from "../study";
 import { number } from "../format";
 import type { Palette } from "../theme";
 
@@ -23,13 +24,10 @@ export interface Frame {
   y: Scale;
 }
 
-export function frameOf(width: number, height: number, horizontal: Variable, vertical: Variable, bar: boolean): Frame {
+/** A frame that leaves room for the axes' texts, and for the colour *bar* if there is one. */
+export function frameOf(width: number, height: number, { x, y }: Zoom, bar: boolean): Frame {
   const frame = { left: 66, right: width - (bar ? 96 : 16), top: 14, bottom: height - 50 };
-  return {
-    ...frame,
-    x: scaleLinear([horizontal.low, horizontal.high], [frame.left, frame.right]),
-    y: scaleLinear([vertical.low, vertical.high], [frame.bottom, frame.top]),
-  };
+  return { ...frame, x: scaleLinear(x, [frame.left, frame.right]), y: scaleLinear(y, [frame.bottom, frame.top]) };
 }
 
 export function clipTo(pen: CanvasRenderingContext2D, { left, right, top, bottom }: Frame): void {

@@ -1,0 +1,30 @@
+// Designs: which one to take, why another is out, and what would have to change.
+import { card, el } from "../../dom";
+import type { View } from "../view";
+import { createAlternatives } from "./alternatives";
+import { createCompare } from "./compare";
+import { createCriteria } from "./criteria";
+import { groupingOf } from "./grouping";
+import { createLeaderboard } from "./leaderboard";
+import { differingPlaces, createModel } from "./model";
+import { createReasons } from "./reasons";
+import { createScatter } from "./scatter";
+import { designColumns } from "./values";
+
+export const designsView: View = {
+  name: "designs",
+  title: "Designs",
+  suits: (study) => study.size > 0 && designColumns(study).length > 0,
+  create(store) {
+    const root = el("div", { class: "columns designs" });
+    const model = createModel(store, root);
+    const several = groupingOf(store.study).size > 1;
+    const boxes = differingPlaces(store).length ? [card("buys", "What an alternative buys", createAlternatives(model))] : [];
+    root.append(
+      el("div", { class: "left" }, card("scatter", "Any over any", createScatter(model))),
+      el("div", { class: "right" }, card("asked", "What is asked of a design", createCriteria(model)), card("why", "The selected design", createReasons(model))),
+      el("div", { class: "wide" }, card("board", "Leader board", createLeaderboard(model)), ...(several ? [card("side", "Side by side", createCompare(model))] : []), ...boxes),
+    );
+    return root;
+  },
+};
