@@ -6,14 +6,14 @@ import { badge } from "../../panels/selected";
 import { CLASSES, FAIL, PASS, SIGNS, WORDS } from "../../verdicts";
 import { variablesOf } from "./grouping";
 import { scaleOf } from "./judging";
-import { configurationOf, MOST_COMPARED, nameOf, type Model } from "./model";
+import { configurationOf, MOST_COMPARED, nameOf, subscribeCalmly, type Model } from "./model";
 import { changesBetween, nearestDesign, type Change } from "./nearest";
 import { short } from "./short";
 
 export function createReasons(model: Model): HTMLElement {
   const box = el("div", { class: "reasons", id: "reasons" });
   const draw = (): void => box.replaceChildren(...reasonsOf(model));
-  model.subscribe((changed) => {
+  subscribeCalmly(model, (changed) => {
     if (["selected", "demand", "thresholds", "brushes", "criteria"].some((key) => changed.has(key as "demand"))) draw();
   });
   draw();
