@@ -47,6 +47,10 @@ class Variable:
     labels: tuple[str, ...] = ()
     role: str = Role.DESIGN
 
+    def shown(self, value: float) -> str:
+        """A value as a person reads it: what it is called, or a number with its unit."""
+        return self.labels[int(value)] if self.labels else f"{value:.4g} {self.unit_symbol}".rstrip()
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class MetricColumn:
@@ -153,9 +157,9 @@ class ReportContent:
 
     *slices* are names of variables that were varied together, for a sliced study. *study_folder* is what the
     reader types in ``dse replay``; the page, which may be anywhere, leaves it out. *facts* are shown as they stand, in
-    order. *missing* is what of the study could not be read, *insight* what its runs tell, for the page. *composites* are
-    what objectives compute from metrics and properties, called as they are written. Raises ValueError for what no study
-    has. From here on the arrays cannot be written to, as many figures read them.
+    order. *missing* is what of the study could not be read, *insight* what its runs tell, for the page. *composites*
+    are what objectives compute from metrics and properties, called as they are written. Raises ValueError for what no
+    study has. From here on the arrays cannot be written to, as many figures read them.
     """
 
     title: str
