@@ -135,10 +135,11 @@ class Response:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Part:
-    """*runs* runs that may be compared, *apart* others that may not; *centres* are (n, features) each."""
+    """*used* of *runs* runs that may be compared, *apart* others that may not; *centres* are (n, features) each."""
 
     plane: Plane
     factors: tuple[FactorAxis, ...]
+    used: int
     runs: int
     apart: int
     centres: tuple[NDArray[np.float32], ...]
@@ -200,7 +201,7 @@ class Search:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Insight:
-    """All of it; *withheld* is what of it cannot be told, and why."""
+    """All of it; *withheld* is what of it cannot be told, and why. Of many runs it is told of *drawn* ones, else 0."""
 
     asked: Asked
     told: tuple[Told, ...] = ()
@@ -210,3 +211,4 @@ class Insight:
     chances: tuple[ChanceMap, ...] = ()
     search: Search | None = None
     withheld: tuple[str, ...] = ()
+    drawn: int = 0

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Sequence
-from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,8 +15,9 @@ from dse.errors import DseError, fail
 from dse.exploration import Band, design_variable, scaled, unit_of
 from dse.report.content.insight import ChanceMap
 from dse.report.content.nouns import Floats
+from dse.report.insight.drawing import drawn, part_of_table
 from dse.report.insight.naming import Naming
-from dse.storage import NO_CHECKS, RunTable
+from dse.storage import RunTable
 from dse.units import parse_unit
 
 SIZE = 31
@@ -59,8 +59,8 @@ def _map(table: RunTable, data: StudyData, name: str, naming: Naming) -> ChanceM
     if len(set(data.codes(name)[mine].tolist()) & set(_JUDGED)) < 2:
         raise fail(f"runs of configuration {configuration} all have the same verdict")
     across, along = _plane(data, name)
-    rows = np.sort(np.random.default_rng(0).permutation(mine)[:MOST_RUNS])
-    known = _part(table, np.searchsorted(table.numbers, data.numbers[rows]))
+    rows = drawn(mine, MOST_RUNS)
+    known = part_of_table(table, np.searchsorted(table.numbers, data.numbers[rows]))
     variables = tuple(map(design_variable, definition.variables))
     names = [variable.name for variable in variables]
     x, y = names.index(across), names.index(along)
@@ -82,17 +82,6 @@ def _map(table: RunTable, data: StudyData, name: str, naming: Naming) -> ChanceM
         held,
         len(rows),
         len(mine),
-    )
-
-
-def _part(table: RunTable, rows: NDArray[np.intp]) -> RunTable:
-    """Only these *rows*, without checks."""
-    return replace(
-        table,
-        block=table.block.part(rows),
-        configurations=tuple(table.configurations[row] for row in rows.tolist()),
-        points={name: column[rows] for name, column in table.points.items()},
-        checks=NO_CHECKS,
     )
 
 

@@ -4,15 +4,21 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import numpy as np
+
 from dse.analysis import essentials, planes
 from dse.report.content.insight import Insight
 from dse.report.insight.asked import asked_of
 from dse.report.insight.chances import chances_of
+from dse.report.insight.drawing import drawn, part_of_table
 from dse.report.insight.naming import Naming
 from dse.report.insight.responses import part_of
 from dse.report.insight.search import search_of
 from dse.report.insight.told import boxes_of, centres_of, told_of
 from dse.storage import RunTable, StudyFolder
+
+MOST_RUNS = 20_000
+"""Of more runs, findings are told of so many drawn from them, and the page says so."""
 
 
 def read_insight(path: Path) -> Insight:
@@ -37,9 +43,11 @@ def _insight(table: RunTable) -> Insight:
     asked = asked_of(table, naming)
     if not len(table):
         return Insight(asked)
-    parts = planes(table)
-    findings = essentials(table)
-    chances, withheld = chances_of(table, parts, naming)
+    every = np.arange(len(table))
+    looked = table if len(table) <= MOST_RUNS else part_of_table(table, drawn(every, MOST_RUNS))
+    parts = planes(looked)
+    findings = essentials(looked)
+    chances, withheld = chances_of(looked, parts, naming)
     search, reasons = search_of(table, naming)
     return Insight(
         asked,
@@ -50,4 +58,5 @@ def _insight(table: RunTable) -> Insight:
         chances,
         search,
         (*withheld, *reasons),
+        len(looked) if looked is not table else 0,
     )

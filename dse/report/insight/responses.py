@@ -12,12 +12,16 @@ from dse.analysis import Factor, Share, StudyData, first_order_shares, main_effe
 from dse.errors import DseError, fail
 from dse.report.content.insight import Bar, Effect, Estimate, FactorAxis, Part, Profile, Response
 from dse.report.content.nouns import Floats
+from dse.report.insight.drawing import drawn
 from dse.report.insight.naming import Naming
 from dse.report.insight.profiles import MOST_RUNS, Formula, centres_of, features, formulas
 from dse.units import Unit, parse_unit
 
 MOST_METRICS = 16
 """Those behind requirements and objectives first."""
+
+MOST_COMPARED = 5000
+"""Runs of which shares of the variance and means are told."""
 
 _STEPS = 33
 _LEAST = 12
@@ -26,8 +30,9 @@ T = TypeVar("T")
 
 
 def part_of(data: StudyData, naming: Naming) -> Part:
-    """Of the runs *data*, which may be compared with each other; of more than 1,000, formulas are of so many drawn."""
-    definition = data.definition
+    """Of the runs *data*, which may be compared with each other: of 5,000 drawn at most, formulas of 1,000."""
+    definition, runs = data.definition, len(data)
+    data = data.part(drawn(np.arange(runs), MOST_COMPARED))
     wanted = [entry.metric for entry in definition.requirements]
     wanted += [each.name for each in definition.objectives if each.name in data.metrics]
     names = [*dict.fromkeys([*wanted, *data.metrics])][:MOST_METRICS]
@@ -37,6 +42,7 @@ def part_of(data: StudyData, naming: Naming) -> Part:
         naming.plane(data.plane),
         tuple(_axis(factor, naming) for factor in data.factors),
         len(data),
+        runs,
         data.apart,
         tuple(centres.astype(np.float32) for centres in fits.centres),
         tuple(_response(data, name, fits, naming) for name in names),
@@ -76,8 +82,7 @@ class _Fits:
 
     def _fit(self, names: list[str]) -> None:
         rows = np.flatnonzero(np.isfinite(self.data.metrics[names[0]]))
-        # Evenly spread numbers would keep one column of a grid only.
-        rows = np.sort(np.random.default_rng(0).permutation(rows)[:MOST_RUNS])
+        rows = drawn(rows, MOST_RUNS)
         points = features(self.data.places[rows], self.data.factors)
         if len(rows) < max(_LEAST, 2 * (points.shape[1] + 1)):
             self.reasons |= dict.fromkeys(names, f"{len(rows)} runs are too few for {points.shape[1]} factors")

@@ -13,6 +13,7 @@ from dse.storage import RunTable
 from dse.units import parse_unit
 
 _MOST_PICKS = 40
+_MOST_RUNS = 20_000
 _STAGES = 20
 
 
@@ -22,8 +23,11 @@ def search_of(table: RunTable, naming: Naming) -> tuple[Search | None, tuple[str
     objectives = objectives_of(definition, (), ())
     if not objectives:
         return None, ()
+    if len(table) > _MOST_RUNS:
+        return None, (f"best designs: of more than {_MOST_RUNS} runs 'dse best' tells them, which takes its time",)
     try:
-        ranking = ranked(table, objectives, _MOST_PICKS)
+        # Of one objective all feasible designs, to tell when each became the best one.
+        ranking = ranked(table, objectives, len(table))
     except DseError as error:
         return None, (f"best designs: {error.problems[0].what}",)
     units = tuple(unit_of_objective(definition, each) for each in objectives)
@@ -63,18 +67,17 @@ def _worst(standing: Standing, table: RunTable) -> int:
 def _stages(table: RunTable, ranking: Ranking, definition: StudyDefinition) -> tuple[Stage, ...]:
     ends = [int(table.numbers[row]) + 1 for row in np.linspace(0, len(table) - 1, _STAGES + 1)[1:].astype(int)]
     found = stages(table, ranking.objectives, ends)
-    best = _best_by(table, ranking, ends, definition)
+    best = _best_by(ranking, ends, definition)
     return tuple(Stage(each.runs, each.feasible, each.volume, value) for each, value in zip(found, best, strict=True))
 
 
-def _best_by(table: RunTable, ranking: Ranking, ends: list[int], definition: StudyDefinition) -> list[float]:
+def _best_by(ranking: Ranking, ends: list[int], definition: StudyDefinition) -> list[float]:
     """Of one objective the best feasible value by each of *ends*, NaN before there is one, of several NaN."""
     if len(ranking.objectives) > 1:
         return [float("nan")] * len(ends)
     objective = ranking.objectives[0]
     unit = parse_unit(unit_of_objective(definition, objective))
-    every = ranked(table, ranking.objectives, len(table)).best
     sign = -1.0 if objective.maximize else 1.0
-    made = [(max(each.runs), sign * each.values[0]) for each in every]
+    made = [(max(each.runs), sign * each.values[0]) for each in ranking.best]
     best = [min((value for last, value in made if last < end), default=float("nan")) for end in ends]
     return [unit.from_si(sign * value) for value in best]

@@ -77,6 +77,8 @@ export interface Response {
 export interface Part {
   plane: number[];
   factors: FactorAxis[];
+  /** So many of the runs were looked at. */
+  used: number;
   runs: number;
   apart: number;
   centres: Float32Array[];
@@ -117,6 +119,8 @@ export interface Insight {
   chances: ChanceMap[];
   search: Search | null;
   withheld: string[];
+  /** How many runs it is told of; 0 for all. */
+  drawn: number;
 }
 
 /** The insight of the document, with its arrays in their places; null for a page without one. */

@@ -1,5 +1,6 @@
 // The findings of `dse findings`, as sentences under what they are about, plane by plane.
 import { el } from "../../dom";
+import { group } from "../../format";
 import type { Told } from "../../insight";
 import { studyThresholds, type Store } from "../../store";
 import { isAsStudied } from "../shared/thresholds";
@@ -9,7 +10,7 @@ const WITHHELD = "not told";
 
 export function createFound(store: Store): HTMLElement {
   const { study } = store;
-  const { told, withheld } = study.insight!;
+  const { told, withheld, drawn } = study.insight!;
   const note = el("p", { class: "hint", role: "status" });
   const explain = (): void => {
     note.textContent = isAsStudied(store.state.thresholds, studyThresholds(study)) ? "" : "You have moved thresholds: these sentences are about the study\u2019s own.";
@@ -24,6 +25,7 @@ export function createFound(store: Store): HTMLElement {
     planes.set(key, [...(planes.get(key) ?? []), each]);
   }
   const box = el("div", { id: "findings" }, note);
+  if (drawn) box.append(el("p", { class: "hint" }, `Of ${group(drawn)} runs drawn from all ${group(study.size)}: counts are theirs.`));
   if (!told.length) box.append(el("p", { class: "sentence" }, study.size ? "The runs tell nothing about requirements: the bench has none." : "There are no runs yet."));
   for (const those of planes.values()) {
     if (those[0]!.plane.length) box.append(el("h3", { class: "plane" }, `${planeName(study, those[0]!.plane)}; all else held`));

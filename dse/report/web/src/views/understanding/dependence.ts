@@ -73,5 +73,6 @@ function mini(store: Store, part: Part, response: Response, { factor, places, me
 
 /** Levels have no order: nothing is drawn between them. */
 export function whiskers(at: Float64Array, low: Float64Array, high: Float64Array): Chart["drawn"] {
-  return Array.from(at, (x, index) => ({ kind: "band" as const, label: "", x: Float64Array.of(x - 0.12, x + 0.12), low: Float64Array.of(low[index]!, low[index]!), high: Float64Array.of(high[index]!, high[index]!) }));
+  const broken = (values: Float64Array, half = 0): Float64Array => Float64Array.from([...values].flatMap((value) => [value - half, value + half, NaN]));
+  return [{ kind: "band", label: "", x: broken(at, 0.12), low: broken(low), high: broken(high) }];
 }

@@ -10,6 +10,7 @@ import { palette } from "../../theme";
 import { createPainted, type Painted } from "../shared/painting";
 import { levelAt, placesOf, placeText, valueAt } from "../shared/places";
 import { planeName } from "../shared/planes";
+import { withLevel } from "./choices";
 import { whiskers } from "./dependence";
 import { predict } from "./formula";
 
@@ -28,7 +29,7 @@ export function createProfiler(store: Store, part: Part, response: Response): HT
   let own = false;
   const order = shownFactors(part, response);
   const controls = order.map((factor) => createControl(store, part, profile, response, factor, () => places, (place) => {
-    places = places.map((each, index) => (index === factor ? place : each));
+    places = moved(store, part, places, factor, place);
     draw();
   }));
   const draw = (): void => {
@@ -71,7 +72,8 @@ export function createProfiler(store: Store, part: Part, response: Response): HT
 function quality(part: Part, { error, explained, runs, power }: Profile, plane: string): string {
   const poor = explained < POOR ? "This is a poor formula: do not rely on it. " : "";
   const held = part.plane.length ? ` All else than ${plane} is held at its nominal value.` : "";
-  return `${poor}The curves are a formula (radial functions, power ${power}), not simulations. Of ${group(runs)} runs that were left out in turn it predicts ${Math.max(0, Math.round(1000 * explained) / 10)}\u202f% of the variance, with a root mean square error of ${number(error, 2)}: the band.${held}`;
+  const together = part.factors.some(({ variable }) => variable < 0) ? " Choices that only go with another one change along with it." : "";
+  return `${poor}The curves are a formula (radial functions, power ${power}), not simulations. Of ${group(runs)} runs that were left out in turn it predicts ${Math.max(0, Math.round(1000 * explained) / 10)}\u202f% of the variance, with a root mean square error of ${number(error, 2)}: the band.${held}${together}`;
 }
 
 function startPlaces({ study, state }: Store, part: Part): number[] {
@@ -90,15 +92,21 @@ function shownFactors(part: Part, { bars }: Response): number[] {
   return part.factors.length > MOST_FACTORS ? strongest : part.factors.map((_, index) => index);
 }
 
-function curve(part: Part, profile: Profile, factor: number, places: number[]): { at: number[]; values: number[] } {
+function curve(store: Store, part: Part, profile: Profile, factor: number, places: number[]): { at: number[]; values: number[] } {
   const axis = part.factors[factor]!;
   const isChoice = axis.variable < 0;
   const at = isChoice ? axis.levels.map((_, level) => (level + 0.5) / axis.levels.length) : Array.from({ length: STEPS }, (_, step) => step / (STEPS - 1));
-  return { at, values: at.map((place) => predict(part, profile, places.map((each, index) => (index === factor ? place : each)))) };
+  return { at, values: at.map((place) => predict(part, profile, moved(store, part, places, factor, place))) };
 }
 
-function span({ study, state }: Store, part: Part, profile: Profile, { metric }: Response, places: number[], order: number[]): [number, number] {
-  const all = order.flatMap((factor) => curve(part, profile, factor, places).values);
+function moved({ study }: Store, part: Part, places: number[], factor: number, place: number): number[] {
+  const axis = part.factors[factor]!;
+  return axis.variable < 0 ? withLevel(study, part, places, factor, levelAt(axis, place)) : places.map((each, index) => (index === factor ? place : each));
+}
+
+function span(store: Store, part: Part, profile: Profile, { metric }: Response, places: number[], order: number[]): [number, number] {
+  const { study, state } = store;
+  const all = order.flatMap((factor) => curve(store, part, profile, factor, places).values);
   for (const [index, requirement] of study.requirements.entries()) {
     const { atMost, atLeast } = state.thresholds[index]!;
     if (requirement.metric === metric) all.push(...[atMost, atLeast].filter((bound) => bound !== null));
@@ -120,7 +128,7 @@ function createControl(store: Store, part: Part, profile: Profile, response: Res
   let range: [number, number] = [0, 1];
   const painted: Painted = createPainted(store, "mini", `${metric.title} along ${axis.title}, as a formula predicts it`, (canvas) => paintChart(canvas, chartOf(), palette()));
   const chartOf = (): Chart => {
-    const { at, values } = curve(part, profile, factor, places());
+    const { at, values } = curve(store, part, profile, factor, places());
     const x = Float64Array.from(at, (place, index) => (isChoice ? index : valueAt(axis, place)));
     const y = Float64Array.from(values);
     const [below, above] = [y.map((each) => each - profile.error), y.map((each) => each + profile.error)];
