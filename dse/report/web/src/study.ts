@@ -1,6 +1,6 @@
 // The study as the page sees it: typed columns, one value per run, in the units shown.
 import { readCharted, type Charted } from "./chart";
-import { columnText } from "./format";
+import { columnText, shortened } from "./format";
 import { unpack, type Entry, type Numbers } from "./packing";
 
 export interface Column {
@@ -88,6 +88,9 @@ export interface Study {
   waveforms: () => Promise<Map<string, Numbers>>;
 }
 
+const MOST_TITLE = 120;
+const MOST_UNIT = 20;
+
 interface Document {
   title: string;
   sampler: Sampler;
@@ -121,7 +124,7 @@ export async function readStudy(): Promise<Study> {
     arrays.has(`${name}.low`) ? { low: floats(`${name}.low`), high: floats(`${name}.high`) } : null;
   let waveforms: Promise<Map<string, Numbers>> | undefined;
   return {
-    title: source.title,
+    title: shortened(source.title, MOST_TITLE),
     sampler: source.sampler,
     size: source.runs,
     mostCentres: source.mostCentres,
@@ -130,14 +133,16 @@ export async function readStudy(): Promise<Study> {
     done: flags("done"),
     checked: arrays.has("checked") ? flags("checked") : null,
     problems: new Map(source.problems),
-    variables: source.variables.map((variable, i) => ({ ...variable, ...column(`variable.${i}`) })),
+    variables: source.variables.map((variable, i) => ({ ...variable, ...named(variable), ...column(`variable.${i}`) })),
     metrics: source.metrics.map((metric, i) => ({
       ...metric,
+      ...named(metric),
       ...column(`metric.${i}`),
       error: metric.checked ? floats(`error.${i}`) : null,
     })),
     requirements: source.requirements.map((requirement, i) => ({
       ...requirement,
+      title: shortened(requirement.title, MOST_TITLE),
       exercised: flags(`exercised.${i}`),
       unsettled: arrays.has(`unsettled.${i}`) ? flags(`unsettled.${i}`) : null,
     })),
@@ -155,6 +160,7 @@ export async function readStudy(): Promise<Study> {
     slices: source.slices,
     figures: source.figures.map((figure, i) => ({
       ...figure,
+      ...named(figure),
       time: floats(`figure.${i}.time`),
       row: new Map(Array.from(integers(`figure.${i}.kept`), (number, row) => [number, row])),
       constants: figure.shape === "constant" ? floats(`figure.${i}.target`) : null,
@@ -168,6 +174,11 @@ export async function readStudy(): Promise<Study> {
 
 export function axisLabel(column: { title: string; unit: string }): string {
   return `${column.title} [${column.unit || "\u2013"}]`;
+}
+
+// A title of ten thousand letters, or one that turns the text around it, would break every panel it stands in.
+function named({ title, unit }: { title: string; unit: string }): { title: string; unit: string } {
+  return { title: shortened(title, MOST_TITLE), unit: shortened(unit, MOST_UNIT) };
 }
 
 function block(id: string): string {
