@@ -18,7 +18,7 @@ export function createCompare(model: Model): HTMLElement {
   const table = el("div", { class: "scroll" });
   const hint = el("p", { class: "muted" });
   const pins = el("button", { type: "button", id: "take-pins", click: () => model.set({ picked: [...new Set(store.state.pins.map((run) => model.grouping.of[run]!))].slice(0, MOST_COMPARED) }) }, "Take the pinned runs");
-  const more = el("div", {}, createArchitectures(model), ...(store.study.figures.length ? [createOverlay(model)] : []));
+  const more = el("div", {}, ...(store.study.figures.length ? [createOverlay(model)] : []), createArchitectures(model));
   const draw = (): void => {
     const { picked } = model.choices;
     pins.hidden = !store.state.pins.length;
