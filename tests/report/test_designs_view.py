@@ -212,7 +212,7 @@ def test_why_a_design_is_out_names_the_requirement_its_margin_and_the_fewest_cho
     whole_board(page)
     page.click(f"#leaders tr[data-design='{out}'] td:nth-child(2)")
     settle(page)
-    assert page.locator("#reasons .said").first.inner_text() == "It is out: keeps its distance is missed."
+    assert page.locator("#reasons .said").first.inner_text() == "It is out: \u201ckeeps its distance\u201d is missed."
     cells = page.locator("#reasons tbody tr").first.locator("th, td").all_inner_texts()
     missed = smallest_gap(*DESIGNS[out]) - 10
     assert "slope 5\u202f%" in cells[0]

@@ -7,10 +7,13 @@ import json
 from collections.abc import Mapping
 
 import numpy as np
+from known_functions import study, variable
 
-from dse.domain.definition import DefinedConfiguration
+from dse.domain.definition import DefinedConfiguration, DefinedObjective, DefinedTotal
 from dse.report.content.architecture import parts_and_links
 from dse.report.content.nouns import ConfigurationEntry, MetricColumn, ObjectiveEntry, Property, ReportContent
+from dse.report.content.objectives import composites_of, objectives_of
+from dse.report.content.reading import lacking
 from dse.report.page.designs import designs_of
 from dse.report.page.packing import Block
 from dse.report.page.payload import payload_of
@@ -112,3 +115,31 @@ def test_configurations_that_hang_together_alike_share_a_picture(scattered: Repo
     assert first["links"] == [[0, 1]]
     # The box has room for the longest name in it.
     assert first["parts"][0][3] > 6 * len(long)
+
+
+def test_an_objective_that_is_an_expression_is_computed_for_every_run() -> None:
+    table = study(
+        np.array([[0.1], [0.2]]),
+        {"use": np.array([3.0, np.nan])},
+        variables=[variable("gain")],
+        choices=[{"motor": "small"}, {"motor": "large"}],
+    )
+    prices = {"small": 10.0, "large": 40.0}
+    priced = tuple(
+        dataclasses.replace(each, totals={"cost": DefinedTotal(prices[each.choices["motor"]], "EUR")})
+        for each in table.header.definition.configurations
+    )
+    text = "sum(cost) * (1 + use)"
+    objectives = (DefinedObjective("use"), DefinedObjective(text, maximize=True, is_composite=True))
+    definition = dataclasses.replace(table.header.definition, configurations=priced, objectives=objectives)
+    table = dataclasses.replace(table, header=dataclasses.replace(table.header, definition=definition))
+    (composite,) = composites_of(definition, table)
+    assert (composite.name, composite.unit_symbol) == (text, "EUR")
+    assert composite.values[0] == 40.0
+    assert np.isnan(composite.values[1])
+    assert objectives_of(definition) == (ObjectiveEntry("use"), ObjectiveEntry(text, maximize=True))
+
+
+def test_configurations_of_a_study_without_variables_lack_none() -> None:
+    table = study(np.zeros((2, 0)), {"use": np.ones(2)}, variables=[], choices=[{"motor": "a"}, {"motor": "b"}])
+    assert lacking(table.header) == []
