@@ -56,6 +56,7 @@ export function standingOf(study: Study, thresholds: Threshold[], demand: number
   each.forEach((marks, index) => judgeOne(study, thresholds[index]!, index, marks, standing));
   const scales = thresholds.map((threshold, index) => scaleOf(study, index, threshold));
   const counted = each.map((_, index) => index).filter((index) => !thresholds[index]!.off);
+  const bounded = thresholds.map(({ atMost, atLeast }) => atMost !== null || atLeast !== null);
   for (let design = 0; design < size; design++) {
     const [from, to] = [start[design]!, start[design + 1]!];
     let failed = 0;
@@ -67,6 +68,7 @@ export function standingOf(study: Study, thresholds: Threshold[], demand: number
     }
     let mark: number = failed ? FAILED : whole[design] ? PASS : NOT_EXERCISED;
     let slack = Infinity;
+    let isKnown = !failed;
     let shortfall = failed * (1 + counted.length);
     for (const index of counted) {
       const one = standing.each[index]![design]!;
@@ -74,7 +76,9 @@ export function standingOf(study: Study, thresholds: Threshold[], demand: number
       const share = standing.margins[index]![design]! / scales[index]!;
       if (mark !== FAILED && one === FAIL) mark = FAIL;
       if (mark === PASS && one !== PASS) mark = NOT_EXERCISED;
-      if (!failed && run >= 0 && !(share >= slack)) {
+      if (one !== PASS && one !== FAIL) isKnown = false;
+      else if (bounded[index] && !failed && !Number.isNaN(slack) && !(share >= slack)) {
+        // Also what is undefined, which nothing undercuts.
         slack = share;
         deciding = run;
       }
@@ -85,7 +89,7 @@ export function standingOf(study: Study, thresholds: Threshold[], demand: number
     standing.mark[design] = mark;
     standing.deciding[design] = deciding;
     standing.shortfall[design] = shortfall;
-    standing.slack[design] = failed || slack === Infinity ? NaN : slack;
+    standing.slack[design] = isKnown && slack !== Infinity ? slack : NaN;
   }
   return standing;
 }
