@@ -212,7 +212,7 @@ def test_why_a_design_is_out_names_the_requirement_its_margin_and_the_fewest_cho
     whole_board(page)
     page.click(f"#leaders tr[data-design='{out}'] td:nth-child(2)")
     settle(page)
-    assert page.locator("#reasons .said").first.inner_text() == "It is out: keeps its distance is missed."
+    assert page.locator("#reasons .said").first.inner_text() == "It is out: \u201ckeeps its distance\u201d is missed."
     cells = page.locator("#reasons tbody tr").first.locator("th, td").all_inner_texts()
     missed = smallest_gap(*DESIGNS[out]) - 10
     assert "slope 5\u202f%" in cells[0]
@@ -369,6 +369,36 @@ def test_the_boxes_tell_what_an_alternative_buys(priced: ReportContent, open_rep
         assert row[2].split(" ")[0] == str(good)
         five = np.quantile(values, (0, 0.5, 1)).tolist()
         assert [number(text) for text in row[4:]] == pytest.approx(five, abs=6e-3)
+
+
+@pytest.mark.thorough
+def test_the_waterfall_counts_what_each_requirement_leaves_and_costs(priced: ReportContent, open_report: Open) -> None:
+    n = len(priced.runs)
+    least = np.array([smallest_gap(*design) for design in DESIGNS])
+    gain = np.array([design[2] for design in DESIGNS])
+    second = MetricColumn("gain", "gain", "1/s", np.repeat(gain, 2))
+    runs = dataclasses.replace(priced.runs, done=np.arange(n) != 58, problems=("",) * 58 + ("it broke", ""))
+    content = dataclasses.replace(
+        priced,
+        runs=runs,
+        metrics=(*priced.metrics, second),
+        requirements=(
+            *priced.requirements,
+            RequirementRow("R2", "is not too sharp", "gain", 0.6, None, np.ones(n, dtype=bool)),
+        ),
+    )
+    page = opened(open_report, content)
+    ended = np.arange(len(DESIGNS)) != 29
+    near, sharp = ended & (least < 10), ended & (gain > 0.6)
+    rows = page.eval_on_selector_all(
+        "#waterfall tbody tr", "rows => rows.map(row => [...row.cells].map(cell => cell.innerText))"
+    )
+    assert [[row[0], row[1].split(" ")[0], *row[3:]] for row in rows] == [
+        ["all designs", "30", "", ""],
+        ["came to their end at all conditions", "29", "1", ""],
+        ["keeps its distance", str(29 - near.sum()), str(near.sum()), str((near & ~sharp).sum())],
+        ["is not too sharp", str((ended & ~near & ~sharp).sum()), str(sharp.sum()), str((sharp & ~near).sum())],
+    ]
 
 
 @pytest.mark.thorough

@@ -47,6 +47,10 @@ class Variable:
     labels: tuple[str, ...] = ()
     role: str = Role.DESIGN
 
+    def shown(self, value: float) -> str:
+        """A value as a person reads it: what it is called, or a number with its unit."""
+        return self.labels[int(value)] if self.labels else f"{value:.4g} {self.unit_symbol}".rstrip()
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class MetricColumn:

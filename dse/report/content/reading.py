@@ -37,7 +37,16 @@ from dse.report.content.nouns import (
     Variable,
 )
 from dse.report.content.objectives import composites_of, objectives_of
-from dse.storage import CERTAINTIES, ERROR_IN_BARS, Certainty, RunTable, StudyFolder, damaged_study, read_all_waveforms
+from dse.storage import (
+    CERTAINTIES,
+    ERROR_IN_BARS,
+    Certainty,
+    RunTable,
+    StudyFolder,
+    StudyHeader,
+    damaged_study,
+    read_all_waveforms,
+)
 from dse.units import Unit, parse_unit
 
 MAX_WAVEFORMS = 4000
@@ -105,7 +114,7 @@ def _content(folder: StudyFolder, table: RunTable, waveforms: Mapping[int, Wavef
         folder.path.as_posix(),
         Runs(table.numbers, table.configurations, table.done, table.problems, checked),
         tuple(_configuration(entry, definition) for entry in definition.configurations),
-        tuple(map(_variable, definition.variables, table.coordinates().T, _lacking(folder))),
+        tuple(map(_variable, definition.variables, table.coordinates().T, lacking(folder.header))),
         tuple(_metric(m, table) for m in definition.metrics if not m.error_of),
         tuple(_requirement(entry, table, units[entry.metric]) for entry in definition.requirements),
         figures,
@@ -171,9 +180,8 @@ def _configuration(entry: DefinedConfiguration, definition: StudyDefinition) -> 
     return ConfigurationEntry(entry.id, choices, properties, *parts_and_links(entry))
 
 
-def _lacking(folder: StudyFolder) -> list[tuple[int, ...]]:
+def lacking(header: StudyHeader) -> list[tuple[int, ...]]:
     """For each variable the places of the configurations that do not have it."""
-    header = folder.header
     has = np.array([header.has(name) for name in header.configurations], dtype=np.bool_)
     by_variable = has.reshape(len(header.configurations), len(header.variables)).T
     return [tuple(np.flatnonzero(~column).tolist()) for column in by_variable]

@@ -7,6 +7,8 @@ import { MOST_PINS, type State, type Store, type Zoom } from "./store";
 import type { Study } from "./study";
 import { VIEWS } from "./views/views";
 
+// An address with more than these was not written here.
+const MOST_LISTED = 50;
 // A browser slows pages down that change their address too often.
 const PAUSE = 300;
 
@@ -52,7 +54,7 @@ export function fragmentOf(study: Study, state: State, start: State): string {
 export function readFragment(study: Study, fragment: string, start: State): Partial<State> {
   const given = new URLSearchParams(fragment);
   const patch: Partial<State> = {};
-  const runs = new Map(Array.from(study.number, (number, run) => [String(number), run]));
+  const runOf = (text: string): number => (/^\d{1,9}$/.test(text) ? study.number.indexOf(Number(text)) : -1);
   const view = VIEWS.find(({ name, suits }) => name === given.get("view") && suits(study));
   if (view) patch.view = view.name;
   const configuration = study.configurations.findIndex(({ id }) => id === given.get("configuration"));
@@ -65,10 +67,10 @@ export function readFragment(study: Study, fragment: string, start: State): Part
   if (fill >= 0) patch.fill = fill;
   if (given.has("bounds")) patch.thresholds = readBounds(study, list(given, "bounds"), start.thresholds);
   if (given.has("brushes")) patch.brushes = readBrushes(study, list(given, "brushes"));
-  const pins = list(given, "pins").map((text) => runs.get(text) ?? -1);
+  const pins = list(given, "pins").slice(0, MOST_LISTED).map(runOf);
   if (pins.length) patch.pins = [...new Set(pins)].filter((run) => run >= 0).slice(0, MOST_PINS);
-  const selected = runs.get(given.get("run") ?? "");
-  if (selected !== undefined) patch.selected = selected;
+  const selected = runOf(given.get("run") ?? "");
+  if (selected >= 0) patch.selected = selected;
   const filter = (["all", 0, 1, 2, 3] as const).find((each) => String(each) === given.get("filter"));
   if (filter !== undefined) patch.filter = filter;
   const [column, direction] = (given.get("sort") ?? "").split(":");

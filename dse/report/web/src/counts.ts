@@ -1,16 +1,23 @@
 // How many runs carry each mark, among those that are looked at.
-import { plotted } from "./plane/plane";
+import { plotted, type Plane } from "./plane/plane";
 import type { Store } from "./store";
 import type { Study } from "./study";
+
+const joined = new WeakMap<Plane, Int32Array>();
 
 /** Runs that the constraint plot draws, null for every run of the study: where there is no plane, all are looked at. */
 export function shownRuns(store: Store): Int32Array | null {
   if (!plotted(store.study)) return null;
-  const { on, beside } = store.plane();
+  const plane = store.plane();
+  const { on, beside } = plane;
   if (!beside.length) return on;
-  const both = new Int32Array(on.length + beside.length);
-  both.set(on);
-  both.set(beside, on.length);
+  let both = joined.get(plane);
+  if (!both) {
+    both = new Int32Array(on.length + beside.length);
+    both.set(on);
+    both.set(beside, on.length);
+    joined.set(plane, both);
+  }
   return both;
 }
 

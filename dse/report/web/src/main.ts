@@ -2,10 +2,11 @@
 import { followAddress, readFragment } from "./address";
 import { startingRun } from "./actions";
 import { createAnnouncement } from "./announce";
+import { shownRuns } from "./counts";
 import { el } from "./dom";
 import { count } from "./format";
 import { createBrushes } from "./panels/brushes";
-import { plotted, startingPoint } from "./plane/plane";
+import { startingPoint } from "./plane/plane";
 import { createStore, studyThresholds, whileShown, type State, type Store } from "./store";
 import { readStudy, type Study } from "./study";
 import { followTheme, startTheme } from "./theme";
@@ -17,7 +18,7 @@ async function start(): Promise<void> {
   try {
     const study = await readStudy();
     const store = createStore(study, initial(study, theme));
-    const selected = startingRun(store, plotted(study) ? candidates(store) : study.number.keys());
+    const selected = startingRun(store, shownRuns(store) ?? study.number.keys());
     store.set({ selected, configuration: selected < 0 ? 0 : study.configuration[selected]! });
     const start = store.state;
     store.set(readFragment(study, location.hash.slice(1), start));
@@ -53,11 +54,6 @@ function initial(study: Study, theme: State["theme"]): State {
   };
 }
 
-function candidates({ study, plane }: Store): Iterable<number> {
-  const { on, beside } = plane();
-  return study.sampler === "scattered" && beside.length ? beside : on;
-}
-
 function header(store: Store): HTMLElement {
   const { study } = store;
   const theme = followTheme(store);
@@ -71,7 +67,7 @@ function header(store: Store): HTMLElement {
   };
   name();
   store.subscribe(name);
-  return el("header", {}, el("h1", {}, study.title), el("span", { class: "muted" }, parts.join(" \u00b7 ")), el("span", { class: "spring" }), button);
+  return el("header", {}, el("h1", { title: study.title }, study.title), el("span", { class: "muted" }, parts.join(" \u00b7 ")), el("span", { class: "spring" }), button);
 }
 
 /** Tabs, and below them the open view; a view is made when it is first opened. */

@@ -69,7 +69,9 @@ export function createStore(study: Study, initial: State): Store {
     if (!pending) return;
     const changed = pending;
     pending = null;
+    const started = performance.now();
     for (const listener of listeners) listener(state, changed);
+    performance.measure("update", { start: started, end: performance.now() });
   };
 
   return {

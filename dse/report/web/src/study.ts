@@ -1,6 +1,6 @@
 // The study as the page sees it: typed columns, one value per run, in the units shown.
 import { readCharted, type Charted } from "./chart";
-import { columnText, number, withUnit } from "./format";
+import { columnText, number, shortened, withUnit } from "./format";
 import { readInsight, type Insight } from "./insight";
 import { unpack, type Entry, type Numbers } from "./packing";
 
@@ -122,6 +122,9 @@ export interface Study {
   waveforms: () => Promise<Map<string, Numbers>>;
 }
 
+const MOST_TITLE = 120;
+const MOST_UNIT = 20;
+
 interface Document {
   title: string;
   sampler: Sampler;
@@ -165,7 +168,7 @@ export async function readStudy(): Promise<Study> {
   const properties = source.properties.map((property, i) => ({ ...property, ...column(`property.${i}`) }));
   let waveforms: Promise<Map<string, Numbers>> | undefined;
   return {
-    title: source.title,
+    title: shortened(source.title, MOST_TITLE),
     sampler: source.sampler,
     size: source.runs,
     mostCentres: source.mostCentres,
@@ -174,14 +177,16 @@ export async function readStudy(): Promise<Study> {
     done: flags("done"),
     checked: arrays.has("checked") ? flags("checked") : null,
     problems: new Map(source.problems),
-    variables: source.variables.map((variable, i) => ({ ...variable, ...column(`variable.${i}`), ...named(variable.labels) })),
+    variables: source.variables.map((variable, i) => ({ ...variable, ...named(variable), ...column(`variable.${i}`), ...labelled(variable.labels) })),
     metrics: source.metrics.map((metric, i) => ({
       ...metric,
+      ...named(metric),
       ...column(`metric.${i}`),
       error: metric.checked ? floats(`error.${i}`) : null,
     })),
     requirements: source.requirements.map((requirement, i) => ({
       ...requirement,
+      title: shortened(requirement.title, MOST_TITLE),
       exercised: flags(`exercised.${i}`),
       unsettled: arrays.has(`unsettled.${i}`) ? flags(`unsettled.${i}`) : null,
     })),
@@ -206,6 +211,7 @@ export async function readStudy(): Promise<Study> {
     slices: source.slices,
     figures: source.figures.map((figure, i) => ({
       ...figure,
+      ...named(figure),
       time: floats(`figure.${i}.time`),
       row: new Map(Array.from(integers(`figure.${i}.kept`), (number, row) => [number, row])),
       constants: figure.shape === "constant" ? floats(`figure.${i}.target`) : null,
@@ -219,12 +225,17 @@ export async function readStudy(): Promise<Study> {
   };
 }
 
-function named(labels: string[]): Pick<Column, "text"> | null {
+function labelled(labels: string[]): Pick<Column, "text"> | null {
   return labels.length ? { text: (value) => labels[value] ?? number(value) } : null;
 }
 
 export function axisLabel(column: { title: string; unit: string }): string {
   return `${column.title} [${column.unit || "\u2013"}]`;
+}
+
+// A title of ten thousand letters, or one that turns the text around it, would break every panel it stands in.
+function named({ title, unit }: { title: string; unit: string }): { title: string; unit: string } {
+  return { title: shortened(title, MOST_TITLE), unit: shortened(unit, MOST_UNIT) };
 }
 
 function block(id: string): string {

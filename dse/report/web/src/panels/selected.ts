@@ -26,7 +26,7 @@ export function createSelected(store: Store): { box: HTMLElement; name: HTMLElem
     const yaml = yamlParts(study, run, open, (now) => (open = now));
     box.replaceChildren(
       ...(problem === undefined ? [] : [el("p", { class: "problem" }, problem)]),
-      ...parameters(study, run),
+      parameters(study, run),
       el("div", { class: "folds" }, metrics, ...yaml),
     );
   };
@@ -41,18 +41,17 @@ export function badge(mark: number): HTMLElement {
   return el("span", { class: `badge ${CLASSES[mark]}` }, `${SIGNS[mark]} ${WORDS[mark]}`);
 }
 
-function parameters(study: Study, run: number): HTMLElement[] {
+function parameters(study: Study, run: number): HTMLElement {
   const list = el("dl", { class: "parameters" });
   for (const { title, name, unit, values, text } of variablesOf(study, run)) {
     list.append(el("div", { title: name }, el("dt", {}, title), el("dd", {}, withUnit(text(values[run]!), unit))));
   }
   const configuration = study.configurations[study.configuration[run]!]!;
-  const parts: HTMLElement[] = study.variables.length ? [list] : [];
   const choices = configuration.choices.map(([place, component]) => `${place}: ${component}`).join("\n");
   if (study.configurations.length > 1 || !study.variables.length) {
-    parts.push(el("p", { class: "configuration", title: choices }, "Configuration ", el("code", {}, configuration.id)));
+    list.prepend(el("div", { title: choices }, el("dt", {}, "Configuration"), el("dd", {}, el("code", {}, configuration.id))));
   }
-  return parts;
+  return list;
 }
 
 const DOUBT = "Finer numerics may change it: the margin is within two error bars, or a repetition gave another verdict or none.";

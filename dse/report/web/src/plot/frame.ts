@@ -71,8 +71,8 @@ export function drawAxes(
   pen.font = `600 12.5px ${colours.font}`;
   pen.textAlign = "center";
   pen.textBaseline = "alphabetic";
-  pen.fillText(axisText(horizontal), (left + right) / 2, bottom + 42, right - left);
-  sideways(pen, 16, (top + bottom) / 2, () => pen.fillText(axisText(vertical), 0, 0, bottom - top));
+  pen.fillText(fitted(pen, axisText(horizontal), right - left), (left + right) / 2, bottom + 42);
+  sideways(pen, 16, (top + bottom) / 2, () => pen.fillText(fitted(pen, axisText(vertical), bottom - top), 0, 0));
 }
 
 export function drawGrid(pen: CanvasRenderingContext2D, frame: Frame, horizontal: AxisText, vertical: AxisText, colours: Palette): void {
@@ -93,6 +93,18 @@ export function drawGrid(pen: CanvasRenderingContext2D, frame: Frame, horizontal
 
 export function axisText(axis: AxisText): string {
   return axis.names?.length ? axis.title : axisLabel(axis);
+}
+
+/** *text*, with an ellipsis where it would be wider than *room*. */
+export function fitted(pen: CanvasRenderingContext2D, text: string, room: number): string {
+  if (pen.measureText(text).width <= room) return text;
+  let [fits, many] = [0, text.length];
+  while (many - fits > 1) {
+    const half = (fits + many) >> 1;
+    if (pen.measureText(`${text.slice(0, half)}\u2026`).width <= room) fits = half;
+    else many = half;
+  }
+  return `${text.slice(0, fits)}\u2026`;
 }
 
 function ticksOf(scale: Scale, { log, names }: AxisText, count: number): [number, string][] {

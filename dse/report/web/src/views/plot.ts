@@ -16,7 +16,7 @@ import type { View } from "./view";
 
 export const plotView: View = {
   name: "plot",
-  title: "Constraint plot",
+  title: "Cockpit",
   suits: () => true,
   create(store) {
     const { study } = store;

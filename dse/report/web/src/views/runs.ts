@@ -10,9 +10,9 @@ import type { View } from "./view";
 export const runsView: View = {
   name: "runs",
   title: "Runs",
-  suits: plotted,
+  suits: ({ size }) => size > 0,
   create(store) {
-    const configurations = store.study.configurations.length > 1 ? [card("overview", "Configurations", createConfigurations(store))] : [];
+    const configurations = store.study.configurations.length > 1 && plotted(store.study) ? [card("overview", "Configurations", createConfigurations(store))] : [];
     const parallel = createParallel(store);
     const saved = { name: "runs", picture: (): [string, HTMLCanvasElement[]][] => [["", [parallelCanvas(parallel)]]], purpose: "Every run in SI units, with DIR the study\u2019s folder:", command: () => "dse results DIR --format csv -o runs.csv" };
     const lines = addTools(card("lines", "Parallel coordinates", parallel), savingMenu(store, saved));

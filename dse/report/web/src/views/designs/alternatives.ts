@@ -3,7 +3,7 @@ import { choose, el, field } from "../../dom";
 import { count, group, percent } from "../../format";
 import { axisLabel } from "../../study";
 import { PASS } from "../../verdicts";
-import { choiceAt, configurationOf, differingPlaces, type Model } from "./model";
+import { choiceAt, configurationOf, differingPlaces, subscribeCalmly, type Model } from "./model";
 import { designColumns } from "./values";
 
 const WIDE = 1000;
@@ -27,7 +27,7 @@ export function createAlternatives(model: Model): HTMLElement {
   among.id = "boxes-among";
   const box = el("div", { class: "places" });
   const draw = (): void => box.replaceChildren(...tables(model));
-  model.subscribe((changed) => {
+  subscribeCalmly(model, (changed) => {
     if (["boxes", "among", "criteria", "demand", "thresholds", "brushes"].some((key) => changed.has(key as "boxes"))) draw();
   });
   draw();

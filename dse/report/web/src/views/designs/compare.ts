@@ -4,7 +4,7 @@ import { el } from "../../dom";
 import { number, withUnit } from "../../format";
 import { badge } from "../../panels/selected";
 import { axisLabel } from "../../study";
-import { CLASSES, SIGNS } from "../../verdicts";
+import { CLASSES, FAIL, PASS, SIGNS } from "../../verdicts";
 import { createArchitectures } from "./architecture";
 import { seriesColour } from "./colouring";
 import { scaleOf } from "./judging";
@@ -18,7 +18,7 @@ export function createCompare(model: Model): HTMLElement {
   const table = el("div", { class: "scroll" });
   const hint = el("p", { class: "muted" });
   const pins = el("button", { type: "button", id: "take-pins", click: () => model.set({ picked: [...new Set(store.state.pins.map((run) => model.grouping.of[run]!))].slice(0, MOST_COMPARED) }) }, "Take the pinned runs");
-  const more = el("div", {}, createArchitectures(model), ...(store.study.figures.length ? [createOverlay(model)] : []));
+  const more = el("div", {}, ...(store.study.figures.length ? [createOverlay(model)] : []), createArchitectures(model));
   const draw = (): void => {
     const { picked } = model.choices;
     pins.hidden = !store.state.pins.length;
@@ -77,19 +77,26 @@ function numberRows(model: Model): HTMLElement[] {
 function numberRow(model: Model, key: string): HTMLElement {
   const { picked } = model.choices;
   const column = model.column(key);
-  const known = picked.map((design) => (hasVariable(model, key, design) ? column.values[design]! : NaN)).filter((value) => !Number.isNaN(value));
+  // A value that no run was exercised for is no better than another.
+  const counts = picked.map((design) => hasVariable(model, key, design) && isShown(model, key, design));
+  const known = picked.map((design, index) => (counts[index] ? column.values[design]! : NaN)).filter((value) => !Number.isNaN(value));
   const best = column.sense === "max" ? Math.max(...known) : Math.min(...known);
   const tells = column.sense !== "" && !key.startsWith("variable.") && known.length > 1 && known.some((value) => column.text(value) !== column.text(best));
-  const cells = picked.map((design) => {
+  const cells = picked.map((design, index) => {
     const value = column.values[design]!;
     if (!hasVariable(model, key, design) || Number.isNaN(value)) return el("td", {}, "\u2013");
     // What reads alike is alike.
-    const isBest = tells && column.text(value) === column.text(best);
+    const isBest = tells && counts[index]! && column.text(value) === column.text(best);
     const range = column.sense === "" ? rangeOf(model, key, design) : "";
     return el("td", { class: isBest ? "best" : "" }, range || column.text(value), isBest && el("span", { class: "unseen" }, " (best)"));
   });
   const arrow = column.sense === "max" ? " \u2191" : column.sense === "min" && !key.startsWith("variable.") ? " \u2193" : "";
   return el("tr", {}, el("th", { scope: "row" }, axisLabel(column) + arrow), ...cells);
+}
+
+function isShown({ store, standing }: Model, key: string, design: number): boolean {
+  const { each } = standing();
+  return store.study.requirements.every(({ metric }, index) => `metric.${metric}` !== key || each[index]![design] === PASS || each[index]![design] === FAIL);
 }
 
 /** From the least to the greatest of a design's runs, where nobody says which way is worse; "" if they are alike. */

@@ -5,7 +5,7 @@ import { count, group, percent, withUnit } from "../../format";
 import { axisLabel } from "../../study";
 import { PASS } from "../../verdicts";
 import { designColumns, senseOf } from "./values";
-import { nameOf, togglePick, type Criterion, type Model } from "./model";
+import { nameOf, subscribeCalmly, togglePick, type Criterion, type Model } from "./model";
 
 export function createCriteria(model: Model): HTMLElement {
   const demand = createDemand(model);
@@ -20,6 +20,8 @@ export function createCriteria(model: Model): HTMLElement {
   model.subscribe((changed) => {
     // A slider that is being dragged must stay the same element.
     if (changed.has("criteria") && !document.activeElement?.classList.contains("weighing")) drawList();
+  });
+  subscribeCalmly(model, (changed) => {
     if (["criteria", "demand", "thresholds", "brushes"].some((key) => changed.has(key as "demand"))) drawAnswers();
   });
   drawList();

@@ -10,6 +10,7 @@ import { differingPlaces, createModel } from "./model";
 import { createReasons } from "./reasons";
 import { createScatter } from "./scatter";
 import { designColumns } from "./values";
+import { createWaterfall } from "./waterfall";
 
 export const designsView: View = {
   name: "designs",
@@ -20,10 +21,11 @@ export const designsView: View = {
     const model = createModel(store, root);
     const several = groupingOf(store.study).size > 1;
     const boxes = differingPlaces(store).length ? [card("buys", "What an alternative buys", createAlternatives(model))] : [];
+    const falls = several && store.study.requirements.length ? [card("falls", "What requirements leave", createWaterfall(model))] : [];
     root.append(
       el("div", { class: "left" }, card("scatter", "Any over any", createScatter(model))),
       el("div", { class: "right" }, card("asked", "What is asked of a design", createCriteria(model)), card("why", "The selected design", createReasons(model))),
-      el("div", { class: "wide" }, card("board", "Leader board", createLeaderboard(model)), ...(several ? [card("side", "Side by side", createCompare(model))] : []), ...boxes),
+      el("div", { class: "wide" }, card("board", "Leader board", createLeaderboard(model)), ...(several ? [card("side", "Side by side", createCompare(model))] : []), ...falls, ...boxes),
     );
     return root;
   },

@@ -53,9 +53,10 @@ export function standingOf(study: Study, thresholds: Threshold[], demand: number
     shortfall: new Float64Array(size),
     deciding: new Int32Array(size),
   };
+  each.forEach((marks, index) => judgeOne(study, thresholds[index]!, index, marks, standing));
   const scales = thresholds.map((threshold, index) => scaleOf(study, index, threshold));
-  const counted = thresholds.map(({ off }) => !off);
-  const asked = counted.filter(Boolean).length;
+  const counted = each.map((_, index) => index).filter((index) => !thresholds[index]!.off);
+  const bounded = thresholds.map(({ atMost, atLeast }) => atMost !== null || atLeast !== null);
   for (let design = 0; design < size; design++) {
     const [from, to] = [start[design]!, start[design + 1]!];
     let failed = 0;
@@ -67,49 +68,57 @@ export function standingOf(study: Study, thresholds: Threshold[], demand: number
     }
     let mark: number = failed ? FAILED : whole[design] ? PASS : NOT_EXERCISED;
     let slack = Infinity;
-    for (let index = 0; index < each.length; index++) {
-      const one = judgeOne(study, thresholds[index]!, index, each[index]!, rows, from, to);
-      standing.each[index]![design] = one.mark;
-      standing.margins[index]![design] = one.margin;
-      standing.worst[index]![design] = one.run;
-      if (!counted[index]) continue;
-      if (mark !== FAILED && one.mark === FAIL) mark = FAIL;
-      if (mark === PASS && one.mark !== PASS) mark = NOT_EXERCISED;
-      const share = one.margin / scales[index]!;
-      if (!failed && one.run >= 0 && !(share >= slack)) {
+    let isKnown = !failed;
+    let shortfall = failed * (1 + counted.length);
+    for (const index of counted) {
+      const one = standing.each[index]![design]!;
+      const run = standing.worst[index]![design]!;
+      const share = standing.margins[index]![design]! / scales[index]!;
+      if (mark !== FAILED && one === FAIL) mark = FAIL;
+      if (mark === PASS && one !== PASS) mark = NOT_EXERCISED;
+      if (one !== PASS && one !== FAIL) isKnown = false;
+      else if (bounded[index] && !failed && !Number.isNaN(slack) && !(share >= slack)) {
+        // Also what is undefined, which nothing undercuts.
         slack = share;
-        deciding = one.run;
+        deciding = run;
       }
-      const missing = demand - share;
-      if (one.mark === FAIL) standing.shortfall[design]! += missing > 0 ? missing : Number.MIN_VALUE;
-      else if (one.mark !== PASS) standing.shortfall[design]! += 1;
+      // A missed margin of nothing is missed all the same.
+      if (one === FAIL) shortfall += demand > share ? demand - share : Number.MIN_VALUE;
+      else if (one !== PASS) shortfall += 1;
     }
-    standing.shortfall[design]! += failed * (1 + asked);
     standing.mark[design] = mark;
     standing.deciding[design] = deciding;
-    standing.slack[design] = failed || slack === Infinity ? NaN : slack;
+    standing.shortfall[design] = shortfall;
+    standing.slack[design] = isKnown && slack !== Infinity ? slack : NaN;
   }
   return standing;
 }
 
-function judgeOne(study: Study, threshold: Threshold, index: number, marks: Uint8Array, rows: Int32Array, from: number, to: number): { mark: number; margin: number; run: number } {
+/** One requirement: *marks* are those of the runs. */
+function judgeOne(study: Study, threshold: Threshold, index: number, marks: Uint8Array, standing: Standing): void {
+  const { size, start, rows } = groupingOf(study);
   const { values } = study.metrics[study.requirements[index]!.metric]!;
-  let found: number = NOT_EXERCISED;
-  let least = Infinity;
-  let worst = -1;
-  for (let i = from; i < to; i++) {
-    const run = rows[i]!;
-    const mark = marks[run]!;
-    if (mark === FAIL) found = FAIL;
-    else if (mark === PASS && found !== FAIL) found = PASS;
-    else if (mark === FAILED && found === NOT_EXERCISED) found = FAILED;
-    if (mark !== PASS && mark !== FAIL) continue;
-    const by = margin(values[run]!, threshold);
-    // An undefined metric fails, and leaves the margin undefined.
-    if (worst < 0 || by < least || (Number.isNaN(by) && !Number.isNaN(least))) {
-      least = by;
-      worst = run;
+  const [each, margins, worst] = [standing.each[index]!, standing.margins[index]!, standing.worst[index]!];
+  for (let design = 0; design < size; design++) {
+    let found: number = NOT_EXERCISED;
+    let least = Infinity;
+    let at = -1;
+    for (let i = start[design]!; i < start[design + 1]!; i++) {
+      const run = rows[i]!;
+      const mark = marks[run]!;
+      if (mark === FAIL) found = FAIL;
+      else if (mark === PASS && found !== FAIL) found = PASS;
+      else if (mark === FAILED && found === NOT_EXERCISED) found = FAILED;
+      if (mark !== PASS && mark !== FAIL) continue;
+      const by = margin(values[run]!, threshold);
+      // An undefined metric fails, and leaves the margin undefined.
+      if (at < 0 || by < least || (Number.isNaN(by) && !Number.isNaN(least))) {
+        least = by;
+        at = run;
+      }
     }
+    each[design] = found;
+    margins[design] = Number.isFinite(least) ? least : NaN;
+    worst[design] = at;
   }
-  return { mark: found, margin: Number.isFinite(least) ? least : NaN, run: worst };
 }

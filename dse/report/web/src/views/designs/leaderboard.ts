@@ -4,7 +4,7 @@ import { el } from "../../dom";
 import { number } from "../../format";
 import { axisLabel } from "../../study";
 import { CLASSES, PASS, SIGNS, WORDS } from "../../verdicts";
-import { choiceAt, configurationOf, differingPlaces, hasVariable, nameOf, togglePick, type Model } from "./model";
+import { choiceAt, configurationOf, differingPlaces, hasVariable, nameOf, subscribeCalmly, togglePick, type Model } from "./model";
 import { designColumns, place } from "./values";
 
 const ROW = 28;
@@ -64,9 +64,12 @@ export function createLeaderboard(model: Model): HTMLElement {
     if (top < view.scrollTop || top > view.scrollTop + view.clientHeight - 3 * ROW) view.scrollTop = top - view.clientHeight / 2;
   });
   new ResizeObserver(rows).observe(view);
+  const ordering = ["criteria", "demand", "thresholds", "brushes", "sort"] as const;
+  subscribeCalmly(model, (changed) => {
+    if (ordering.some((key) => changed.has(key))) order();
+  });
   model.subscribe((changed) => {
-    if (["criteria", "demand", "thresholds", "brushes", "sort"].some((key) => changed.has(key as "sort"))) order();
-    else if (changed.has("selected") || changed.has("picked")) rows();
+    if ((changed.has("selected") || changed.has("picked")) && !ordering.some((key) => changed.has(key))) rows();
   });
   order();
   return el("div", { class: "leaders" }, view, note);

@@ -184,6 +184,31 @@ function startingCriteria(store: Store): string[] {
   return [...new Set([...(differing >= 0 ? [`property.${differing}`] : []), ...judged])].slice(0, 3);
 }
 
+const MANY = 20_000;
+const CALM = 160;
+
+/** Whether what takes long waits until a slider rests. */
+export function isLarge({ grouping }: Model): boolean {
+  return grouping.size > MANY;
+}
+
+/** As `subscribe`; of a large study what has changed arrives together when nothing has for a moment. */
+export function subscribeCalmly(model: Model, listener: (changed: ChangedKeys) => void): void {
+  let gathered = new Set<Key>();
+  let timer = 0;
+  const tell = (): void => {
+    const changed = gathered;
+    gathered = new Set();
+    listener(changed);
+  };
+  model.subscribe((changed) => {
+    for (const key of changed) gathered.add(key);
+    clearTimeout(timer);
+    if (isLarge(model)) timer = window.setTimeout(tell, CALM);
+    else tell();
+  });
+}
+
 /** What a design is called. */
 export function nameOf(design: number): string {
   return `Design ${design + 1}`;

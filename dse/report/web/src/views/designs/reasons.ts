@@ -6,14 +6,14 @@ import { badge } from "../../panels/selected";
 import { CLASSES, FAIL, PASS, SIGNS, WORDS } from "../../verdicts";
 import { variablesOf } from "./grouping";
 import { scaleOf } from "./judging";
-import { configurationOf, MOST_COMPARED, nameOf, type Model } from "./model";
+import { configurationOf, MOST_COMPARED, nameOf, subscribeCalmly, type Model } from "./model";
 import { changesBetween, nearestDesign, type Change } from "./nearest";
 import { short } from "./short";
 
 export function createReasons(model: Model): HTMLElement {
   const box = el("div", { class: "reasons", id: "reasons" });
   const draw = (): void => box.replaceChildren(...reasonsOf(model));
-  model.subscribe((changed) => {
+  subscribeCalmly(model, (changed) => {
     if (["selected", "demand", "thresholds", "brushes", "criteria"].some((key) => changed.has(key as "demand"))) draw();
   });
   draw();
@@ -54,8 +54,8 @@ function sentences(model: Model, design: number): string[] {
     const mark = each[index]![design]!;
     if (mark === FAIL) {
       const by = margins[index]![design]!;
-      told.push(Number.isNaN(by) ? `${title} has no value` : by < 0 ? `${title} is missed` : `${title} is met, but with less than ${Math.round(100 * choices.demand)}\u202f% margin`);
-    } else if (mark !== PASS && !failed) told.push(`no run exercised ${title}`);
+      told.push(Number.isNaN(by) ? `\u201c${title}\u201d has no value` : by < 0 ? `\u201c${title}\u201d is missed` : `\u201c${title}\u201d is met, but with less than ${Math.round(100 * choices.demand)}\u202f% margin`);
+    } else if (mark !== PASS && !failed) told.push(`no run exercised \u201c${title}\u201d`);
   });
   if (!grouping.whole[design]) told.push("it was not tried at all conditions");
   return told;

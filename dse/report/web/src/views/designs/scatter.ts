@@ -10,7 +10,7 @@ import { axisLabel } from "../../study";
 import { palette } from "../../theme";
 import { cloudFrame, cloudOf, paintCloud, paintFront, placesOf, type Cloud } from "./cloud";
 import { colouringOf, colourOptions, type Colouring } from "./colouring";
-import { nameOf, type Model } from "./model";
+import { isLarge, nameOf, subscribeCalmly, type Model } from "./model";
 import { designColumns } from "./values";
 
 const REACH = 22;
@@ -32,6 +32,8 @@ export function createScatter(model: Model): HTMLElement {
   const legend = el("ul", { class: "legend" });
   const note = el("p", { class: "hint", id: "cloud-note" });
   let drawn: Drawn | null = null;
+  // The front of a large study is found when a slider rests; until then there is none.
+  let resting = true;
   let hovered = -1;
   let dragged: [number, number, number, number] | null = null;
 
@@ -48,10 +50,10 @@ export function createScatter(model: Model): HTMLElement {
     drawGrid(pen, frame, cloud.x, cloud.y, colours);
     const colouring = colouringOf(model, colours);
     paintCloud(pen, frame, cloud, places, colouring, colours);
-    if (model.choices.points === "designs" && model.choices.criteria.length > 1) paintFront(pen, frame, model, model.front(), places, colours);
+    if (resting && model.choices.points === "designs" && model.choices.criteria.length > 1) paintFront(pen, frame, model, model.front(), places, colours);
     drawAxes(pen, frame, cloud.x, cloud.y, colours);
     legend.replaceChildren(...legendOf(colouring));
-    note.textContent = noteOf(model, drawn);
+    note.textContent = noteOf(model, drawn, resting);
     surface.setAttribute("aria-label", `${axisLabel(cloud.y)} over ${axisLabel(cloud.x)}. ${note.textContent} Arrow keys select the next point.`);
     mark();
   };
@@ -111,7 +113,15 @@ export function createScatter(model: Model): HTMLElement {
     controls.replaceChildren(...controlsOf(model));
     if (focused) document.getElementById(focused)?.focus();
   };
+  const judging = ["criteria", "demand", "thresholds", "brushes"] as const;
+  if (isLarge(model)) {
+    subscribeCalmly(model, (changed) => {
+      resting = true;
+      if (judging.some((key) => changed.has(key))) paint();
+    });
+  }
   model.subscribe((changed) => {
+    if (isLarge(model) && judging.some((key) => changed.has(key))) resting = false;
     if (["x", "y", "colour", "points", "brushes"].some((key) => changed.has(key as "x"))) drawControls();
     if (["x", "y", "colour", "points", "criteria", "demand", "thresholds", "brushes", "theme"].some((key) => changed.has(key as "x"))) paint();
     else if (["selected", "hovered", "pins", "picked"].some((key) => changed.has(key as "pins"))) mark();
@@ -258,7 +268,7 @@ function legendOf({ codes, colours, names, range, column }: Colouring): HTMLElem
   return range ? [el("li", {}, withUnit(number(range[0]), column.unit), ramp, withUnit(number(range[1]), column.unit)), filled] : [el("li", {}, "no values")];
 }
 
-function noteOf(model: Model, { cloud, places: { a, b } }: Drawn): string {
+function noteOf(model: Model, { cloud, places: { a, b } }: Drawn, resting: boolean): string {
   const { choices } = model;
   let shown = 0;
   let inside = 0;
@@ -272,7 +282,7 @@ function noteOf(model: Model, { cloud, places: { a, b } }: Drawn): string {
   const parts = [cloud.within ? `${group(inside)} of ${count(shown, noun)} within the brushes` : count(shown, noun), ...(missing ? [`${group(missing)} without a value on both axes`] : [])];
   const told = `${parts.join(", ")}.`;
   const hint = " Click a point, drag a rectangle to brush; Escape clears.";
-  if (choices.points === "runs" || choices.criteria.length < 2) return told + hint;
+  if (!resting || choices.points === "runs" || choices.criteria.length < 2) return told + hint;
   const onFront = model.front().reduce((sum, one) => sum + one, 0);
   const names = choices.criteria.map(({ column, maximize }) => `${model.column(column).title} ${maximize ? "\u2191" : "\u2193"}`).join(", ");
   const front = onFront ? ` Ringed: the ${onFront} on the Pareto front of ${names}, among feasible designs.` : "";
