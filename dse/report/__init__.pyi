@@ -18,7 +18,7 @@ from .content.nouns import (
     SamplerKind as SamplerKind,
     Variable as Variable,
 )
-from .content.reading import read_content as read_content
+from .content.reading import content_of_run as content_of_run, read_content as read_content
 from .drawing.chart import draw_chart as draw_chart
 from .drawing.style import save_drawing as save_drawing
 from .figure import (
@@ -29,4 +29,10 @@ from .figure import (
     drawings as drawings,
 )
 from .figures.waveforms import draw_run as draw_run
-from .page.html import write_report as write_report
+from .page.html import (
+    ICON as ICON,
+    bundle as bundle,
+    hash_of as hash_of,
+    served_page as served_page,
+    write_report as write_report,
+)

@@ -23,7 +23,7 @@ from dse.storage.database.files import read_files
 from dse.storage.database.header import StudyHeader
 from dse.storage.database.seal import kept_seal
 from dse.storage.database.table import RunTable, read_table
-from dse.storage.database.tally import Tally, read_tally
+from dse.storage.database.tally import Tally, read_tally, read_verdicts
 from dse.storage.spool import read_spool
 from dse.storage.waveform_check import FileFacts, size_of
 from dse.storage.waveforms import is_file_name, read_waveforms
@@ -60,6 +60,11 @@ class StudyReader:
     def finished(self) -> set[int]:
         """Numbers of the runs that have a row, done or failed."""
         return self._numbers("SELECT number FROM runs")
+
+    def count(self) -> int:
+        """How many runs have a row."""
+        with located(self.path):
+            return int(self._connection.execute("SELECT count(*) FROM runs").fetchone()[0])
 
     def failed(self) -> set[int]:
         """Numbers of the runs that failed."""
@@ -139,6 +144,11 @@ class StudyReader:
         """How far it is, and who made its runs."""
         with located(self.path):
             return read_tally(self._connection)
+
+    def verdicts(self) -> Mapping[tuple[str, ...], int]:
+        """How many runs came to each combination of verdicts on the requirements, in the header's order."""
+        with located(self.path):
+            return read_verdicts(self._connection, self.header.requirements)
 
     def close(self) -> None:
         """Close it."""

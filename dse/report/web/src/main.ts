@@ -3,6 +3,7 @@ import { startingRun } from "./actions";
 import { createAnnouncement } from "./announce";
 import { card, el } from "./dom";
 import { count } from "./format";
+import { startLive } from "./live";
 import { createCharts } from "./panels/charts";
 import { createConfigurations } from "./panels/configurations";
 import { createControls } from "./panels/controls";
@@ -31,6 +32,7 @@ async function start(): Promise<void> {
     const selected = startingRun(store, plotted ? candidates(study, planes(store.state)) : study.number.keys());
     store.set({ selected, configuration: selected < 0 ? 0 : study.configuration[selected]! });
     page.replaceChildren(header(store), ...sections(store, plotted ? planes : null), createAnnouncement(store));
+    startLive(store);
     document.documentElement.dataset["ready"] = "yes";
   } catch (error) {
     const hint = "DecompressionStream" in window ? "" : " This browser is too old: it cannot unpack the data (DecompressionStream).";

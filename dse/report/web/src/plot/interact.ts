@@ -8,6 +8,7 @@ import type { Plot } from "./plot";
 import { placeOf } from "./points";
 
 const REACH = 18;
+const ON_RUN = 5;
 const ARROWS: Record<string, [number, number]> = {
   ArrowLeft: [-1, 0],
   ArrowRight: [1, 0],
@@ -35,6 +36,7 @@ export function attachInteraction(store: Store, plot: Plot): void {
   plot.surface.addEventListener("click", (event) => {
     const run = nearest(store, plot, ...at(event), 3 * REACH);
     if (run >= 0) selectRun(store, run);
+    tellPlace(plot, ...at(event), nearest(store, plot, ...at(event), ON_RUN) >= 0);
   });
   plot.surface.addEventListener("keydown", (event) => {
     const direction = ARROWS[event.key];
@@ -45,6 +47,14 @@ export function attachInteraction(store: Store, plot: Plot): void {
     const run = neighbour(store, plot, direction);
     if (run >= 0) selectRun(store, run);
   });
+}
+
+/** Beside the runs, whoever wants to know hears where: a served report can simulate there. */
+function tellPlace(plot: Plot, x: number, y: number, isRun: boolean): void {
+  const frame = plot.frame();
+  if (!frame || isRun) return;
+  const detail = { x: frame.x.invert(x), y: frame.y.invert(y) };
+  plot.surface.dispatchEvent(new CustomEvent("pointed-at", { bubbles: true, detail }));
 }
 
 function nearest(store: Store, plot: Plot, x: number, y: number, reach: number): number {
