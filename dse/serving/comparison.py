@@ -18,7 +18,8 @@ def compare_page(comparison: Mapping[str, Compared]) -> str:
     parts = [_card("Verdicts", _counts(names, studies))]
     for name, study in list(comparison.items())[1:]:
         parts.append(_card(f"{names[0]} → {name}", _changes(names[0], study)))
-    return document("Compare", "\n".join([*parts, home()]), f'<span class="muted">{escape(", ".join(names))}</span>')
+    beside = f'<span class="muted">{escape(", ".join(names))}</span>{home()}'
+    return document("Compare", "\n".join(parts), beside)
 
 
 def _card(title: str, body: str) -> str:
@@ -27,7 +28,8 @@ def _card(title: str, body: str) -> str:
 
 def _counts(names: Sequence[str], studies: Sequence[Compared]) -> str:
     heads = [
-        f'<a href="{escape(study_address(name))}">{escape(name)}</a><span class="muted">{escape(each.definition.title)}</span>'
+        f'<a href="{escape(study_address(name))}">{escape(name)}</a>'
+        f'<span class="muted">{escape(each.definition.title)}</span>'
         for name, each in zip(names, studies, strict=True)
     ]
     requirements = dict.fromkeys(name for each in studies for name in each.verdicts)

@@ -21,7 +21,9 @@ T = TypeVar("T")
 _MOST_PAGES = 3
 """Pages that are kept; one of 100,000 runs takes some 10 MB."""
 
-_MOST_WAVEFORMS = 4000
+_MANY, _FEW = 4000, 300
+"""Runs up to which a page has the waveforms of all; of more it has a few: reading them all takes longer than all else,
+and any point can be simulated."""
 
 _FRESH = 1.5
 """Seconds for which progress is good enough to show."""
@@ -65,7 +67,7 @@ class Desk:
 
         def make() -> tuple[object, bytes]:
             mark = _mark(folder)
-            content = read_content(folder, _MOST_WAVEFORMS)
+            content = read_content(folder, _MANY if glance(folder).finished <= _MANY else _FEW)
             query = urlencode({"study": name})
             live = {"study": name, "runs": len(content.runs), "query": query, "problems": [*map(str, content.missing)]}
             return mark, served_page(content, live).encode()

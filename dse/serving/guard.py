@@ -65,10 +65,10 @@ class _Buckets:
 class Guard:
     """*application* behind what must hold for every request; what does not is refused with a line that says why.
 
-    The ``Host`` must be this machine, so that no name of a stranger's can be turned to it (DNS rebinding): ``localhost``
-    or a loopback address, with *is_open* also any address in numbers and the machine's own names. What changes
-    something must come from a page of ours (``Origin``). With a *token*, whoever has not shown it gets nothing; a
-    ``GET`` with ``?token=`` has it kept in a cookie that no script reads and no other site sends.
+    The ``Host`` must be this machine, so that no name of a stranger's can be turned to it (DNS rebinding):
+    ``localhost`` or a loopback address, with *is_open* also any address in numbers and the machine's own names. What
+    changes something must come from a page of ours (``Origin``). With a *token*, whoever has not shown it gets
+    nothing; a ``GET`` with ``?token=`` has it kept in a cookie that no script reads and no other site sends.
     """
 
     def __init__(

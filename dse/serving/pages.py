@@ -86,12 +86,12 @@ def problem_page(error: DseError) -> str:
         + (f'<p class="hint">{escape(each.hint)}</p>' if each.hint else "")
         for each in error.problems
     )
-    return document("This cannot be shown", f'<section class="card">{told}{home()}</section>')
+    return document("This cannot be shown", f'<section class="card">{told}</section>', home())
 
 
 def home() -> str:
     """The way back to the list."""
-    return '<p><a href="/">All studies</a></p>'
+    return '<a href="/">All studies</a>'
 
 
 def verdict_bar(counts: Mapping[Verdict, int]) -> str:

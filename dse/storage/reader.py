@@ -22,8 +22,8 @@ from dse.storage.database.definition import unit_flaws
 from dse.storage.database.files import read_files
 from dse.storage.database.header import StudyHeader
 from dse.storage.database.seal import kept_seal
-from dse.storage.database.table import RunTable, read_table
-from dse.storage.database.tally import Tally, read_tally, read_verdicts
+from dse.storage.database.table import RunTable, read_table, read_verdicts
+from dse.storage.database.tally import Tally, read_tally
 from dse.storage.spool import read_spool
 from dse.storage.waveform_check import FileFacts, size_of
 from dse.storage.waveforms import is_file_name, read_waveforms
@@ -46,6 +46,11 @@ class StudyReader:
     def open(cls, path: Path) -> Self:
         """The folder at *path* for reading; DseError if it is none, is damaged or was written by a newer dse."""
         return cls._connected(path, write=False)
+
+    @classmethod
+    def snapshot(cls, path: Path) -> Self:
+        """As `open`; all that is read until it is closed is of one moment, whatever is written meanwhile."""
+        return cls._connected(path, write=False, stays=True)
 
     @property
     def waveform_folder(self) -> Path:
@@ -163,13 +168,14 @@ class StudyReader:
         self.close()
 
     @classmethod
-    def _connected(cls, path: Path, *, write: bool) -> Self:
+    def _connected(cls, path: Path, *, write: bool, stays: bool = False) -> Self:
         connection = connect(path, write=write)
         try:
             with located(path):
                 connection.execute("BEGIN")  # what is read here is of one moment, whatever is written meanwhile
                 header, asks = read_header(connection, path)
-                connection.execute("COMMIT")
+                if not stays:
+                    connection.execute("COMMIT")
         except BaseException:
             connection.close()
             raise

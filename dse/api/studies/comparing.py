@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from dse.api.showing.quantities import quantity
 from dse.domain.bench import VERDICTS, Verdict
 from dse.errors import fail
 from dse.storage import RunTable, StudyFolder, changed_study
@@ -56,7 +57,7 @@ def compare(folders: Sequence[str | Path]) -> tuple[Compared, ...]:
     first: RunTable | None = None
     found = []
     for folder in map(Path, folders):
-        with StudyFolder.open(folder) as store:
+        with StudyFolder.snapshot(folder) as store:
             store.require_definition()
             table = store.table()
         first = first or table
@@ -103,8 +104,8 @@ def _compared(folder: Path, first: RunTable, table: RunTable) -> Compared:
     if first is table:
         return Compared(folder, header.definition, header.runs, len(table), verdicts, (), len(table), ())
     pairs = _same_runs(first, table)
-    changed = (*_renamed(first.header.definition, header.definition),)
-    changed += (*changed_study(first.header.definition, header.definition),)
+    before, after = first.header.definition, header.definition
+    changed = (*_renamed(before, after), *(_in_words(each, before, after) for each in changed_study(before, after)))
     flips = (*_flips(first, table, pairs),)
     return Compared(folder, header.definition, header.runs, len(table), verdicts, changed, len(pairs), flips)
 
@@ -119,6 +120,29 @@ def _renamed(before: StudyDefinition, after: StudyDefinition) -> Iterator[str]:
         was, now = getattr(before, what).name, getattr(after, what).name
         if was != now:
             yield f"{what}: {was} became {now}"
+
+
+def _in_words(change: str, before: StudyDefinition, after: StudyDefinition) -> str:
+    """*change* as `changed_study` has it; of a requirement or metric with what it was and is."""
+    what, _, name = change.partition(" ")
+    tell = {"requirement": _bounds, "metric": _formula}.get(what)
+    if tell is None:
+        return change
+    was, now = tell(before, name), tell(after, name)
+    return f"{change} {'is new' if not was else 'is gone' if not now else f': {was} became {now}'}".replace(" :", ":")
+
+
+def _bounds(definition: StudyDefinition, name: str) -> str:
+    for each in definition.requirements:
+        if each.name == name:
+            bounds = ((each.at_most, "\u2264"), (each.at_least, "\u2265"))
+            told = " and ".join(f"{sign} {quantity(bound, each.unit)}" for bound, sign in bounds if bound is not None)
+            return f"{each.metric} {told}" + (f" when {each.exercised_when}" if each.exercised_when else "")
+    return ""
+
+
+def _formula(definition: StudyDefinition, name: str) -> str:
+    return next((each.expression for each in definition.metrics if each.name == name), "")
 
 
 def _same_runs(first: RunTable, other: RunTable) -> list[tuple[int, int]]:

@@ -39,7 +39,7 @@ class Glance:
 def glance(folder: str | Path) -> Glance:
     """The study in *folder*. Raises DseError if it is none, or damaged."""
     path = Path(folder)
-    with StudyFolder.open(path) as store:
+    with StudyFolder.snapshot(path) as store:
         definition, runs = store.header.definition, store.header.runs
         counts = store.verdicts()
         finished = store.count()

@@ -4,11 +4,10 @@ from __future__ import annotations
 
 import math
 import sqlite3
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 from dse.storage.database.attempts import are_early
-from dse.storage.database.schema import quoted
 
 _RECENT = 1000
 """So many of the newest tries tell how long a run takes now."""
@@ -68,15 +67,6 @@ def read_tally(connection: sqlite3.Connection) -> Tally:
         0 if early else number("SELECT count(*) - count(DISTINCT run) FROM attempts WHERE cause = ''"),
         () if early else tuple(_makers(connection)),
     )
-
-
-def read_verdicts(connection: sqlite3.Connection, requirements: Sequence[str]) -> Mapping[tuple[str, ...], int]:
-    """How many runs came to each combination of verdicts on *requirements*."""
-    names = ", ".join(quoted(f"verdict:{name}") for name in requirements)
-    if not names:
-        return {(): int(connection.execute("SELECT count(*) FROM runs WHERE outcome <> 'failed'").fetchone()[0])}
-    rows = connection.execute(f"SELECT {names}, count(*) FROM runs GROUP BY {names}")  # noqa: S608  # quoted
-    return {row[:-1]: row[-1] for row in rows}
 
 
 def _makers(connection: sqlite3.Connection) -> list[Maker]:

@@ -132,16 +132,25 @@ function shown(tried: Tried, seconds: number, plots: (() => void)[]): HTMLElemen
   }
   if (!tried.done) return [...parts, el("p", { class: "problem" }, `The run failed: ${tried.problem}`)];
   if (tried.problem) parts.push(el("p", { class: "hint" }, tried.problem));
-  const heads = ["Metric", "Value", "Required", "Margin", "Verdict"];
+  const judged = tried.metrics.filter(([, , requirement]) => requirement);
+  const rest = tried.metrics.filter(([, , requirement]) => !requirement);
+  if (judged.length) parts.push(listed(judged, "try-metrics"));
+  for (const figure of tried.figures) parts.push(drawing(figure, plots));
+  const others = listed(rest, "try-others");
+  if (rest.length) parts.push(judged.length ? el("details", { class: "others" }, el("summary", {}, `${rest.length} metrics without a requirement`), others) : others);
+  return [...parts, el("p", { class: "hint" }, `simulated in ${withUnit(number(seconds, 2), "s")}; not stored`)];
+}
+
+function listed(metrics: Tried["metrics"], id: string): HTMLElement {
+  const isJudged = metrics.some(([, , requirement]) => requirement);
+  const heads = ["Metric", "Value", ...(isJudged ? ["Required", "Margin", "Verdict"] : [])];
   const body = el("tbody");
-  for (const [title, value, requirement, bound, margin, verdict] of tried.metrics) {
-    const kind = CLASSES[verdict] ?? "";
-    body.append(el("tr", { class: requirement && "judged", title: requirement }, el("th", { scope: "row" }, title), el("td", {}, value), el("td", {}, bound), el("td", {}, margin), el("td", { class: `verdict ${kind}` }, verdict)));
+  for (const [title, value, requirement, bound, margin, verdict] of metrics) {
+    const judged = [el("td", {}, bound), el("td", {}, margin), el("td", { class: `verdict ${CLASSES[verdict] ?? ""}` }, verdict)];
+    body.append(el("tr", { class: requirement && "judged", title: requirement }, el("th", { scope: "row" }, title), el("td", {}, value), ...(isJudged ? judged : [])));
   }
   const head = el("thead", {}, el("tr", {}, ...heads.map((text) => el("th", { scope: "col" }, text))));
-  parts.push(el("div", { class: "scroll" }, el("table", { class: "metrics", id: "try-metrics" }, head, body)));
-  for (const figure of tried.figures) parts.push(drawing(figure, plots));
-  return [...parts, el("p", { class: "hint" }, `simulated in ${withUnit(number(seconds, 2), "s")}; not stored`)];
+  return el("div", { class: "scroll" }, el("table", { class: "metrics", id }, head, body));
 }
 
 function drawing(figure: Waveform, plots: (() => void)[]): HTMLElement {
