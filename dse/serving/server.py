@@ -8,10 +8,15 @@ import secrets
 import socket
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 from dse.errors import fail
 from dse.serving.application import application
+from dse.serving.guard import Application
 from dse.serving.shelf import Shelf
+
+if TYPE_CHECKING:
+    import uvicorn
 
 LOOPBACK = "127.0.0.1"
 """Where the server listens unless it is told otherwise: only programs of this machine reach it."""
@@ -43,11 +48,18 @@ def serve(shelf: Shelf, *, listen: str = "", port: int = PORT, tell: Callable[[A
     token = secrets.token_urlsafe(32) if listen else ""
     address = _address(listen or LOOPBACK)
     guarded = application(shelf, token=token, is_open=not address.is_loopback)
+    with _listening(address, port) as listener:
+        tell(_announced(address, listener.getsockname()[1], token))
+        server_of(guarded).run(sockets=[listener])
+
+
+def server_of(guarded: Application) -> uvicorn.Server:
+    """What runs *guarded*, within limits of its own: connections at once, the size of a request's head."""
     import uvicorn
 
-    with _listening(address, port) as listener:
-        config = uvicorn.Config(
-            guarded,
+    return uvicorn.Server(
+        uvicorn.Config(
+            guarded,  # type: ignore[arg-type]  # uvicorn's own words for the same
             http="h11",
             ws="none",
             loop="asyncio",
@@ -61,8 +73,7 @@ def serve(shelf: Shelf, *, listen: str = "", port: int = PORT, tell: Callable[[A
             h11_max_incomplete_event_size=_MOST_HEAD,
             timeout_graceful_shutdown=_TO_FINISH,
         )
-        tell(_announced(address, listener.getsockname()[1], token))
-        uvicorn.Server(config).run(sockets=[listener])
+    )
 
 
 Address = ipaddress.IPv4Address | ipaddress.IPv6Address
