@@ -36,3 +36,4 @@ from .page.html import (
     served_page as served_page,
     write_report as write_report,
 )
+from .page.printing import print_report as print_report
