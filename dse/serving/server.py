@@ -59,7 +59,7 @@ def server_of(guarded: Application) -> uvicorn.Server:
 
     return uvicorn.Server(
         uvicorn.Config(
-            guarded,  # type: ignore[arg-type]  # uvicorn's own words for the same
+            guarded,
             http="h11",
             ws="none",
             loop="asyncio",

@@ -37,6 +37,9 @@ _OPTIONS = (
     "--no-default-browser-check",
     "--no-first-run",
     "--no-pdf-header-footer",
+    # What the page draws as pixels is as fine as print wants it, in a window as wide as a sheet.
+    "--force-device-scale-factor=3",
+    "--window-size=757,1000",
     # The page asks for nothing, and neither may the browser.
     "--host-resolver-rules=MAP * ~NOTFOUND",
     # Its clock goes on only while the page has nothing to do: what it is drawing is waited for.
