@@ -103,6 +103,36 @@ def test_a_running_study_is_watched_stopped_and_its_points_are_simulated(serve, 
         assert json.loads(fetched(address, "/progress?study=out/long")[1])["state"] == "interrupted"
 
 
+@pytest.mark.thorough
+@pytest.mark.browser
+def test_a_place_in_the_plot_is_simulated(serve, explored) -> None:
+    from playwright.sync_api import sync_playwright
+
+    found = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
+    if found is None:
+        (pytest.fail if os.environ.get("CI") else pytest.skip)("there is no Chromium")
+    with serve(str(explored), "--port", "0") as (_, address), sync_playwright() as playwright:
+        browser = playwright.chromium.launch(executable_path=found, args=["--no-sandbox"])
+        page = browser.new_page(viewport={"width": 1440, "height": 900})
+        page.goto(f"{address}study/small/")
+        page.wait_for_selector("html[data-ready]")
+        page.click("#try-open")
+        box = page.locator(".plot").bounding_box()
+        page.mouse.click(box["x"] + 0.43 * box["width"], box["y"] + 0.37 * box["height"])
+        page.wait_for_timeout(300)
+        kp, kd = (float(page.input_value(f"#try input[name='controller.{name}']")) for name in ("kp_speed", "kd_speed"))
+        assert kp not in (0.5, 1.5, 2.5, 3.5, 4.5)
+        assert 0 < kd < 1
+        page.click("#try-start")
+        page.wait_for_selector("#try-metrics td.verdict.pass", timeout=200_000)
+        assert page.locator("#try .uplot").count() == 2
+        page.fill("#try input[name='controller.kp_speed']", "-1")
+        page.click("#try-start")
+        page.wait_for_selector("#try .problem", timeout=200_000)
+        assert "kp_speed" in page.inner_text("#try .problem")
+        browser.close()
+
+
 def test_a_port_that_is_taken_is_told_with_the_way_out(dse, explored) -> None:
     with socket.create_server(("127.0.0.1", 0)) as other:
         port = str(other.getsockname()[1])
