@@ -15,6 +15,13 @@ from .showing.quantities import difference as difference, quantity as quantity
 from .spaces.design import Design as Design
 from .spaces.ranking import Ranking as Ranking
 from .studies.bench import Bench as Bench, Study as Study
+from .studies.comparing import (
+    Compared as Compared,
+    Flip as Flip,
+    compare as compare,
+    comparison_as_data as comparison_as_data,
+    flip_counts as flip_counts,
+)
 from .studies.exploring import (
     ExplorationInterruptedError as ExplorationInterruptedError,
     Explored as Explored,
@@ -24,6 +31,7 @@ from .studies.exploring import (
     explore_into as explore_into,
     plan_into as plan_into,
 )
+from .studies.glancing import Glance as Glance, glance as glance
 from .studies.merging import Merged as Merged, merge_into as merge_into
 from .studies.refining import Towards as Towards, refine as refine
 from .studies.replaying import replay as replay
@@ -35,6 +43,8 @@ from .studies.single import (
     study_of_bench as study_of_bench,
     write_package as write_package,
 )
+from .studies.stopping import stop as stop
+from .studies.trying import Tried as Tried, try_point as try_point
 from .studies.watching import (
     Status as Status,
     seconds_left as seconds_left,

@@ -147,6 +147,25 @@ class Results:
             (on_problems or _warn)(problems)
         return page
 
+    def print(
+        self,
+        target: str | Path,
+        *,
+        waveforms: int = 4000,
+        on_problems: Callable[[Sequence[Problem]], None] | None = None,
+    ) -> Path:
+        """Write the report to *target* as PDF and return its path; as `report` otherwise.
+
+        A Chromium of the machine prints it. Raises DseError if there is none.
+        """
+        from dse.report import print_report, read_content
+
+        content = read_content(self.folder, waveforms)
+        if content.missing:
+            (on_problems or _warn)(content.missing)
+        print_report(content, Path(target))
+        return Path(target)
+
     def best(self, number: int = 5, *, minimize: Sequence[str] = (), maximize: Sequence[str] = ()) -> Ranking:
         """The *number* best designs under one objective, or the front of several.
 
