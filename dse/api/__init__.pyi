@@ -1,4 +1,11 @@
-from .naming import opened as opened, space_of as space_of, workspace_of as workspace_of
+from .naming import (
+    OUT as OUT,
+    new_folder as new_folder,
+    opened as opened,
+    space_of as space_of,
+    study_folder as study_folder,
+    workspace_of as workspace_of,
+)
 from .packages import simulate_package as simulate_package
 from .probing import (
     consequences as consequences,

@@ -216,7 +216,7 @@ def test_what_is_not_there_is_named_without_a_traceback(dse, arguments, words):
 @pytest.mark.thorough
 def test_wrong_usage_exits_with_2(dse):
     assert dse("enumerate").returncode == 2
-    assert dse("explore", "small").returncode == 2
+    assert dse("explore").returncode == 2
     assert dse("simulate", "acc_following", "--fmi", "4").returncode == 2
 
 

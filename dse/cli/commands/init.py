@@ -32,4 +32,4 @@ def init(
         shutil.copytree(source / name, folder / name)
     screen = console()
     screen.print(f"{folder}: {sum(path.is_file() for path in folder.rglob('*'))} files")
-    say(f"next: cd {shlex.quote(str(folder))}; dse check; dse explore acc_gains -o out; dse report out")
+    say(f"next: cd {shlex.quote(str(folder))}; dse check; dse explore acc_gains; dse report acc_gains")

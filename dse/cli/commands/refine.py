@@ -52,4 +52,4 @@ def refine(
         raise typer.BadParameter(f"'{target}' is there already", param_hint="--output")
     target.parent.mkdir(parents=True, exist_ok=True)
     write_whole(target, text)
-    say(f"{target}: dse explore {name} -o out/{name}")
+    say(f"{target}: dse explore {name}")
