@@ -1,3 +1,10 @@
+from .contents import (
+    ListedFile as ListedFile,
+    ListedResults as ListedResults,
+    Listing as Listing,
+    listing as listing,
+    study_folders as study_folders,
+)
 from .naming import (
     OUT as OUT,
     new_folder as new_folder,

@@ -8,6 +8,7 @@ from importlib import import_module
 COMMANDS = (
     "init",
     "check",
+    "list_",
     "components",
     "build",
     "probe",
