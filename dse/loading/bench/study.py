@@ -61,28 +61,12 @@ def read_study(path: Path, find_bench: FindBench, inside: Path) -> Study:
     """One ``*.pet.yaml`` of the workspace *inside*. Raises DseError with every problem in it."""
     entry = read_document(path, inside)
     file = read_section(entry, StudyFile)
-    bench = find_bench(file.testbench, entry["testbench"].where)
     problems = Problems()
-    variables, derived = _varied(entry, file, bench, problems)
-    objectives = []
-    for number, written in enumerate(file.objectives):
-        with problems:
-            objectives.append(read_objective(entry["objectives"][number], written, bench))
-    correlations: Mapping[tuple[str, str], float] = {}
-    with problems:
-        correlations = read_correlations(entry["correlations"], file.correlations, variables)
     constraints = []
     for number, text in enumerate(file.constraints):
         with problems:
             constraints.append(parse_expression(text, entry["constraints"][number].origin))
-    sampler, executor, selection = None, ExecutorChoice(), Selection()
-    with problems:
-        found = read_extension(entry["sampler"], file.sampler, SAMPLERS)
-        drawn = [variable for variable in variables if variable.role is not Role.CONDITION]
-        names = {*file.design_variables, *file.uncertain} - {follower.name for follower in derived}
-        around = Surroundings(found.entry, frozenset(names), tuple(drawn), inside)
-        # What else a sampler has to be, its protocol says and the suite over all of them checks.
-        sampler = cast(Sampler, found.section.settled(around))
+    executor, selection = ExecutorChoice(), Selection()
     with problems:
         chosen = read_extension(entry["executor"], file.executor, EXECUTORS).section
         executor = ExecutorChoice(chosen.name, chosen.options())
@@ -91,11 +75,33 @@ def read_study(path: Path, find_bench: FindBench, inside: Path) -> Study:
     for key, word, known in (("keep_waveforms", file.keep_waveforms, Keep), ("check_step", file.check_step, CheckStep)):
         if word not in set(known):
             problems.add(f"unknown '{word}'", entry[key].where, closest(word, set(known)))
+    if not 0 <= file.seed < _SEEDS:
+        problems.add(f"the seed must be 0 … 2^63 - 1, not {file.seed}", entry["seed"].where, "seed: 1")
+    try:
+        bench = find_bench(file.testbench, entry["testbench"].where)
+    except DseError as error:  # what is wrong in this file alone is told all the same
+        with problems:
+            read_extension(entry["sampler"], file.sampler, SAMPLERS)
+        raise DseError(*error.problems, *problems) from None
+    variables, derived = _varied(entry, file, bench, problems)
+    objectives = []
+    for number, written in enumerate(file.objectives):
+        with problems:
+            objectives.append(read_objective(entry["objectives"][number], written, bench))
+    correlations: Mapping[tuple[str, str], float] = {}
+    with problems:
+        correlations = read_correlations(entry["correlations"], file.correlations, variables)
+    sampler = None
+    with problems:
+        found = read_extension(entry["sampler"], file.sampler, SAMPLERS)
+        drawn = [variable for variable in variables if variable.role is not Role.CONDITION]
+        names = {*file.design_variables, *file.uncertain} - {follower.name for follower in derived}
+        around = Surroundings(found.entry, frozenset(names), tuple(drawn), inside)
+        # What else a sampler has to be, its protocol says and the suite over all of them checks.
+        sampler = cast(Sampler, found.section.settled(around))
     if file.check_step == CheckStep.NEAR_BOUNDARY and bench.simulation.check_step:
         what, where = "the bench's check_step repeats every run already", entry["check_step"].where
         problems.add(what, where, "leave it out here, or there to have only runs near a boundary repeated")
-    if not 0 <= file.seed < _SEEDS:
-        problems.add(f"the seed must be 0 … 2^63 - 1, not {file.seed}", entry["seed"].where, "seed: 1")
     if problems or sampler is None:
         raise DseError(*problems)
     return Study(
