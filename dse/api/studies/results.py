@@ -89,19 +89,19 @@ class Results:
         return self._read(lambda store: _run(store, number, self.definition))
 
     def to_pandas(self) -> pd.DataFrame:
-        """One row per run by number: point, metrics, verdicts and margins. Values are SI.
+        """One row per run by number: choices and sums of its configuration, point, metrics, verdicts, margins; SI.
 
         ``frame.attrs["units"]`` has the unit of each column that has one.
         """
-        from dse.api.showing.frames import runs_frame
+        from dse.storage import to_frame
 
-        return self._read(runs_frame)
+        return self._read(to_frame)
 
     def to_arrow(self) -> pa.Table:
         """The same as an Arrow table; a field's unit is in its metadata, as ``b"unit"``."""
-        from dse.api.showing.frames import runs_table
+        from dse.storage import to_arrow
 
-        return self._read(runs_table)
+        return self._read(to_arrow)
 
     def findings(self) -> tuple[Finding, ...]:
         """What the runs tell, in sentences: how often requirements are met, where, and what matters; what they do not

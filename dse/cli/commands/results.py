@@ -36,7 +36,8 @@ def results(
 ) -> None:
     """Print a study's runs as a table.
 
-    Point, metrics, verdicts and margins of each run, in SI units.
+    The choices and sums of each run's configuration, its point, metrics, verdicts and margins; all in SI, CSV with the
+    units in its headings.
     """
     from dse.api import Results
     from dse.scratch import make_folder, write_whole
