@@ -28,6 +28,11 @@ from .showing.progress import progress_bar as progress_bar
 from .showing.quantities import difference as difference, quantity as quantity
 from .spaces.design import Design as Design
 from .spaces.ranking import Ranking as Ranking
+from .starting.bench import new_bench as new_bench
+from .starting.component import new_component as new_component
+from .starting.design import new_design as new_design
+from .starting.study import new_study as new_study
+from .starting.writing import write_start as write_start
 from .studies.bench import Bench as Bench, Study as Study
 from .studies.exploring import (
     ExplorationInterruptedError as ExplorationInterruptedError,

@@ -16,8 +16,8 @@ import pytest
 from defusedxml import ElementTree
 
 COMMANDS = (
-    *("init", "check", "list", "components", "build", "enumerate", "space", "simulate", "run", "explore", "status"),
-    *("results", "findings", "best", "pareto", "refine", "report", "figure", "replay", "cache"),
+    *("init", "check", "list", "new", "components", "build", "enumerate", "space", "simulate", "run", "explore"),
+    *("status", "results", "findings", "best", "pareto", "refine", "report", "figure", "replay", "cache"),
 )
 
 

@@ -9,6 +9,7 @@ COMMANDS = (
     "init",
     "check",
     "list_",
+    "new",
     "components",
     "build",
     "probe",
