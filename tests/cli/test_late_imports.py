@@ -27,6 +27,7 @@ MAY_IMPORT = {
     "space --help": set(),
     "init {o}": set(),
     "docs": set(),
+    "schema design": {"numpy", "pint", "ruamel.yaml", "scipy"},
     "list": {"numpy", "ruamel.yaml"},  # the first to read the benches
     "components": set(),
     "components --graph {o}": set(),

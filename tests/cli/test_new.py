@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 import json
+import re
 from collections.abc import Iterator
 from contextlib import suppress
 from pathlib import Path
 
 import pytest
+from jsonschema import Draft7Validator
+from ruamel.yaml import YAML
 
 from dse.api import Workspace, new_component, write_start
 from dse.errors import DseError
@@ -128,3 +131,28 @@ def test_what_cannot_be_started_is_named_with_what_to_do(dse, example, line, wor
     assert words in done.stderr
     assert "Traceback" not in done.stderr
     assert sorted(example.rglob("*")) == before
+
+
+def test_editors_find_the_schema_of_what_is_written_and_it_accepts_it(dse_in, tmp_path):
+    for line in ("component a", "component b --kind modelica", "design c a", "bench d --design c", "study e --bench d"):
+        assert dse_in(tmp_path, "new", *line.split()).returncode == 0
+    written = [*tmp_path.glob("components/**/*.yaml"), *tmp_path.glob("[dt]*/*.yaml")]
+    assert len(written) == 7
+    for path in written:
+        text = path.read_text(encoding="utf-8")
+        named = re.match(r"# yaml-language-server: \$schema=(\S+)\n", text)
+        assert named
+        schema = json.loads((path.parent / named[1]).read_text(encoding="utf-8"))
+        assert list(Draft7Validator(schema).iter_errors(YAML(typ="safe", pure=True).load(text))) == [], path
+
+
+def test_schemas_that_a_workspace_has_are_left_as_they_are(dse_in, tmp_path):
+    (tmp_path / "schemas").mkdir()
+    (tmp_path / "schemas" / "component.json").write_text("{}", encoding="utf-8")
+    assert dse_in(tmp_path, "new", "component", "a").returncode == 0
+    assert [path.name for path in (tmp_path / "schemas").iterdir()] == ["component.json"]
+    assert dse_in(tmp_path, "schema", "-o", "schemas").returncode == 0
+    assert len(list((tmp_path / "schemas").iterdir())) == 6
+    assert (tmp_path / "schemas" / "design.json").read_text(encoding="utf-8") == dse_in(
+        tmp_path, "schema", "design"
+    ).stdout

@@ -39,6 +39,7 @@ COMMANDS = (
     "replay",
     "cache",
     "docs",
+    "schema",
 )
 
 

@@ -14,7 +14,7 @@ from dse.cli.content import content
 from dse.cli.terminal import console, say
 from dse.errors import Location, fail
 
-_FOLDERS = ("components", "designs", "testbenches")
+_FOLDERS = ("components", "designs", "testbenches", "schemas")
 
 
 @app.command()

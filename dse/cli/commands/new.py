@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shutil
 from collections.abc import Mapping
 from pathlib import Path, PurePosixPath
 from typing import TYPE_CHECKING, Annotated
@@ -9,6 +10,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from dse.cli.app import group
+from dse.cli.content import content
 from dse.cli.terminal import say
 
 if TYPE_CHECKING:
@@ -113,3 +115,8 @@ def _write(workspace: Workspace, name: str, files: Mapping[PurePosixPath, str]) 
 
     for path in write_start(workspace, name, files):
         say(shown(path))
+    # The first lines of the files name them.
+    schemas = workspace.root / "schemas"
+    if not schemas.exists():
+        shutil.copytree(content("schemas") / "schemas", schemas)
+        say(f"{shown(schemas)}: for editors")
