@@ -31,7 +31,7 @@ from .figure import (
     uses_insight as uses_insight,
 )
 from .figures.waveforms import draw_run as draw_run
-from .insight.reading import insight_of as insight_of, read_insight as read_insight
+from .insight.reading import insight_of as insight_of, read_insight as read_insight, read_report as read_report
 from .page.html import (
     ICON as ICON,
     bundle as bundle,

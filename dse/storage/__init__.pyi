@@ -17,7 +17,8 @@ from .difference import (
     changed_results as changed_results,
     changed_study as changed_study,
 )
-from .export.tables import EXPORTS as EXPORTS, columns_of as columns_of, to_frame as to_frame
+from .export.headings import headed as headed, si_unit as si_unit, units_of as units_of
+from .export.tables import EXPORTS as EXPORTS, to_arrow as to_arrow, to_frame as to_frame
 from .export.waveform_file import write_waveform_file as write_waveform_file
 from .folder import StudyFolder as StudyFolder
 from .lock import LOCK as LOCK, Writer as Writer, WriterLock as WriterLock, writer_of as writer_of
