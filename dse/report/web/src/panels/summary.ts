@@ -12,10 +12,6 @@ const ORDER: Mark[] = [0, 1, 2, 3];
 const COUNTED: (keyof State)[] = ["thresholds", "configuration", "x", "y", "fixed", "brushes", "theme"];
 const MEANING = ["meets every requirement that is switched on", "fails at least one", "not exercised: a pass there would be empty", "failed to run"];
 
-export function scope(store: Store): number {
-  return store.study.variables.length && store.study.configurations.length > 1 ? store.state.configuration : -1;
-}
-
 export function createSummary(store: Store): HTMLElement {
   const head = el("p", { class: "headline" });
   const bar = el("div", { class: "share", "aria-hidden": "true" });
@@ -61,6 +57,12 @@ export function createSummary(store: Store): HTMLElement {
     if (COUNTED.some((key) => changed.has(key))) draw();
   });
   return box;
+}
+
+/** How many of the runs shown meet the requirements, as a sentence without its stop. */
+export function inWords(store: Store): string {
+  const counts = countMarks(store.judgement().overall, shownRuns(store), store.within());
+  return `${counts[PASS]} of ${sum(counts)} runs${scopeInWords(store)}${meeting(store)}`;
 }
 
 function scopeInWords(store: Store): string {
