@@ -66,9 +66,13 @@ export function inWords(store: Store): string {
 }
 
 function scopeInWords(store: Store): string {
-  const { study } = store;
-  const where = !plotted(study) ? "" : study.sampler === "scattered" ? " shown" : " on this plane";
-  return `${where}${store.within() ? " within the brushes" : ""}`;
+  const within = store.within();
+  const brushed = within ? " within the brushes" : "";
+  if (!plotted(store.study)) return brushed;
+  const { on, beside } = store.plane();
+  if (!beside.length) return ` on this plane${brushed}`;
+  const exactly = sum(countMarks(store.judgement().overall, on, within));
+  return ` shown${brushed}, ${exactly ? group(exactly) : "none"} of them on this plane,`;
 }
 
 function meeting(store: Store): string {
