@@ -28,6 +28,8 @@ from .figure import (
     PrintedFigure as PrintedFigure,
     View as View,
     drawings as drawings,
+    uses_insight as uses_insight,
 )
 from .figures.waveforms import draw_run as draw_run
+from .insight.reading import insight_of as insight_of, read_insight as read_insight
 from .page.html import write_report as write_report

@@ -2,6 +2,7 @@ from .attempts import STOPPED as STOPPED, Attempt as Attempt, made_by as made_by
 from .checks import (
     CERTAINTIES as CERTAINTIES,
     ERROR_IN_BARS as ERROR_IN_BARS,
+    NO_CHECKS as NO_CHECKS,
     Certainty as Certainty,
     Checks as Checks,
     certainties_by_bars as certainties_by_bars,

@@ -12,6 +12,7 @@ from dse.domain.bench import TestBench
 from dse.domain.component import Component
 from dse.domain.design import Configuration, DesignSpace
 from dse.domain.method import Coupling, Method
+from dse.domain.study import TESTBENCH
 from dse.errors import DseError, Problem, raise_if_any
 from dse.fmu import in_parallel
 from dse.loading import Workspace, kind_of
@@ -133,10 +134,13 @@ def _study(workspace: Workspace, path: str) -> None:
     settings: dict[str, Mapping[str, Setting]] = {}
     lacking = {variable.name for variable in study.variables}
     for configuration in few:
-        settings[configuration.id] = wire_bench(study.bench, configuration).settings
-        lacking -= settings[configuration.id].keys()
+        wired = [wire_bench(bench, configuration).settings for bench in study.benches]
+        shared = {name: setting for name, setting in wired[0].items() if all(name in other for other in wired)}
+        settings[configuration.id] = shared
+        lacking -= {*shared, TESTBENCH}
         if len(settings) == 1 and study.bench.derived:
-            check_bench(study.bench, configuration)
+            for bench in study.benches:
+                check_bench(bench, configuration)
         if not lacking:
             break
     if not settings:

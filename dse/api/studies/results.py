@@ -137,10 +137,12 @@ class Results:
         It holds the waveforms of at most so many runs. Nothing is simulated. *on_problems* is told of waveforms that
         are gone or damaged and of figures that could not be drawn; by default these are warnings.
         """
-        from dse.report import read_content, write_report
+        from dataclasses import replace
+
+        from dse.report import read_content, read_insight, write_report
 
         page = Path(target) if target is not None else self.folder / "report.html"
-        content = read_content(self.folder, waveforms)
+        content = replace(read_content(self.folder, waveforms), insight=read_insight(self.folder))
         if problems := (*content.missing, *write_report(content, page)):
             (on_problems or _warn)(problems)
         return page

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from dse.domain.sampler import Role
 from dse.errors import Problem
+from dse.report.content.insight import Insight
 
 Floats = NDArray[np.float64]
 Flags = NDArray[np.bool_]
@@ -30,6 +31,7 @@ class Variable:
     """A design variable; *values* holds one number per run, in the unit shown (as do all bounds).
 
     Configurations that *lack* it are known by their places; their runs have the nominal value, to stand somewhere.
+    *labels* are what the values 0, 1, … are called, if they are no quantities.
     Its *role* is that of the study: ``design``, ``condition`` or ``uncertain``.
     """
 
@@ -42,7 +44,12 @@ class Variable:
     nominal: float
     values: Floats
     lack: tuple[int, ...] = ()
+    labels: tuple[str, ...] = ()
     role: str = Role.DESIGN
+
+    def shown(self, value: float) -> str:
+        """A value as a person reads it: what it is called, or a number with its unit."""
+        return self.labels[int(value)] if self.labels else f"{value:.4g} {self.unit_symbol}".rstrip()
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -150,9 +157,9 @@ class ReportContent:
 
     *slices* are names of variables that were varied together, for a sliced study. *study_folder* is what the
     reader types in ``dse replay``; the page, which may be anywhere, leaves it out. *facts* are shown as they stand, in
-    order. *missing* is what of the study could not be read. *composites* are what objectives compute from metrics and
-    properties, called as they are written. Raises ValueError for what no study has. From here on the arrays cannot be
-    written to, as many figures read them.
+    order. *missing* is what of the study could not be read, *insight* what its runs tell, for the page. *composites*
+    are what objectives compute from metrics and properties, called as they are written. Raises ValueError for what no
+    study has. From here on the arrays cannot be written to, as many figures read them.
     """
 
     title: str
@@ -169,6 +176,7 @@ class ReportContent:
     missing: tuple[Problem, ...] = ()
     objectives: tuple[ObjectiveEntry, ...] = ()
     composites: tuple[MetricColumn, ...] = ()
+    insight: Insight | None = None
 
     def __post_init__(self) -> None:
         if flaws := [*_flaws(self)]:

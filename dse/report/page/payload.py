@@ -14,6 +14,7 @@ from dse.report.content.nouns import FigureSpec, ReportContent, SamplerKind
 from dse.report.figure import ShownFigure
 from dse.report.interpolation.radial import MOST_CENTRES, radial_fields
 from dse.report.page.designs import designs_of
+from dse.report.page.insight import insight_json
 from dse.report.page.packing import Block, quantise, second_differences
 
 Json = dict[str, object]
@@ -40,6 +41,9 @@ def payload_of(content: ReportContent, shown: Sequence[ShownFigure] = ()) -> Pay
     if content.sampler is SamplerKind.SCATTERED and len(content.variables) >= 2:
         document["radial"] = [_add_radial(content, index, columns) for index in range(len(content.configurations))]
     document["charted"] = [_charted(figure, f"chart.{index}", columns) for index, figure in enumerate(shown)]
+    if content.insight is not None:
+        document["insight"] = insight_json(content.insight, columns)
+        document["missing"] = [problem.what for problem in content.missing]
     document["columns"] = columns.directory
     document["waveforms"] = waveforms.directory
     return Payload(_script_json(document), columns.text(), waveforms.text())
@@ -62,6 +66,7 @@ def _document(content: ReportContent) -> Json:
                 "high": v.high,
                 "nominal": v.nominal,
                 "lack": v.lack,
+                "labels": v.labels,
                 "role": str(v.role),
             }
             for v in content.variables

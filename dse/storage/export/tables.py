@@ -100,8 +100,9 @@ def columns_of(table: RunTable) -> Iterator[tuple[str, list[object]]]:
     yield "configuration", list(table.configurations)
     yield "outcome", np.where(table.done, "done", "failed").tolist()
     yield "problem", [" ".join(problem.split()) for problem in table.problems]
-    for name in header.variables:
-        yield name, table.points[name].tolist()
+    for variable in header.definition.variables:
+        values = table.points[variable.name].tolist()
+        yield variable.name, [variable.label(value) or value for value in values] if variable.labels else values
     for name in header.metrics:
         yield name, table.metric(name).tolist()
     for name in header.metrics if len(table.checks) else ():

@@ -1,10 +1,13 @@
 // Puts the page together.
+import { followAddress, readFragment } from "./address";
 import { startingRun } from "./actions";
 import { createAnnouncement } from "./announce";
+import { shownRuns } from "./counts";
 import { el } from "./dom";
 import { count } from "./format";
-import { plotted, startingPoint } from "./plane/plane";
-import { createStore, studyThresholds, type State, type Store } from "./store";
+import { createBrushes } from "./panels/brushes";
+import { startingPoint } from "./plane/plane";
+import { createStore, studyThresholds, whileShown, type State, type Store } from "./store";
 import { readStudy, type Study } from "./study";
 import { followTheme, startTheme } from "./theme";
 import { VIEWS } from "./views/views";
@@ -15,9 +18,12 @@ async function start(): Promise<void> {
   try {
     const study = await readStudy();
     const store = createStore(study, initial(study, theme));
-    const selected = startingRun(store, plotted(study) ? candidates(store) : study.number.keys());
+    const selected = startingRun(store, shownRuns(store) ?? study.number.keys());
     store.set({ selected, configuration: selected < 0 ? 0 : study.configuration[selected]! });
+    const start = store.state;
+    store.set(readFragment(study, location.hash.slice(1), start));
     page.replaceChildren(header(store), ...createViews(store), createAnnouncement(store));
+    followAddress(store, start);
     document.documentElement.dataset["ready"] = "yes";
   } catch (error) {
     const hint = "DecompressionStream" in window ? "" : " This browser is too old: it cannot unpack the data (DecompressionStream).";
@@ -41,14 +47,11 @@ function initial(study: Study, theme: State["theme"]): State {
     brushes: [],
     pins: [],
     hovered: -1,
+    zoom: null,
+    settings: {},
     view: VIEWS.find((view) => view.suits(study))!.name,
     theme,
   };
-}
-
-function candidates({ study, plane }: Store): Iterable<number> {
-  const { on, beside } = plane();
-  return study.sampler === "scattered" && beside.length ? beside : on;
 }
 
 function header(store: Store): HTMLElement {
@@ -64,13 +67,14 @@ function header(store: Store): HTMLElement {
   };
   name();
   store.subscribe(name);
-  return el("header", {}, el("h1", {}, study.title), el("span", { class: "muted" }, parts.join(" \u00b7 ")), el("span", { class: "spring" }), button);
+  return el("header", {}, el("h1", { title: study.title }, study.title), el("span", { class: "muted" }, parts.join(" \u00b7 ")), el("span", { class: "spring" }), button);
 }
 
 /** Tabs, and below them the open view; a view is made when it is first opened. */
 function createViews(store: Store): HTMLElement[] {
   const suited = VIEWS.filter((view) => view.suits(store.study));
-  const made = new Map<string, HTMLElement>();
+  const made = new Map<string, { body: HTMLElement; show: () => void; hide: () => void }>();
+  let shown: { hide: () => void } | null = null;
   const main = el("main", { id: "view", role: "tabpanel", tabindex: -1 });
   const tabs = suited.map((view) => el("button", { id: `tab-${view.name}`, type: "button", role: "tab", "aria-controls": "view", click: () => store.set({ view: view.name }) }, view.title));
   const list = el("div", { class: "views", role: "tablist", "aria-label": "Views" }, ...tabs);
@@ -89,14 +93,25 @@ function createViews(store: Store): HTMLElement[] {
       tab.tabIndex = suited[index] === view ? 0 : -1;
     });
     main.setAttribute("aria-labelledby", `tab-${view.name}`);
-    if (!made.has(view.name)) made.set(view.name, view.create(store));
-    main.replaceChildren(made.get(view.name)!);
+    shown?.hide();
+    let entry = made.get(view.name);
+    if (entry) {
+      main.replaceChildren(entry.body);
+      entry.show();
+    } else {
+      const quiet = whileShown(store);
+      entry = { body: view.create(quiet.store), show: quiet.show, hide: quiet.hide };
+      made.set(view.name, entry);
+      main.replaceChildren(entry.body);
+    }
+    shown = entry;
   };
   store.subscribe((_, changed) => {
     if (changed.has("view")) show();
   });
   show();
-  return suited.length > 1 ? [list, main] : [main];
+  const { chips, form } = createBrushes(store);
+  return [el("nav", { class: "navigation" }, suited.length > 1 && list, el("span", { class: "spring" }), form), chips, main];
 }
 
 void start();

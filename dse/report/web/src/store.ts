@@ -4,6 +4,11 @@ import { createPlanes, type Plane } from "./plane/plane";
 import type { Study } from "./study";
 import { judge, type Judgement, type Threshold } from "./verdicts";
 
+export interface Zoom {
+  readonly x: readonly [number, number];
+  readonly y: readonly [number, number];
+}
+
 export type Filter = "all" | 0 | 1 | 2 | 3;
 
 export interface State {
@@ -25,8 +30,12 @@ export interface State {
   pins: readonly number[];
   /** Run under the pointer, -1 for none. */
   hovered: number;
+  /** The part of the plane that is shown, null for all of it. */
+  zoom: Zoom | null;
   /** The view that is open, by its name. */
   view: string;
+  /** What else a view lets the reader choose, by keys `VIEW.NAME`. It comes from addresses, too: check it. */
+  settings: Readonly<Record<string, string>>;
   theme: "light" | "dark";
 }
 
@@ -60,7 +69,9 @@ export function createStore(study: Study, initial: State): Store {
     if (!pending) return;
     const changed = pending;
     pending = null;
+    const started = performance.now();
     for (const listener of listeners) listener(state, changed);
+    performance.measure("update", { start: started, end: performance.now() });
   };
 
   return {
@@ -72,6 +83,11 @@ export function createStore(study: Study, initial: State): Store {
       const keys = (Object.keys(patch) as (keyof State)[]).filter((key) => patch[key] !== state[key]);
       if (!keys.length) return;
       state = { ...state, ...patch };
+      // Another plane is seen whole.
+      if ((keys.includes("x") || keys.includes("y")) && !patch.zoom && state.zoom) {
+        state.zoom = null;
+        keys.push("zoom");
+      }
       if (!pending) {
         pending = new Set();
         requestAnimationFrame(flush);
@@ -92,6 +108,32 @@ export function createStore(study: Study, initial: State): Store {
     within() {
       if (brushed?.brushes !== state.brushes) brushed = { brushes: state.brushes, mask: maskOf(study, state.brushes) };
       return brushed.mask;
+    },
+  };
+}
+
+/** The store as a view sees it: while the view is not shown it hears nothing, and all at once when it is shown again. */
+export function whileShown(store: Store): { store: Store; show: () => void; hide: () => void } {
+  const listeners: Listener[] = [];
+  const missed = new Set<keyof State>();
+  let shown = true;
+  store.subscribe((state, changed) => {
+    if (shown) for (const listener of listeners) listener(state, changed);
+    else for (const key of changed) missed.add(key);
+  });
+  // Getters stay getters: a copy would freeze the state.
+  const quiet = Object.create(store, { subscribe: { value: (listener: Listener) => listeners.push(listener) } }) as Store;
+  return {
+    store: quiet,
+    show: () => {
+      shown = true;
+      if (!missed.size) return;
+      const changed = new Set(missed);
+      missed.clear();
+      for (const listener of listeners) listener(store.state, changed);
+    },
+    hide: () => {
+      shown = false;
     },
   };
 }

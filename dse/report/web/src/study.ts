@@ -1,6 +1,7 @@
 // The study as the page sees it: typed columns, one value per run, in the units shown.
 import { readCharted, type Charted } from "./chart";
-import { columnText, number, withUnit } from "./format";
+import { columnText, number, shortened, withUnit } from "./format";
+import { readInsight, type Insight } from "./insight";
 import { unpack, type Entry, type Numbers } from "./packing";
 
 export interface Column {
@@ -22,6 +23,8 @@ export interface Variable extends Column {
   nominal: number;
   // Places of the configurations that do not have it.
   lack: number[];
+  /** What the values 0, 1, … are called; none where they are quantities. */
+  labels: string[];
   role: "design" | "condition" | "uncertain";
 }
 
@@ -112,15 +115,22 @@ export interface Study {
   figures: Figure[];
   charted: Charted[];
   facts: [string, string][];
+  /** What was asked and what the runs tell; null for a page that was made without. */
+  insight: Insight | null;
+  /** What of the study could not be read. */
+  missing: string[];
   waveforms: () => Promise<Map<string, Numbers>>;
 }
+
+const MOST_TITLE = 120;
+const MOST_UNIT = 20;
 
 interface Document {
   title: string;
   sampler: Sampler;
   runs: number;
   mostCentres: number;
-  variables: { name: string; title: string; unit: string; low: number; high: number; nominal: number; lack: number[]; role: Variable["role"] }[];
+  variables: { name: string; title: string; unit: string; low: number; high: number; nominal: number; lack: number[]; role: Variable["role"]; labels: string[] }[];
   metrics: { name: string; title: string; unit: string; checked: boolean }[];
   requirements: { name: string; title: string; metric: number; atMost: number | null; atLeast: number | null }[];
   configurations: { id: string; choices: [string, string][] }[];
@@ -137,6 +147,8 @@ interface Document {
   charted: Charted[];
   facts: [string, string][];
   radial?: boolean[];
+  insight?: unknown;
+  missing?: string[];
   columns: Entry[];
   waveforms: Entry[];
 }
@@ -156,7 +168,7 @@ export async function readStudy(): Promise<Study> {
   const properties = source.properties.map((property, i) => ({ ...property, ...column(`property.${i}`) }));
   let waveforms: Promise<Map<string, Numbers>> | undefined;
   return {
-    title: source.title,
+    title: shortened(source.title, MOST_TITLE),
     sampler: source.sampler,
     size: source.runs,
     mostCentres: source.mostCentres,
@@ -165,14 +177,16 @@ export async function readStudy(): Promise<Study> {
     done: flags("done"),
     checked: arrays.has("checked") ? flags("checked") : null,
     problems: new Map(source.problems),
-    variables: source.variables.map((variable, i) => ({ ...variable, ...column(`variable.${i}`) })),
+    variables: source.variables.map((variable, i) => ({ ...variable, ...named(variable), ...column(`variable.${i}`), ...labelled(variable.labels) })),
     metrics: source.metrics.map((metric, i) => ({
       ...metric,
+      ...named(metric),
       ...column(`metric.${i}`),
       error: metric.checked ? floats(`error.${i}`) : null,
     })),
     requirements: source.requirements.map((requirement, i) => ({
       ...requirement,
+      title: shortened(requirement.title, MOST_TITLE),
       exercised: flags(`exercised.${i}`),
       unsettled: arrays.has(`unsettled.${i}`) ? flags(`unsettled.${i}`) : null,
     })),
@@ -197,6 +211,7 @@ export async function readStudy(): Promise<Study> {
     slices: source.slices,
     figures: source.figures.map((figure, i) => ({
       ...figure,
+      ...named(figure),
       time: floats(`figure.${i}.time`),
       row: new Map(Array.from(integers(`figure.${i}.kept`), (number, row) => [number, row])),
       constants: figure.shape === "constant" ? floats(`figure.${i}.target`) : null,
@@ -204,12 +219,23 @@ export async function readStudy(): Promise<Study> {
     })),
     charted: readCharted(source.charted, arrays),
     facts: source.facts,
+    insight: readInsight(source.insight, arrays),
+    missing: source.missing ?? [],
     waveforms: () => (waveforms ??= unpack(source.waveforms, block("waveforms"))),
   };
 }
 
+function labelled(labels: string[]): Pick<Column, "text"> | null {
+  return labels.length ? { text: (value) => labels[value] ?? number(value) } : null;
+}
+
 export function axisLabel(column: { title: string; unit: string }): string {
   return `${column.title} [${column.unit || "\u2013"}]`;
+}
+
+// A title of ten thousand letters, or one that turns the text around it, would break every panel it stands in.
+function named({ title, unit }: { title: string; unit: string }): { title: string; unit: string } {
+  return { title: shortened(title, MOST_TITLE), unit: shortened(unit, MOST_UNIT) };
 }
 
 function block(id: string): string {
