@@ -18,7 +18,7 @@ export const designsView: View = {
   suits: (study) => study.size > 0 && designColumns(study).length > 0,
   create(store) {
     const root = el("div", { class: "columns designs" });
-    const model = createModel(store, root);
+    const model = createModel(store);
     const several = groupingOf(store.study).size > 1;
     const boxes = differingPlaces(store).length ? [card("buys", "What an alternative buys", createAlternatives(model))] : [];
     const falls = several && store.study.requirements.length ? [card("falls", "What requirements leave", createWaterfall(model))] : [];
