@@ -107,14 +107,14 @@ function valueOf(study: Study, key: keyof Choices, text: string): Choices[keyof 
   }
 }
 
-function readCriteria(text: string, known: string[]): Criterion[] {
+function readCriteria(text: string, known: string[]): Criterion[] | null {
   const found = new Map<string, Criterion>();
   for (const entry of text.split(",").slice(0, MOST_CRITERIA)) {
     const [column, way, given] = entry.split(":");
     const weight = between(given, MOST_WEIGHT);
     if (column && known.includes(column) && weight !== null) found.set(column, { column, maximize: way === "max", weight });
   }
-  return [...found.values()];
+  return found.size || text === "none" ? [...found.values()] : null;
 }
 
 function between(text: string | undefined, most: number): number | null {
