@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import csv
 import dataclasses
 import math
 from collections.abc import Callable
 from itertools import product
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -413,6 +415,65 @@ def test_a_requirement_that_is_asked_for_later_follows_the_thresholds(priced: Re
         "wanted => document.querySelector('#feasible-designs').textContent.startsWith(wanted)",
         arg=f"{len(feasible(11.5))} of 30",
     )
+
+
+@pytest.mark.thorough
+def test_an_address_brings_back_what_was_chosen(priced: ReportContent, open_report: Open) -> None:
+    page = opened(open_report, priced)
+    whole_board(page)
+    demand(page, 15)
+    page.fill("[id='weight-property.0']", "9")
+    page.select_option("[id='way-metric.0']", "min")
+    page.select_option("#cloud-y", "variable.0")
+    page.select_option("#cloud-colour", "place.sensor")
+    page.select_option("#boxes-among", "feasible")
+    page.click("#leaders [data-leader='design']")
+    page.check("#pick-9")
+    settle(page)
+    before = page.inner_text(".designs")
+    page.wait_for_function("() => location.hash.includes('picked')")
+    # A file is opened once more, not fetched: the address is all that is kept.
+    page.evaluate("() => { const kept = location.hash; location.hash = ''; window.kept = kept }")
+    settle(page)
+    page.click("#tab-designs")
+    settle(page)
+    assert page.input_value("#demand") == "0"
+    page.evaluate("() => { location.hash = window.kept }")
+    settle(page)
+    assert page.input_value("#demand") == "15"
+    assert page.inner_text(".designs") == before
+
+
+@pytest.mark.thorough
+def test_an_address_that_is_made_up_changes_nothing(priced: ReportContent, open_report: Open) -> None:
+    page = opened(open_report, priced)
+    before = page.inner_text(".designs")
+    odd = {
+        "demand": "9", "criteria": "<b>:max:5,metric.0:max:-1,metric.7:max:1", "x": "metric.77", "y": "", "case": "x",
+        "colour": "place.<img src=x onerror=window.pwned=1>", "points": "both", "picked": "99999,-1,x", "sort": "x",
+        "boxes": "variable.1", "among": "some",
+    }  # fmt: skip
+    address = "&".join(f"designs.{key}={value}" for key, value in odd.items())
+    page.evaluate("address => { location.hash = address }", f"view=designs&{address}")
+    settle(page)
+    assert page.inner_text(".designs") == before
+    assert page.locator(".criterion").count() == 2
+
+
+@pytest.mark.thorough
+def test_the_table_of_designs_is_saved_with_all_digits(
+    priced: ReportContent, open_report: Open, tmp_path: Path
+) -> None:
+    page = opened(open_report, priced)
+    with page.expect_download() as caught:
+        page.click("#save-designs")
+    caught.value.save_as(tmp_path / "designs.csv")
+    with (tmp_path / "designs.csv").open(encoding="utf-8", newline="") as file:
+        rows = list(csv.DictReader(file))
+    assert [float(row["smallest gap [m]"]) for row in rows] == [smallest_gap(*design) for design in DESIGNS]
+    assert [row["sensor"] for row in rows] == [design[0] for design in DESIGNS]
+    good = [place for place, row in enumerate(rows) if row["verdict"] == "pass"]
+    assert good == feasible(10.0)
 
 
 @pytest.mark.thorough

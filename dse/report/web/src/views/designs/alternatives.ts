@@ -26,7 +26,11 @@ export function createAlternatives(model: Model): HTMLElement {
   const among = choose([["all", "all designs"], ["feasible", "feasible designs"]], model.choices.among, (value) => model.set({ among: value as "all" | "feasible" }));
   among.id = "boxes-among";
   const box = el("div", { class: "places" });
-  const draw = (): void => box.replaceChildren(...tables(model));
+  const draw = (): void => {
+    over.value = model.choices.boxes;
+    among.value = model.choices.among;
+    box.replaceChildren(...tables(model));
+  };
   subscribeCalmly(model, (changed) => {
     if (["boxes", "among", "criteria", "demand", "thresholds", "brushes"].some((key) => changed.has(key as "boxes"))) draw();
   });

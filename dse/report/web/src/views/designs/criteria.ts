@@ -34,6 +34,7 @@ function createDemand(model: Model): HTMLElement {
   const slider = el("input", { id: "demand", type: "range", min: 0, max: 50, step: 1, value: 100 * model.choices.demand, "aria-label": "Margin demanded of every requirement, in percent", input: () => model.set({ demand: Number(slider.value) / 100 }) });
   const show = (): void => {
     const value = Math.round(100 * model.choices.demand);
+    slider.value = String(value);
     reading.textContent = `${value}\u202f%`;
     slider.setAttribute("aria-valuetext", `${value} %`);
   };

@@ -1,5 +1,5 @@
 // Designs: which one to take, why another is out, and what would have to change.
-import { card, el } from "../../dom";
+import { addTools, card, el } from "../../dom";
 import type { View } from "../view";
 import { createAlternatives } from "./alternatives";
 import { createCompare } from "./compare";
@@ -8,6 +8,7 @@ import { groupingOf } from "./grouping";
 import { createLeaderboard } from "./leaderboard";
 import { differingPlaces, createModel } from "./model";
 import { createReasons } from "./reasons";
+import { boardButton, scatterMenu } from "./saving";
 import { createScatter } from "./scatter";
 import { designColumns } from "./values";
 import { createWaterfall } from "./waterfall";
@@ -18,14 +19,15 @@ export const designsView: View = {
   suits: (study) => study.size > 0 && designColumns(study).length > 0,
   create(store) {
     const root = el("div", { class: "columns designs" });
-    const model = createModel(store, root);
+    const model = createModel(store);
+    const scatter = createScatter(model);
     const several = groupingOf(store.study).size > 1;
     const boxes = differingPlaces(store).length ? [card("buys", "What an alternative buys", createAlternatives(model))] : [];
     const falls = several && store.study.requirements.length ? [card("falls", "What requirements leave", createWaterfall(model))] : [];
     root.append(
-      el("div", { class: "left" }, card("scatter", "Any over any", createScatter(model))),
+      el("div", { class: "left" }, addTools(card("scatter", "Any over any", scatter), scatterMenu(model, scatter.querySelector<HTMLElement>(".cloud")!))),
       el("div", { class: "right" }, card("asked", "What is asked of a design", createCriteria(model)), card("why", "The selected design", createReasons(model))),
-      el("div", { class: "wide" }, card("board", "Leader board", createLeaderboard(model)), ...(several ? [card("side", "Side by side", createCompare(model))] : []), ...falls, ...boxes),
+      el("div", { class: "wide" }, addTools(card("board", "Leader board", createLeaderboard(model)), boardButton(model)), ...(several ? [card("side", "Side by side", createCompare(model))] : []), ...falls, ...boxes),
     );
     return root;
   },

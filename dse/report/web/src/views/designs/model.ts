@@ -2,40 +2,14 @@
 import { columnOf } from "../../columns";
 import type { Changed, State, Store } from "../../store";
 import { PASS } from "../../verdicts";
+import { MOST_COMPARED, readChoices, withChoices, type Choices, type Criterion } from "./choices";
 import { frontOf } from "./front";
 import { groupingOf, variablesOf, type Grouping } from "./grouping";
 import { standingOf, type Standing } from "./judging";
 import { topsis } from "./topsis";
 import { aggregated, designColumns, place, senseOf, type DesignColumn, type Sense } from "./values";
 
-export interface Criterion {
-  column: string;
-  maximize: boolean;
-  /** 0 … 10. */
-  weight: number;
-}
-
-/** Plain data: all that is chosen in this view alone. */
-export interface Choices {
-  /** Share of margin that is asked for. */
-  demand: number;
-  criteria: readonly Criterion[];
-  x: string;
-  y: string;
-  /** `verdict`, the key of a column, or `place.NAME`. */
-  colour: string;
-  points: "designs" | "runs";
-  /** Designs that are compared, at most MOST_COMPARED. */
-  picked: readonly number[];
-  sort: { column: string; descending: boolean };
-  /** Column of the boxes, and which designs they are over. */
-  boxes: string;
-  among: "all" | "feasible";
-  /** Case (condition and draw) of the compared waveforms, -1 for the run that decides. */
-  case: number;
-}
-
-export const MOST_COMPARED = 5;
+export { MOST_COMPARED, type Criterion };
 
 type Key = keyof Choices | keyof State;
 export type ChangedKeys = ReadonlySet<Key>;
@@ -45,7 +19,7 @@ export interface Model {
   readonly grouping: Grouping;
   readonly choices: Choices;
   set(patch: Partial<Choices>): void;
-  /** Changes of one animation frame arrive together, and none while the view is closed. */
+  /** Hears of what is chosen here and of what is chosen in the whole page. */
   subscribe(listener: (changed: ChangedKeys) => void): void;
   standing(): Standing;
   column(key: string): DesignColumn;
@@ -56,31 +30,28 @@ export interface Model {
   scores(): Float64Array;
 }
 
-export function createModel(store: Store, root: HTMLElement): Model {
+export function createModel(store: Store): Model {
   const { study } = store;
   const grouping = groupingOf(study);
-  let choices = initial(store);
+  const start = initial(store);
+  let seen = store.state.settings;
+  let choices = readChoices(study, seen, start, start);
+  const current = (): Choices => {
+    if (seen !== store.state.settings) {
+      seen = store.state.settings;
+      choices = readChoices(study, seen, start, choices);
+    }
+    return choices;
+  };
+  let told = choices;
   const listeners: ((changed: ChangedKeys) => void)[] = [];
-  let pending = new Set<Key>();
-  let asked = false;
-  const flush = (): void => {
-    asked = false;
-    // What is not to be seen is drawn when it comes to be: the observer below tells.
-    if (!root.isConnected || !pending.size) return;
-    const changed = pending;
-    pending = new Set();
-    for (const listener of listeners) listener(changed);
-  };
-  const note = (keys: Iterable<Key>): void => {
-    for (const key of keys) pending.add(key);
-    if (!asked) requestAnimationFrame(flush);
-    asked = true;
-  };
   store.subscribe((_, changed: Changed) => {
-    for (const key of changed) pending.add(key);
-    flush();
+    const now = current();
+    const keys = new Set<Key>(changed);
+    for (const key of Object.keys(now) as (keyof Choices)[]) if (now[key] !== told[key]) keys.add(key);
+    told = now;
+    for (const listener of listeners) listener(keys);
   });
-  new ResizeObserver(flush).observe(root);
 
   const columns = new Map<string, DesignColumn>();
   const remembered = new Map<string, { of: readonly unknown[]; value: unknown }>();
@@ -92,7 +63,7 @@ export function createModel(store: Store, root: HTMLElement): Model {
     return value;
   };
   const sense = (key: string): Sense => {
-    const criterion = choices.criteria.find(({ column }) => column === key);
+    const criterion = current().criteria.find(({ column }) => column === key);
     return criterion ? (criterion.maximize ? "max" : "min") : senseOf(store, key);
   };
   const column = (key: string): DesignColumn => {
@@ -106,21 +77,20 @@ export function createModel(store: Store, root: HTMLElement): Model {
     return found;
   };
   const standing = (): Standing =>
-    once("standing", [store.state.thresholds, choices.demand], () => standingOf(study, store.state.thresholds, choices.demand, store.judgement()));
+    once("standing", [store.state.thresholds, current().demand], () => standingOf(study, store.state.thresholds, current().demand, store.judgement()));
   const within = (): Uint8Array | null =>
-    once("within", [store.state.brushes, choices.criteria], () => (store.state.brushes.length ? brushed(store, grouping, column) : null));
+    once("within", [store.state.brushes, current().criteria], () => (store.state.brushes.length ? brushed(store, grouping, column) : null));
   const feasible = (): Uint8Array =>
     once("feasible", [standing(), within()], () => standing().mark.map((mark, design) => (mark === PASS && (within()?.[design] ?? 1) ? 1 : 0)));
-  const aims = () => choices.criteria.map(({ column: key, maximize, weight }) => ({ values: column(key).values, maximize, weight }));
+  const aims = () => current().criteria.map(({ column: key, maximize, weight }) => ({ values: column(key).values, maximize, weight }));
   return {
     store,
     grouping,
     get choices() {
-      return choices;
+      return current();
     },
     set(patch) {
-      choices = { ...choices, ...patch };
-      note(Object.keys(patch) as Key[]);
+      store.set({ settings: withChoices(study, store.state.settings, { ...current(), ...patch }, start) });
     },
     subscribe(listener) {
       listeners.push(listener);
@@ -128,8 +98,8 @@ export function createModel(store: Store, root: HTMLElement): Model {
     standing,
     column,
     within,
-    front: () => once("front", [feasible(), choices.criteria], () => frontOf(aims(), feasible())),
-    scores: () => once("scores", [feasible(), choices.criteria], () => topsis(aims(), feasible())),
+    front: () => once("front", [feasible(), current().criteria], () => frontOf(aims(), feasible())),
+    scores: () => once("scores", [feasible(), current().criteria], () => topsis(aims(), feasible())),
   };
 }
 
