@@ -2,7 +2,11 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+import asyncio
+import threading
+from collections.abc import Callable
+from contextlib import suppress
+from typing import TYPE_CHECKING, Any, TypeVar
 
 from dse.api import Compared, Glance, compare, glance, stop
 from dse.errors import DseError, fail
@@ -17,6 +21,8 @@ if TYPE_CHECKING:
     from starlette.requests import Request
     from starlette.responses import Response
 
+T = TypeVar("T")
+
 _MOST_COMPARED = 8
 
 
@@ -24,7 +30,6 @@ def application(shelf: Shelf, *, token: str = "", is_open: bool = False, limits:
     """An ASGI application for the studies of *shelf*, guarded as `Guard` says. DseError without the extra ``serve``."""
     try:
         from starlette.applications import Starlette
-        from starlette.concurrency import run_in_threadpool
         from starlette.responses import HTMLResponse, JSONResponse
         from starlette.routing import Route
     except ImportError:
@@ -52,7 +57,7 @@ def application(shelf: Shelf, *, token: str = "", is_open: bool = False, limits:
     async def simulate(request: Request) -> Response:
         configuration, point = asked_point(await request.body())
         folder = shelf.folder(name_of(request))
-        return JSONResponse(await run_in_threadpool(simulated, folder, configuration, point))
+        return JSONResponse(await _aside(lambda: simulated(folder, configuration, point)))
 
     def stopped(request: Request) -> Response:
         writer = stop(shelf.folder(name_of(request)))
@@ -79,6 +84,27 @@ def application(shelf: Shelf, *, token: str = "", is_open: bool = False, limits:
     ]
     handlers = {DseError: unfit, BusyError: busy}
     return Guard(Starlette(routes=routes, exception_handlers=handlers), token=token, is_open=is_open, limits=limits)
+
+
+async def _aside(work: Callable[[], T]) -> T:
+    """What *work* returns or raises, done in a thread that the program's end does not wait for."""
+    loop = asyncio.get_running_loop()
+    done: asyncio.Future[T] = loop.create_future()
+
+    def tell(how: Callable[[Any], None], what: object) -> None:
+        with suppress(RuntimeError):  # the server has ended meanwhile
+            loop.call_soon_threadsafe(lambda: done.cancelled() or how(what))
+
+    def thread() -> None:
+        try:
+            result = work()
+        except Exception as error:  # noqa: BLE001  # raised where it is waited for
+            tell(done.set_exception, error)
+        else:
+            tell(done.set_result, result)
+
+    threading.Thread(target=thread, daemon=True).start()
+    return await done
 
 
 def _glance(shelf: Shelf, name: str) -> Glance | DseError:

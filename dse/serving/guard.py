@@ -10,6 +10,7 @@ import socket
 import time
 from collections import OrderedDict
 from collections.abc import Awaitable, Callable, MutableMapping
+from contextlib import suppress
 from dataclasses import dataclass, field
 from http.cookies import CookieError, SimpleCookie
 from typing import Any
@@ -100,7 +101,9 @@ class Guard:
         if refusal is not None:
             await _say(send, *refusal)
             return
-        await self._application(scope, _replayed(body, receive), _with_headers(send))
+        # Whoever still waits when the server ends hears nothing more; that is no mistake of the application.
+        with suppress(asyncio.CancelledError):
+            await self._application(scope, _replayed(body, receive), _with_headers(send))
 
     def _refusal(self, scope: Message, headers: dict[bytes, bytes]) -> tuple[int, str] | None:
         address = scope["client"][0] if scope.get("client") else ""

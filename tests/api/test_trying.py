@@ -56,6 +56,12 @@ def test_what_is_no_point_is_refused_by_name(results: dse.Results, folder: Path)
         try_point(results.definition, name, {**shown(results, 0), "chassis": 1.0}, near=folder)
 
 
+def test_what_a_component_does_not_take_is_refused_before_it_is_simulated(results: dse.Results, folder: Path) -> None:
+    point = {**shown(results, 0), "controller.kp_speed": -1.0}
+    with pytest.raises(DseError, match=r"^controller\.kp_speed=-1\.0.*: kp_speed = -1 is outside its range 0 … 10 1/s"):
+        try_point(results.definition, results.run(0).configuration, point, near=folder)
+
+
 def test_without_the_study_s_files_it_is_told_that_they_are_missing(
     results: dse.Results, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

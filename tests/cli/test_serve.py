@@ -124,11 +124,11 @@ def test_a_place_in_the_plot_is_simulated(serve, explored) -> None:
         assert kp not in (0.5, 1.5, 2.5, 3.5, 4.5)
         assert 0 < kd < 1
         page.click("#try-start")
-        page.wait_for_selector("#try-metrics td.verdict.pass", timeout=200_000)
+        page.wait_for_selector("#try-metrics td.verdict.pass", timeout=60_000)
         assert page.locator("#try .uplot").count() == 2
         page.fill("#try input[name='controller.kp_speed']", "-1")
         page.click("#try-start")
-        page.wait_for_selector("#try .problem", timeout=200_000)
+        page.wait_for_selector("#try .problem", timeout=60_000)
         assert "kp_speed" in page.inner_text("#try .problem")
         browser.close()
 

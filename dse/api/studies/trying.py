@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -16,7 +16,7 @@ from dse.domain.study import Selection
 from dse.errors import DseError, Location, Problem, closest, fail, raise_if_any
 from dse.loading import Workspace
 from dse.storage import changed_inputs
-from dse.testbench import bench_study, with_values
+from dse.testbench import bench_study, one_configuration, with_settings, with_values
 from dse.units import parse_unit
 
 if TYPE_CHECKING:
@@ -43,7 +43,7 @@ def try_point(
     the study, and if its files are not there or cannot be built; a run that fails is a result.
     """
     values = _values(definition, configuration, point)
-    bench = with_values(_bench(definition, Path(near)), values)
+    bench = _within_ranges(with_values(_bench(definition, Path(near)), values), definition, configuration, point)
     made, planned = alone(bench_study(bench, Selection((configuration,))), 2)
     here = RunNoun(RunRequest(0, configuration, values), Outcome.DONE, {}, ())
     run = Run(made, planned.definition)
@@ -62,6 +62,22 @@ def _bench(definition: StudyDefinition, near: Path) -> TestBench:
     with suppress(DseError):
         return found(near)
     return found(Path())
+
+
+def _within_ranges(
+    bench: TestBench, definition: StudyDefinition, configuration: str, point: Mapping[str, float]
+) -> TestBench:
+    """*bench*, if the components take the values of *point* that may be any. DseError with all that they do not."""
+    chosen = one_configuration(bench.design, configuration)
+    free = {each.name: each.unit for each in definition.variables if each.name in point and not each.values}
+    try:
+        return with_settings(bench, {name: f"{point[name]!r} {unit}".rstrip() for name, unit in free.items()}, chosen)
+    except DseError as error:
+        raise DseError(*(replace(each, where=_place(each.where)) for each in error.problems)) from None
+
+
+def _place(where: Location | None) -> Location:
+    return Location(str(where or "").removeprefix("--set "))
 
 
 def _values(definition: StudyDefinition, configuration: str, point: Mapping[str, float]) -> dict[str, Value]:

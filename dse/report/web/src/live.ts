@@ -38,6 +38,7 @@ export function startLive(store: Store): void {
   const bar = el("nav", { class: "live", "aria-label": "Study being served" }, el("a", { href: "/" }, "All studies"), state, meter, told, news, stop, said, el("span", { class: "spring" }), trying.button);
   document.body.prepend(bar, ...entry.problems.map((text) => el("p", { class: "live problem" }, text)));
   document.body.append(trying.panel);
+  new ResizeObserver(() => (trying.panel.style.top = `${bar.offsetHeight}px`)).observe(bar);
 
   const ask = async (): Promise<void> => {
     stop.disabled = true;

@@ -77,6 +77,8 @@ export function createTrying(store: Store, query: string): { button: HTMLElement
   };
   configuration.addEventListener("change", lacking);
 
+  // What was simulated last, drawn again where colours change.
+  let show = (): void => {};
   const simulate = async (event: Event): Promise<void> => {
     event.preventDefault();
     const point: Record<string, number> = {};
@@ -85,12 +87,17 @@ export function createTrying(store: Store, query: string): { button: HTMLElement
     });
     start.disabled = true;
     result.replaceChildren(el("p", { class: "muted" }, "simulating \u2026"));
+    show = () => {};
     const begun = performance.now();
     try {
       const tried = (await post(`/simulate?${query}`, { configuration: configuration.value, point })) as Tried;
-      const plots: (() => void)[] = [];
-      result.replaceChildren(...shown(tried, (performance.now() - begun) / 1000, plots));
-      for (const draw of plots) draw();
+      const seconds = (performance.now() - begun) / 1000;
+      show = () => {
+        const plots: (() => void)[] = [];
+        result.replaceChildren(...shown(tried, seconds, plots));
+        for (const draw of plots) draw();
+      };
+      show();
     } catch (error) {
       result.replaceChildren(el("p", { class: "problem" }, String((error as Error).message)));
     }
@@ -100,6 +107,7 @@ export function createTrying(store: Store, query: string): { button: HTMLElement
   fill();
   store.subscribe((_, changed) => {
     if (changed.has("selected")) fill();
+    if (changed.has("theme")) show();
   });
   document.addEventListener("pointed-at", (event) => {
     const { x, y } = (event as PointedAt).detail;
