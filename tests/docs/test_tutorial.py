@@ -42,6 +42,9 @@ def test_the_page_leads_from_an_empty_folder_to_a_report(tmp_path: Path) -> None
     assert "2 of 2 configurations are valid" in said["dse enumerate drive"]
     assert said["dse explore gains"].startswith("out/gains: 216 runs, 216 of them new")
     assert "out/start_off  start_off  finished" in said["dse list"]
+    ranked = said["dse best gains --minimize roughness"].splitlines()
+    assert ranked[0].startswith("of 108 designs 21 meet all requirements")
+    assert re.search(r"148\.2 kg/s +30 kg/s2", ranked[2])
     assert (here / "out" / "gains" / "report.html").stat().st_size > 100_000
     with (here / "gains.csv").open(encoding="utf-8", newline="") as file:
         rows = list(csv.DictReader(file))
