@@ -44,8 +44,14 @@ def ground(page: Page) -> str:
     return str(page.evaluate("document.querySelector('canvas.ground').toDataURL()"))
 
 
+def open_tab(page: Page, view: str) -> None:
+    """Open a view, and wait until it stands."""
+    page.click(f"#tab-{view}")
+    settle(page)
+
+
 def selected(page: Page) -> int:
     if page.get_attribute("#tab-plot", "aria-selected") == "false":
-        page.click("#tab-plot")
+        open_tab(page, "plot")
     settle(page)
     return int(page.inner_text("#selected-run").split()[1])

@@ -158,7 +158,10 @@ def _lacking(folder: StudyFolder) -> list[tuple[int, ...]]:
     """For each variable the places of the configurations that do not have it."""
     header = folder.header
     has = np.array([header.has(name) for name in header.configurations], dtype=np.bool_)
-    return [tuple(np.flatnonzero(~column).tolist()) for column in has.reshape(len(header.configurations), len(header.variables)).T]
+    return [
+        tuple(np.flatnonzero(~column).tolist())
+        for column in has.reshape(len(header.configurations), len(header.variables)).T
+    ]
 
 
 def _variable(entry: DefinedVariable, coordinates: Floats, lack: tuple[int, ...]) -> Variable:
