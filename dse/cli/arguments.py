@@ -20,14 +20,36 @@ class Output(StrEnum):
 Design = Annotated[str, typer.Argument(metavar="DESIGN", help="A design space: its name, or its YAML file.")]
 Bench = Annotated[str, typer.Argument(metavar="BENCH", help="A test bench: its name, or its YAML file.")]
 StudyName = Annotated[str, typer.Argument(metavar="STUDY", help="A study (PET): its name, or its .pet.yaml file.")]
-Folder = Annotated[Path, typer.Argument(metavar="DIR", help="A study folder, made by 'dse explore' or 'dse run'.")]
+
+
+def named_folder(path: Path) -> Path:
+    """The study folder meant: a path, or the name of one in the workspace's ``out/``."""
+    from dse.api import study_folder
+
+    return study_folder(path)
+
+
+Folder = Annotated[
+    Path,
+    typer.Argument(
+        metavar="DIR",
+        callback=named_folder,
+        help="A study folder, made by 'dse explore' or 'dse run'; the name of a study means out/STUDY.",
+    ),
+]
 Format = Annotated[Output, typer.Option("--format", help="For a person, or for a program.")]
 Workers = Annotated[int, typer.Option("--workers", "-j", min=0, help="Worker processes; 0: one for each processor.")]
 Threads = Annotated[
     int, typer.Option("--threads", "-t", min=1, help="Runs at once in a worker, where FMUs bear it (dse probe).")
 ]
 NewFolder = Annotated[
-    Path, typer.Option("--output", "-o", metavar="DIR", help="The study folder to make or to go on with.")
+    Path | None,
+    typer.Option(
+        "--output",
+        "-o",
+        metavar="DIR",
+        help="The study folder to make or to go on with; else out/NAME in the workspace.",
+    ),
 ]
 Fresh = Annotated[
     bool, typer.Option("--fresh", help="Throw away what the folder holds and simulate every run, made before or not.")

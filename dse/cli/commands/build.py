@@ -14,6 +14,7 @@ from dse.cli.app import app
 from dse.cli.arguments import Configuration, FmiVersion
 from dse.cli.terminal import console, say
 from dse.errors import DseError, Location, Problem
+from dse.scratch import make_folder
 
 
 @app.command()
@@ -50,7 +51,7 @@ def build(
     for name, path in sorted(built.items()):
         target = path
         if folder is not None:
-            folder.mkdir(parents=True, exist_ok=True)
+            make_folder(folder)
             target = folder / f"{name}{path.suffix if bench else '.fmu'}"
             shutil.copyfile(path, target)
         say(f"{name}: {target}")

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -13,6 +13,8 @@ from dse.report.charts.chart import Axis, Chart, Drawn, Limits, Points, Rule, li
 from dse.report.content.nouns import FigureSpec, ReportContent, SamplerKind
 from dse.report.figure import ShownFigure
 from dse.report.interpolation.radial import MOST_CENTRES, radial_fields
+from dse.report.page.designs import designs_of
+from dse.report.page.insight import insight_json
 from dse.report.page.packing import Block, quantise, second_differences
 
 Json = dict[str, object]
@@ -32,15 +34,19 @@ def payload_of(content: ReportContent, shown: Sequence[ShownFigure] = ()) -> Pay
     columns, waveforms = Block(), Block()
     document = _document(content)
     _add_runs(content, columns)
+    document |= designs_of(content, columns)
     figures = [_add_figure(figure, index, columns, waveforms) for index, figure in enumerate(content.figures)]
     document["figures"] = figures
     document["facts"] = [*([k, v] for k, v in content.facts), *_storage_facts(content, figures)]
     if content.sampler is SamplerKind.SCATTERED and len(content.variables) >= 2:
         document["radial"] = [_add_radial(content, index, columns) for index in range(len(content.configurations))]
     document["charted"] = [_charted(figure, f"chart.{index}", columns) for index, figure in enumerate(shown)]
+    if content.insight is not None:
+        document["insight"] = insight_json(content.insight, columns)
+        document["missing"] = [problem.what for problem in content.missing]
     document["columns"] = columns.directory
     document["waveforms"] = waveforms.directory
-    return Payload(_script_json(document), columns.text(), waveforms.text())
+    return Payload(script_json(document), columns.text(), waveforms.text())
 
 
 def _document(content: ReportContent) -> Json:
@@ -60,6 +66,8 @@ def _document(content: ReportContent) -> Json:
                 "high": v.high,
                 "nominal": v.nominal,
                 "lack": v.lack,
+                "labels": v.labels,
+                "role": str(v.role),
             }
             for v in content.variables
         ],
@@ -77,10 +85,7 @@ def _document(content: ReportContent) -> Json:
             }
             for r in content.requirements
         ],
-        "configurations": [
-            {"id": c.id, "choices": list(c.choices.items()), "properties": list(c.properties.items())}
-            for c in content.configurations
-        ],
+        "configurations": [{"id": c.id, "choices": list(c.choices.items())} for c in content.configurations],
         # One variable by itself spans no plane.
         "slices": [[variables.index(name) for name in names] for names in content.slices if len(names) > 1],
         "problems": [[row, text] for row, text in enumerate(content.runs.problems) if text],
@@ -196,7 +201,8 @@ def _storage_facts(content: ReportContent, figures: list[Json]) -> list[list[str
     ]
 
 
-def _script_json(document: Json) -> str:
+def script_json(document: Mapping[str, object]) -> str:
+    """*document* as JSON that is safe inside a script element."""
     text = json.dumps(document, separators=(",", ":"), allow_nan=False, ensure_ascii=True)
     # Inside a script element only "</script" and "<!--" end or bend the text; without < neither can be spelt.
     return text.replace("<", "\\u003c").replace(">", "\\u003e").replace("&", "\\u0026")

@@ -2,7 +2,7 @@
 import type { Column, Study } from "./study";
 
 export interface Keyed extends Column {
-  /** `variable.N`, `metric.N`. */
+  /** `variable.N`, `metric.N`, `property.N`, `composite.N`. */
   key: string;
 }
 
@@ -14,6 +14,8 @@ export function columnsOf(study: Study): Keyed[] {
     columns = [
       ...study.variables.map((column, index) => ({ ...column, key: `variable.${index}` })),
       ...study.metrics.map((column, index) => ({ ...column, key: `metric.${index}` })),
+      ...study.composites.map((column, index) => ({ ...column, key: `composite.${index}` })),
+      ...study.properties.map((column, index) => ({ ...column, values: perRun(study, column.values), key: `property.${index}` })),
     ];
     known.set(study, columns);
   }
@@ -22,4 +24,9 @@ export function columnsOf(study: Study): Keyed[] {
 
 export function columnOf(study: Study, key: string): Keyed | undefined {
   return columnsOf(study).find((column) => column.key === key);
+}
+
+// A property is that of the run's configuration.
+function perRun(study: Study, values: Float64Array): Float64Array {
+  return Float64Array.from(study.configuration, (configuration) => values[configuration]!);
 }

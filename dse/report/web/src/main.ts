@@ -5,6 +5,7 @@ import { createAnnouncement } from "./announce";
 import { shownRuns } from "./counts";
 import { el } from "./dom";
 import { count } from "./format";
+import { startLive } from "./live";
 import { createBrushes } from "./panels/brushes";
 import { startingPoint } from "./plane/plane";
 import { createStore, studyThresholds, whileShown, type State, type Store } from "./store";
@@ -24,6 +25,7 @@ async function start(): Promise<void> {
     store.set(readFragment(study, location.hash.slice(1), start));
     page.replaceChildren(header(store), ...createViews(store), createAnnouncement(store));
     followAddress(store, start);
+    startLive(store);
     document.documentElement.dataset["ready"] = "yes";
   } catch (error) {
     const hint = "DecompressionStream" in window ? "" : " This browser is too old: it cannot unpack the data (DecompressionStream).";

@@ -74,8 +74,8 @@ export function pictureOf(parts: [string, HTMLCanvasElement[]][]): Promise<Blob>
   return new Promise((done, failed) => sheet.toBlob((blob) => (blob ? done(blob) : failed(new Error("the picture is too large for this browser")))));
 }
 
-// A text that begins like a formula would be run by a spreadsheet.
-function cell(text: string): string {
+/** *text* as a field of a CSV file; one that begins like a formula would be run by a spreadsheet. */
+export function cell(text: string): string {
   const safe = /^[=+\-@\t\r]/.test(text) ? `'${text}` : text;
   return /[",\r\n]/.test(safe) ? `"${safe.replace(/"/g, '""')}"` : safe;
 }

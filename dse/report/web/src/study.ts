@@ -1,6 +1,7 @@
 // The study as the page sees it: typed columns, one value per run, in the units shown.
 import { readCharted, type Charted } from "./chart";
-import { columnText, shortened } from "./format";
+import { columnText, number, shortened, withUnit } from "./format";
+import { readInsight, type Insight } from "./insight";
 import { unpack, type Entry, type Numbers } from "./packing";
 
 export interface Column {
@@ -22,6 +23,26 @@ export interface Variable extends Column {
   nominal: number;
   // Places of the configurations that do not have it.
   lack: number[];
+  /** What the values 0, 1, … are called; none where they are quantities. */
+  labels: string[];
+  role: "design" | "condition" | "uncertain";
+}
+
+/** A property: `values` holds one number per configuration, not per run, NaN where it has none. */
+export type Property = Column;
+
+export interface Objective {
+  /** Key of a column. */
+  column: string;
+  maximize: boolean;
+}
+
+/** Where parts stand that hang together alike: path, left edge, middle and width of each, and linked pairs. */
+export interface Picture {
+  parts: [string, number, number, number][];
+  links: [number, number][];
+  width: number;
+  height: number;
 }
 
 export interface Requirement {
@@ -38,7 +59,11 @@ export interface Requirement {
 export interface Configuration {
   id: string;
   choices: [string, string][];
+  /** As text with units. */
   properties: [string, string][];
+  /** Its place among the pictures, -1 for none, and what stands in each part. */
+  picture: number;
+  parts: string[];
   radial: Radial | null;
 }
 
@@ -81,10 +106,19 @@ export interface Study {
   metrics: Metric[];
   requirements: Requirement[];
   configurations: Configuration[];
+  properties: Property[];
+  /** What objectives compute from metrics and properties, one value per run. */
+  composites: Column[];
+  objectives: Objective[];
+  pictures: Picture[];
   slices: number[][];
   figures: Figure[];
   charted: Charted[];
   facts: [string, string][];
+  /** What was asked and what the runs tell; null for a page that was made without. */
+  insight: Insight | null;
+  /** What of the study could not be read. */
+  missing: string[];
   waveforms: () => Promise<Map<string, Numbers>>;
 }
 
@@ -96,16 +130,25 @@ interface Document {
   sampler: Sampler;
   runs: number;
   mostCentres: number;
-  variables: { name: string; title: string; unit: string; low: number; high: number; nominal: number; lack: number[] }[];
+  variables: { name: string; title: string; unit: string; low: number; high: number; nominal: number; lack: number[]; role: Variable["role"]; labels: string[] }[];
   metrics: { name: string; title: string; unit: string; checked: boolean }[];
   requirements: { name: string; title: string; metric: number; atMost: number | null; atLeast: number | null }[];
-  configurations: { id: string; choices: [string, string][]; properties: [string, string][] }[];
+  configurations: { id: string; choices: [string, string][] }[];
+  properties: { name: string; title: string; unit: string }[];
+  composites: { name: string; title: string; unit: string }[];
+  objectives: Objective[];
+  pictures: Picture[];
+  pictureOf: number[];
+  components: string[];
+  partsOf: number[][];
   slices: number[][];
   problems: [number, string][];
   figures: { name: string; title: string; unit: string; current: string; target: string; shape: Figure["shape"] }[];
   charted: Charted[];
   facts: [string, string][];
   radial?: boolean[];
+  insight?: unknown;
+  missing?: string[];
   columns: Entry[];
   waveforms: Entry[];
 }
@@ -122,6 +165,7 @@ export async function readStudy(): Promise<Study> {
   });
   const range = (name: string): { low: Float64Array; high: Float64Array } | null =>
     arrays.has(`${name}.low`) ? { low: floats(`${name}.low`), high: floats(`${name}.high`) } : null;
+  const properties = source.properties.map((property, i) => ({ ...property, ...column(`property.${i}`) }));
   let waveforms: Promise<Map<string, Numbers>> | undefined;
   return {
     title: shortened(source.title, MOST_TITLE),
@@ -133,7 +177,7 @@ export async function readStudy(): Promise<Study> {
     done: flags("done"),
     checked: arrays.has("checked") ? flags("checked") : null,
     problems: new Map(source.problems),
-    variables: source.variables.map((variable, i) => ({ ...variable, ...named(variable), ...column(`variable.${i}`) })),
+    variables: source.variables.map((variable, i) => ({ ...variable, ...named(variable), ...column(`variable.${i}`), ...labelled(variable.labels) })),
     metrics: source.metrics.map((metric, i) => ({
       ...metric,
       ...named(metric),
@@ -148,6 +192,9 @@ export async function readStudy(): Promise<Study> {
     })),
     configurations: source.configurations.map((configuration, i) => ({
       ...configuration,
+      properties: properties.filter(({ values }) => !Number.isNaN(values[i])).map(({ name, unit, values }): [string, string] => [name, withUnit(number(values[i]!, 6), unit)]),
+      picture: source.pictureOf[i]!,
+      parts: source.partsOf[i]!.map((code) => source.components[code]!),
       radial: source.radial?.[i]
         ? {
             centres: integers(`radial.${i}.centres`),
@@ -157,6 +204,10 @@ export async function readStudy(): Promise<Study> {
           }
         : null,
     })),
+    properties,
+    composites: source.composites.map((composite, i) => ({ ...composite, ...column(`composite.${i}`) })),
+    objectives: source.objectives,
+    pictures: source.pictures,
     slices: source.slices,
     figures: source.figures.map((figure, i) => ({
       ...figure,
@@ -168,8 +219,14 @@ export async function readStudy(): Promise<Study> {
     })),
     charted: readCharted(source.charted, arrays),
     facts: source.facts,
+    insight: readInsight(source.insight, arrays),
+    missing: source.missing ?? [],
     waveforms: () => (waveforms ??= unpack(source.waveforms, block("waveforms"))),
   };
+}
+
+function labelled(labels: string[]): Pick<Column, "text"> | null {
+  return labels.length ? { text: (value) => labels[value] ?? number(value) } : null;
 }
 
 export function axisLabel(column: { title: string; unit: string }): string {
