@@ -9,6 +9,8 @@ from typing import Annotated
 
 import typer
 
+from dse.cli.completing import benches, designs, folders, studies
+
 
 class Output(StrEnum):
     """What a command prints for."""
@@ -17,9 +19,15 @@ class Output(StrEnum):
     JSON = "json"
 
 
-Design = Annotated[str, typer.Argument(metavar="DESIGN", help="A design space: its name, or its YAML file.")]
-Bench = Annotated[str, typer.Argument(metavar="BENCH", help="A test bench: its name, or its YAML file.")]
-StudyName = Annotated[str, typer.Argument(metavar="STUDY", help="A study (PET): its name, or its .pet.yaml file.")]
+Design = Annotated[
+    str, typer.Argument(metavar="DESIGN", autocompletion=designs, help="A design space: its name, or its YAML file.")
+]
+Bench = Annotated[
+    str, typer.Argument(metavar="BENCH", autocompletion=benches, help="A test bench: its name, or its YAML file.")
+]
+StudyName = Annotated[
+    str, typer.Argument(metavar="STUDY", autocompletion=studies, help="A study (PET): its name, or its .pet.yaml file.")
+]
 
 
 def named_folder(path: Path) -> Path:
@@ -34,6 +42,7 @@ Folder = Annotated[
     typer.Argument(
         metavar="DIR",
         callback=named_folder,
+        autocompletion=folders,
         help="A study folder, made by 'dse explore' or 'dse run'; the name of a study means out/STUDY.",
     ),
 ]

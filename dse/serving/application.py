@@ -93,7 +93,7 @@ async def _aside(work: Callable[[], T]) -> T:
 
     def tell(how: Callable[[Any], None], what: object) -> None:
         with suppress(RuntimeError):  # the server has ended meanwhile
-            loop.call_soon_threadsafe(lambda: done.cancelled() or how(what))
+            loop.call_soon_threadsafe(lambda: None if done.cancelled() else how(what))
 
     def thread() -> None:
         try:

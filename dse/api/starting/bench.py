@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from fractions import Fraction
 from math import gcd, lcm
 from pathlib import PurePosixPath
@@ -41,7 +41,7 @@ def new_bench(workspace: Workspace, name: str, design: str, around: str | None =
     connected = {target: source for source, target in joined if target in unfed}
     unfed = {label: port for label, port in unfed.items() if label not in connected}
     _require_settable(space, unfed, world)
-    recorded = _outputs(space)
+    recorded = _outputs(({world.name: [world]} if world else {}) | candidates(space.root))
     if not recorded:
         what = f"no part of '{space.name}' has an output that is a real number"
         raise fail(what, space.where, "a bench measures waveforms: add a component that has one")
@@ -86,10 +86,10 @@ def _around(world: Component | None, connected: Mapping[str, str]) -> str:
     return "\n".join(lines) + "\n"
 
 
-def _outputs(space: DesignSpace) -> dict[str, Port]:
-    """Real outputs of single values that every alternative of a place in the first level has."""
+def _outputs(places: Mapping[str, Sequence[Component]]) -> dict[str, Port]:
+    """The first real outputs of single values that every alternative of a place has."""
     found = {}
-    for place, components in candidates(space.root).items():
+    for place, components in places.items():
         for port in components[0].interface.ports:
             single = port.causality is Causality.OUTPUT and port.type.kind is Kind.REAL and "[" not in port.name
             if single and all(component.interface.port(port.name) for component in components):

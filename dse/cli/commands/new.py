@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from dse.cli.app import group
+from dse.cli.completing import benches, components as components_of, designs
 from dse.cli.content import content
 from dse.cli.terminal import say
 
@@ -47,7 +48,10 @@ def new_component(
 def new_design(
     name: Name,
     components: Annotated[
-        list[str] | None, typer.Argument(metavar="COMPONENT...", help="Its parts; those of one interface are a choice.")
+        list[str] | None,
+        typer.Argument(
+            metavar="COMPONENT...", autocompletion=components_of, help="Its parts; those of one interface are a choice."
+        ),
     ] = None,
     workspace: At = Path(),
 ) -> None:
@@ -65,7 +69,9 @@ def new_design(
 @new_app.command("bench")
 def new_bench(
     name: Name,
-    design: Annotated[str, typer.Option("--design", "-d", metavar="DESIGN", help="The design space it tests.")],
+    design: Annotated[
+        str, typer.Option("--design", "-d", metavar="DESIGN", autocompletion=designs, help="The design space it tests.")
+    ],
     around: Annotated[
         str | None,
         typer.Option(
@@ -88,7 +94,9 @@ def new_bench(
 @new_app.command("study")
 def new_study(
     name: Name,
-    bench: Annotated[str, typer.Option("--bench", "-b", metavar="BENCH", help="The test bench it runs on.")],
+    bench: Annotated[
+        str, typer.Option("--bench", "-b", metavar="BENCH", autocompletion=benches, help="The test bench it runs on.")
+    ],
     workspace: At = Path(),
 ) -> None:
     """Write a study of a test bench, that can be explored.

@@ -9,13 +9,19 @@ from typing import Annotated
 import typer
 
 from dse.cli.app import app
+from dse.cli.completing import kinds_of_files
 from dse.cli.terminal import say
 
 
 @app.command()
 def schema(
     kind: Annotated[
-        str | None, typer.Argument(metavar="[KIND]", help="component, interfaces, components, design, bench or study.")
+        str | None,
+        typer.Argument(
+            metavar="[KIND]",
+            autocompletion=kinds_of_files,
+            help="component, interfaces, components, design, bench or study.",
+        ),
     ] = None,
     folder: Annotated[
         Path | None, typer.Option("--output", "-o", metavar="DIR", help="Write KIND.json, or those of all, here.")
