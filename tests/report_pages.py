@@ -18,7 +18,7 @@ PLANE = slice(0, 121)
 
 def counts(page: Page) -> list[int]:
     """What the legend says: pass, fail, not exercised, failed to run."""
-    settle(page)
+    open_cockpit(page)
     texts = [page.inner_text(f"#count-{kind}") for kind in ("pass", "fail", "open", "broken")]
     return [int(text.replace("\u202f", "")) for text in texts]
 
@@ -50,8 +50,13 @@ def open_tab(page: Page, view: str) -> None:
     settle(page)
 
 
-def selected(page: Page) -> int:
+def open_cockpit(page: Page) -> None:
+    """Open the first view, unless it is open; a click would take the focus."""
     if page.get_attribute("#tab-plot", "aria-selected") == "false":
-        open_tab(page, "plot")
+        page.click("#tab-plot")
     settle(page)
+
+
+def selected(page: Page) -> int:
+    open_cockpit(page)
     return int(page.inner_text("#selected-run").split()[1])

@@ -61,6 +61,7 @@ def test_the_page_judges_every_case_as_python_does(scattered: ReportContent, ope
             for i, bounds in enumerate(BOUNDS)
         ),
         figures=(),
+        configurations=tuple(dataclasses.replace(one, properties={}) for one in scattered.configurations),
     )
     page = open_report(content)
     open_tab(page, "runs")
