@@ -85,10 +85,9 @@ CHANGES = """async (kind) => {
       slider.value = Number(slider.min) + (0.3 + 0.05 * turn) * (slider.max - slider.min);
       slider.dispatchEvent(new Event("input"));
     } else {
-      document.getElementById("limit").open = true;
       document.getElementById("limit-low").value = 0.1 + 0.02 * turn;
       document.getElementById("limit-high").value = 0.8;
-      document.querySelector("#limit form").requestSubmit();
+      document.getElementById("limit").requestSubmit();
     }
     await frame();
     took.push(performance.getEntriesByName("update").reduce((sum, { duration }) => sum + duration, 0));

@@ -1,4 +1,18 @@
-from .naming import opened as opened, space_of as space_of, workspace_of as workspace_of
+from .contents import (
+    ListedFile as ListedFile,
+    ListedResults as ListedResults,
+    Listing as Listing,
+    listing as listing,
+    study_folders as study_folders,
+)
+from .naming import (
+    OUT as OUT,
+    new_folder as new_folder,
+    opened as opened,
+    space_of as space_of,
+    study_folder as study_folder,
+    workspace_of as workspace_of,
+)
 from .packages import simulate_package as simulate_package
 from .probing import (
     consequences as consequences,
@@ -14,7 +28,19 @@ from .showing.progress import progress_bar as progress_bar
 from .showing.quantities import difference as difference, quantity as quantity
 from .spaces.design import Design as Design
 from .spaces.ranking import Ranking as Ranking
+from .starting.bench import new_bench as new_bench
+from .starting.component import new_component as new_component
+from .starting.design import new_design as new_design
+from .starting.study import new_study as new_study
+from .starting.writing import write_start as write_start
 from .studies.bench import Bench as Bench, Study as Study
+from .studies.comparing import (
+    Compared as Compared,
+    Flip as Flip,
+    compare as compare,
+    comparison_as_data as comparison_as_data,
+    flip_counts as flip_counts,
+)
 from .studies.exploring import (
     ExplorationInterruptedError as ExplorationInterruptedError,
     Explored as Explored,
@@ -24,6 +50,7 @@ from .studies.exploring import (
     explore_into as explore_into,
     plan_into as plan_into,
 )
+from .studies.glancing import Glance as Glance, glance as glance
 from .studies.merging import Merged as Merged, merge_into as merge_into
 from .studies.refining import Towards as Towards, refine as refine
 from .studies.replaying import replay as replay
@@ -35,6 +62,8 @@ from .studies.single import (
     study_of_bench as study_of_bench,
     write_package as write_package,
 )
+from .studies.stopping import stop as stop
+from .studies.trying import Tried as Tried, try_point as try_point
 from .studies.watching import (
     Status as Status,
     seconds_left as seconds_left,

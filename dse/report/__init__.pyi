@@ -19,7 +19,7 @@ from .content.nouns import (
     SamplerKind as SamplerKind,
     Variable as Variable,
 )
-from .content.reading import read_content as read_content
+from .content.reading import content_of_run as content_of_run, read_content as read_content
 from .drawing.chart import draw_chart as draw_chart
 from .drawing.style import save_drawing as save_drawing
 from .figure import (
@@ -31,5 +31,12 @@ from .figure import (
     uses_insight as uses_insight,
 )
 from .figures.waveforms import draw_run as draw_run
-from .insight.reading import insight_of as insight_of, read_insight as read_insight
-from .page.html import write_report as write_report
+from .insight.reading import insight_of as insight_of, read_insight as read_insight, read_report as read_report
+from .page.html import (
+    ICON as ICON,
+    bundle as bundle,
+    hash_of as hash_of,
+    served_page as served_page,
+    write_report as write_report,
+)
+from .page.printing import print_report as print_report

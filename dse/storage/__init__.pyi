@@ -17,10 +17,11 @@ from .difference import (
     changed_results as changed_results,
     changed_study as changed_study,
 )
-from .export.tables import EXPORTS as EXPORTS, columns_of as columns_of, to_frame as to_frame
+from .export.headings import headed as headed, si_unit as si_unit, units_of as units_of
+from .export.tables import EXPORTS as EXPORTS, to_arrow as to_arrow, to_frame as to_frame
 from .export.waveform_file import write_waveform_file as write_waveform_file
 from .folder import StudyFolder as StudyFolder
-from .lock import Writer as Writer, WriterLock as WriterLock, writer_of as writer_of
+from .lock import LOCK as LOCK, Writer as Writer, WriterLock as WriterLock, writer_of as writer_of
 from .merging import Merged as Merged, merge_studies as merge_studies, shards_in as shards_in
 from .rehearsal import Rehearsal as Rehearsal
 from .rows import Measures as Measures, RowBlock as RowBlock, block_of as block_of

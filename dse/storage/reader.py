@@ -22,7 +22,7 @@ from dse.storage.database.definition import unit_flaws
 from dse.storage.database.files import read_files
 from dse.storage.database.header import StudyHeader
 from dse.storage.database.seal import kept_seal
-from dse.storage.database.table import RunTable, read_table
+from dse.storage.database.table import RunTable, read_table, read_verdicts
 from dse.storage.database.tally import Tally, read_tally
 from dse.storage.spool import read_spool
 from dse.storage.waveform_check import FileFacts, size_of
@@ -47,6 +47,11 @@ class StudyReader:
         """The folder at *path* for reading; DseError if it is none, is damaged or was written by a newer dse."""
         return cls._connected(path, write=False)
 
+    @classmethod
+    def snapshot(cls, path: Path) -> Self:
+        """As `open`; all that is read until it is closed is of one moment, whatever is written meanwhile."""
+        return cls._connected(path, write=False, stays=True)
+
     @property
     def waveform_folder(self) -> Path:
         """Where the waveform files lie."""
@@ -60,6 +65,11 @@ class StudyReader:
     def finished(self) -> set[int]:
         """Numbers of the runs that have a row, done or failed."""
         return self._numbers("SELECT number FROM runs")
+
+    def count(self) -> int:
+        """How many runs have a row."""
+        with located(self.path):
+            return int(self._connection.execute("SELECT count(*) FROM runs").fetchone()[0])
 
     def failed(self) -> set[int]:
         """Numbers of the runs that failed."""
@@ -140,6 +150,11 @@ class StudyReader:
         with located(self.path):
             return read_tally(self._connection)
 
+    def verdicts(self) -> Mapping[tuple[str, ...], int]:
+        """How many runs came to each combination of verdicts on the requirements, in the header's order."""
+        with located(self.path):
+            return read_verdicts(self._connection, self.header.requirements)
+
     def close(self) -> None:
         """Close it."""
         self._connection.close()
@@ -153,13 +168,14 @@ class StudyReader:
         self.close()
 
     @classmethod
-    def _connected(cls, path: Path, *, write: bool) -> Self:
+    def _connected(cls, path: Path, *, write: bool, stays: bool = False) -> Self:
         connection = connect(path, write=write)
         try:
             with located(path):
                 connection.execute("BEGIN")  # what is read here is of one moment, whatever is written meanwhile
                 header, asks = read_header(connection, path)
-                connection.execute("COMMIT")
+                if not stays:
+                    connection.execute("COMMIT")
         except BaseException:
             connection.close()
             raise

@@ -40,14 +40,14 @@ def check_workspace(
     tell = on_progress or (lambda *_: None)
     counts: dict[str, int] = {}
     found = _of(_survey, workspace, counts)
-    if not found:
-        found += _components(workspace, tell, [] if ignored is None else ignored)
-        for what, folder in (("design spaces", "designs"), ("test benches and studies", "testbenches")):
-            paths = list(workspace.files(folder))
-            for number, path in enumerate(paths, 1):
-                tell(what, number, len(paths), path.name)
-                bench = _study if path.name.endswith(".pet.yaml") else _bench
-                found += _of(_design if folder == "designs" else bench, workspace, str(path))
+    # What cannot be read is told once more by whatever needs it; all else is told besides.
+    found += _components(workspace, tell, [] if ignored is None else ignored)
+    for what, folder in (("design spaces", "designs"), ("test benches and studies", "testbenches")):
+        paths = list(workspace.files(folder))
+        for number, path in enumerate(paths, 1):
+            tell(what, number, len(paths), path.name)
+            bench = _study if path.name.endswith(".pet.yaml") else _bench
+            found += _of(_design if folder == "designs" else bench, workspace, str(path))
     return list(dict.fromkeys(found)), counts
 
 
@@ -55,7 +55,11 @@ def _components(workspace: Workspace, tell: OnProgress, ignored: list[Problem]) 
     """Reads them one by one, then looks into several at a time: models are translated, which takes seconds."""
     problems: list[Problem] = []
     read: dict[str, Component] = {}
-    for name in workspace.component_files:
+    try:
+        known = workspace.component_files
+    except DseError as error:
+        return list(error.problems)
+    for name in known:
         try:
             read[name] = workspace.component(name)
         except DseError as error:

@@ -4,21 +4,21 @@ from __future__ import annotations
 
 import os
 import shutil
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 import pytest
 from numpy.typing import NDArray
-from playwright.sync_api import Browser, Page, sync_playwright
+from report_pages import Open
 
 from dse.report.content.nouns import (
     ConfigurationEntry,
     FigureSpec,
     Floats,
     MetricColumn,
-    Property,
     ReportContent,
     RequirementRow,
     Runs,
@@ -27,7 +27,8 @@ from dse.report.content.nouns import (
 )
 from dse.report.page.html import write_report
 
-Open = Callable[[ReportContent], Page]
+if TYPE_CHECKING:
+    from playwright.sync_api import Browser, Page
 
 SET_SPEED, LEAD_SPEED, START_GAP, SET_GAP = 70 / 3.6, 50 / 3.6, 150.0, 40.0
 GAINS = (
@@ -122,7 +123,7 @@ def build(
                     "controller": "pd_acc",
                     "brake": ("hydraulic_booster", "brake_by_wire")[i // 2 % 2],
                 },
-                {"cost": Property(9450.0 + 310 * i, "EUR"), "mass": Property(412.0 + 7 * i, "kg")},
+                {"cost": f"{9450 + 310 * i} EUR", "mass": f"{412 + 7 * i} kg"},
             )
             for i, name in enumerate(configurations)
         ),
@@ -215,6 +216,8 @@ def bench_only() -> ReportContent:
 
 @pytest.fixture(scope="module")
 def browser() -> Iterator[Browser]:
+    from playwright.sync_api import sync_playwright
+
     names = ("chromium", "chromium-browser", "google-chrome")
     found = next((path for path in map(shutil.which, names) if path), None)
     if found is None:
@@ -230,23 +233,26 @@ def browser() -> Iterator[Browser]:
 
 @pytest.fixture
 def open_report(browser: Browser, tmp_path: Path) -> Iterator[Open]:
-    """Opens a report from disk; at the end nothing must have been logged, thrown or fetched."""
+    """Opens a report from disk; at the end nothing must have been logged, thrown or fetched but the report itself."""
     context = browser.new_context(viewport={"width": 1440, "height": 1000}, color_scheme="light")
     complaints: list[str] = []
+    report = tmp_path / "report.html"
 
     def opened(content: ReportContent) -> Page:
-        write_report(content, tmp_path / "report.html")
+        write_report(content, report)
         page = context.new_page()
+        page.set_default_timeout(8000)
         page.on("console", lambda message: complaints.append(f"{message.type}: {message.text}"))
         page.on("pageerror", lambda error: complaints.append(str(error)))
         page.on("request", lambda request: complaints.append(request.url) if request.url[:5] != "data:" else None)
         complaints.clear()
-        page.goto((tmp_path / "report.html").as_uri())
+        page.goto(report.as_uri())
         page.wait_for_selector("html[data-ready]")
-        assert complaints == [(tmp_path / "report.html").as_uri()]
+        assert complaints == [report.as_uri()]
         complaints.clear()
         return page
 
     yield opened
     context.close()
-    assert complaints == []
+    # It may be loaded again.
+    assert set(complaints) <= {report.as_uri()}

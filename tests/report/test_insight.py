@@ -97,8 +97,8 @@ def test_the_error_of_a_formula_is_what_it_errs_by_in_runs_it_has_never_seen():
     (formula,) = formulas(points, values, centres)
     fresh = even(2000, 2, 5)
     wrong = evaluated(fresh, centres, formula.weights[:, None], formula.power) - np.sin(7 * fresh[:, :1]) * fresh[:, 1:]
-    # The formula is made from a quarter more runs than those whose error is told.
-    assert 0.3 * formula.error < np.sqrt((wrong**2).mean()) < 1.2 * formula.error
+    # It is made from a quarter more runs than those whose error is told, and errs more at the rim, beyond the last run.
+    assert 0.5 * formula.error < np.sqrt((wrong**2).mean()) < 1.5 * formula.error
 
 
 def test_noise_is_not_explained_by_any_formula():

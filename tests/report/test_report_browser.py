@@ -3,14 +3,12 @@
 from __future__ import annotations
 
 import dataclasses
-import os
-import shutil
-from collections.abc import Callable, Iterator
-from pathlib import Path
+from collections.abc import Callable
 
 import numpy as np
 import pytest
-from playwright.sync_api import Browser, Locator, Page, Position, sync_playwright
+from playwright.sync_api import Locator, Page, Position
+from report_pages import PLANE, Open, counts, expected, ground, selected, settle
 from verdict_cases import BOUNDS, cases
 
 from dse.errors import Problem
@@ -18,56 +16,12 @@ from dse.report.charts.chart import Axis, Band, Bars, Chart, Line, Rule, Steps, 
 from dse.report.content.nouns import MetricColumn, ReportContent, RequirementRow, Runs
 from dse.report.figure import ShownFigure, charted
 from dse.report.page import html as page_module
-from dse.report.page.html import write_report
 from dse.report.verdicts import Mark, overall_marks
 
 pytestmark = pytest.mark.browser
 
-PLANE = slice(0, 121)
-"""Runs of the plane that is shown first of the sliced study."""
 HOSTILE = '</script><img src=x onerror="window.pwned=1"><b>'
-Open = Callable[[ReportContent], Page]
 Figures = Callable[[ReportContent, tuple[Chart, ...] | None], ReportContent]
-
-
-@pytest.fixture(scope="module")
-def browser() -> Iterator[Browser]:
-    names = ("chromium", "chromium-browser", "google-chrome")
-    found = next((path for path in map(shutil.which, names) if path), None)
-    if found is None:
-        if os.environ.get("CI"):
-            pytest.fail(f"the report's browser tests need one of {', '.join(names)}")
-        pytest.skip(f"none of {', '.join(names)} is installed")
-    with sync_playwright() as playwright:
-        # Without its sandbox Chromium also starts for root in a container; the page is our own.
-        started = playwright.chromium.launch(executable_path=found, args=["--no-sandbox"])
-        yield started
-        started.close()
-
-
-@pytest.fixture
-def open_report(browser: Browser, tmp_path: Path) -> Iterator[Open]:
-    """Opens a report from disk; at the end nothing must have been logged, thrown or fetched."""
-    context = browser.new_context(viewport={"width": 1440, "height": 1000}, color_scheme="light")
-    complaints: list[str] = []
-
-    def opened(content: ReportContent) -> Page:
-        write_report(content, tmp_path / "report.html")
-        page = context.new_page()
-        page.set_default_timeout(8000)
-        page.on("console", lambda message: complaints.append(f"{message.type}: {message.text}"))
-        page.on("pageerror", lambda error: complaints.append(str(error)))
-        page.on("request", lambda request: complaints.append(request.url) if request.url[:5] != "data:" else None)
-        complaints.clear()
-        page.goto((tmp_path / "report.html").as_uri())
-        page.wait_for_selector("html[data-ready]")
-        assert complaints == [(tmp_path / "report.html").as_uri()]
-        complaints.clear()
-        return page
-
-    yield opened
-    context.close()
-    assert complaints == []
 
 
 @pytest.fixture
@@ -81,41 +35,6 @@ def figures(monkeypatch: pytest.MonkeyPatch) -> Figures:
         return content
 
     return shown
-
-
-def counts(page: Page) -> list[int]:
-    """What the legend says: pass, fail, not exercised, failed to run."""
-    settle(page)
-    texts = [page.inner_text(f"#count-{kind}") for kind in ("pass", "fail", "open", "broken")]
-    return [int(text.replace("\u202f", "")) for text in texts]
-
-
-def expected(content: ReportContent, *bounds: float, runs: slice = slice(None)) -> list[int]:
-    """The same of *runs* from Python, with the requirements' upper bounds replaced."""
-    requirements = tuple(
-        dataclasses.replace(requirement, at_most=bound)
-        for requirement, bound in zip(content.requirements, bounds, strict=True)
-    )
-    marks = overall_marks(dataclasses.replace(content, requirements=requirements))[runs]
-    return [int(count) for count in np.bincount(marks, minlength=4)]
-
-
-def settle(page: Page) -> None:
-    """Wait until what was changed has been drawn."""
-    page.evaluate("() => new Promise(done => requestAnimationFrame(() => requestAnimationFrame(done)))")
-
-
-def ground(page: Page) -> str:
-    """The constraint plot's pixels."""
-    settle(page)
-    return str(page.evaluate("document.querySelector('canvas.ground').toDataURL()"))
-
-
-def selected(page: Page) -> int:
-    if page.get_attribute("#tab-plot", "aria-selected") == "false":
-        page.click("#tab-plot")
-    settle(page)
-    return int(page.inner_text("#selected-run").split()[1])
 
 
 @pytest.mark.thorough
@@ -274,6 +193,7 @@ def test_dark_mode_redraws_everything(sliced: ReportContent, open_report: Open) 
     page = open_report(sliced)
     light, colour = ground(page), page.evaluate("getComputedStyle(document.body).backgroundColor")
     page.click("#tab-figures")
+    settle(page)
     chart = page.evaluate("document.querySelector('.sheet canvas').toDataURL()")
     page.click("#theme")
     settle(page)

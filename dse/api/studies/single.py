@@ -7,10 +7,10 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from dse.api.showing.described import si_unit
 from dse.api.studies.exploring import Tell, alone, ready
 from dse.api.studies.run import Run
 from dse.domain.study import Selection
+from dse.storage import si_unit
 from dse.testbench import bench_study, one_configuration, singly, with_settings
 
 if TYPE_CHECKING:

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from math import inf, isfinite
 from pathlib import Path
 
-from dse.domain.study import SHARD_FOLDER
+from dse.api.studies.glancing import is_shard, state_of
 from dse.storage import Maker, StudyFolder, Tally, Writer, shards_in, this_process, writer_of
 
 _PATIENCE = 1.0
@@ -45,15 +45,12 @@ class Status:
     @property
     def is_shard(self) -> bool:
         """Whether only a part of the runs is to be made in this folder."""
-        return bool(SHARD_FOLDER.fullmatch(self.folder.name))
+        return is_shard(self.folder)
 
     @property
     def state(self) -> str:
-        """``running``, ``finished`` or ``interrupted``; ``at rest`` for a shard, of which that cannot be told."""
-        if self.writer:
-            return "running"
-        done = self.tally.finished >= self.runs
-        return "finished" if done else "at rest" if self.is_shard else "interrupted"
+        """As `state_of` tells."""
+        return state_of(self.folder, self.runs, self.tally.finished, self.writer)
 
     @property
     def left(self) -> float:

@@ -8,6 +8,8 @@ from importlib import import_module
 COMMANDS = (
     "init",
     "check",
+    "list_",
+    "new",
     "components",
     "build",
     "probe",
@@ -32,11 +34,14 @@ COMMANDS = (
     "findings",
     "best",
     "refine",
+    "compare",
     "report",
+    "serve",
     "figure",
     "replay",
     "cache",
     "docs",
+    "schema",
 )
 
 

@@ -13,6 +13,7 @@ from dse.cli.arguments import Configuration, Folder
 from dse.cli.status import status_line
 from dse.cli.terminal import say, show_problems
 from dse.errors import DseError, Location, Problem, fail, raise_if_any
+from dse.scratch import make_folder
 
 if TYPE_CHECKING:
     from dse.report import ReportContent
@@ -59,7 +60,7 @@ def figure(
             content = replace(content, insight=read_insight(folder))
     view = View(x, y, _configuration(content, configuration), number)
     place = target or folder / "figures"
-    place.mkdir(parents=True, exist_ok=True)
+    make_folder(place)
     if content.missing:
         show_problems(DseError(*content.missing))
     problems: list[Problem] = []

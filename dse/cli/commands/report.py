@@ -13,6 +13,10 @@ from dse.cli.status import status_line
 from dse.cli.terminal import say, show_problems
 
 ReportFile = Annotated[Path | None, typer.Option("--output", "-o", metavar="FILE", help="Default: DIR/report.html.")]
+PdfFile = Annotated[
+    Path | None,
+    typer.Option("--pdf", metavar="FILE", help="Print it into a PDF file instead, by a Chromium of this machine."),
+]
 MostWaveforms = Annotated[int, typer.Option("--waveforms", min=0, help="Most runs whose waveforms go into the page.")]
 
 
@@ -20,9 +24,10 @@ MostWaveforms = Annotated[int, typer.Option("--waveforms", min=0, help="Most run
 def report(
     folder: Folder,
     target: ReportFile = None,
+    pdf: PdfFile = None,
     waveforms: MostWaveforms = 4000,
 ) -> None:
-    """Write the HTML report of a study.
+    """Write the HTML report of a study, or print it (--pdf).
 
     One page that works offline: constraint plot, thresholds, waveforms, run table.
 
@@ -33,9 +38,15 @@ def report(
 
     results = Results(folder)
     problems: list[Problem] = []
+    made: list[Path] = []
     with status_line() as tell:
-        tell(f"reading {len(results)} runs, drawing the page")
-        page = results.report(target, waveforms=waveforms, on_problems=problems.extend)
+        if target or not pdf:
+            tell(f"reading {len(results)} runs, drawing the page")
+            made.append(results.report(target, waveforms=waveforms, on_problems=problems.extend))
+        if pdf:
+            tell(f"reading {len(results)} runs, printing the page")
+            made.append(results.print(pdf, waveforms=waveforms, on_problems=problems.extend))
     if problems:
         show_problems(DseError(*problems))
-    say(f"{page}: {len(results)} runs, {page.stat().st_size / 1e6:.1f} MB")
+    for page in made:
+        say(f"{page}: {len(results)} runs, {page.stat().st_size / 1e6:.1f} MB")

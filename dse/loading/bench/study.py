@@ -62,9 +62,29 @@ def read_study(path: Path, find_bench: FindBench, inside: Path) -> Study:
     """One ``*.pet.yaml`` of the workspace *inside*. Raises DseError with every problem in it."""
     entry = read_document(path, inside)
     file = read_section(entry, StudyFile)
-    benches = _benches(entry["testbench"], file.testbench, find_bench)
-    bench = benches[0]
     problems = Problems()
+    constraints = []
+    for number, text in enumerate(file.constraints):
+        with problems:
+            constraints.append(parse_expression(text, entry["constraints"][number].origin))
+    executor, selection = ExecutorChoice(), Selection()
+    with problems:
+        chosen = read_extension(entry["executor"], file.executor, EXECUTORS).section
+        executor = ExecutorChoice(chosen.name, chosen.options())
+    with problems:
+        selection = _selection(entry["configurations"], file)
+    for key, word, known in (("keep_waveforms", file.keep_waveforms, Keep), ("check_step", file.check_step, CheckStep)):
+        if word not in set(known):
+            problems.add(f"unknown '{word}'", entry[key].where, closest(word, set(known)))
+    if not 0 <= file.seed < _SEEDS:
+        problems.add(f"the seed must be 0 … 2^63 - 1, not {file.seed}", entry["seed"].where, "seed: 1")
+    try:
+        benches = _benches(entry["testbench"], file.testbench, find_bench)
+    except DseError as error:  # what is wrong in this file alone is told all the same
+        with problems:
+            read_extension(entry["sampler"], file.sampler, SAMPLERS)
+        raise DseError(*error.problems, *problems) from None
+    bench = benches[0]
     variables, derived = _varied(entry, file, bench, problems)
     if len(benches) > 1:
         variables.append(bench_variable(benches, entry["testbench"].key))
@@ -75,11 +95,7 @@ def read_study(path: Path, find_bench: FindBench, inside: Path) -> Study:
     correlations: Mapping[tuple[str, str], float] = {}
     with problems:
         correlations = read_correlations(entry["correlations"], file.correlations, variables)
-    constraints = []
-    for number, text in enumerate(file.constraints):
-        with problems:
-            constraints.append(parse_expression(text, entry["constraints"][number].origin))
-    sampler, executor, selection = None, ExecutorChoice(), Selection()
+    sampler = None
     with problems:
         found = read_extension(entry["sampler"], file.sampler, SAMPLERS)
         drawn = [variable for variable in variables if variable.role is not Role.CONDITION]
@@ -87,19 +103,9 @@ def read_study(path: Path, find_bench: FindBench, inside: Path) -> Study:
         around = Surroundings(found.entry, frozenset(names), tuple(drawn), inside)
         # What else a sampler has to be, its protocol says and the suite over all of them checks.
         sampler = cast(Sampler, found.section.settled(around))
-    with problems:
-        chosen = read_extension(entry["executor"], file.executor, EXECUTORS).section
-        executor = ExecutorChoice(chosen.name, chosen.options())
-    with problems:
-        selection = _selection(entry["configurations"], file)
-    for key, word, known in (("keep_waveforms", file.keep_waveforms, Keep), ("check_step", file.check_step, CheckStep)):
-        if word not in set(known):
-            problems.add(f"unknown '{word}'", entry[key].where, closest(word, set(known)))
     if file.check_step == CheckStep.NEAR_BOUNDARY and any(each.simulation.check_step for each in benches):
         what, where = "the bench's check_step repeats every run already", entry["check_step"].where
         problems.add(what, where, "leave it out here, or there to have only runs near a boundary repeated")
-    if not 0 <= file.seed < _SEEDS:
-        problems.add(f"the seed must be 0 … 2^63 - 1, not {file.seed}", entry["seed"].where, "seed: 1")
     if problems or sampler is None:
         raise DseError(*problems)
     first, *others = (replace(each, derived=tuple(derived)) if derived else each for each in benches)

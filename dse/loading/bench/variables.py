@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Literal
+from typing import ClassVar, Literal
 
 from pydantic import Field
 
@@ -26,6 +26,8 @@ _VARIED = (Kind.REAL, Kind.INTEGER, Kind.BOOLEAN, Kind.ENUMERATION)
 
 class VariableSection(Section):
     """One design variable, or a condition."""
+
+    hints: ClassVar[Mapping[str, str]] = {"range": "write it as [low, high]; numbers have a decimal point, no comma"}
 
     range: list[Plain] | None = Field(default=None, min_length=2, max_length=2)
     values: list[Plain | bool] | None = None

@@ -59,7 +59,7 @@ def read_content(path: Path, most: int = MAX_WAVEFORMS) -> ReportContent:
     With more than *most* kept waveforms an evenly spread choice is taken; waveforms whose file is gone or damaged are
     left out. The facts say so. DseError if the folder is damaged otherwise.
     """
-    with StudyFolder.open(path) as folder:
+    with StudyFolder.snapshot(path) as folder:
         return _read(folder, most)
 
 

@@ -14,8 +14,8 @@ from dse.analysis import Factor
 from dse.report.content.nouns import Floats
 
 POWERS = (1, 3)
-MOST_CENTRES = 120
-MOST_RUNS = 1000
+MOST_CENTRES = 200
+MOST_RUNS = 2000
 _FOLDS = 5
 _SEED = 0
 _RIDGE = 1e-10

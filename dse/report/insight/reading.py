@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 
 from dse.analysis import essentials, planes
 from dse.report.content.insight import Insight
+from dse.report.content.nouns import ReportContent
+from dse.report.content.reading import MAX_WAVEFORMS, read_content
 from dse.report.insight.asked import asked_of
 from dse.report.insight.chances import chances_of
 from dse.report.insight.drawing import drawn, part_of_table
@@ -19,6 +22,11 @@ from dse.storage import RunTable, StudyFolder
 
 MOST_RUNS = 20_000
 """Of more runs, findings are told of so many drawn from them, and the page says so."""
+
+
+def read_report(path: Path, most: int = MAX_WAVEFORMS) -> ReportContent:
+    """All that a page shows of the study at *path*: `read_content`, and what its runs tell."""
+    return replace(read_content(path, most), insight=read_insight(path))
 
 
 def read_insight(path: Path) -> Insight:

@@ -30,7 +30,7 @@ T = TypeVar("T")
 
 
 def part_of(data: StudyData, naming: Naming) -> Part:
-    """Of the runs *data*, which may be compared with each other: of 5,000 drawn at most, formulas of 1,000."""
+    """Of the runs *data*, which may be compared with each other: of 5,000 drawn at most, formulas of 2,000."""
     definition, runs = data.definition, len(data)
     data = data.part(drawn(np.arange(runs), MOST_COMPARED))
     wanted = [entry.metric for entry in definition.requirements]

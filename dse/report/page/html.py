@@ -5,14 +5,14 @@ from __future__ import annotations
 import base64
 import hashlib
 import html
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from importlib.resources import files
 from pathlib import Path
 
 from dse.errors import Problem, fail
 from dse.report.content.nouns import ReportContent
 from dse.report.figure import ShownFigure, shown_figures
-from dse.report.page.payload import payload_of
+from dse.report.page.payload import payload_of, script_json
 from dse.scratch import write_whole
 
 _PAGE = """<!doctype html>
@@ -30,13 +30,13 @@ _PAGE = """<!doctype html>
 <div id="page"><noscript>This report draws itself with JavaScript, which is switched off.</noscript></div>
 <script type="application/json" id="document">{document}</script>
 <script type="application/octet-stream;base64" id="columns">{columns}</script>
-<script type="application/octet-stream;base64" id="waveforms">{waveforms}</script>
+<script type="application/octet-stream;base64" id="waveforms">{waveforms}</script>{live}
 <script>{script}</script>
 </body>
 </html>
 """
 
-_ICON = "data:image/svg+xml;base64," + base64.b64encode(
+ICON = "data:image/svg+xml;base64," + base64.b64encode(
     b'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 16 16"><rect width="16" height="16" rx="3" fill="#1f4e9e"/>'
     b'<path d="M3 13 Q8 11 13 4" stroke="#fff" stroke-width="2" fill="none"/></svg>'
 ).decode("ascii")
@@ -53,27 +53,38 @@ def write_report(content: ReportContent, target: Path) -> tuple[Problem, ...]:
     return tuple(figure.problem for figure in shown if figure.problem)
 
 
-def page_of(content: ReportContent, shown: Sequence[ShownFigure] = ()) -> str:
-    """The page as text, with the figures *shown*; the same content gives the same text."""
-    script, style = _bundle("report.js"), _bundle("report.css")
+def served_page(content: ReportContent, live: Mapping[str, object]) -> str:
+    """The page as a server gives it: *live* tells its script whom to ask how the study is getting on."""
+    entry = f'\n<script type="application/json" id="live">{script_json(live)}</script>'
+    return page_of(content, shown_figures(content), entry)
+
+
+def page_of(content: ReportContent, shown: Sequence[ShownFigure] = (), live: str = "") -> str:
+    """The page as text, with the figures *shown*; the same content gives the same text.
+
+    With the script element *live* it may ask the server it came from.
+    """
+    script, style = bundle("report.js"), bundle("report.css")
     payload = payload_of(content, shown)
     policy = (
-        f"default-src 'none'; script-src '{_hash(script)}'; style-src '{_hash(style)}'; "
-        "img-src data:; base-uri 'none'; form-action 'none'"
+        f"default-src 'none'; script-src '{hash_of(script)}'; style-src '{hash_of(style)}'; "
+        "img-src data:; base-uri 'none'; form-action 'none'" + ("; connect-src 'self'" if live else "")
     )
     return _PAGE.format(
         policy=policy,
         title=html.escape(content.title),
-        icon=_ICON,
+        icon=ICON,
         style=style,
         document=payload.document,
         columns=payload.columns,
         waveforms=payload.waveforms,
+        live=live,
         script=script,
     )
 
 
-def _bundle(name: str) -> str:
+def bundle(name: str) -> str:
+    """A file that was bundled of the web sources. Raises DseError if it is not there."""
     source = files("dse.report").joinpath("web", "dist", name)
     try:
         text = source.read_text(encoding="utf-8")
@@ -86,5 +97,6 @@ def _bundle(name: str) -> str:
     return text.replace("\r\n", "\n")
 
 
-def _hash(text: str) -> str:
+def hash_of(text: str) -> str:
+    """What a content security policy calls the inline script or style *text*."""
     return "sha256-" + base64.b64encode(hashlib.sha256(text.encode("utf-8")).digest()).decode("ascii")

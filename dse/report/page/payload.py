@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -46,7 +46,7 @@ def payload_of(content: ReportContent, shown: Sequence[ShownFigure] = ()) -> Pay
         document["missing"] = [problem.what for problem in content.missing]
     document["columns"] = columns.directory
     document["waveforms"] = waveforms.directory
-    return Payload(_script_json(document), columns.text(), waveforms.text())
+    return Payload(script_json(document), columns.text(), waveforms.text())
 
 
 def _document(content: ReportContent) -> Json:
@@ -201,7 +201,8 @@ def _storage_facts(content: ReportContent, figures: list[Json]) -> list[list[str
     ]
 
 
-def _script_json(document: Json) -> str:
+def script_json(document: Mapping[str, object]) -> str:
+    """*document* as JSON that is safe inside a script element."""
     text = json.dumps(document, separators=(",", ":"), allow_nan=False, ensure_ascii=True)
     # Inside a script element only "</script" and "<!--" end or bend the text; without < neither can be spelt.
     return text.replace("<", "\\u003c").replace(">", "\\u003e").replace("&", "\\u0026")

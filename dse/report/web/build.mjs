@@ -4,14 +4,11 @@ import { existsSync, readFileSync, readdirSync, writeFileSync } from "node:fs";
 
 const common = { bundle: true, minify: true, charset: "ascii", legalComments: "none", logLevel: "warning" };
 
-const script = await build({
-  ...common,
-  entryPoints: ["src/main.ts"],
-  outfile: "dist/report.js",
-  format: "iife",
-  target: "es2022",
-  metafile: true,
-});
+const code = { ...common, format: "iife", target: "es2022", metafile: true };
+const script = await build({ ...code, entryPoints: ["src/main.ts"], outfile: "dist/report.js" });
+// Pages of the server around the reports; of no library.
+await build({ ...code, entryPoints: ["src/serve.ts"], outfile: "dist/serve.js" });
+await build({ ...common, entryPoints: ["src/style/serve.css"], outfile: "dist/serve.css" });
 await build({ ...common, entryPoints: ["src/style/report.css"], outfile: "dist/report.css" });
 
 const text = readFileSync("dist/report.js", "utf8") + licences(Object.keys(script.metafile.inputs));

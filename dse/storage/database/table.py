@@ -173,6 +173,15 @@ def read_table(connection: sqlite3.Connection, header: StudyHeader, numbers: Seq
     return replace(table, checks=checks)
 
 
+def read_verdicts(connection: sqlite3.Connection, requirements: Sequence[str]) -> Mapping[tuple[str, ...], int]:
+    """How many runs came to each combination of verdicts on *requirements*."""
+    names = ", ".join(quoted(f"verdict:{name}") for name in requirements)
+    if not names:
+        return {(): int(connection.execute("SELECT count(*) FROM runs WHERE outcome <> 'failed'").fetchone()[0])}
+    rows = connection.execute(f"SELECT {names}, count(*) FROM runs GROUP BY {names}")  # noqa: S608  # quoted
+    return {row[:-1]: row[-1] for row in rows}
+
+
 def _refuse_unsealed(columns: Sequence[Cells], sealed: Cells) -> None:
     """ValueError for a row that is not what was written; one of an earlier version's study does not tell."""
     for number, seal, now in zip(columns[0], sealed, seals(columns).tolist(), strict=True):

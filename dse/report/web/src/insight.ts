@@ -1,5 +1,9 @@
 // What was asked and what the runs tell, as dse/report/content/insight.py has it: the fields are called the same.
+import { shortened } from "./format";
 import type { Numbers } from "./packing";
+
+const MOST_TEXT = 1200;
+const MOST_LABEL = 40;
 
 /** Value, low, high; null where there is no interval, or no value. */
 export type Estimate = [number | null, number | null, number | null];
@@ -55,6 +59,9 @@ export interface FactorAxis {
   /** At even places from 0 to 1. */
   values: number[];
   levels: string[];
+  /** The title, and the levels, as there is room for them. */
+  label: string;
+  labels: string[];
 }
 
 export interface Profile {
@@ -125,7 +132,19 @@ export interface Insight {
 
 /** The insight of the document, with its arrays in their places; null for a page without one. */
 export function readInsight(source: unknown, arrays: Map<string, Numbers>): Insight | null {
-  return source ? (filled(source, arrays) as Insight) : null;
+  if (!source) return null;
+  const insight = filled(source, arrays) as Insight;
+  const fitted = (text: string): string => shortened(text, MOST_TEXT);
+  return {
+    ...insight,
+    told: insight.told.map((each) => ({ ...each, text: fitted(each.text) })),
+    boxes: insight.boxes.map((each) => ({ ...each, text: fitted(each.text), choices: fitted(each.choices) })),
+    withheld: insight.withheld.map(fitted),
+    parts: insight.parts.map((part) => ({
+      ...part,
+      factors: part.factors.map((factor) => ({ ...factor, label: shortened(factor.title, MOST_LABEL), labels: factor.levels.map((level) => shortened(level, MOST_LABEL)) })),
+    })),
+  };
 }
 
 function filled(value: unknown, arrays: Map<string, Numbers>): unknown {

@@ -5,6 +5,7 @@ import { createAnnouncement } from "./announce";
 import { shownRuns } from "./counts";
 import { el } from "./dom";
 import { count } from "./format";
+import { startLive } from "./live";
 import { createBrushes } from "./panels/brushes";
 import { startingPoint } from "./plane/plane";
 import { createStore, studyThresholds, whileShown, type State, type Store } from "./store";
@@ -24,6 +25,7 @@ async function start(): Promise<void> {
     store.set(readFragment(study, location.hash.slice(1), start));
     page.replaceChildren(header(store), ...createViews(store), createAnnouncement(store));
     followAddress(store, start);
+    startLive(store);
     document.documentElement.dataset["ready"] = "yes";
   } catch (error) {
     const hint = "DecompressionStream" in window ? "" : " This browser is too old: it cannot unpack the data (DecompressionStream).";
@@ -75,7 +77,7 @@ function createViews(store: Store): HTMLElement[] {
   const suited = VIEWS.filter((view) => view.suits(store.study));
   const made = new Map<string, { body: HTMLElement; show: () => void; hide: () => void }>();
   let shown: { hide: () => void } | null = null;
-  const main = el("main", { id: "view", role: "tabpanel", tabindex: -1 });
+  const panel = el("div", { id: "view", role: "tabpanel", tabindex: -1 });
   const tabs = suited.map((view) => el("button", { id: `tab-${view.name}`, type: "button", role: "tab", "aria-controls": "view", click: () => store.set({ view: view.name }) }, view.title));
   const list = el("div", { class: "views", role: "tablist", "aria-label": "Views" }, ...tabs);
   list.addEventListener("keydown", (event) => {
@@ -92,17 +94,17 @@ function createViews(store: Store): HTMLElement[] {
       tab.setAttribute("aria-selected", String(suited[index] === view));
       tab.tabIndex = suited[index] === view ? 0 : -1;
     });
-    main.setAttribute("aria-labelledby", `tab-${view.name}`);
+    panel.setAttribute("aria-labelledby", `tab-${view.name}`);
     shown?.hide();
     let entry = made.get(view.name);
     if (entry) {
-      main.replaceChildren(entry.body);
+      panel.replaceChildren(entry.body);
       entry.show();
     } else {
       const quiet = whileShown(store);
       entry = { body: view.create(quiet.store), show: quiet.show, hide: quiet.hide };
       made.set(view.name, entry);
-      main.replaceChildren(entry.body);
+      panel.replaceChildren(entry.body);
     }
     shown = entry;
   };
@@ -111,7 +113,7 @@ function createViews(store: Store): HTMLElement[] {
   });
   show();
   const { chips, form } = createBrushes(store);
-  return [el("nav", { class: "navigation" }, suited.length > 1 && list, el("span", { class: "spring" }), form), chips, main];
+  return [el("nav", { class: "navigation" }, suited.length > 1 && list, el("span", { class: "spring" }), form), chips, el("main", {}, panel)];
 }
 
 void start();

@@ -4,6 +4,7 @@ import { rebrushed, type Brush } from "../brushing";
 import { countMarks } from "../counts";
 import { choose, el } from "../dom";
 import { group, number, withUnit } from "../format";
+import { createMenu } from "../menu";
 import { copyText, csvOf, download } from "../save";
 import type { Store } from "../store";
 import { axisLabel } from "../study";
@@ -54,7 +55,7 @@ function nextMenu(store: Store): HTMLElement {
   const shown = el("pre", { id: "next-study", tabindex: 0 }, text);
   const said = el("span", { class: "muted", role: "status" });
   const copy = el("button", { type: "button", click: () => void copyText(text, shown).then((done) => (said.textContent = done ? "copied" : "selected: press Ctrl+C")) }, "Copy");
-  return el("details", { class: "menu" }, el("summary", { id: "next-summary" }, "As the next study"), el("div", { class: "sheet-menu" }, shown, copy, said));
+  return createMenu("next-summary", "As the next study", "As the next study", el("div", {}, shown, copy, said));
 }
 
 function createForm(store: Store): HTMLElement {
@@ -79,18 +80,17 @@ function createForm(store: Store): HTMLElement {
     const [least, most] = [known.reduce((a, b) => Math.min(a, b), Infinity), known.reduce((a, b) => Math.max(a, b), -Infinity)];
     const range: [number, number] = [end(low, least), end(high, most)];
     if (range.every(Number.isFinite)) store.set({ brushes: rebrushed(store.state.brushes, select.value, range) });
+    menu.open = false;
+    menu.querySelector("summary")!.focus();
   };
-  return el(
-    "details",
-    { class: "menu", id: "limit", toggle: () => fill(select.value) },
-    el("summary", {}, "Limit runs"),
-    el(
-      "form",
-      { class: "sheet-menu", submit: apply },
-      el("label", { class: "field" }, el("span", {}, "Only runs whose"), select),
-      el("div", { class: "range" }, el("span", { class: "muted" }, "from"), low, el("span", { class: "muted" }, "to"), high),
-      el("button", { type: "submit" }, "Apply"),
-      el("p", { class: "hint" }, "An empty end is open. Dragging along an axis does the same."),
-    ),
+  const form = el(
+    "form",
+    { id: "limit", submit: apply },
+    el("label", { class: "field" }, el("span", {}, "Only runs whose"), select),
+    el("div", { class: "range" }, el("span", { class: "muted" }, "from"), low, el("span", { class: "muted" }, "to"), high),
+    el("button", { type: "submit" }, "Apply"),
+    el("p", { class: "hint" }, "An empty end is open. Dragging along an axis does the same."),
   );
+  const menu = createMenu("limit-runs", "Limit runs", "Limit runs", form, () => fill(select.value));
+  return menu;
 }

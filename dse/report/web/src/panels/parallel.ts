@@ -3,6 +3,7 @@ import { selectRun, setSetting, togglePin } from "../actions";
 import { rebrushed } from "../brushing";
 import { el } from "../dom";
 import { group } from "../format";
+import { createMenu } from "../menu";
 import { axesOf, FOOT, heightsOf, nearestLine, paintLines, placeOf, SIDE, TOP, type Axis } from "../plot/parallel";
 import type { State, Store } from "../store";
 
@@ -81,7 +82,7 @@ function moved(axes: Axis[], from: number, to: number): Axis[] {
 }
 
 function head(store: Store, axes: Axis[], axis: Axis, index: number, x: number, room: number): HTMLElement {
-  const button = el("button", { id: `head-${axis.key}`, class: "head-axis", type: "button", title: `${axis.title}: drag, or the arrow keys, to move; Delete takes it away` }, axis.title);
+  const button = el("button", { id: `head-${axis.key}`, class: "head-axis", type: "button", title: `${axis.title}: drag, or the arrow keys, to move; Delete takes it away` }, el("span", {}, axis.title));
   button.style.left = `${x}px`;
   button.style.width = `${room - 6}px`;
   button.addEventListener("keydown", (event) => {
@@ -112,7 +113,7 @@ function head(store: Store, axes: Axis[], axis: Axis, index: number, x: number, 
 }
 
 function chooser(store: Store, all: Axis[]): HTMLElement {
-  const list = el("div", { class: "sheet-menu axes" });
+  const list = el("div", { class: "axes" });
   const draw = (): void => {
     const shown = chosen(store, all);
     const set = (keys: string[]): void => reorder(store, keys.flatMap((key) => all.find((axis) => axis.key === key) ?? []));
@@ -149,7 +150,9 @@ function chooser(store: Store, all: Axis[]): HTMLElement {
     if (changed.has("settings")) draw();
   });
   draw();
-  return el("details", { class: "menu left-menu" }, el("summary", { id: "choose-axes" }, "Axes"), list);
+  const menu = createMenu("choose-axes", "Axes", "Choose the axes", list);
+  menu.classList.add("left-menu");
+  return menu;
 }
 
 function prefixOf(key: string): string {

@@ -12,10 +12,6 @@ const ORDER: Mark[] = [0, 1, 2, 3];
 const COUNTED: (keyof State)[] = ["thresholds", "configuration", "x", "y", "fixed", "brushes", "theme"];
 const MEANING = ["meets every requirement that is switched on", "fails at least one", "not exercised: a pass there would be empty", "failed to run"];
 
-export function scope(store: Store): number {
-  return store.study.variables.length && store.study.configurations.length > 1 ? store.state.configuration : -1;
-}
-
 export function createSummary(store: Store): HTMLElement {
   const head = el("p", { class: "headline" });
   const bar = el("div", { class: "share", "aria-hidden": "true" });
@@ -63,10 +59,20 @@ export function createSummary(store: Store): HTMLElement {
   return box;
 }
 
+/** How many of the runs shown meet the requirements, as a sentence without its stop. */
+export function inWords(store: Store): string {
+  const counts = countMarks(store.judgement().overall, shownRuns(store), store.within());
+  return `${counts[PASS]} of ${sum(counts)} runs${scopeInWords(store)}${meeting(store)}`;
+}
+
 function scopeInWords(store: Store): string {
-  const { study } = store;
-  const where = !plotted(study) ? "" : study.sampler === "scattered" ? " shown" : " on this plane";
-  return `${where}${store.within() ? " within the brushes" : ""}`;
+  const within = store.within();
+  const brushed = within ? " within the brushes" : "";
+  if (!plotted(store.study)) return brushed;
+  const { on, beside } = store.plane();
+  if (!beside.length) return ` on this plane${brushed}`;
+  const exactly = sum(countMarks(store.judgement().overall, on, within));
+  return ` shown${brushed}, ${exactly ? group(exactly) : "none"} of them on this plane,`;
 }
 
 function meeting(store: Store): string {

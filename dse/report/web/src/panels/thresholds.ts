@@ -109,7 +109,7 @@ function createRow(store: Store, requirement: number, bound: Bound, first: boole
     step: "any",
     "aria-label": `${title}: ${column.title} ${sign}, in ${column.unit || "1"}`,
     input: () => set(field.value),
-    blur: () => (field.value = String(store.state.thresholds[requirement]![bound])),
+    blur: () => (field.value = written(store.state.thresholds[requirement]![bound]!)),
   });
   const swatch = el("canvas", { class: "swatch", "aria-hidden": "true" });
   const change = el("span", { class: "change" });
@@ -137,7 +137,7 @@ function showRow(store: Store, row: Row): void {
   row.box.classList.toggle("off", !!threshold.off);
   if (toggle) toggle.checked = !threshold.off;
   slider.value = String(value);
-  if (document.activeElement !== field || Number(field.value) !== value) field.value = String(value);
+  if (document.activeElement !== field || Number(field.value) !== Number(written(value))) field.value = written(value);
   slider.setAttribute("aria-valuetext", withUnit(number(value), unit));
   row.change.textContent = changed(study.requirements[requirement]![bound]!, value, bound, unit);
   const marks = store.judgement().each[requirement]!;
@@ -156,6 +156,11 @@ function showLight({ study, state, judgement }: Store, { requirement, light }: R
   const by = margin(metric.values[run]!, state.thresholds[requirement]!);
   const text = mark <= FAIL && !Number.isNaN(by) ? withUnit(`${by > 0 ? "+" : ""}${number(by, 3)}`, metric.unit) : WORDS[mark]!;
   light.replaceChildren(el("span", { class: `badge ${CLASSES[mark]}`, title: `Run ${study.number[run]}: ${WORDS[mark]}` }, `${SIGNS[mark]} ${text}`));
+}
+
+// 3 times 0.2 is 0.6000000000000001; the last digits are no one's wish.
+function written(value: number): string {
+  return String(Number(value.toPrecision(12)));
 }
 
 // In words, how the bound differs from the study's.

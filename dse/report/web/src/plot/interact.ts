@@ -15,6 +15,7 @@ const REACH = 18;
 const CLICK_REACH = 3 * REACH;
 // A hand that clicks moves a little.
 const STILL = 4;
+const ON_RUN = 5;
 const STEP = 1.5;
 const ARROWS: Record<string, [number, number]> = {
   ArrowLeft: [-1, 0],
@@ -92,6 +93,7 @@ export function attachInteraction(store: Store, plot: Plot): HTMLElement[] {
     box.hidden = true;
     if (ended?.moved && ended.kind !== "pan") return brushTo(store, plot, ended, at(event));
     if (ended?.moved || event.button !== 0) return;
+    tellPlace(store, plot, at(event));
     const run = nearest(store, plot, at(event), CLICK_REACH, () => true);
     if (run < 0) return;
     if (event.shiftKey) togglePin(store, run);
@@ -171,6 +173,14 @@ function clamp(value: number, low: number, high: number): number {
 }
 
 // The run under the pointer; one that has waveforms to show goes first.
+/** Beside the runs, whoever wants to know hears where: a served report can simulate there. */
+function tellPlace(store: Store, plot: Plot, [x, y]: Place): void {
+  const frame = plot.frame();
+  if (!frame || nearest(store, plot, [x, y], ON_RUN, () => true) >= 0) return;
+  const detail = { x: frame.x.invert(x), y: frame.y.invert(y) };
+  plot.surface.dispatchEvent(new CustomEvent("pointed-at", { bubbles: true, detail }));
+}
+
 function near(store: Store, plot: Plot, place: Place): number {
   const kept = nearest(store, plot, place, REACH, (run) => isKept(store, run));
   return kept >= 0 ? kept : nearest(store, plot, place, REACH, () => true);

@@ -8,6 +8,7 @@ import { openRun } from "../shared/runs";
 import { cellsOf, markOf, type Cell } from "./cells";
 import type { Chosen } from "./conditions";
 import { designsOf } from "./designs";
+import { createSmall } from "./small";
 import { levelsOf, oneLevel } from "./levels";
 
 const keys = new WeakMap<Study, string[]>();
@@ -40,7 +41,10 @@ export function createMatrix(store: Store, chosen: Chosen): HTMLElement {
       ...cells.map((row, index) => el("tr", {}, el("th", { scope: "row" }, down ? y.labels[index]! : "verdict"), ...row.map((cell) => cellOf(store, cell, chosen, designs)))),
     ),
   );
-  return el("div", {}, el("p", { class: "headline-small" }, sentence(store, chosen, shown, cells.flat().length, designs)), el("div", { class: "scroll", tabindex: 0, role: "region", "aria-label": "Verdict matrix" }, table), legend());
+  const each = chosen.requirement < 0 && study.requirements.length > 1;
+  const share = (index: number) => (cell: Cell): [number, number] | null => (chosen.whole ? passingDesigns(store, cell, { ...chosen, requirement: index }, designs) : null);
+  const small = each ? [el("h3", { class: "small-head" }, "Requirement by requirement"), el("div", { class: "smalls" }, ...study.requirements.map((_, index) => createSmall(store, x, y, index, among, share(index))))] : [];
+  return el("div", {}, el("p", { class: "headline-small" }, sentence(store, chosen, shown, cells.flat().length, designs)), el("div", { class: "scroll", tabindex: 0, role: "region", "aria-label": "Verdict matrix" }, table), legend(), ...small);
 }
 
 function cellOf(store: Store, cell: Cell, chosen: Chosen, designs: string[]): HTMLElement {

@@ -27,8 +27,8 @@ export const overviewView: View = {
       el(
         "div",
         { class: "overview-columns" },
-        el("div", { class: "left" }, ...requirements, card("picks", "Runs to look at", createPicks(store)), card("found", "What was found", createFound(store))),
-        el("div", { class: "right" }, card("asked", "What was asked", createAsked(study, asked)), card("measured", "How it was measured", createFormulas(study, asked)), createConstants(asked), facts),
+        el("div", {}, ...requirements, card("picks", "Runs to look at", createPicks(store)), card("found", "What was found", createFound(store))),
+        el("div", {}, card("asked", "What was asked", createAsked(study, asked)), card("measured", "How it was measured", createFormulas(study, asked)), createConstants(asked), facts),
       ),
     );
   },

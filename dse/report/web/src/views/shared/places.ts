@@ -24,11 +24,7 @@ export function levelAt({ levels }: FactorAxis, place: number): number {
 }
 
 export function placeText(factor: FactorAxis, place: number): string {
-  return factor.variable < 0 ? factor.levels[levelAt(factor, place)]! : withUnit(number(valueAt(factor, place), 4), factor.unit);
-}
-
-export function axisTitle({ title, unit, variable }: FactorAxis): string {
-  return variable < 0 ? title : `${title} [${unit || "\u2013"}]`;
+  return factor.variable < 0 ? factor.labels[levelAt(factor, place)]! : withUnit(number(valueAt(factor, place), 4), factor.unit);
 }
 
 /** The place of a run on each factor; the middle where the page does not know. */

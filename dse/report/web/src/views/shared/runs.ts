@@ -1,9 +1,11 @@
 // Runs as buttons: a click selects the run and opens the plot.
 import { selectRun } from "../../actions";
 import { el } from "../../dom";
-import { withUnit } from "../../format";
+import { shortened, withUnit } from "../../format";
 import type { Store } from "../../store";
 import type { Study } from "../../study";
+
+const MOST_NAME = 32;
 
 const known = new WeakMap<Study, Map<number, number>>();
 
@@ -39,5 +41,5 @@ export function placeOf(study: Study, run: number): string {
 export function architectureOf(study: Study, configuration: number): string {
   const { id, choices } = study.configurations[configuration]!;
   const differing = choices.filter(([place, choice]) => study.configurations.some((other) => (other.choices.find(([name]) => name === place)?.[1] ?? "") !== choice));
-  return [id, ...differing.map(([place, choice]) => `${place} ${choice}`)].join(", ");
+  return [id, ...differing.map(([place, choice]) => `${shortened(place, MOST_NAME)} ${shortened(choice, MOST_NAME)}`)].join(", ");
 }

@@ -11,6 +11,7 @@ import { positionOf, runButton } from "../shared/runs";
 export function createBoxes(store: Store): HTMLElement {
   const { study } = store;
   const { boxes, centres } = study.insight!;
+  const shows = [...boxes, ...centres].some(({ ranges }) => ranges.length);
   const status = el("p", { class: "hint", id: "brushed", "aria-live": "polite" });
   const clear = el("button", { type: "button", id: "clear-brushes", click: () => store.set({ brushes: [] }) }, "Show all runs again");
   const tell = (): void => {
@@ -18,7 +19,7 @@ export function createBoxes(store: Store): HTMLElement {
     const { overall } = store.judgement();
     clear.hidden = !mask;
     if (!mask) {
-      status.textContent = "\u2018Show\u2019 sets back all runs outside of a box, in every view.";
+      status.textContent = !shows ? "" : "\u2018Show\u2019 sets back all runs outside of a box, in every view.";
       return;
     }
     let [inside, passing] = [0, 0];

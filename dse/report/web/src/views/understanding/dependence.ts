@@ -40,7 +40,7 @@ function bar(factor: FactorAxis, [value, low, high]: Estimate): HTMLElement {
   fill.style.width = `${100 * (value ?? 0)}%`;
   whisker.style.left = `${100 * (low ?? 0)}%`;
   whisker.style.width = `${100 * ((high ?? 0) - (low ?? 0))}%`;
-  return el("div", { class: "bar-row" }, el("span", { class: "bar-name" }, factor.title), el("span", { class: "bar-track", "aria-hidden": "true" }, fill, whisker), el("span", { class: "bar-value" }, el("b", {}, `${percent(value)}\u202f%`), ` (${percent(low)} \u2026 ${percent(high)}\u202f%)`));
+  return el("div", { class: "bar-row" }, el("span", { class: "bar-name" }, factor.label), el("span", { class: "bar-track", "aria-hidden": "true" }, fill, whisker), el("span", { class: "bar-value" }, el("b", {}, `${percent(value)}\u202f%`), ` (${percent(low)} \u2026 ${percent(high)}\u202f%)`));
 }
 
 function ends(effects: Response["effects"]): [number, number] {
@@ -58,17 +58,17 @@ function mini(store: Store, part: Part, response: Response, { factor, places, me
   const column = (index: number): Float64Array => Float64Array.from(means, (mean) => mean[index] ?? NaN);
   const chart: Chart = {
     name: "effect",
-    title: axis.title,
+    title: axis.label,
     note: "",
-    x: { title: axis.title, unit: axis.unit, log: false, low: isChoice ? -0.5 : axis.values[0]!, high: isChoice ? axis.levels.length - 0.5 : axis.values.at(-1)!, names: isChoice ? axis.levels : [] },
+    x: { title: axis.label, unit: axis.unit, log: false, low: isChoice ? -0.5 : axis.values[0]!, high: isChoice ? axis.levels.length - 0.5 : axis.values.at(-1)!, names: isChoice ? axis.labels : [] },
     y: { title: metric.title, unit: metric.unit, log: false, low, high, names: [] },
     drawn: [
       ...(isChoice ? whiskers(at, column(1), column(2)) : [{ kind: "band" as const, label: "", x: at, low: column(1), high: column(2) }]),
       isChoice ? { kind: "points", label: "", verdict: null, x: at, y: column(0), runs: new Int32Array(at.length) } : { kind: "line", label: "", x: at, y: column(0) },
     ],
   };
-  const values = means.map((mean, index) => `${mean[0]} at ${isChoice ? axis.levels[index] : at[index]}`).join(", ");
-  return createPainted(store, "mini", `Mean of ${metric.title} along ${axis.title}: ${values}`, (canvas) => paintChart(canvas, chart, palette())).element;
+  const values = means.map((mean, index) => `${mean[0]} at ${isChoice ? axis.labels[index] : at[index]}`).join(", ");
+  return createPainted(store, "mini", `Mean of ${metric.title} along ${axis.label}: ${values}`, (canvas) => paintChart(canvas, chart, palette())).element;
 }
 
 /** Levels have no order: nothing is drawn between them. */

@@ -126,7 +126,7 @@ function createControl(store: Store, part: Part, profile: Profile, response: Res
   const metric = store.study.metrics[response.metric]!;
   const isChoice = axis.variable < 0;
   let range: [number, number] = [0, 1];
-  const painted: Painted = createPainted(store, "mini", `${metric.title} along ${axis.title}, as a formula predicts it`, (canvas) => paintChart(canvas, chartOf(), palette()));
+  const painted: Painted = createPainted(store, "mini", `${metric.title} along ${axis.label}, as a formula predicts it`, (canvas) => paintChart(canvas, chartOf(), palette()));
   const chartOf = (): Chart => {
     const { at, values } = curve(store, part, profile, factor, places());
     const x = Float64Array.from(at, (place, index) => (isChoice ? index : valueAt(axis, place)));
@@ -135,9 +135,9 @@ function createControl(store: Store, part: Part, profile: Profile, response: Res
     const here = places()[factor]!;
     return {
       name: "profile",
-      title: axis.title,
+      title: axis.label,
       note: "",
-      x: { title: axis.title, unit: axis.unit, log: false, low: isChoice ? -0.5 : axis.values[0]!, high: isChoice ? axis.levels.length - 0.5 : axis.values.at(-1)!, names: isChoice ? axis.levels : [] },
+      x: { title: axis.label, unit: axis.unit, log: false, low: isChoice ? -0.5 : axis.values[0]!, high: isChoice ? axis.levels.length - 0.5 : axis.values.at(-1)!, names: isChoice ? axis.labels : [] },
       y: { title: metric.title, unit: metric.unit, log: false, low: range[0], high: range[1], names: [] },
       drawn: [
         ...(isChoice ? whiskers(x, below, above) : [{ kind: "band" as const, label: "", x, low: below, high: above }]),
@@ -148,9 +148,9 @@ function createControl(store: Store, part: Part, profile: Profile, response: Res
     };
   };
   const text = el("output", {});
-  const label = `${axis.title}, where the formula is evaluated`;
+  const label = `${axis.label}, where the formula is evaluated`;
   const slider = isChoice ? null : el("input", { type: "range", min: 0, max: 1, step: 0.005, "aria-label": label, input: () => move(Number((slider as HTMLInputElement).value)) });
-  const select = isChoice ? choose(axis.levels.map((level, index): [string, string] => [String(index), level]), "0", (value) => move((Number(value) + 0.5) / axis.levels.length)) : null;
+  const select = isChoice ? choose(axis.labels.map((level, index): [string, string] => [String(index), level]), "0", (value) => move((Number(value) + 0.5) / axis.levels.length)) : null;
   select?.setAttribute("aria-label", label);
   if (!isChoice) dragged(painted, move);
   return {

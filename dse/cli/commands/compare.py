@@ -1,0 +1,60 @@
+"""``dse compare``."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from dse.cli.app import app
+from dse.cli.terminal import plain, plain_table, print_json, print_table, say
+
+if TYPE_CHECKING:
+    from dse.api import Compared
+
+Folders = Annotated[
+    list[Path], typer.Argument(metavar="DIR DIR…", help="Study folders; each is compared with the first.")
+]
+
+
+@app.command()
+def compare(
+    folders: Folders, as_json: Annotated[bool, typer.Option("--json", help="As JSON, with every flip.")] = False
+) -> None:
+    """Compare studies: what changed, and which verdicts flipped.
+
+    Runs are the same if they have the same configuration and values of the design variables. Nothing is simulated.
+    """
+    from dse.api import compare as compare_studies, comparison_as_data
+
+    found = compare_studies(folders)
+    if as_json:
+        print_json(comparison_as_data(found))
+        return
+    _show_counts(found)
+    for study in found[1:]:
+        _show_changes(found[0].folder, study)
+
+
+def _show_counts(comparison: Sequence[Compared]) -> None:
+    words = [*dict.fromkeys(word for each in comparison for counts in each.verdicts.values() for word in counts)]
+    table = plain_table("study", "runs", "requirement", *words, right=("runs", *words))
+    for each in comparison:
+        first = (plain(str(each.folder)), f"{each.finished:,} of {each.runs:,}")
+        for name, counts in each.verdicts.items() or (("", {}),):
+            table.add_row(*first, plain(name), *(f"{counts.get(word, 0):,}" for word in words))
+            first = ("", "")
+    print_table(table)
+
+
+def _show_changes(first: Path, study: Compared) -> None:
+    from dse.api import flip_counts
+
+    say(f"{first} → {study.folder}", style="bold")
+    for change in study.changed or ("nothing in the definitions differs",):
+        say(f"  {change}")
+    say(f"  {study.shared:,} of {study.finished:,} runs are in both; {len(study.flips):,} verdicts on them flipped")
+    for (name, was, now), count in flip_counts(study).items():
+        say(f"  {name}: {was} → {now}, {count:,} run{'s' * (count != 1)}")

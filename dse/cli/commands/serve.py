@@ -1,0 +1,37 @@
+"""``dse serve``."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from dse.cli.app import app
+from dse.cli.terminal import say
+
+Place = Annotated[Path, typer.Argument(metavar="DIR", help="A study folder, a folder that holds some, or a workspace.")]
+Listen = Annotated[
+    str,
+    typer.Option("--listen", metavar="ADDRESS", help="Listen on this address instead of loopback, with a token."),
+]
+Port = Annotated[int, typer.Option("--port", min=0, max=65535, help="The port; 0: any free one.")]
+
+
+@app.command()
+def serve(folder: Place = Path(), listen: Listen = "", port: Port = 8470) -> None:
+    """Show studies in the browser, also while they are explored.
+
+    The same report as 'dse report', with new runs as they come, progress, a button that stops the exploration, points
+    simulated at a click, and studies side by side. Only this machine reaches it, unless --listen says otherwise;
+    then the address that is printed has a token in it, without which nothing is shown. Ctrl-C ends it.
+    """
+    from dse.serving import Announced, Shelf, serve as serve_studies
+
+    def tell(announced: Announced) -> None:
+        say(f"{announced.address}", style="bold")
+        if announced.has_token:
+            say("whoever has this address may look, stop and simulate; nothing on the way is encrypted", stderr=True)
+        say("Ctrl-C ends it", stderr=True)
+
+    serve_studies(Shelf(folder), listen=listen, port=port, tell=tell)

@@ -1,0 +1,191 @@
+// A point of the study simulated now, by the server: any point of the plot, whether there is a run or not.
+import uPlot from "uplot";
+import { el, field } from "../dom";
+import { number, withUnit } from "../format";
+import { post } from "./asking";
+import type { Store } from "../store";
+import { axisLabel } from "../study";
+import { palette } from "../theme";
+
+interface Waveform {
+  title: string;
+  unit: string;
+  current: string;
+  target: string;
+  time: number[];
+  values: (number | null)[];
+  targets: (number | null)[] | null;
+}
+
+interface Tried {
+  done: boolean;
+  problem: string;
+  changed: string[];
+  /** Title, value, requirement, bound, margin and verdict of each. */
+  metrics: [string, string, string, string, string, string][];
+  figures: Waveform[];
+}
+
+/** What the plot tells when it is clicked where no run is: values on its two axes. */
+export type PointedAt = CustomEvent<{ x: number; y: number }>;
+
+const HEIGHT = 190;
+const CLASSES: Record<string, string> = { pass: "pass", fail: "fail", "not exercised": "open", "failed to run": "broken" };
+
+export function createTrying(store: Store, query: string): { button: HTMLElement; panel: HTMLElement } {
+  const { study } = store;
+  const form = el("form", { class: "point", submit: (event: Event) => void simulate(event) });
+  const result = el("div", { class: "tried", "aria-live": "polite" });
+  const start = el("button", { type: "submit", id: "try-start" }, "Simulate");
+  const title = el("h2", { id: "heading-try" }, "Simulate here");
+  const close = el("button", { type: "button", "aria-label": "Close", click: () => toggle(false) }, "\u00d7");
+  const note = el("p", { class: "hint" }, "Click anywhere in the plot, or change the numbers. The run is made with the workspace as it is now; nothing is stored.");
+  const panel = el("aside", { class: "card trying", id: "try", hidden: true, "aria-labelledby": "heading-try" }, el("div", { class: "head" }, title, el("span", { class: "spring" }), close), note, form, result);
+  const button = el("button", { type: "button", id: "try-open", "aria-expanded": "false", "aria-controls": "try", click: () => toggle(panel.hidden) }, "Simulate here");
+  const inputs = study.variables.map(({ name, low, high }) => {
+    const input = el("input", { type: "number", step: "any", required: true, name });
+    input.title = `${name}, ${number(low)} \u2026 ${number(high)} in the study`;
+    return input;
+  });
+  const configuration = el("select", { id: "try-configuration" }, ...study.configurations.map(({ id }) => el("option", { value: id }, id)));
+  if (study.configurations.length > 1) form.append(field("Configuration", configuration));
+  const fields = study.variables.map((variable, index) => field(axisLabel(variable), inputs[index]!));
+  form.append(...fields, start);
+
+  const toggle = (open: boolean): void => {
+    panel.hidden = !open;
+    button.setAttribute("aria-expanded", String(open));
+    document.body.classList.toggle("is-trying", open);
+    if (open) (inputs[0] ?? start).focus();
+    else button.focus();
+  };
+
+  const fill = (): void => {
+    const { selected, fixed } = store.state;
+    study.variables.forEach(({ values }, index) => put(inputs[index]!, selected < 0 ? fixed[index]! : values[selected]!));
+    configuration.value = study.configurations[selected < 0 ? store.state.configuration : study.configuration[selected]!]?.id ?? "";
+    lacking();
+  };
+
+  // A configuration without a variable has no field for it.
+  const lacking = (): void => {
+    const place = study.configurations.findIndex(({ id }) => id === configuration.value);
+    study.variables.forEach(({ lack }, index) => {
+      const isThere = !lack.includes(place);
+      fields[index]!.hidden = inputs[index]!.disabled = !isThere;
+    });
+  };
+  configuration.addEventListener("change", lacking);
+
+  // What was simulated last, drawn again where colours change.
+  let show = (): void => {};
+  const simulate = async (event: Event): Promise<void> => {
+    event.preventDefault();
+    const point: Record<string, number> = {};
+    study.variables.forEach(({ name }, index) => {
+      if (!inputs[index]!.disabled) point[name] = inputs[index]!.valueAsNumber;
+    });
+    start.disabled = true;
+    result.replaceChildren(el("p", { class: "muted" }, "simulating \u2026"));
+    show = () => {};
+    const begun = performance.now();
+    try {
+      const tried = (await post(`/simulate?${query}`, { configuration: configuration.value, point })) as Tried;
+      const seconds = (performance.now() - begun) / 1000;
+      show = () => {
+        const plots: (() => void)[] = [];
+        result.replaceChildren(...shown(tried, seconds, plots));
+        for (const draw of plots) draw();
+      };
+      show();
+    } catch (error) {
+      result.replaceChildren(el("p", { class: "problem" }, String((error as Error).message)));
+    }
+    start.disabled = false;
+  };
+
+  fill();
+  store.subscribe((_, changed) => {
+    if (changed.has("selected")) fill();
+    if (changed.has("theme")) show();
+  });
+  document.addEventListener("pointed-at", (event) => {
+    const { x, y } = (event as PointedAt).detail;
+    // After the run beside it was selected, which the click did, too.
+    requestAnimationFrame(() =>
+      requestAnimationFrame(() => {
+        put(inputs[store.state.x]!, rounded(x, study.variables[store.state.x]!));
+        put(inputs[store.state.y]!, rounded(y, study.variables[store.state.y]!));
+      }),
+    );
+  });
+  return { button, panel };
+}
+
+function put(input: HTMLInputElement, value: number): void {
+  input.value = String(value);
+}
+
+/** To a thousandth of the range: what a pointer can tell. */
+function rounded(value: number, { low, high }: { low: number; high: number }): number {
+  const decimals = Math.max(0, 3 - Math.floor(Math.log10(high - low)));
+  return Number(Math.min(Math.max(value, low), high).toFixed(Math.min(20, decimals)));
+}
+
+function shown(tried: Tried, seconds: number, plots: (() => void)[]): HTMLElement[] {
+  const parts: HTMLElement[] = [];
+  if (tried.changed.length) {
+    const what = `The workspace has changed since the study was made (${tried.changed.join(", ")}): this is no run of the study.`;
+    parts.push(el("p", { class: "problem" }, what));
+  }
+  if (!tried.done) return [...parts, el("p", { class: "problem" }, `The run failed: ${tried.problem}`)];
+  if (tried.problem) parts.push(el("p", { class: "hint" }, tried.problem));
+  const judged = tried.metrics.filter(([, , requirement]) => requirement);
+  const rest = tried.metrics.filter(([, , requirement]) => !requirement);
+  if (judged.length) parts.push(listed(judged, "try-metrics"));
+  for (const figure of tried.figures) parts.push(drawing(figure, plots));
+  const others = listed(rest, "try-others");
+  if (rest.length) parts.push(judged.length ? el("details", { class: "others" }, el("summary", {}, `${rest.length} metrics without a requirement`), others) : others);
+  return [...parts, el("p", { class: "hint" }, `simulated in ${withUnit(number(seconds, 2), "s")}; not stored`)];
+}
+
+function listed(metrics: Tried["metrics"], id: string): HTMLElement {
+  const isJudged = metrics.some(([, , requirement]) => requirement);
+  const heads = ["Metric", "Value", ...(isJudged ? ["Required", "Margin", "Verdict"] : [])];
+  const body = el("tbody");
+  for (const [title, value, requirement, bound, margin, verdict] of metrics) {
+    const judged = [el("td", {}, bound), el("td", {}, margin), el("td", { class: `verdict ${CLASSES[verdict] ?? ""}` }, verdict)];
+    body.append(el("tr", { class: requirement && "judged", title: requirement }, el("th", { scope: "row" }, title), el("td", {}, value), ...(isJudged ? judged : [])));
+  }
+  const head = el("thead", {}, el("tr", {}, ...heads.map((text) => el("th", { scope: "col" }, text))));
+  return el("div", { class: "scroll" }, el("table", { class: "metrics", id }, head, body));
+}
+
+function drawing(figure: Waveform, plots: (() => void)[]): HTMLElement {
+  const holder = el("div", { class: "chart", role: "img", "aria-label": `${figure.title} of the point simulated` });
+  plots.push(() => {
+    const colours = palette();
+    const axis = { stroke: colours.ink, font: `12px ${colours.font}`, grid: { stroke: colours.line, width: 1 }, ticks: { stroke: colours.line, width: 1, size: 5 } };
+    const values = (_: uPlot, ticks: number[]): string[] => ticks.map((tick) => number(tick, 6));
+    const series: uPlot.Series[] = [{}, { stroke: colours.current, width: 2, points: { show: false } }];
+    if (figure.targets) series.push({ stroke: colours.target, width: 1.6, dash: [7, 5], points: { show: false } });
+    new uPlot(
+      {
+        width: holder.clientWidth,
+        height: HEIGHT,
+        legend: { show: false },
+        cursor: { y: false, points: { size: 6 } },
+        scales: { x: { time: false } },
+        axes: [
+          { ...axis, size: 30, values },
+          { ...axis, size: 52, values },
+        ],
+        series,
+      },
+      [figure.time, figure.values, ...(figure.targets ? [figure.targets] : [])] as uPlot.AlignedData,
+      holder,
+    );
+  });
+  const keys = [figure.targets && el("span", { class: "key target" }, figure.target), el("span", { class: "key current" }, figure.current)];
+  return el("figure", {}, el("figcaption", {}, el("b", {}, figure.title), el("span", {}, `${withUnit("", figure.unit).trim() || "\u2013"} over time [s]`), ...keys), holder);
+}

@@ -1,0 +1,83 @@
+"""What the script of a served page asks for and is told, as plain data."""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Mapping
+from pathlib import Path
+from threading import Lock
+
+import numpy as np
+from numpy.typing import NDArray
+
+from dse.api import metric_rows, results, try_point
+from dse.errors import DseError, fail
+from dse.report import content_of_run
+
+_MOST_NAME = 1000
+_DIGITS = 7
+"""Digits of a waveform's values, which are drawn and not computed with."""
+
+_one_at_a_time = Lock()
+
+
+def asked_point(body: bytes) -> tuple[str, dict[str, float]]:
+    """Configuration and point of a request to simulate. DseError for anything else."""
+    try:
+        told = json.loads(body)
+        configuration, point = told["configuration"], told["point"]
+        numbers = {str(name)[:_MOST_NAME]: float(value) for name, value in point.items()}
+    except (ValueError, KeyError, TypeError, AttributeError, RecursionError) as error:
+        raise fail("this is no point of a study") from error
+    if not isinstance(configuration, str) or not all(map(math.isfinite, numbers.values())):
+        raise fail("this is no point of a study")
+    return configuration, numbers
+
+
+def simulated(folder: Path, configuration: str, point: Mapping[str, float]) -> dict[str, object]:
+    """What came of *point*, simulated now: metrics, verdicts and waveforms. Raises DseError; also while it is busy."""
+    if not _one_at_a_time.acquire(blocking=False):
+        raise BusyError
+    try:
+        definition = results(folder).definition
+        tried = try_point(definition, configuration, point, near=folder)
+    finally:
+        _one_at_a_time.release()
+    run = tried.run
+    rows = metric_rows(run.noun, run.definition, run.check) if run.is_done else ()
+    return {
+        "done": run.is_done,
+        "problem": run.problem,
+        "changed": [*tried.changed],
+        "metrics": [[r.title, r.value, r.requirement, r.bound, r.margin, r.verdict] for r in rows],
+        "figures": [
+            {
+                "title": each.title or each.name,
+                "unit": each.unit_symbol,
+                "current": each.current_label,
+                "target": each.target_label or "target",
+                "time": _short(each.time),
+                "values": _short(each.current[0]),
+                "targets": None if each.target is None else _short(np.broadcast_to(each.target[0], each.time.shape)),
+            }
+            for each in content_of_run(run.noun, run.definition).figures
+        ],
+    }
+
+
+class BusyError(Exception):
+    """Another point is being simulated."""
+
+
+def problem_of(error: DseError) -> dict[str, object]:
+    """*error* in words."""
+    return {
+        "problems": [
+            {"where": str(each.where or ""), "what": each.what, "hint": each.hint or ""} for each in error.problems
+        ]
+    }
+
+
+def _short(values: NDArray[np.floating]) -> list[float | None]:
+    return [float(f"{value:.{_DIGITS}g}") if math.isfinite(value) else None for value in values.tolist()]

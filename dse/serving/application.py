@@ -1,0 +1,120 @@
+"""The addresses of the server and what each answers. A GET changes nothing."""
+
+from __future__ import annotations
+
+import asyncio
+import threading
+from collections.abc import Callable
+from contextlib import suppress
+from typing import TYPE_CHECKING, Any, TypeVar
+
+from dse.api import Compared, Glance, compare, glance, stop
+from dse.errors import DseError, fail
+from dse.serving.answers import BusyError, asked_point, problem_of, simulated
+from dse.serving.comparison import compare_page
+from dse.serving.desk import Desk
+from dse.serving.guard import Application, Guard, Limits
+from dse.serving.pages import problem_page, start_page
+from dse.serving.shelf import Shelf
+
+if TYPE_CHECKING:
+    from starlette.requests import Request
+    from starlette.responses import Response
+
+T = TypeVar("T")
+
+_MOST_COMPARED = 8
+
+
+def application(shelf: Shelf, *, token: str = "", is_open: bool = False, limits: Limits | None = None) -> Application:
+    """An ASGI application for the studies of *shelf*, guarded as `Guard` says. DseError without the extra ``serve``."""
+    try:
+        from starlette.applications import Starlette
+        from starlette.responses import HTMLResponse, JSONResponse
+        from starlette.routing import Route
+    except ImportError:
+        hint = "python -m pip install 'dse-workbench[serve]'"
+        raise fail("serving needs the packages starlette and uvicorn", hint=hint) from None
+    desk = Desk()
+
+    def name_of(request: Request) -> str:
+        return request.query_params.get("study", "")
+
+    def start(_: Request) -> Response:
+        return HTMLResponse(start_page(str(shelf.root), {n: _glance(shelf, n) for n in shelf.studies}))
+
+    def study(request: Request) -> Response:
+        name = request.path_params["name"]
+        return HTMLResponse(desk.page(name, shelf.folder(name)))
+
+    def progress(request: Request) -> Response:
+        return JSONResponse(desk.progress(shelf.folder(name_of(request))))
+
+    def compared(request: Request) -> Response:
+        names = dict.fromkeys(name for _, name in request.query_params.multi_items())
+        return HTMLResponse(compare_page(_compared(shelf, [*names])))
+
+    async def simulate(request: Request) -> Response:
+        configuration, point = asked_point(await request.body())
+        folder = shelf.folder(name_of(request))
+        return JSONResponse(await _aside(lambda: simulated(folder, configuration, point)))
+
+    def stopped(request: Request) -> Response:
+        writer = stop(shelf.folder(name_of(request)))
+        return JSONResponse({"asked": str(writer)})
+
+    def unfit(request: Request, error: Exception) -> Response:
+        if not isinstance(error, DseError):
+            raise error
+        is_page = request.url.path == "/compare" or request.url.path.startswith("/study/")
+        status = 404 if is_page else 409
+        return HTMLResponse(problem_page(error), status) if is_page else JSONResponse(problem_of(error), status)
+
+    def busy(_: Request, __: Exception) -> Response:
+        told = problem_of(fail("another point is being simulated", hint="wait until it has come to its end"))
+        return JSONResponse(told, 429, {"retry-after": "1"})
+
+    routes = [
+        Route("/", start),
+        Route("/study/{name:path}/", study),
+        Route("/progress", progress),
+        Route("/compare", compared),
+        Route("/simulate", simulate, methods=["POST"]),
+        Route("/stop", stopped, methods=["POST"]),
+    ]
+    handlers = {DseError: unfit, BusyError: busy}
+    return Guard(Starlette(routes=routes, exception_handlers=handlers), token=token, is_open=is_open, limits=limits)
+
+
+async def _aside(work: Callable[[], T]) -> T:
+    """What *work* returns or raises, done in a thread that the program's end does not wait for."""
+    loop = asyncio.get_running_loop()
+    done: asyncio.Future[T] = loop.create_future()
+
+    def tell(how: Callable[[Any], None], what: object) -> None:
+        with suppress(RuntimeError):  # the server has ended meanwhile
+            loop.call_soon_threadsafe(lambda: None if done.cancelled() else how(what))
+
+    def thread() -> None:
+        try:
+            result = work()
+        except Exception as error:  # noqa: BLE001  # raised where it is waited for
+            tell(done.set_exception, error)
+        else:
+            tell(done.set_result, result)
+
+    threading.Thread(target=thread, daemon=True).start()
+    return await done
+
+
+def _glance(shelf: Shelf, name: str) -> Glance | DseError:
+    try:
+        return glance(shelf.folder(name))
+    except DseError as error:
+        return error
+
+
+def _compared(shelf: Shelf, names: list[str]) -> dict[str, Compared]:
+    if not 2 <= len(names) <= _MOST_COMPARED:
+        raise fail(f"two to {_MOST_COMPARED} studies can be compared", hint="tick them in the list of all studies")
+    return dict(zip(names, compare([shelf.folder(name) for name in names]), strict=True))

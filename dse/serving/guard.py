@@ -1,0 +1,218 @@
+"""What stands before every request: who may ask, what, how much and how often; and what goes with every answer."""
+
+from __future__ import annotations
+
+import asyncio
+import hashlib
+import hmac
+import ipaddress
+import socket
+import time
+from collections import OrderedDict
+from collections.abc import Awaitable, Callable, MutableMapping
+from contextlib import suppress
+from dataclasses import dataclass, field
+from http.cookies import CookieError, SimpleCookie
+from typing import Any
+from urllib.parse import parse_qs, urlsplit
+
+Message = MutableMapping[str, Any]
+Receive = Callable[[], Awaitable[Message]]
+Send = Callable[[Message], Awaitable[None]]
+Application = Callable[[Message, Receive, Send], Awaitable[None]]
+
+HEADERS = (
+    # A page has its policy inside as well, with the hashes of its own code; both hold.
+    (b"content-security-policy", b"frame-ancestors 'none'; base-uri 'none'; form-action 'self'; object-src 'none'"),
+    (b"x-content-type-options", b"nosniff"),
+    (b"x-frame-options", b"DENY"),
+    (b"referrer-policy", b"no-referrer"),
+    (b"cross-origin-opener-policy", b"same-origin"),
+    (b"cross-origin-resource-policy", b"same-origin"),
+    (b"cache-control", b"no-store"),
+)
+
+
+@dataclass(frozen=True, slots=True)
+class Limits:
+    """The largest *body* of a request in bytes and the *seconds* it may take to come; so many requests at once
+    (*burst*) and on the average (*rate*, 1/s) from one address."""
+
+    body: int = 64 * 1024
+    seconds: float = 10.0
+    burst: int = 120
+    rate: float = 30.0
+
+
+@dataclass(slots=True)
+class _Buckets:
+    """A bucket of requests for each address, filled steadily; of the longest silent one nothing is known any more."""
+
+    limits: Limits
+    most: int = 1000
+    left: OrderedDict[str, tuple[float, float]] = field(default_factory=OrderedDict)
+
+    def take(self, address: str) -> bool:
+        """Whether *address* may ask once more now."""
+        now = time.monotonic()
+        tokens, then = self.left.pop(address, (float(self.limits.burst), now))
+        tokens = min(self.limits.burst, tokens + (now - then) * self.limits.rate)
+        self.left[address] = (max(0.0, tokens - 1), now)
+        while len(self.left) > self.most:
+            self.left.popitem(last=False)
+        return tokens >= 1
+
+
+class Guard:
+    """*application* behind what must hold for every request; what does not is refused with a line that says why.
+
+    The ``Host`` must be this machine, so that no name of a stranger's can be turned to it (DNS rebinding):
+    ``localhost`` or a loopback address, with *is_open* also any address in numbers and the machine's own names. What
+    changes something must come from a page of ours (``Origin``). With a *token*, whoever has not shown it gets
+    nothing; a ``GET`` with ``?token=`` has it kept in a cookie that no script reads and no other site sends.
+    """
+
+    def __init__(
+        self, application: Application, *, token: str = "", is_open: bool = False, limits: Limits | None = None
+    ) -> None:
+        self._application = application
+        self._token = token
+        # Browsers keep the cookies of all ports of a machine together.
+        self._cookie = f"dse-{hashlib.sha256(token.encode()).hexdigest()[:12]}"
+        self._is_open = is_open
+        self._limits = limits or Limits()
+        self._buckets = _Buckets(self._limits)
+        self._names = {"localhost"} | ({name.lower() for name in _own_names()} if is_open else set())
+
+    async def __call__(self, scope: Message, receive: Receive, send: Send) -> None:
+        """An ASGI application."""
+        if scope["type"] != "http":
+            raise ValueError(f"'{scope['type']}' is not served")
+        headers: dict[bytes, bytes] = {}
+        for name, value in scope["headers"]:
+            headers[name] = b"\0" if name in headers and name in (b"host", b"origin") else value
+        refusal = self._refusal(scope, headers)
+        if refusal is None and self._token and not self._knows(headers):
+            await self._admit(scope, send)
+            return
+        body = b""
+        if refusal is None and scope["method"] == "POST":
+            body, refusal = await self._read(headers, receive)
+        if refusal is not None:
+            await _say(send, *refusal)
+            return
+        # Whoever still waits when the server ends hears nothing more; that is no mistake of the application.
+        with suppress(asyncio.CancelledError):
+            await self._application(scope, _replayed(body, receive), _with_headers(send))
+
+    def _refusal(self, scope: Message, headers: dict[bytes, bytes]) -> tuple[int, str] | None:
+        address = scope["client"][0] if scope.get("client") else ""
+        if not self._buckets.take(address):
+            return 429, "too many requests; wait a moment"
+        host = headers.get(b"host", b"").decode("latin-1")
+        if not self._is_here(host):
+            return 421, "this server does not go by that name"
+        if scope["method"] not in ("GET", "HEAD", "POST"):
+            return 405, "only GET, HEAD and POST"
+        if scope["method"] == "POST":
+            if headers.get(b"origin", b"").decode("latin-1") != f"{scope.get('scheme', 'http')}://{host}":
+                return 403, "this was not asked by a page of this server"
+            if headers.get(b"content-type", b"").partition(b";")[0].strip() != b"application/json":
+                return 415, "only application/json"
+        return None
+
+    def _is_here(self, host: str) -> bool:
+        try:
+            name = urlsplit(f"//{host}").hostname or ""
+        except ValueError:
+            return False
+        if name in self._names:
+            return True
+        try:
+            address = ipaddress.ip_address(name.partition("%")[0])
+        except ValueError:
+            return False
+        return self._is_open or address.is_loopback
+
+    def _knows(self, headers: dict[bytes, bytes]) -> bool:
+        try:
+            cookie = SimpleCookie(headers.get(b"cookie", b"").decode("latin-1")).get(self._cookie)
+        except CookieError:
+            return False
+        return cookie is not None and self._is_token(cookie.value)
+
+    def _is_token(self, given: str) -> bool:
+        return hmac.compare_digest(given.encode(), self._token.encode())
+
+    async def _admit(self, scope: Message, send: Send) -> None:
+        """Take the token from the address, once; the page that follows is asked for without it."""
+        query = parse_qs(scope["query_string"].decode("latin-1"))
+        given = (query.get("token") or [""])[0]
+        if scope["method"] != "GET" or not self._is_token(given):
+            await _say(send, 401, "open the address with the token that 'dse serve' has printed")
+            return
+        cookie = f"{self._cookie}={self._token}; HttpOnly; SameSite=Strict; Path=/"
+        # A redirect would still be the other site's doing, from which the cookie is not sent.
+        page = (
+            b'<!doctype html><meta charset="utf-8"><meta http-equiv="refresh" content="0;url=/"><a href="/">Go on</a>'
+        )
+        await _answer(send, 200, b"text/html; charset=utf-8", page, (b"set-cookie", cookie.encode()))
+
+    async def _read(self, headers: dict[bytes, bytes], receive: Receive) -> tuple[bytes, tuple[int, str] | None]:
+        """The body, or why it is refused."""
+        most = self._limits.body
+        too_large = 413, f"more than {most} bytes"
+        told = headers.get(b"content-length", b"0")
+        if not told.isdigit() or int(told[:20]) > most:
+            return b"", too_large
+        body = b""
+        try:
+            async with asyncio.timeout(self._limits.seconds):
+                while True:
+                    message = await receive()
+                    body += message.get("body", b"")
+                    if len(body) > most:
+                        return b"", too_large
+                    if message["type"] == "http.disconnect" or not message.get("more_body"):
+                        return body, None
+        except TimeoutError:
+            return b"", (408, "the request did not come to its end in time")
+
+
+def _own_names() -> set[str]:
+    return {socket.gethostname(), socket.getfqdn()}
+
+
+def _replayed(body: bytes, receive: Receive) -> Receive:
+    """*receive* of an application that has not read the *body* yet."""
+    is_read = False
+
+    async def again() -> Message:
+        nonlocal is_read
+        if is_read:
+            return await receive()
+        is_read = True
+        return {"type": "http.request", "body": body, "more_body": False}
+
+    return again
+
+
+def _with_headers(send: Send) -> Send:
+    async def sent(message: Message) -> None:
+        if message["type"] == "http.response.start":
+            ours = {name for name, _ in HEADERS}
+            kept = [(name, value) for name, value in message.get("headers", []) if name not in ours]
+            message = {**message, "headers": [*kept, *HEADERS]}
+        await send(message)
+
+    return sent
+
+
+async def _say(send: Send, status: int, why: str) -> None:
+    await _answer(send, status, b"text/plain; charset=utf-8", f"{why}\n".encode())
+
+
+async def _answer(send: Send, status: int, kind: bytes, body: bytes, *more: tuple[bytes, bytes]) -> None:
+    headers = [(b"content-type", kind), (b"content-length", str(len(body)).encode()), *more, *HEADERS]
+    await send({"type": "http.response.start", "status": status, "headers": headers})
+    await send({"type": "http.response.body", "body": body})

@@ -1,0 +1,111 @@
+"""The server: a socket, the application behind it, and an end with Ctrl-C."""
+
+from __future__ import annotations
+
+import errno
+import ipaddress
+import secrets
+import socket
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from dse.errors import fail
+from dse.serving.application import application
+from dse.serving.guard import Application
+from dse.serving.shelf import Shelf
+
+if TYPE_CHECKING:
+    import uvicorn
+
+LOOPBACK = "127.0.0.1"
+"""Where the server listens unless it is told otherwise: only programs of this machine reach it."""
+
+PORT = 8470
+"""The port unless another one is asked for."""
+
+_TO_FINISH = 3
+"""Seconds that requests have to come to their end when the server stops."""
+
+_MOST_AT_ONCE = 64
+_MOST_HEAD = 32 * 1024
+
+
+@dataclass(frozen=True, slots=True)
+class Announced:
+    """The server listens: *address* is what a browser opens, with a token in it if there is one."""
+
+    address: str
+    has_token: bool
+
+
+def serve(shelf: Shelf, *, listen: str = "", port: int = PORT, tell: Callable[[Announced], None]) -> None:
+    """Serve the studies of *shelf* until the program is interrupted; *tell* is called once it listens.
+
+    On the loopback address, or on *listen*, an address in numbers of this machine (``0.0.0.0``: all), with a token.
+    Port 0 is any free one. Raises DseError if it cannot listen there, or without the extra ``serve``.
+    """
+    token = secrets.token_urlsafe(32) if listen else ""
+    address = _address(listen or LOOPBACK)
+    guarded = application(shelf, token=token, is_open=not address.is_loopback)
+    with _listening(address, port) as listener:
+        tell(_announced(address, listener.getsockname()[1], token))
+        server_of(guarded).run(sockets=[listener])
+
+
+def server_of(guarded: Application) -> uvicorn.Server:
+    """What runs *guarded*, within limits of its own: connections at once, the size of a request's head."""
+    import uvicorn
+
+    return uvicorn.Server(
+        uvicorn.Config(
+            guarded,
+            http="h11",
+            ws="none",
+            loop="asyncio",
+            lifespan="off",
+            interface="asgi3",
+            log_config=None,
+            access_log=False,
+            server_header=False,
+            proxy_headers=False,
+            limit_concurrency=_MOST_AT_ONCE,
+            h11_max_incomplete_event_size=_MOST_HEAD,
+            timeout_graceful_shutdown=_TO_FINISH,
+        )
+    )
+
+
+Address = ipaddress.IPv4Address | ipaddress.IPv6Address
+
+
+def _address(text: str) -> Address:
+    try:
+        return ipaddress.ip_address(text)
+    except ValueError:
+        hint = "give one in numbers, as 192.168.1.20; 0.0.0.0 is every address of this machine"
+        raise fail(f"'{text}' is no address to listen on", hint=hint) from None
+
+
+def _listening(address: Address, port: int) -> socket.socket:
+    family = socket.AF_INET if address.version == 4 else socket.AF_INET6
+    try:
+        return socket.create_server((str(address), port), family=family, backlog=_MOST_AT_ONCE)
+    except OSError as error:
+        if error.errno == errno.EADDRINUSE:
+            what, hint = (
+                f"port {port} is taken, perhaps by another 'dse serve'",
+                "give another with --port; 0 is any free one",
+            )
+        elif error.errno == errno.EACCES:
+            what, hint = f"port {port} may not be used", "give one above 1023 with --port"
+        else:
+            what = f"cannot listen on {address}: {error.strerror or error}"
+            hint = "give an address of this machine with --listen"
+        raise fail(what, hint=hint) from error
+
+
+def _announced(address: Address, port: int, token: str) -> Announced:
+    """Of all addresses of the machine its name is told."""
+    name = socket.gethostname() if address.is_unspecified else f"[{address}]" if address.version == 6 else str(address)
+    return Announced(f"http://{name}:{port}/" + (f"?token={token}" if token else ""), bool(token))
