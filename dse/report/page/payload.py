@@ -59,6 +59,7 @@ def _document(content: ReportContent) -> Json:
                 "low": v.low,
                 "high": v.high,
                 "nominal": v.nominal,
+                "levels": v.levels or 0,
                 "lack": v.lack,
             }
             for v in content.variables

@@ -20,6 +20,8 @@ export interface Variable extends Column {
   low: number;
   high: number;
   nominal: number;
+  /** How many values a grid has of it when all its runs are made; 0 if it is on none. */
+  levels: number;
   // Places of the configurations that do not have it.
   lack: number[];
 }
@@ -93,7 +95,7 @@ interface Document {
   sampler: Sampler;
   runs: number;
   mostCentres: number;
-  variables: { name: string; title: string; unit: string; low: number; high: number; nominal: number; lack: number[] }[];
+  variables: { name: string; title: string; unit: string; low: number; high: number; nominal: number; levels: number; lack: number[] }[];
   metrics: { name: string; title: string; unit: string; checked: boolean }[];
   requirements: { name: string; title: string; metric: number; atMost: number | null; atLeast: number | null }[];
   configurations: { id: string; choices: [string, string][]; properties: [string, string][] }[];
