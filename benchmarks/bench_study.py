@@ -33,9 +33,10 @@ from dse.loading.workspace import Workspace
 from dse.storage.database.header import StudyHeader
 from dse.storage.folder import StudyFolder
 from dse.storage.run_store import RunStore
+from dse.testbench import make_runner
 from dse.testbench.address import address_of
 from dse.testbench.prepared import PreparedBench
-from dse.testbench.runner import Runner, make_runner
+from dse.testbench.runner import Runner
 from dse.testbench.study import PreparedStudy, prepare_study
 
 WORKERS = 2

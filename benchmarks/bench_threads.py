@@ -23,7 +23,7 @@ from dse.exploration.supervision.worker_threads import simulate
 from dse.exploration.work import Batch
 from dse.loading.workspace import Workspace
 from dse.storage.rows import Measures
-from dse.testbench.runner import make_runner
+from dse.testbench import make_runner
 from dse.testbench.study import prepare_study
 
 RUNS = 600

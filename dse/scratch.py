@@ -115,6 +115,15 @@ def written_whole(target: Path) -> Iterator[Path]:
                 aside.unlink(missing_ok=True)
 
 
+def make_folder(path: Path) -> None:
+    """Make the folder *path*, which the user named, and those it lies in, unless they are there. Raises DseError."""
+    try:
+        path.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        what = f"cannot make the folder {path}: {error.strerror or error}"
+        raise fail(what, hint="choose another place with -o") from error
+
+
 def write_whole(target: Path, content: str | bytes) -> None:
     """Write *content*, text as UTF-8, to *target*, which the user named: whole or not at all. Raises DseError."""
     with written_whole(target) as path:

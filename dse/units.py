@@ -229,6 +229,8 @@ def _read(text: str) -> _Meaning | None:
 def parse_quantity(text: str) -> Quantity:
     """Read ``number unit``, as ``70 km/h``, ``45 EUR``, ``2 %`` or ``0.3``. Raises UnitError."""
     match = _QUANTITY.fullmatch(text.strip())
+    if _DECIMAL_COMMA.match(text):
+        raise UnitError(f"'{text}' has a decimal comma: write '{text.strip().replace(',', '.', 1)}'")
     if not match:
         raise UnitError(f"'{text}' is not a quantity")
     if len(match["number"]) > _LONGEST_NUMBER:
@@ -248,6 +250,7 @@ _GROUP_POWER = re.compile(r"\)\s*(?:\^|\*\*|\d)")
 _QUANTITY = re.compile(
     r"(?P<number>[+-]?(?:\d+(?:\.\d*)?|\.\d+)(?:[eE][+-]?\d{1,3})?)\s*(?P<unit>(?:[^\s\d+.-].*)?|1(?:/.*)?)", re.DOTALL
 )
+_DECIMAL_COMMA = re.compile(r"\s*[+-]?\d*,\d")
 _DOT_PRODUCT = re.compile(r"(?<=[A-Za-z0-9_)])\.(?=[A-Za-z(])")
 _BARE_EXPONENT = re.compile(r"(?<=[A-Za-z])(-?\d+)(?![A-Za-z_])")
 

@@ -25,7 +25,9 @@ MET = VERDICTS.index(Verdict.PASS)
 
 @dataclass(frozen=True, slots=True)
 class Factor:
-    """Something in which runs differ: a number, *variable*, or one of *levels*, a choice, which have no order.
+    """Something in which runs differ: a number, *variable*, or one of *levels*, which have no order.
+
+    These are choices, or with *given* a condition that names what every design has to do with.
 
     Its place is 0 … 1 in either case: where in the variable's range, values or distribution it is, as
     `dse.exploration.scaled` has it, or the middle of the level's part.
@@ -35,6 +37,7 @@ class Factor:
     unit: str = ""
     variable: DesignVariable | None = None
     levels: tuple[str, ...] = ()
+    given: bool = False
 
     @property
     def is_choice(self) -> bool:
@@ -44,7 +47,12 @@ class Factor:
     @property
     def is_decided(self) -> bool:
         """Whether it is for the designer to say, and neither a condition nor uncertain."""
-        return self.variable is None or self.variable.role is Role.DESIGN
+        return not self.given if self.variable is None else self.variable.role is Role.DESIGN
+
+    @property
+    def is_condition(self) -> bool:
+        """Whether every design has to do with it."""
+        return self.given if self.variable is None else self.variable.role is Role.CONDITION
 
     def value(self, place: float) -> float:
         """The number (SI) at *place*; of one that has certain values only the nearest one. NaN of a choice."""

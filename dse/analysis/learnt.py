@@ -15,7 +15,6 @@ from dse.analysis.probability import Met, probability_met
 from dse.analysis.reading import planes
 from dse.analysis.robust import robust_centre
 from dse.analysis.said import Account, Finding, Topic
-from dse.domain.sampler import Role
 from dse.storage import RunTable
 
 
@@ -47,7 +46,7 @@ def _of_requirements(account: Account, data: StudyData) -> None:
         label = requirement_label(data, name)
         account.tell("how often it is met", name, label, partial(_met, data, name))
         for factor in data.factors:
-            if factor.variable is not None and factor.variable.role is Role.CONDITION:
+            if factor.is_condition:
                 account.tell("the worst case", name, label, partial(_worst, data, factor.name, name))
     for name in names[-1:] if len(names) > 1 else names:
         label = requirement_label(data, name)

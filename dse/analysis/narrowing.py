@@ -64,10 +64,11 @@ def of_box(definition: StudyDefinition, box: Box) -> Narrowing:
     ranges = {}
     for defined in _decided(definition):
         limit = limits.get(defined.name)
-        if limit is not None:
+        if limit is not None and not limit.factor.is_choice:
             low, high = (_value(limit, place, end) for place, end in ((limit.low, 0.0), (limit.high, 1.0)))
             ranges[defined.name] = _rounded(design_variable(defined), low, high)
-    return Narrowing(ranges, where={name: limit.levels for name, limit in limits.items() if limit.factor.is_choice})
+    places = definition.design.places
+    return Narrowing(ranges, where={name: limit.levels for name, limit in limits.items() if name in places})
 
 
 def of_band(table: RunTable) -> Narrowing:
@@ -103,7 +104,7 @@ def _places(table: RunTable) -> np.ndarray:
 def _ranges(definition: StudyDefinition, low: np.ndarray, high: np.ndarray) -> dict[str, tuple[float, float]]:
     ranges = {}
     for column, defined in enumerate(definition.variables):
-        if defined.role == Role.DESIGN:
+        if defined.role == Role.DESIGN and not defined.labels:  # items have no order
             variable = design_variable(defined)
             ends = scaled(np.clip(np.array([[low[column]], [high[column]]]), 0.0, 1.0), (variable,))[:, 0]
             ranges[defined.name] = _rounded(variable, *ends.tolist())

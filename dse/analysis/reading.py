@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from dse.analysis.cells import space_weights
 from dse.analysis.data import Factor, Floats, StudyData
 from dse.domain.definition import DefinedVariable, StudyDefinition
+from dse.domain.sampler import Role
 from dse.exploration import design_variable, unit_of
 from dse.storage import RunTable
 
@@ -106,6 +107,8 @@ def _scaled(defined: DefinedVariable, column: NDArray[Any]) -> tuple[Factor, Flo
     there = np.isfinite(values)
     places = np.full(len(values), np.nan)
     places[there] = unit_of(values[there, None], (variable,))[:, 0]
+    if defined.labels:
+        return Factor(defined.name, levels=defined.labels, given=defined.role == Role.CONDITION), places
     return Factor(defined.name, defined.unit, variable), places
 
 

@@ -1,4 +1,18 @@
-from .naming import opened as opened, space_of as space_of, workspace_of as workspace_of
+from .contents import (
+    ListedFile as ListedFile,
+    ListedResults as ListedResults,
+    Listing as Listing,
+    listing as listing,
+    study_folders as study_folders,
+)
+from .naming import (
+    OUT as OUT,
+    new_folder as new_folder,
+    opened as opened,
+    space_of as space_of,
+    study_folder as study_folder,
+    workspace_of as workspace_of,
+)
 from .packages import simulate_package as simulate_package
 from .probing import (
     consequences as consequences,
@@ -14,6 +28,11 @@ from .showing.progress import progress_bar as progress_bar
 from .showing.quantities import difference as difference, quantity as quantity
 from .spaces.design import Design as Design
 from .spaces.ranking import Ranking as Ranking
+from .starting.bench import new_bench as new_bench
+from .starting.component import new_component as new_component
+from .starting.design import new_design as new_design
+from .starting.study import new_study as new_study
+from .starting.writing import write_start as write_start
 from .studies.bench import Bench as Bench, Study as Study
 from .studies.comparing import (
     Compared as Compared,

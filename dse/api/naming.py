@@ -1,4 +1,4 @@
-"""What a person names by its name or its file: workspaces and design spaces."""
+"""What a person names by its name or its file: workspaces, design spaces and study folders."""
 
 from __future__ import annotations
 
@@ -14,6 +14,9 @@ if TYPE_CHECKING:
     from dse.domain.expression import Expression
     from dse.loading import Workspace
     from dse.space import OpenedSpace
+
+OUT = "out"
+"""The folder of a workspace in which results lie if nobody says where."""
 
 _NO_YAML = {
     ".fmu": ("an FMU", "'dse import fmu {0}' makes a component of it; 'dse probe {0}' finds out what it does"),
@@ -33,6 +36,25 @@ def workspace_of(name: str) -> Workspace:
         what, hint = _NO_YAML[path.suffix.lower()]
         raise fail(f"'{name}' is {what}", hint=hint.format(name))
     return Workspace.around(path.parent if path.suffix and path.parent.is_dir() else Path())
+
+
+def new_folder(workspace: Workspace, name: str) -> Path:
+    """``out/NAME`` of *workspace*: where the results of the study or bench *name* go if nobody says where."""
+    from dse.formats import shown
+
+    return Path(shown(workspace.root / OUT / name))
+
+
+def study_folder(path: Path) -> Path:
+    """*path*; if nothing is there, it is a name, and the workspace around the current folder has ``out/NAME``: that."""
+    from dse.formats import shown
+    from dse.loading import find_root, is_file
+
+    if len(path.parts) != 1 or is_file(path) or path.is_dir():
+        return path
+    root = find_root(Path())
+    named = root / OUT / path if root else path
+    return Path(shown(named)) if named.is_dir() else path
 
 
 def space_of(

@@ -43,7 +43,6 @@ app = typer.Typer(
     epilog="Start with 'dse init my-study', then 'dse check', 'dse explore', 'dse report'. "
     "Exit codes: 0 done, 1 the files are wrong, 2 usage, 3 some runs failed.",
     no_args_is_help=True,
-    add_completion=False,
     pretty_exceptions_enable=False,
     rich_markup_mode=None,
     context_settings=_HELP,

@@ -9,6 +9,8 @@ from typing import Annotated
 
 import typer
 
+from dse.cli.completing import benches, designs, folders, studies
+
 
 class Output(StrEnum):
     """What a command prints for."""
@@ -17,17 +19,46 @@ class Output(StrEnum):
     JSON = "json"
 
 
-Design = Annotated[str, typer.Argument(metavar="DESIGN", help="A design space: its name, or its YAML file.")]
-Bench = Annotated[str, typer.Argument(metavar="BENCH", help="A test bench: its name, or its YAML file.")]
-StudyName = Annotated[str, typer.Argument(metavar="STUDY", help="A study (PET): its name, or its .pet.yaml file.")]
-Folder = Annotated[Path, typer.Argument(metavar="DIR", help="A study folder, made by 'dse explore' or 'dse run'.")]
+Design = Annotated[
+    str, typer.Argument(metavar="DESIGN", autocompletion=designs, help="A design space: its name, or its YAML file.")
+]
+Bench = Annotated[
+    str, typer.Argument(metavar="BENCH", autocompletion=benches, help="A test bench: its name, or its YAML file.")
+]
+StudyName = Annotated[
+    str, typer.Argument(metavar="STUDY", autocompletion=studies, help="A study (PET): its name, or its .pet.yaml file.")
+]
+
+
+def named_folder(path: Path) -> Path:
+    """The study folder meant: a path, or the name of one in the workspace's ``out/``."""
+    from dse.api import study_folder
+
+    return study_folder(path)
+
+
+Folder = Annotated[
+    Path,
+    typer.Argument(
+        metavar="DIR",
+        callback=named_folder,
+        autocompletion=folders,
+        help="A study folder, made by 'dse explore' or 'dse run'; the name of a study means out/STUDY.",
+    ),
+]
 Format = Annotated[Output, typer.Option("--format", help="For a person, or for a program.")]
 Workers = Annotated[int, typer.Option("--workers", "-j", min=0, help="Worker processes; 0: one for each processor.")]
 Threads = Annotated[
     int, typer.Option("--threads", "-t", min=1, help="Runs at once in a worker, where FMUs bear it (dse probe).")
 ]
 NewFolder = Annotated[
-    Path, typer.Option("--output", "-o", metavar="DIR", help="The study folder to make or to go on with.")
+    Path | None,
+    typer.Option(
+        "--output",
+        "-o",
+        metavar="DIR",
+        help="The study folder to make or to go on with; else out/NAME in the workspace.",
+    ),
 ]
 Fresh = Annotated[
     bool, typer.Option("--fresh", help="Throw away what the folder holds and simulate every run, made before or not.")

@@ -13,6 +13,7 @@ from typing import Any
 from dse.cache import CacheWarning
 from dse.cli.app import DONE, WRONG_FILES, InterruptedCommandError, app
 from dse.cli.commands import register
+from dse.cli.completing import words
 from dse.cli.signals import interrupt, stop_code, tidy_up
 from dse.cli.streams import OutputError, silence
 from dse.cli.terminal import say, show_problems
@@ -46,7 +47,7 @@ def _carry_out() -> int:
         # The shapes of our files need no plugin, and looking for one reads the metadata of every installed package.
         os.environ.setdefault("PYDANTIC_DISABLE_PLUGINS", "__all__")
         warnings.showwarning = _show_warning
-        register(sys.argv[1:])
+        register(sys.argv[1:] or words())
         # What a command reads and imports stays until its end: looking through it again and again is in vain.
         gc.set_threshold(50_000, 20, 20)
         interrupt()

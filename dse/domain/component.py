@@ -92,8 +92,8 @@ def _media(text: str) -> tuple[str, dict[str, str]]:
 
 def as_number(value: Value, type_: Type) -> float:
     """*value* as an FMU is given it: 0/1 for truth values, an item's number for items. Not for texts."""
-    if type_.kind is Kind.ENUMERATION:
-        return float(type_.items.index(str(value)))
+    if type_.kind is Kind.ENUMERATION and isinstance(value, str):
+        return float(type_.items.index(value))
     return float(value)
 
 

@@ -54,6 +54,11 @@ class DefinedVariable:
     values: tuple[float, ...] = ()
     role: str = "design"
     distribution: DefinedDistribution | None = None
+    labels: tuple[str, ...] = ()
+
+    def label(self, value: float) -> str:
+        """What *value* is called; "" where it is a quantity, or none."""
+        return self.labels[self.values.index(value)] if self.labels and value in self.values else ""
 
 
 @dataclass(frozen=True, slots=True)
@@ -170,7 +175,8 @@ class StudyDefinition:
     hold others, of which there are runs. Of a sampler that proposes configurations none are explored from the start:
     *space* says of which design space (a digest), and *configurations* are those it has asked for.
 
-    *derived* parameters and *constraints* between variables are expressions as the user wrote them.
+    *derived* parameters and *constraints* between variables are expressions as the user wrote them. Of a study on
+    several benches *simulation* is the first one's, *other_simulations* are those of the others by name.
     """
 
     study: str
@@ -195,6 +201,7 @@ class StudyDefinition:
     constraints: tuple[str, ...] = ()
     correlations: tuple[DefinedCorrelation, ...] = ()
     space: str = ""
+    other_simulations: Mapping[str, DefinedSimulation] = field(default_factory=dict)
 
     def configuration(self, name: str) -> DefinedConfiguration:
         """The configuration with the id *name*; KeyError if there is none."""
@@ -247,7 +254,7 @@ def _deciding(definition: StudyDefinition) -> dict[str, object]:
         "metrics": [(metric.name, metric.expression, metric.error_of) for metric in definition.metrics],
         "requirements": [(r.name, r.metric, r.at_most, r.at_least, r.exercised_when) for r in definition.requirements],
         "figures": [(figure.name, figure.current, figure.target) for figure in definition.figures],
-        "simulation": definition.simulation,
+        "simulation": (definition.simulation, dict(definition.other_simulations)),
         "derived": dict(definition.derived),
         "dse": definition.dse,
     }

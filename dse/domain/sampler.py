@@ -49,7 +49,8 @@ class DesignVariable:
 
     *levels* is the number of equidistant values (on its *scale*) a factorial takes; *nominal* is the value the variable
     has where a slice varies others. With *values* it has these only, sorted. A configuration need not have it.
-    *low* and *high* of an uncertain one cut its *distribution* off.
+    *low* and *high* of an uncertain one cut its *distribution* off. *labels* are what its values are called, if they
+    are no quantities.
     """
 
     name: str
@@ -64,6 +65,7 @@ class DesignVariable:
     values: tuple[float, ...] = ()
     role: Role = Role.DESIGN
     distribution: Distribution | None = None
+    labels: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)

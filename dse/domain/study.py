@@ -60,15 +60,19 @@ class Shard:
         return f"shard-{self.number}-of-{self.of}"
 
 
+TESTBENCH = "testbench"
+"""The condition that says which of a study's benches a run is made on."""
+
 SHARD_FOLDER = re.compile(r"shard-([1-9][0-9]*)-of-([1-9][0-9]*)")
 """What the names of shards' folders look like."""
 
 
 @dataclass(frozen=True, slots=True)
 class Study:
-    """Design variables × sampler on one bench.
+    """Design variables × sampler on one bench, or on *others* as well, each of which is one more condition.
 
-    *constraints* are over the names of the variables; *correlations* of uncertain ones by their names.
+    All have one design space, and the same metrics and requirements. *constraints* are over the names of the
+    variables; *correlations* of uncertain ones by their names.
     """
 
     name: str
@@ -85,8 +89,14 @@ class Study:
     constraints: tuple[Expression, ...] = ()
     correlations: Correlations = field(default_factory=dict)
     check_step: CheckStep = CheckStep.NONE
+    others: tuple[TestBench, ...] = ()
+
+    @property
+    def benches(self) -> tuple[TestBench, ...]:
+        """All benches; the condition `TESTBENCH` counts them from 0."""
+        return (self.bench, *self.others)
 
     @property
     def types(self) -> dict[str, Type]:
         """What constraints may speak of: the variables, as numbers in SI."""
-        return {variable.name: Type(Kind.REAL, variable.unit) for variable in self.variables}
+        return {variable.name: Type(Kind.REAL, variable.unit) for variable in self.variables if not variable.labels}

@@ -56,6 +56,7 @@ def design_variable(defined: DefinedVariable) -> DesignVariable:
         values=defined.values,
         role=Role(defined.role),
         distribution=Distribution(given.kind, given.numbers, given.values) if given else None,
+        labels=defined.labels,
     )
 
 

@@ -200,7 +200,10 @@ class _Parser:
         negative = False
         match operator.text:
             case "=":
-                raise self.error("'=' gives an option of a function", operator.span, "write == to compare")
+                advice = "write == to compare"
+                if isinstance(left, Name) and self.peek().kind is TokenKind.NAME:
+                    advice = f"write {left.path} is {self.peek().text} for what is chosen, == to compare values"
+                raise self.error("'=' gives an option of a function", operator.span, advice)
             case "not":
                 if self.peek().text not in ("in", "between"):
                     raise self.error("'not' stands between two values", operator.span, "write and not, or not in")
@@ -270,6 +273,11 @@ class _Parser:
         return start, self.tokens[self.index - 1].span[1]
 
     def unexpected(self, expected: str) -> DseError:
+        found = self.peek()
+        before, after = self.tokens[self.index - 1 : self.index], self.tokens[self.index + 1 : self.index + 2]
+        if found.text == "," and [token.kind for token in (*before, *after)] == [TokenKind.NUMBER] * 2:
+            number = f"{self.text[before[0].span[0] : found.span[0]]}.{self.text[after[0].span[0] : after[0].span[1]]}"
+            return self.error("a number has a decimal point, no comma", found.span, f"write {number}")
         return self.error(
             f"expected {expected}, found {self.peek()}", self.peek().span, "something is missing before it"
         )

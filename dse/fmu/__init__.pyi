@@ -21,6 +21,10 @@ from .toolchain.compilation import (
     link_library as link_library,
     options as options,
 )
-from .toolchain.compiler import Compiler as Compiler, with_compiler as with_compiler
+from .toolchain.compiler import (
+    Compiler as Compiler,
+    NoCompilerError as NoCompilerError,
+    with_compiler as with_compiler,
+)
 from .toolchain.platforms import this_platform as this_platform
 from .unpack import open_component as open_component, open_fmu as open_fmu

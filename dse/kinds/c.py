@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from dse.domain.component import Component, CSource
-from dse.errors import Location, fail
+from dse.errors import Location, Problem, fail
 from dse.loading import ComponentKind, Plain, SourcePlace, SourceSection, is_identifier
 
 
@@ -45,6 +45,16 @@ class CKind(ComponentKind[CSection, CSource]):
             _identifier(section.step_function or f"{struct}_step", place.at("step_function")),
             step,
         )
+
+    def check(self, component: Component, source: CSource) -> tuple[Problem, ...]:
+        """Compile it. Raises DseError with all that is wrong; without a compiler that is told, and nothing else."""
+        from dse.fmu import NoCompilerError, build_c
+
+        try:
+            build_c(component, source, version=2)
+        except NoCompilerError as error:
+            return tuple(Problem(f"C was not compiled: {each.what}", hint=each.hint) for each in error.problems)
+        return ()
 
     def build(self, component: Component, source: CSource, *, version: int, cache: Path | None) -> Path:
         """The FMU, with its sources inside. Raises DseError: the C does not compile, or lacks a port."""

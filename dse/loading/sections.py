@@ -82,7 +82,8 @@ def _problem(shape: type[Section], finding: Any, entry: Entry) -> Problem:
             return Problem(f"'{loc[-1]}' is not supported in this version", entry.key, hint)
         known = {name for section in _sections_at(shape, loc[:-1]) for name in section.model_fields}
         return Problem(f"unknown key '{loc[-1]}'", entry.key, closest(str(loc[-1]), known))
-    return Problem(f"'{_name(entry)}': {_words(finding)}, found {_shown(finding['input'])}", entry.where)
+    what = f"'{_name(entry)}': {_words(finding)}, found {_shown(finding['input'])}"
+    return Problem(what, entry.where, _own_hint(shape, loc))
 
 
 def _is_later(shape: type[Section], finding: Any) -> bool:

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from types import MappingProxyType
 
 from dse.domain.diagram import Diagram
 from dse.pictures.svg import Box
@@ -37,10 +38,19 @@ class ComponentLayout:
     height: float
 
 
-def lay_out(diagram: Diagram, inputs: Sequence[str], outputs: Sequence[str], title: str) -> ComponentLayout:
-    """The layout of *diagram* in a frame with the ports *inputs* and *outputs*, which may be called otherwise there."""
+def lay_out(
+    diagram: Diagram,
+    inputs: Sequence[str],
+    outputs: Sequence[str],
+    title: str,
+    labels: Mapping[str, str] = MappingProxyType({}),
+) -> ComponentLayout:
+    """The layout of *diagram* in a frame with the ports *inputs* and *outputs*, which may be called otherwise there.
+
+    *labels* is what stands in parts other than their names.
+    """
     columns = _columns(diagram)
-    widths = [max(_width(name) for name in column) for column in columns]
+    widths = [max(_width(labels.get(name, name)) for name in column) for column in columns]
     inside = sum(widths) + _GAP * (len(widths) + 1) if columns else _GAP
     inside = max(inside, _TITLE_CHARACTER * len(title) + _PADDING)
     tall = max([len(column) * ROW for column in columns] + [len(side) * PORT_ROW for side in (inputs, outputs)])

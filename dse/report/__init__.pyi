@@ -12,6 +12,7 @@ from .charts.problems import chart_problems as chart_problems
 from .content.nouns import (
     ConfigurationEntry as ConfigurationEntry,
     MetricColumn as MetricColumn,
+    Property as Property,
     ReportContent as ReportContent,
     RequirementRow as RequirementRow,
     Runs as Runs,
@@ -27,8 +28,10 @@ from .figure import (
     PrintedFigure as PrintedFigure,
     View as View,
     drawings as drawings,
+    uses_insight as uses_insight,
 )
 from .figures.waveforms import draw_run as draw_run
+from .insight.reading import insight_of as insight_of, read_insight as read_insight, read_report as read_report
 from .page.html import (
     ICON as ICON,
     bundle as bundle,

@@ -44,7 +44,10 @@ class View:
 
 @runtime_checkable
 class PrintedFigure(Protocol):
-    """A figure with a drawing of its own for print, in place of that of its charts."""
+    """A figure with a drawing of its own for print, in place of that of its charts.
+
+    One with a true attribute ``uses_insight`` draws what runs tell, which takes seconds to find out.
+    """
 
     def drawings(self, content: ReportContent, view: View) -> Iterable[tuple[str, Sheet]]:
         """Each drawing with the name of its file, without an ending."""
@@ -112,6 +115,11 @@ def drawings(name: str, content: ReportContent, view: View) -> Iterator[tuple[st
         raise
     except Exception as error:  # as above
         raise _broken(name, f"{type(error).__name__}: {error}") from error
+
+
+def uses_insight(names: Iterable[str]) -> bool:
+    """Whether one of the figures *names* draws what runs tell: `ReportContent.insight`."""
+    return any(getattr(FIGURES.get(name), "uses_insight", False) for name in names)
 
 
 def _broken(name: str, why: str) -> DseError:

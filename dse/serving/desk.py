@@ -14,7 +14,7 @@ from urllib.parse import urlencode
 
 from dse.api import glance, status
 from dse.errors import fail
-from dse.report import read_content, served_page
+from dse.report import read_report, served_page
 
 T = TypeVar("T")
 
@@ -67,7 +67,7 @@ class Desk:
 
         def make() -> tuple[object, bytes]:
             mark = _mark(folder)
-            content = read_content(folder, _MANY if glance(folder).finished <= _MANY else _FEW)
+            content = read_report(folder, _MANY if glance(folder).finished <= _MANY else _FEW)
             query = urlencode({"study": name})
             live = {"study": name, "runs": len(content.runs), "query": query, "problems": [*map(str, content.missing)]}
             return mark, served_page(content, live).encode()

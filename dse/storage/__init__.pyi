@@ -2,6 +2,7 @@ from .attempts import STOPPED as STOPPED, Attempt as Attempt, made_by as made_by
 from .checks import (
     CERTAINTIES as CERTAINTIES,
     ERROR_IN_BARS as ERROR_IN_BARS,
+    NO_CHECKS as NO_CHECKS,
     Certainty as Certainty,
     Checks as Checks,
     certainties_by_bars as certainties_by_bars,
@@ -16,7 +17,8 @@ from .difference import (
     changed_results as changed_results,
     changed_study as changed_study,
 )
-from .export.tables import EXPORTS as EXPORTS, columns_of as columns_of, to_frame as to_frame
+from .export.headings import headed as headed, si_unit as si_unit, units_of as units_of
+from .export.tables import EXPORTS as EXPORTS, to_arrow as to_arrow, to_frame as to_frame
 from .export.waveform_file import write_waveform_file as write_waveform_file
 from .folder import StudyFolder as StudyFolder
 from .lock import LOCK as LOCK, Writer as Writer, WriterLock as WriterLock, writer_of as writer_of

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
 from dse.domain.definition import StudyDefinition
@@ -54,8 +54,7 @@ def changed_inputs(stored: StudyDefinition, again: StudyDefinition, run: Run) ->
     for section, (what, keys) in _SECTIONS.items():
         before, after = (_deciding(getattr(definition, section), keys) for definition in (stored, again))
         found += [f"{what} {name}" for name in _names(before, after) if before.get(name) != after.get(name)]
-    keys = ("stop", "step", "record_every")
-    found += [f"simulation {key}" for key in keys if getattr(stored.simulation, key) != getattr(again.simulation, key)]
+    found += _simulation_differences(stored, again, ("stop", "step", "record_every"))
     was, now = (definition.configuration(run.request.configuration) for definition in (stored, again))
     found += [
         f"{key} of the configuration" for key in ("components", "wires") if getattr(was, key) != getattr(now, key)
@@ -82,11 +81,21 @@ def changed_study(stored: StudyDefinition, again: StudyDefinition) -> list[str]:
     for section, (what, keys) in (_SECTIONS | _SHOWN).items():
         ours, theirs = (_deciding(getattr(definition, section), keys) for definition in (stored, again))
         found += [f"{what} {name}" for name in _names(ours, theirs) if ours.get(name) != theirs.get(name)]
-    keys = ("stop", "step", "record_every", "method")
-    found += [f"simulation {key}" for key in keys if getattr(stored.simulation, key) != getattr(again.simulation, key)]
+    found += _simulation_differences(stored, again, ("stop", "step", "record_every", "method"))
     found += [key for key in ("sampler", "seed") if getattr(stored, key) != getattr(again, key)]
     counts = len(set(after) - set(before)), len(set(before) - set(after))
     return found + [f"{n} configurations {word}" for n, word in zip(counts, ("more", "less"), strict=True) if n]
+
+
+def _simulation_differences(stored: StudyDefinition, again: StudyDefinition, keys: Sequence[str]) -> Iterator[str]:
+    before, after = ({"": each.simulation, **each.other_simulations} for each in (stored, again))
+    for bench in _names(before, after):
+        was, now = before.get(bench), after.get(bench)
+        yield from (
+            f"simulation {key}{' on ' * bool(bench)}{bench}"
+            for key in keys
+            if getattr(was, key, 0) != getattr(now, key, 0)
+        )
 
 
 def _judgement_differences(stored: Run, again: Run) -> Iterator[str]:

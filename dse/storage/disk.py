@@ -21,6 +21,12 @@ _WHY = {
 }
 
 
+def not_made(path: Path, error: OSError) -> DseError:
+    """What to tell of *error*, which came of making the folder *path*: nothing is stored yet."""
+    why = _WHY.get(error.errno or 0, error.strerror or str(error))
+    return fail(f"the folder cannot be made: {why}", Location(str(path)), "name another folder with -o")
+
+
 def refused(path: Path, error: OSError) -> DseError:
     """What to tell of *error*, which came of writing into the folder *path*."""
     why = _WHY.get(error.errno or 0, error.strerror or str(error))

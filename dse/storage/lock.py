@@ -12,7 +12,7 @@ from types import TracebackType
 from dse.errors import DseError, Location, fail
 from dse.scratch import start_of
 from dse.storage.attempts import this_process
-from dse.storage.disk import refused
+from dse.storage.disk import not_made, refused
 
 LOCK = "writer.lock"
 WRITER = "writer.json"
@@ -46,6 +46,9 @@ class WriterLock:
         self._lock = FileLock(path / LOCK, timeout=0, thread_local=False, fallback_to_soft=False)
         try:
             path.mkdir(parents=True, exist_ok=True)
+        except OSError as error:
+            raise not_made(path, error) from error
+        try:
             self._lock.acquire()
         except Timeout:
             raise _refused(path, writer_of(path)) from None

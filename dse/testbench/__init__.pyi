@@ -12,8 +12,8 @@ from .numerics import numerics_as_data as numerics_as_data, numerics_of_element 
 from .objectives import compile_objective as compile_objective, with_composites as with_composites
 from .prepare import prepare_bench as prepare_bench, with_facts as with_facts
 from .prepared import PreparedBench as PreparedBench, Recording as Recording
-from .runner import make_runner as make_runner
 from .select import one_configuration as one_configuration
+from .several import Prepared as Prepared, make_runner as make_runner, on_bench as on_bench, singly as singly
 from .study import (
     PreparedStudy as PreparedStudy,
     bench_study as bench_study,

@@ -23,26 +23,33 @@ import numpy as np
 from dse import __version__
 from dse.cache import content_key
 from dse.domain.address import NOT_GIVEN, Address
-from dse.domain.component import Kind
 from dse.domain.facts import Question
 from dse.domain.fmu import FmuModel
 from dse.domain.system import Element
 from dse.metrics import MetricProgram
 from dse.testbench.prepared import PreparedBench
+from dse.testbench.several import Prepared, joint_address, singly
 from dse.testbench.variations import Variation
 
-_CODE = ("cosim", "csolve", "metrics", "testbench/runner.py", "testbench/comparing.py")
+_CODE = ("cosim", "csolve", "metrics", "testbench/runner.py", "testbench/several.py", "testbench/comparing.py")
 """What of dse makes a run's numbers from FMUs, which hold their own code."""
 
 _KERNEL = "cosim/_kernel.so"
 
 
-def address_of(prepared: PreparedBench) -> Address | None:
+def address_of(prepared: Prepared) -> Address | None:
     """What names the runs of *prepared*; None if nothing does.
 
     The result of an FMU that needs another program, or was seen to differ from process to process, does not follow
     from what is known here.
     """
+    addresses = [address for bench in singly(prepared) if (address := _address(bench))]
+    if len(addresses) < len(singly(prepared)):
+        return None
+    return addresses[0] if len(addresses) == 1 else joint_address(addresses)
+
+
+def _address(prepared: PreparedBench) -> Address | None:
     elements = prepared.system.elements
     if any(_is_open(element, prepared) for element in elements):
         return None
@@ -56,7 +63,6 @@ def address_of(prepared: PreparedBench) -> Address | None:
     places = {
         name: tuple(position[end] for end in (setting.target, f"= {name}") if end in position)
         for name, setting in prepared.settings.items()
-        if setting.type.kind is not Kind.ENUMERATION
     }
     values = np.array([given[name] for name in names], dtype="<f8").tobytes()
     return Address(_key(prepared), names, values, places, machine_key())

@@ -12,6 +12,7 @@ from dse.domain.bench import TestBench
 from dse.domain.component import Component
 from dse.domain.design import Configuration, DesignSpace
 from dse.domain.method import Coupling, Method
+from dse.domain.study import TESTBENCH
 from dse.errors import DseError, Problem, raise_if_any
 from dse.fmu import in_parallel
 from dse.loading import Workspace, kind_of
@@ -39,14 +40,14 @@ def check_workspace(
     tell = on_progress or (lambda *_: None)
     counts: dict[str, int] = {}
     found = _of(_survey, workspace, counts)
-    if not found:
-        found += _components(workspace, tell, [] if ignored is None else ignored)
-        for what, folder in (("design spaces", "designs"), ("test benches and studies", "testbenches")):
-            paths = list(workspace.files(folder))
-            for number, path in enumerate(paths, 1):
-                tell(what, number, len(paths), path.name)
-                bench = _study if path.name.endswith(".pet.yaml") else _bench
-                found += _of(_design if folder == "designs" else bench, workspace, str(path))
+    # What cannot be read is told once more by whatever needs it; all else is told besides.
+    found += _components(workspace, tell, [] if ignored is None else ignored)
+    for what, folder in (("design spaces", "designs"), ("test benches and studies", "testbenches")):
+        paths = list(workspace.files(folder))
+        for number, path in enumerate(paths, 1):
+            tell(what, number, len(paths), path.name)
+            bench = _study if path.name.endswith(".pet.yaml") else _bench
+            found += _of(_design if folder == "designs" else bench, workspace, str(path))
     return list(dict.fromkeys(found)), counts
 
 
@@ -54,7 +55,11 @@ def _components(workspace: Workspace, tell: OnProgress, ignored: list[Problem]) 
     """Reads them one by one, then looks into several at a time: models are translated, which takes seconds."""
     problems: list[Problem] = []
     read: dict[str, Component] = {}
-    for name in workspace.component_files:
+    try:
+        known = workspace.component_files
+    except DseError as error:
+        return list(error.problems)
+    for name in known:
         try:
             read[name] = workspace.component(name)
         except DseError as error:
@@ -133,10 +138,13 @@ def _study(workspace: Workspace, path: str) -> None:
     settings: dict[str, Mapping[str, Setting]] = {}
     lacking = {variable.name for variable in study.variables}
     for configuration in few:
-        settings[configuration.id] = wire_bench(study.bench, configuration).settings
-        lacking -= settings[configuration.id].keys()
+        wired = [wire_bench(bench, configuration).settings for bench in study.benches]
+        shared = {name: setting for name, setting in wired[0].items() if all(name in other for other in wired)}
+        settings[configuration.id] = shared
+        lacking -= {*shared, TESTBENCH}
         if len(settings) == 1 and study.bench.derived:
-            check_bench(study.bench, configuration)
+            for bench in study.benches:
+                check_bench(bench, configuration)
         if not lacking:
             break
     if not settings:

@@ -9,17 +9,17 @@ from pathlib import Path
 from dse.errors import Problem, raise_if_any
 from dse.testbench.error_bars import with_error_bars
 from dse.testbench.numerics import Say
-from dse.testbench.prepared import PreparedBench
+from dse.testbench.several import Prepared, singly, together
 from dse.testbench.study import PreparedStudy
 from dse.testbench.variations import can_halve
 
 
 def require_checkable(planned: PreparedStudy, names: Iterable[str]) -> None:
     """Raise DseError if configurations of *names* can make neither half the step nor twice the step until the end."""
-    benches = {name: planned.benches[name] for name in names}
     odd = [
         name
-        for name, bench in benches.items()
+        for name in names
+        for bench in singly(planned.benches[name])
         if bench.simulation.steps % 2 and not can_halve(bench.system, bench.simulation)
     ]
     what = f"{len(odd)} configurations have an FMU that cannot make half the step, and twice the step ends late"
@@ -34,18 +34,20 @@ def checked_benches(
     cache: Path | None = None,
     say: Say = lambda _: None,
     sandboxed: bool = False,
-) -> dict[str, PreparedBench]:
+) -> dict[str, Prepared]:
     """The benches of the configurations *names*, each of whose runs is repeated; the rest as for `with_error_bars`.
 
     Raises DseError as `require_checkable` does, which can be asked before.
     """
     names = tuple(names)
     require_checkable(planned, names)
-    tests = {part.name: part.component for part in planned.study.bench.test_components}
-    benches = {}
+    studied = planned.study.benches
+    benches: dict[str, Prepared] = {}
     for name in names:
-        bench = planned.benches[name]
-        bench = replace(bench, simulation=replace(bench.simulation, check_step=True))
-        parts = {**bench.configuration.parts, **tests}
-        benches[name] = with_error_bars(bench, parts, cache=cache, say=say, sandboxed=sandboxed)
+        made = []
+        for on, bench in zip(studied, singly(planned.benches[name]), strict=True):
+            asked = replace(bench, simulation=replace(bench.simulation, check_step=True))
+            parts = {**bench.configuration.parts, **{part.name: part.component for part in on.test_components}}
+            made.append(with_error_bars(asked, parts, cache=cache, say=say, sandboxed=sandboxed))
+        benches[name] = together(made, [bench.name for bench in studied])
     return benches

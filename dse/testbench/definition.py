@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import asdict, replace
 from fractions import Fraction
 from pathlib import Path
@@ -35,31 +35,33 @@ from dse.domain.study import Study
 from dse.domain.system import Element
 from dse.errors import Location
 from dse.space import alternatives, summed_properties
-from dse.testbench.prepared import PreparedBench
+from dse.testbench.several import Prepared, singly
 from dse.units import Unit
 
 
-def define(study: Study, prepared: Mapping[str, PreparedBench], space: str = "") -> StudyDefinition:
+def define(study: Study, prepared: Mapping[str, Prepared], space: str = "") -> StudyDefinition:
     """The study as it is stored with its results.
 
     Of a sampler that proposes configurations *space* is what names the design space, and *prepared* is what there is.
     """
-    bench, simulation = study.bench, study.bench.simulation
+    bench, benches = study.bench, study.benches
+    figures = {figure.name: figure for bench in benches for figure in bench.figures}
     return StudyDefinition(
         study=study.name,
         title=study.title or bench.title or study.name,
-        bench=DefinedBench(bench.name, bench.title),
+        bench=DefinedBench(" + ".join(b.name for b in benches), " + ".join(b.title for b in benches if b.title)),
         design=DefinedDesign(bench.design.name, bench.design.title, places(bench.design)),
         variables=tuple(_variable(variable) for variable in study.variables),
         sampler=DefinedSampler(study.sampler.name, study.sampler.options(), _grid(study, prepared.values())),
         seed=study.seed,
-        metrics=_metrics(bench, prepared),
+        metrics=_metrics(benches, prepared),
         requirements=tuple(_requirement(requirement) for requirement in bench.requirements),
-        simulation=DefinedSimulation(simulation.stop, simulation.step, simulation.record_every, _method(simulation)),
+        simulation=_simulation(bench.simulation),
+        other_simulations={other.name: _simulation(other.simulation) for other in study.others},
         configurations=tuple(configuration_of(each, study) for each in prepared.values()),
         explored=() if space else tuple(prepared),
         space=space,
-        figures=tuple(_figure(figure) for figure in bench.figures),
+        figures=tuple(_figure(figure) for figure in figures.values()),
         fmus=fmus_of(prepared),
         ignored=_ignored(prepared),
         keep_waveforms=str(study.keep),
@@ -109,10 +111,11 @@ def _variable(variable: DesignVariable) -> DefinedVariable:
         variable.values,
         str(variable.role),
         DefinedDistribution(given.kind, dict(given.numbers), given.values) if given else None,
+        variable.labels,
     )
 
 
-def _grid(study: Study, prepared: Iterable[PreparedBench]) -> Grid | None:
+def _grid(study: Study, prepared: Iterable[Prepared]) -> Grid | None:
     """The sampler's grid, each slice at every condition; none where points of it are missing, or not everywhere."""
     grid, names = study.sampler.grid, {variable.name for variable in study.variables}
     if grid is None or study.constraints or not all(names <= each.settings.keys() for each in prepared):
@@ -121,16 +124,23 @@ def _grid(study: Study, prepared: Iterable[PreparedBench]) -> Grid | None:
     return tuple((*slice_, *conditions) for slice_ in grid)
 
 
-def configuration_of(prepared: PreparedBench, study: Study) -> DefinedConfiguration:
-    """A configuration of *study* as it is stored."""
-    elements = prepared.system.elements
+def configuration_of(prepared: Prepared, study: Study) -> DefinedConfiguration:
+    """A configuration of *study* as it is stored: parts of the second bench and later ones as ``NAME/part``."""
+    benches = singly(prepared)
+    before = ["", *(f"{bench.name}/" for bench in study.others)]
+    elements = {f"{at}{e.name}": e for at, b in zip(before, benches, strict=True) for e in b.system.elements}
+    wires = [
+        f"{at}{w.source}.{w.source_variable} -> {w.target}.{w.target_variable}"
+        for at, bench in zip(before, benches, strict=True)
+        for w in bench.system.wires
+    ]
     totals = [name for objective in study.objectives for name in objective.totals]
     return replace(
         describe_configuration(prepared.configuration, study.bench.design, totals),
-        start={element.name: dict(sorted(element.start.items())) for element in elements},
-        inside={e.name: _inside(e) for e in elements if e.texts or e.conversions},
-        wires=tuple(f"{w.source}.{w.source_variable} -> {w.target}.{w.target_variable}" for w in prepared.system.wires),
-        columns=prepared.recording.columns,
+        start={name: dict(sorted(element.start.items())) for name, element in elements.items()},
+        inside={name: _inside(e) for name, e in elements.items() if e.texts or e.conversions},
+        wires=tuple(wires),
+        columns=tuple(dict.fromkeys(name for bench in benches for name in bench.recording.columns)),
         constants=dict(sorted(prepared.constants.items())),
     )
 
@@ -147,16 +157,18 @@ def _plain(data: object) -> Json:
     return json.loads(json.dumps(data))
 
 
-def fmus_of(prepared: Mapping[str, PreparedBench]) -> dict[str, str]:
+def fmus_of(prepared: Mapping[str, Prepared]) -> dict[str, str]:
     """Content hashes of the FMUs of *prepared*, by their names."""
-    return dict(
-        sorted({e.model.identifier: e.model.content_hash for p in prepared.values() for e in p.system.elements}.items())
-    )
+    return dict(sorted({e.model.identifier: e.model.content_hash for e in _elements(prepared)}.items()))
 
 
-def _ignored(prepared: Mapping[str, PreparedBench]) -> tuple[str, ...]:
+def _elements(prepared: Mapping[str, Prepared]) -> Iterator[Element]:
+    return (e for each in prepared.values() for bench in singly(each) for e in bench.system.elements)
+
+
+def _ignored(prepared: Mapping[str, Prepared]) -> tuple[str, ...]:
     """What was passed over, in files named from the archive on: where that lies is no matter of the study."""
-    models = {e.model.archive: e.model for p in prepared.values() for e in p.system.elements if e.model.ignored}
+    models = {e.model.archive: e.model for e in _elements(prepared) if e.model.ignored}
     found = {
         str(replace(problem, where=problem.where and _inside_archive(problem.where, archive)))
         for archive, model in models.items()
@@ -171,31 +183,45 @@ def _inside_archive(where: Location, archive: Path) -> Location:
     return replace(where, file=f"{name}{inner}")
 
 
+def _simulation(simulation: Simulation) -> DefinedSimulation:
+    return DefinedSimulation(simulation.stop, simulation.step, simulation.record_every, _method(simulation))
+
+
 def _method(simulation: Simulation) -> Json:
     """What is not plain about the algorithm and what FMUs are told of it; nothing if all is."""
     told = {} if simulation.tolerance is None else {"fmu_tolerance": simulation.tolerance}
     return _plain(told if simulation.method == PLAIN else asdict(simulation.method) | told)
 
 
-def _metrics(bench: TestBench, prepared: Mapping[str, PreparedBench]) -> tuple[DefinedMetric, ...]:
-    metrics = tuple(_metric(metric, bench.requirements, prepared) for metric in bench.metrics)
+def _metrics(benches: Sequence[TestBench], prepared: Mapping[str, Prepared]) -> tuple[DefinedMetric, ...]:
+    bench = benches[0]
+    written = {metric.name: _written(metric.name, benches) for metric in bench.metrics}
+    metrics = tuple(_metric(metric, written[metric.name], bench.requirements, prepared) for metric in bench.metrics)
     if not bench.simulation.check_step:
         return metrics
     bars = (replace(m, name=f"{m.name}{ERROR_BAR}", title=f"{m.title}, error bar", error_of=m.name) for m in metrics)
     return (*metrics, *bars)
 
 
+def _written(name: str, benches: Sequence[TestBench]) -> str:
+    """The expression of a metric; where benches differ in it, each one's."""
+    texts = {bench.name: metric.expression.text for bench in benches for metric in bench.metrics if metric.name == name}
+    if len(set(texts.values())) == 1:
+        return texts[benches[0].name]
+    return "; ".join(f"{bench}: {text}" for bench, text in texts.items())
+
+
 def _metric(
-    metric: Metric, requirements: tuple[Requirement, ...], prepared: Mapping[str, PreparedBench]
+    metric: Metric, written: str, requirements: tuple[Requirement, ...], prepared: Mapping[str, Prepared]
 ) -> DefinedMetric:
     # A metric without a unit of its own is shown in the unit its requirement speaks, else in SI.
     unit: Unit = metric.unit
     if not unit.symbol:
         unit = next((r.unit for r in requirements if r.metric == metric.name and r.unit.symbol), unit)
     if not unit.symbol and prepared:
-        unit = next(iter(prepared.values())).program.units[metric.name]
+        unit = singly(next(iter(prepared.values())))[0].program.units[metric.name]
     title = metric.title or metric.name.replace("_", " ")
-    return DefinedMetric(metric.name, title, unit.symbol, metric.expression.text)
+    return DefinedMetric(metric.name, title, unit.symbol, written)
 
 
 def _requirement(requirement: Requirement) -> DefinedRequirement:

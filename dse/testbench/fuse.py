@@ -10,6 +10,7 @@ from dse.domain.bench import Simulation
 from dse.domain.method import PLAIN
 from dse.errors import Problem, raise_if_any
 from dse.fmu import Tell, Wanted, fuse_all
+from dse.testbench.several import singly, together
 from dse.testbench.study import PreparedStudy
 
 
@@ -20,11 +21,13 @@ def fuse_study(study: PreparedStudy, *, cache: Path | None = None, tell: Tell | 
 
     Raises one DseError naming all that cannot be fused, located in the bench and the components.
     """
-    raise_if_any([*_of_method(study.study.bench.simulation), *_of_components(study)])
-    benches = study.benches
-    wanted = {n: Wanted(b.system, b.recording.variables, b.simulation.method) for n, b in benches.items()}
+    raise_if_any([*(p for bench in study.study.benches for p in _of_method(bench.simulation)), *_of_components(study)])
+    names = [bench.name for bench in study.study.benches]
+    each = {f"{n} on {on}": b for n, all_ in study.benches.items() for on, b in zip(names, singly(all_), strict=True)}
+    wanted = {n: Wanted(b.system, b.recording.variables, b.simulation.method) for n, b in each.items()}
     libraries = fuse_all(wanted, cache=cache, tell=tell)
-    return replace(study, benches={name: replace(bench, fused=libraries[name]) for name, bench in benches.items()})
+    fused = {name: replace(bench, fused=libraries[name]) for name, bench in each.items()}
+    return replace(study, benches={n: together([fused[f"{n} on {on}"] for on in names], names) for n in study.benches})
 
 
 def _of_method(simulation: Simulation) -> Iterator[Problem]:
@@ -45,7 +48,7 @@ def _of_method(simulation: Simulation) -> Iterator[Problem]:
 
 def _of_components(study: PreparedStudy) -> Iterator[Problem]:
     standing = [c for bench in study.benches.values() for c in bench.configuration.parts.values()]
-    standing += [part.component for part in study.study.bench.test_components]
+    standing += [part.component for bench in study.study.benches for part in bench.test_components]
     for component in {component.name: component for component in standing}.values():
         if component.source is not None and component.source.is_finished:
             what = f"{component.name} is a finished FMU, which cannot be fused"

@@ -66,6 +66,11 @@ class PreparedBench:
         return {name: setting.value for name, setting in self.settings.items()}
 
     @property
+    def kept(self) -> tuple[str, ...]:
+        """The columns stored as waveforms."""
+        return self.recording.kept
+
+    @property
     def timeout(self) -> float:
         """Seconds a single run may take, with those that it is compared with."""
         return self.simulation.timeout * (1.0 + sum(variation.cost for variation in self.checks.variations))

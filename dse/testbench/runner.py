@@ -90,8 +90,3 @@ class Runner(AbstractContextManager["Runner"]):
         stride = self.prepared.simulation.stride
         values = {name: columns[name][::stride].copy() for name in self.prepared.recording.kept}
         return Waveforms(np.ascontiguousarray(time[::stride]), values)
-
-
-def make_runner(prepared: PreparedBench, progress: memoryview | None) -> Runner:
-    """A runner for a worker process; importable by name, so that it can be sent there."""
-    return Runner(prepared, progress=progress)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -11,8 +11,8 @@ from dse.domain.component import Value
 from dse.domain.definition import StudyDefinition
 from dse.domain.design import Configuration
 from dse.domain.sampler import Architectures, Nominal
-from dse.domain.study import Keep, Selection, Study
-from dse.errors import DseError, Location, Problem, raise_if_any
+from dse.domain.study import TESTBENCH, Keep, Selection, Study
+from dse.errors import DseError, Location, Problem, Problems, raise_if_any
 from dse.loading import Raw, read_setting
 from dse.testbench.definition import configuration_of, define, fmus_of
 from dse.testbench.error_bars import with_error_bars
@@ -21,6 +21,7 @@ from dse.testbench.objectives import compile_objective
 from dse.testbench.prepare import prepare_bench
 from dse.testbench.prepared import PreparedBench, Setting
 from dse.testbench.select import digest_of, proposing, selected
+from dse.testbench.several import Prepared, together
 
 
 @dataclass(frozen=True, slots=True)
@@ -36,9 +37,20 @@ class Preparing:
     say: Say = lambda _: None
     sandboxed: bool = False
 
-    def benches(self, configurations: Iterable[Configuration]) -> dict[str, PreparedBench]:
-        """*configurations* on the study's bench, by id. Raises DseError with everything that is wrong."""
-        bench = self.study.bench
+    def benches(self, configurations: Iterable[Configuration]) -> dict[str, Prepared]:
+        """*configurations* on the study's benches, by id. Raises DseError with everything that is wrong."""
+        chosen, problems = tuple(configurations), Problems()
+        made: list[dict[str, PreparedBench]] = []
+        for bench in self.study.benches:
+            with problems:
+                made.append(self._on(bench, chosen))
+        if problems:
+            raise DseError(*dict.fromkeys(problems))
+        _require_units(self.study, made)
+        names = [bench.name for bench in self.study.benches]
+        return {name: together([each[name] for each in made], names) for name in made[0]}
+
+    def _on(self, bench: TestBench, configurations: Iterable[Configuration]) -> dict[str, PreparedBench]:
         test_parts = {part.name: part.component for part in bench.test_components}
         prepared = prepare_bench(bench, configurations, version=self.version, cache=self.cache)
         return {
@@ -61,7 +73,7 @@ class PreparedStudy:
     """
 
     study: Study
-    benches: dict[str, PreparedBench]
+    benches: dict[str, Prepared]
     definition: StudyDefinition
     preparing: Preparing
     space: Architectures | None = None
@@ -72,7 +84,7 @@ class PreparedStudy:
         found = (opened.of_choices(each) for each in choices)
         self.add(each for each in found if each is not None)
 
-    def add(self, configurations: Iterable[Configuration]) -> dict[str, PreparedBench]:
+    def add(self, configurations: Iterable[Configuration]) -> dict[str, Prepared]:
         """Prepare *configurations*, too. Raises DseError."""
         made = self.preparing.benches(configurations)
         self.benches |= made
@@ -111,6 +123,18 @@ def prepare_study(
         raise opened.nothing()
     defined = _checked(study, define(study, first, digest_of(study)))
     return PreparedStudy(study, {}, replace(defined, configurations=(), fmus={}), preparing, opened.architectures())
+
+
+def _require_units(study: Study, made: Sequence[Mapping[str, PreparedBench]]) -> None:
+    """Raise DseError unless a metric is of the same dimension on every bench, where none of them gives it a unit."""
+    problems = []
+    for metric in study.bench.metrics:
+        units = [next(iter(each.values())).program.units[metric.name] for each in made if each]
+        for bench, unit in zip(study.others, units[1:], strict=False):
+            if unit.dimension != units[0].dimension:
+                what = f"the metric '{metric.name}' is in {unit or '1'} on '{bench.name}', and in {units[0] or '1'}"
+                problems.append(Problem(f"{what} on '{study.bench.name}'", study.where, "rename one of them"))
+    raise_if_any(problems)
 
 
 def _checked(study: Study, definition: StudyDefinition) -> StudyDefinition:
@@ -153,8 +177,9 @@ def require_variables(study: Study, settings: Mapping[str, Mapping[str, Setting]
     """Raise DseError unless every design variable can be set in some configuration (*settings* by its id)."""
     problems = []
     for variable in study.variables:
-        if not any(variable.name in known for known in settings.values()):
+        if variable.name != TESTBENCH and not any(variable.name in known for known in settings.values()):
             what = f"none of {len(settings)} configurations can vary '{variable.name}', as {next(iter(settings))}"
             hint = "vary a parameter, or an input nothing is connected to, that some chosen configuration has"
+            hint += " on each of the benches" if study.others else ""
             problems.append(Problem(what, variable.where, hint))
     raise_if_any(problems)

@@ -14,6 +14,7 @@ from dse.report import (
     MetricColumn,
     Points,
     PrintedFigure,
+    Property,
     ReportContent,
     RequirementRow,
     Runs,
@@ -57,7 +58,7 @@ def study(kind: str) -> ReportContent:
             done,
             tuple("" if ok else "it broke" for ok in done),
         ),
-        tuple(ConfigurationEntry(name, {"brake": name}, {"mass": "3 kg"}) for name in configurations),
+        tuple(ConfigurationEntry(name, {"brake": name}, {"mass": Property(3.0, "kg")}) for name in configurations),
         ()
         if bare
         else (Variable("v.x", "gain", "1/s", 0, 1, None, 0.5, x), Variable("v.y", "", "", 0, 1, None, 0.5, y)),

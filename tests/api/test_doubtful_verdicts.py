@@ -166,7 +166,7 @@ def test_exports_say_it_alike(fine: dse.Results) -> None:
     runs = json.loads(fine.export("json"))["runs"]
     assert [row["R1.certainty"] for row in table] == [run.get("certainty", {}).get("R1", "") for run in runs]
     bars = [run.get("errors", {}).get("end") for run in runs]
-    assert [float(row["end.error"]) if row["end.error"] else None for row in table] == bars
+    assert [float(row["end.error [m]"]) if row["end.error [m]"] else None for row in table] == bars
 
 
 def test_the_page_is_given_what_the_table_has(fine: dse.Results) -> None:

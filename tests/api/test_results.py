@@ -11,10 +11,10 @@ import pytest
 from definitions import stored_definition
 
 import dse
-from dse.api.showing.described import si_unit
 from dse.domain.definition import DefinedConfiguration, DefinedMetric
 from dse.domain.run import Outcome, Run as Record, RunRequest
 from dse.exploration.progress import Stage
+from dse.storage.export.headings import si_unit
 
 DEFINITION = stored_definition(
     [DefinedConfiguration("abc", {"a": "b"})],
@@ -160,7 +160,7 @@ def test_a_replayed_run_is_the_same(results, folder, monkeypatch):
 
 
 def test_an_export_is_one_of_those_there_are(results):
-    assert results.export("csv").startswith(b"run,configuration,outcome")
+    assert results.export("csv").startswith(b"run,configuration,sensor,")
     with pytest.raises(dse.DseError, match="did you mean 'csv'"):
         results.export("csw")
 

@@ -16,8 +16,8 @@ import pytest
 from defusedxml import ElementTree
 
 COMMANDS = (
-    *("init", "check", "components", "build", "enumerate", "space", "simulate", "run", "explore", "status", "results"),
-    *("findings", "best", "pareto", "refine", "report", "figure", "replay", "cache"),
+    *("init", "check", "list", "new", "components", "build", "enumerate", "space", "simulate", "run", "explore"),
+    *("status", "results", "findings", "best", "pareto", "refine", "report", "figure", "replay", "cache"),
 )
 
 
@@ -213,10 +213,54 @@ def test_what_is_not_there_is_named_without_a_traceback(dse, arguments, words):
     assert "Traceback" not in done.stderr
 
 
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (
+            ["enumerate", "acc_vehicle", "--where", "sensor = lidar_905nm"],
+            "write sensor is lidar_905nm for what is chosen",
+        ),
+        (["enumerate", "acc_vehicle", "--where", "sum(cost) = 900 EUR"], "write == to compare"),
+        (["enumerate", "acc_vehicle", "--where", "sum(cost) < 1,5 EUR"], "write 1.5 EUR"),
+        (["simulate", "acc_following", "--set", "controller.kp_speed=1,5 1/s"], "write '1.5 1/s'"),
+    ],
+)
+def test_what_is_written_as_elsewhere_is_answered_with_how_it_is_written_here(dse, arguments, words):
+    done = dse(*arguments)
+    assert done.returncode == 1
+    assert words in done.stderr
+
+
+def test_a_range_with_decimal_commas_is_refused_as_such(dse, example):
+    study = (example / "testbenches" / "small.pet.yaml").read_text(encoding="utf-8")
+    comma = example / "testbenches" / "comma.pet.yaml"
+    comma.write_text(
+        study.replace("study: small", "study: comma").replace("[0.5, 4.5]", "[0,5, 4,5]"), encoding="utf-8"
+    )
+    try:
+        done = dse("explore", "comma")
+    finally:
+        comma.unlink()
+    assert done.returncode == 1
+    assert "numbers have a decimal point, no comma" in done.stderr
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="there is no /proc")
+@pytest.mark.parametrize(
+    "command", [["explore", "small"], ["report", "STUDY"], ["figure", "STUDY"], ["build", "pd_acc"]]
+)
+def test_a_place_where_nothing_can_be_made_is_named_with_what_to_do(dse, explored, command):
+    done = dse(*(str(explored) if word == "STUDY" else word for word in command), "-o", "/proc/nowhere")
+    assert done.returncode == 1
+    assert "/proc/nowhere" in done.stderr
+    assert "-o" in done.stderr.partition("hint: ")[2]
+    assert "Traceback" not in done.stderr
+
+
 @pytest.mark.thorough
 def test_wrong_usage_exits_with_2(dse):
     assert dse("enumerate").returncode == 2
-    assert dse("explore", "small").returncode == 2
+    assert dse("explore").returncode == 2
     assert dse("simulate", "acc_following", "--fmi", "4").returncode == 2
 
 

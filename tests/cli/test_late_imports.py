@@ -30,6 +30,8 @@ MAY_IMPORT = {
     "space --help": set(),
     "init {o}": set(),
     "docs": set(),
+    "schema design": {"numpy", "pint", "ruamel.yaml", "scipy"},
+    "list": {"numpy", "ruamel.yaml"},  # the first to read the benches
     "components": set(),
     "components --graph {o}": set(),
     "enumerate acc_vehicle": SPACE,
@@ -56,6 +58,7 @@ MAY_IMPORT = {
     "refine {s} --around 0": RUNS,
     "status {s}": {"numpy"},
     "compare {s} {s}": {"numpy"},
+    "new component fresh -w {o}": {"pint"},
     "report {s} -o {o}.html": RUNS,
     "figure {s} -o {o}": DRAWN,
     "replay {s} 1": RUNS,
@@ -149,6 +152,9 @@ def test_every_command_is_in_the_table():
         "export ssp",
         "merge",
         "serve",  # goes on for ever; tests/cli/test_serve.py starts it
+        "new design",
+        "new bench",
+        "new study",
     }
 
 

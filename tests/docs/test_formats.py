@@ -78,7 +78,7 @@ def dse(tmp_path_factory: pytest.TempPathFactory) -> Dse:
 def test_the_blocks_are_a_workspace_without_a_mistake(dse):
     done = dse("check")
     assert done.returncode == 0, done.stderr
-    assert done.stdout.startswith("ok: 5 interfaces, 5 components, 1 design space, 2 test benches, 2 studies")
+    assert done.stdout.startswith("ok: 5 interfaces, 5 components, 1 design space, 3 test benches, 3 studies")
 
 
 @pytest.mark.thorough
@@ -185,3 +185,13 @@ def test_every_link_within_the_document_leads_to_a_heading():
     linked = set(re.findall(r"\]\(#([^)]+)\)", TEXT))
     assert len(linked) > 10
     assert linked <= anchors
+
+
+@pytest.mark.thorough
+def test_the_study_on_two_benches_tests_every_design_on_both(dse, tmp_path):
+    done = dse("explore", "both_loads", "-o", str(tmp_path), "-j", "1")
+    assert done.returncode == 0, done.stderr
+    rows = dse("results", str(tmp_path)).stdout.splitlines()
+    column = rows[0].split(",").index("testbench")
+    counts = {bench: [row.split(",")[column] for row in rows].count(bench) for bench in ("speed_step", "heavy_load")}
+    assert counts["speed_step"] == counts["heavy_load"] > 0

@@ -57,7 +57,7 @@ def test_the_files_shown_can_be_read(workspace, tmp_path):
     shown, shipped = (
         (root / "testbenches/acc_gains.pet.yaml").read_text(encoding="utf-8") for root in (copy, workspace)
     )
-    assert shown.partition("\n")[2] == shipped
+    assert shown.partition("\n")[2] == shipped.partition("\n")[2]  # less the schema, and the file's name
     study = Workspace(copy).study("acc_gains")
     assert study.bench.design.constraints[0].name == "budget"
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from design_cases import AT_MOST, DESIGN_CASES
 from hypothesis import given, strategies as st
 
 from dse.domain.bench import Verdict
@@ -91,3 +92,18 @@ def test_the_front_is_what_nothing_dominates(points):
         not np.isnan(own).any() and not any(is_better(other, own) for other in objectives) for own in objectives
     ]
     assert front_of(objectives).tolist() == expected
+
+
+@pytest.mark.parametrize("case", DESIGN_CASES)
+def test_every_case_is_judged_as_the_report_judges_it(case):
+    words = [X if not run.done else N if not run.exercised else P if run.value <= AT_MOST else F for run in case.runs]
+    margins = [AT_MOST - run.value for run in case.runs]
+    told = [
+        ("x", 0.5, run.condition, run.draw, run.value, word, margin)
+        for run, word, margin in zip(case.runs, words, margins, strict=True)
+    ]
+    designs = one(*told)
+    assert designs.feasible.tolist() == [case.verdict == "pass"]
+    assert (designs.failed > 0).tolist() == [case.verdict == "failed to run"]
+    assert designs.margins[0, 0] == pytest.approx(case.margin, nan_ok=True)
+    assert designs.objectives[0, 0] == pytest.approx(case.objective, nan_ok=True)

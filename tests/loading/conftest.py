@@ -30,8 +30,24 @@ parameters:
   setting: {start: near, enum: [near, far]}
 properties: {cost: 45 EUR, mass: 300 g}
 """,
-    "components/radar/radar.c": "",
-    "components/radar/radar.h": "",
+    "components/radar/radar.c": """\
+#include "radar.h"
+void radar_init(radar *self) { (void)self; }
+void radar_step(radar *self) {
+    (void)self;
+}
+""",
+    "components/radar/radar.h": """\
+#include <stdbool.h>
+#include <stdint.h>
+typedef struct {
+    struct { struct { double range; bool visible; } scene; } in;
+    struct { struct { double gap; bool detected; } target; } out;
+    struct { double range; int32_t setting; } par;
+} radar;
+void radar_init(radar *self);
+void radar_step(radar *self);
+""",
     "components/pd/component.yaml": """\
 component: pd
 implements: controller
@@ -40,15 +56,47 @@ parameters:
   kp: {start: 0.8, min: 0, max: 5, unit: 1/s}
 properties: {cost: 20 EUR}
 """,
-    "components/pd/pd.c": "",
-    "components/pd/pd.h": "",
+    "components/pd/pd.c": """\
+#include "pd.h"
+void pd_init(pd *self) { (void)self; }
+void pd_step(pd *self) {
+    (void)self;
+}
+""",
+    "components/pd/pd.h": """\
+#include <stdbool.h>
+#include <stdint.h>
+typedef struct {
+    struct { struct { double gap; bool detected; } target; double set_gap, rim; } in;
+    struct { double torque; int32_t mode; } out;
+    struct { double kp; } par;
+} pd;
+void pd_init(pd *self);
+void pd_step(pd *self);
+""",
     "components/road/component.yaml": """\
 component: road
 implements: world
 source: {kind: c, files: [road.c]}
 """,
-    "components/road/road.c": "",
-    "components/road/road.h": "",
+    "components/road/road.c": """\
+#include "road.h"
+void road_init(road *self) { (void)self; }
+void road_step(road *self, double h) {
+    (void)self;
+    (void)h;
+}
+""",
+    "components/road/road.h": """\
+#include <stdbool.h>
+#include <stdint.h>
+typedef struct {
+    struct { double torque; } in;
+    struct { double gap, speed; struct { double range; bool visible; } scene; } out;
+} road;
+void road_init(road *self);
+void road_step(road *self, double h);
+""",
     "components/road/interfaces.yaml": """\
 interfaces:
   world:

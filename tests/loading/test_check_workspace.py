@@ -64,6 +64,46 @@ def test_the_command_line_shows_problems_and_no_traceback(files):
     )
 
 
+def test_c_that_does_not_compile_is_told_with_all_other_problems_at_its_line(files):
+    files.edit("components/pd/pd.c", "(void)self;\n}\n", "self->out.torqe = 1;\n}\n")
+    files.edit("components/road/road.c", "    (void)self;\n", "    oops(self);\n")
+    files.edit("components/radar/component.yaml", "min: 10 m", "min: 10 kg")
+    files.edit("testbenches/following.yaml", "stop: 10 s", "stop: 10 m")
+    files.edit("testbenches/gains.pet.yaml", "full_factorial", "full_factorio")
+    problems, _ = check_workspace(Workspace(files.root))
+    assert {str(problem.where).rpartition(":")[0] for problem in problems} == {
+        "components/pd/pd.c:4",
+        "components/radar/component.yaml:6",
+        "components/road/road.c:4",
+        "testbenches/following.yaml:9",
+        "testbenches/gains.pet.yaml:5",
+    }
+
+
+def test_a_broken_interface_does_not_hide_what_is_wrong_elsewhere(files):
+    files.edit("components/interfaces.yaml", "      set_gap: m\n", "      set_gap: mm/\n")
+    files.edit("testbenches/following.yaml", "at_most: 1 %", "at_mots: 1 %")
+    files.edit("testbenches/gains.pet.yaml", "levels: 5", "lvels: 5")
+    problems, _ = check_workspace(Workspace(files.root))
+    assert {str(problem.where).partition(":")[0] for problem in problems} == {
+        "components/interfaces.yaml",
+        "testbenches/following.yaml",
+        "testbenches/gains.pet.yaml",
+    }
+
+
+def test_without_a_compiler_c_is_passed_over_and_that_is_told(files, monkeypatch):
+    from dse.fmu.toolchain import compiler
+
+    def none(*_):
+        raise compiler.no_compiler()
+
+    monkeypatch.setattr("dse.fmu.c.build.with_compiler", none)
+    ignored = []
+    assert check_workspace(Workspace(files.root), None, ignored)[0] == []
+    assert "C was not compiled: there is no C compiler on this machine" in {problem.what for problem in ignored}
+
+
 def test_a_file_must_be_called_after_what_it_defines(files):
     files.write("designs/other.yaml", (files.root / "designs/car.yaml").read_text(encoding="utf-8"))
     (problem,) = check_workspace(Workspace(files.root))[0]

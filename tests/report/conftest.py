@@ -2,11 +2,17 @@
 
 from __future__ import annotations
 
+import os
+import shutil
+from collections.abc import Iterator
 from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 import pytest
 from numpy.typing import NDArray
+from report_pages import Open
 
 from dse.report.content.nouns import (
     ConfigurationEntry,
@@ -19,6 +25,10 @@ from dse.report.content.nouns import (
     SamplerKind,
     Variable,
 )
+from dse.report.page.html import write_report
+
+if TYPE_CHECKING:
+    from playwright.sync_api import Browser, Page
 
 SET_SPEED, LEAD_SPEED, START_GAP, SET_GAP = 70 / 3.6, 50 / 3.6, 150.0, 40.0
 GAINS = (
@@ -202,3 +212,47 @@ def scattered() -> ReportContent:
 def bench_only() -> ReportContent:
     """Six configurations, one run each, and no design variable."""
     return build(scatter(6), SamplerKind.SCATTERED, failed=(4,), used=(), configurations=tuple("abcdef"))
+
+
+@pytest.fixture(scope="module")
+def browser() -> Iterator[Browser]:
+    from playwright.sync_api import sync_playwright
+
+    names = ("chromium", "chromium-browser", "google-chrome")
+    found = next((path for path in map(shutil.which, names) if path), None)
+    if found is None:
+        if os.environ.get("CI"):
+            pytest.fail(f"the report's browser tests need one of {', '.join(names)}")
+        pytest.skip(f"none of {', '.join(names)} is installed")
+    with sync_playwright() as playwright:
+        # Without its sandbox Chromium also starts for root in a container; the page is our own.
+        started = playwright.chromium.launch(executable_path=found, args=["--no-sandbox"])
+        yield started
+        started.close()
+
+
+@pytest.fixture
+def open_report(browser: Browser, tmp_path: Path) -> Iterator[Open]:
+    """Opens a report from disk; at the end nothing must have been logged, thrown or fetched but the report itself."""
+    context = browser.new_context(viewport={"width": 1440, "height": 1000}, color_scheme="light")
+    complaints: list[str] = []
+    report = tmp_path / "report.html"
+
+    def opened(content: ReportContent) -> Page:
+        write_report(content, report)
+        page = context.new_page()
+        page.set_default_timeout(8000)
+        page.on("console", lambda message: complaints.append(f"{message.type}: {message.text}"))
+        page.on("pageerror", lambda error: complaints.append(str(error)))
+        page.on("request", lambda request: complaints.append(request.url) if request.url[:5] != "data:" else None)
+        complaints.clear()
+        page.goto(report.as_uri())
+        page.wait_for_selector("html[data-ready]")
+        assert complaints == [report.as_uri()]
+        complaints.clear()
+        return page
+
+    yield opened
+    context.close()
+    # It may be loaded again.
+    assert set(complaints) <= {report.as_uri()}

@@ -3,14 +3,12 @@
 from __future__ import annotations
 
 import dataclasses
-import os
-import shutil
-from collections.abc import Callable, Iterator
-from pathlib import Path
+from collections.abc import Callable
 
 import numpy as np
 import pytest
-from playwright.sync_api import Browser, Locator, Page, Position, sync_playwright
+from playwright.sync_api import Locator, Page, Position
+from report_pages import PLANE, Open, counts, expected, ground, selected, settle
 from verdict_cases import BOUNDS, cases
 
 from dse.errors import Problem
@@ -18,53 +16,12 @@ from dse.report.charts.chart import Axis, Band, Bars, Chart, Line, Rule, Steps, 
 from dse.report.content.nouns import MetricColumn, ReportContent, RequirementRow, Runs
 from dse.report.figure import ShownFigure, charted
 from dse.report.page import html as page_module
-from dse.report.page.html import write_report
 from dse.report.verdicts import Mark, overall_marks
 
 pytestmark = pytest.mark.browser
 
 HOSTILE = '</script><img src=x onerror="window.pwned=1"><b>'
-Open = Callable[[ReportContent], Page]
 Figures = Callable[[ReportContent, tuple[Chart, ...] | None], ReportContent]
-
-
-@pytest.fixture(scope="module")
-def browser() -> Iterator[Browser]:
-    names = ("chromium", "chromium-browser", "google-chrome")
-    found = next((path for path in map(shutil.which, names) if path), None)
-    if found is None:
-        if os.environ.get("CI"):
-            pytest.fail(f"the report's browser tests need one of {', '.join(names)}")
-        pytest.skip(f"none of {', '.join(names)} is installed")
-    with sync_playwright() as playwright:
-        # Without its sandbox Chromium also starts for root in a container; the page is our own.
-        started = playwright.chromium.launch(executable_path=found, args=["--no-sandbox"])
-        yield started
-        started.close()
-
-
-@pytest.fixture
-def open_report(browser: Browser, tmp_path: Path) -> Iterator[Open]:
-    """Opens a report from disk; at the end nothing must have been logged, thrown or fetched."""
-    context = browser.new_context(viewport={"width": 1440, "height": 1000}, color_scheme="light")
-    complaints: list[str] = []
-
-    def opened(content: ReportContent) -> Page:
-        write_report(content, tmp_path / "report.html")
-        page = context.new_page()
-        page.on("console", lambda message: complaints.append(f"{message.type}: {message.text}"))
-        page.on("pageerror", lambda error: complaints.append(str(error)))
-        page.on("request", lambda request: complaints.append(request.url) if request.url[:5] != "data:" else None)
-        complaints.clear()
-        page.goto((tmp_path / "report.html").as_uri())
-        page.wait_for_selector("html[data-ready]")
-        assert complaints == [(tmp_path / "report.html").as_uri()]
-        complaints.clear()
-        return page
-
-    yield opened
-    context.close()
-    assert complaints == []
 
 
 @pytest.fixture
@@ -80,44 +37,12 @@ def figures(monkeypatch: pytest.MonkeyPatch) -> Figures:
     return shown
 
 
-def counts(page: Page) -> list[int]:
-    """What the legend says: pass, fail, not exercised, failed to run."""
-    settle(page)
-    texts = [page.inner_text(f"#count-{kind}") for kind in ("pass", "fail", "open", "broken")]
-    return [int(text.replace("\u202f", "")) for text in texts]
-
-
-def expected(content: ReportContent, *bounds: float) -> list[int]:
-    """The same from Python, with the requirements' upper bounds replaced."""
-    requirements = tuple(
-        dataclasses.replace(requirement, at_most=bound)
-        for requirement, bound in zip(content.requirements, bounds, strict=True)
-    )
-    marks = overall_marks(dataclasses.replace(content, requirements=requirements))
-    return [int(count) for count in np.bincount(marks, minlength=4)]
-
-
-def settle(page: Page) -> None:
-    """Wait until what was changed has been drawn."""
-    page.evaluate("() => new Promise(done => requestAnimationFrame(() => requestAnimationFrame(done)))")
-
-
-def ground(page: Page) -> str:
-    """The constraint plot's pixels."""
-    settle(page)
-    return str(page.evaluate("document.querySelector('canvas.ground').toDataURL()"))
-
-
-def selected(page: Page) -> int:
-    settle(page)
-    return int(page.inner_text("#selected-run").split()[1])
-
-
 @pytest.mark.thorough
 def test_the_counts_are_those_that_python_finds(sliced: ReportContent, open_report: Open) -> None:
     page = open_report(sliced)
-    assert counts(page) == expected(sliced, 0.5, 1.0)
-    assert page.inner_text("#passing") == str(expected(sliced, 0.5, 1.0)[0])
+    assert counts(page) == expected(sliced, 0.5, 1.0, runs=PLANE)
+    assert page.inner_text("#passing") == str(expected(sliced, 0.5, 1.0, runs=PLANE)[0])
+    assert page.inner_text(".headline").endswith(f" · {expected(sliced, 0.5, 1.0)[0]} of all 242")
 
 
 @pytest.mark.thorough
@@ -138,6 +63,7 @@ def test_the_page_judges_every_case_as_python_does(scattered: ReportContent, ope
         figures=(),
     )
     page = open_report(content)
+    page.click("#tab-runs")
     page.eval_on_selector(".table .view", "view => { view.style.height = view.style.maxHeight = '9999px' }")
     settle(page)
     rows = page.eval_on_selector_all(
@@ -153,12 +79,12 @@ def test_moving_a_threshold_moves_the_counts_and_the_plot(sliced: ReportContent,
     page = open_report(sliced)
     before = ground(page)
     page.fill("#field-atMost-0", "0.1")
-    assert counts(page) == expected(sliced, 0.1, 1.0) != expected(sliced, 0.5, 1.0)
+    assert counts(page) == expected(sliced, 0.1, 1.0, runs=PLANE) != expected(sliced, 0.5, 1.0, runs=PLANE)
     assert ground(page) != before
     page.eval_on_selector("#slider-atMost-0", "s => { s.value = s.max; s.dispatchEvent(new Event('input')) }")
-    assert counts(page) == expected(sliced, float(page.input_value("#slider-atMost-0")), 1.0)
+    assert counts(page) == expected(sliced, float(page.input_value("#slider-atMost-0")), 1.0, runs=PLANE)
     page.click("#reset-thresholds")
-    assert counts(page) == expected(sliced, 0.5, 1.0)
+    assert counts(page) == expected(sliced, 0.5, 1.0, runs=PLANE)
     assert ground(page) == before
     assert page.is_disabled("#reset-thresholds")
 
@@ -168,10 +94,10 @@ def test_a_requirement_with_two_bounds_has_two_sliders(sliced: ReportContent, op
     both = RequirementRow("R3", "braking", "peak_deceleration", 0.7, 0.4, np.ones(len(sliced.runs), dtype=bool))
     content = dataclasses.replace(sliced, requirements=(both,))
     page = open_report(content)
-    assert counts(page) == expected(content, 0.7)
+    assert counts(page) == expected(content, 0.7, runs=PLANE)
     page.fill("#field-atLeast-0", "0.6")
     stricter = dataclasses.replace(content, requirements=(dataclasses.replace(both, at_least=0.6),))
-    assert counts(page) == expected(stricter, 0.7) != expected(content, 0.7)
+    assert counts(page) == expected(stricter, 0.7, runs=PLANE) != expected(content, 0.7, runs=PLANE)
 
 
 def test_a_click_selects_the_run_under_it(sliced: ReportContent, open_report: Open) -> None:
@@ -185,6 +111,7 @@ def test_a_click_selects_the_run_under_it(sliced: ReportContent, open_report: Op
     assert selected(page) == 24
     page.wait_for_selector(".figures[data-run='24'] .u-wrap")
     value = sliced.metrics[0].values[24]
+    page.click(".numbers summary")
     shown = page.inner_text("#metrics tbody tr:first-child td:nth-child(2)").replace("\u2212", "-").split("\u202f")
     assert float(shown[0]) == pytest.approx(value, abs=0.006)
     assert shown[1] == "%"
@@ -210,9 +137,11 @@ def test_arrow_keys_walk_along_the_grid(sliced: ReportContent, open_report: Open
 def test_a_waveform_that_was_not_kept_names_the_command(sliced: ReportContent, open_report: Open) -> None:
     page = open_report(sliced)
     run = next(number for number in range(20, 242) if number not in sliced.figures[0].kept and number != 37)
+    page.click("#tab-runs")
     page.eval_on_selector(".table .view", f"view => view.scrollTop = {run} * 28")
     settle(page)
     page.click(f".table tbody tr:has(td:first-child:text-is('{run}'))")
+    page.click("#tab-plot")
     page.wait_for_selector(f"code:text-is('dse replay DIR {run}')")
 
 
@@ -230,6 +159,7 @@ def test_the_other_slice_shows_its_own_runs(sliced: ReportContent, open_report: 
 @pytest.mark.thorough
 def test_the_run_table_sorts_and_filters(sliced: ReportContent, open_report: Open) -> None:
     page = open_report(sliced)
+    page.click("#tab-runs")
     page.click("[data-sort='metric.1']")
     page.click("[data-sort='metric.1']")
     page.eval_on_selector(".table .view", "view => view.scrollTop = 0")
@@ -241,6 +171,7 @@ def test_the_run_table_sorts_and_filters(sliced: ReportContent, open_report: Ope
     rows = page.locator(".table tbody tr:not(.gap)")
     assert rows.count() == np.count_nonzero(overall_marks(sliced) == Mark.FAILED_TO_RUN) == 2
     rows.first.click()
+    page.click("#tab-plot")
     assert "fmi2DoStep" in page.inner_text(".problem")
 
 
@@ -261,10 +192,14 @@ def test_the_shown_yaml_has_the_exact_parameters(sliced: ReportContent, open_rep
 def test_dark_mode_redraws_everything(sliced: ReportContent, open_report: Open) -> None:
     page = open_report(sliced)
     light, colour = ground(page), page.evaluate("getComputedStyle(document.body).backgroundColor")
+    page.click("#tab-figures")
+    settle(page)
     chart = page.evaluate("document.querySelector('.sheet canvas').toDataURL()")
     page.click("#theme")
-    assert ground(page) != light
+    settle(page)
     assert page.evaluate("document.querySelector('.sheet canvas').toDataURL()") != chart
+    page.click("#tab-plot")
+    assert ground(page) != light
     assert page.evaluate("getComputedStyle(document.body).backgroundColor") != colour
     assert page.inner_text("#theme") == "Light mode"
 
@@ -318,7 +253,8 @@ def test_names_that_are_markup_stay_text(sliced: ReportContent, open_report: Ope
     page = open_report(content)
     page.hover(".plot", position={"x": 300, "y": 200})
     page.locator(".plot").click(position={"x": 300, "y": 200})
-    page.wait_for_selector(".figures .u-wrap, .figures code")
+    page.wait_for_selector(".figures:not([hidden]) .u-wrap, .missing code")
+    page.click("#tab-figures")
     page.locator(".sheet").first.hover(position={"x": 300, "y": 120})
     assert HOSTILE in page.locator(".sheets figcaption b").first.inner_text()
     assert page.inner_text("h1") == HOSTILE
@@ -344,6 +280,7 @@ def test_values_are_shown_to_the_last_digit_of_their_error_bars(sliced: ReportCo
     for error, shown in bars.items():
         checked = dataclasses.replace(first, values=np.full(runs, 40.00512), error=np.full(runs, error))
         page = open_report(dataclasses.replace(sliced, metrics=(checked, second, third)))
+        page.click(".numbers summary")
         value = page.locator("#metrics tbody td").first.inner_text()
         assert value == f"40.0{'0512' if shown == '0.00022' else '1'} \u00b1\u202f{shown}\u202f%"
 
@@ -353,6 +290,7 @@ def test_an_undefined_value_has_no_error_bar(sliced: ReportContent, open_report:
     nothing = np.full(len(sliced.runs), np.nan)
     checked = dataclasses.replace(sliced.metrics[0], values=nothing, error=nothing)
     page = open_report(dataclasses.replace(sliced, metrics=(checked, *sliced.metrics[1:])))
+    page.click(".numbers summary")
     assert page.locator("#metrics tbody td").first.inner_text() == "undefined\u202f%"
 
 
@@ -373,7 +311,7 @@ def test_what_finer_numerics_may_change_is_doubtful_and_follows_the_threshold(
     passing = (overall_marks(content) == Mark.PASS) & checked
     page = open_report(content)
     settle(page)
-    assert page.inner_text("#doubtful").split()[1] == str(int(passing.sum()))
+    assert page.inner_text("#doubtful").split()[1] == str(int(passing[PLANE].sum()))
     page.fill("#field-atMost-0", "0.6")
     settle(page)
     assert page.inner_text("#doubtful") == ""
@@ -385,6 +323,7 @@ def test_a_small_page_shows_every_verdict(sliced: ReportContent, open_report: Op
     checked = tuple(dataclasses.replace(m, error=np.full(runs, 0.00022)) for m in sliced.metrics)
     page = open_report(dataclasses.replace(sliced, metrics=checked))
     page.set_viewport_size({"width": 420, "height": 900})
+    page.click(".numbers summary")
     settle(page)
     box = page.locator("#metrics tbody td.verdict").first.bounding_box()
     assert box is not None
@@ -394,6 +333,7 @@ def test_a_small_page_shows_every_verdict(sliced: ReportContent, open_report: Op
 
 def progress_of(page: Page, requirement: int) -> Locator:
     """The chart of a requirement's metric over the runs."""
+    page.click("#tab-figures")
     return page.locator(".charted > .sheets").nth(1).locator("figure").nth(requirement)
 
 
@@ -409,6 +349,7 @@ def place_in(chart: Locator, drawn: Chart, x: float, y: float) -> Position:
 @pytest.mark.thorough
 def test_every_figure_has_a_heading_and_its_charts_are_described(sliced: ReportContent, open_report: Open) -> None:
     page = open_report(sliced)
+    page.click("#tab-figures")
     assert page.locator(".charted h3").all_inner_texts() == ["Margins of the requirements", "Progress of the study"]
     assert page.locator(".sheets figcaption").count() == 4
     described = str(progress_of(page, 1).locator(".sheet").get_attribute("aria-label"))
@@ -428,11 +369,11 @@ def test_a_click_on_a_point_of_a_chart_selects_its_run_everywhere(sliced: Report
     chart.locator(".sheet").hover(position=place)
     assert chart.locator(".reading").inner_text().startswith("Run 24 \u00b7 ")
     chart.locator(".sheet").click(position=place)
-    assert selected(page) == 24
-    page.wait_for_selector(".figures[data-run='24'] .u-wrap")
     page.mouse.move(0, 0)
     readings = page.locator(".sheets .reading").all_inner_texts()
     assert all(reading.startswith("Run 24 \u00b7 ") for reading in readings if reading.strip())
+    assert selected(page) == 24
+    page.wait_for_selector(".figures[data-run='24'] .u-wrap")
     shown = readings[2].rsplit(" ", 1)[1].split("\u202f")[0].replace("\u2212", "-")
     assert float(shown) == pytest.approx(sliced.metrics[0].values[24], rel=1e-3)
 
@@ -444,7 +385,7 @@ def test_arrow_keys_walk_along_a_chart(sliced: ReportContent, open_report: Open)
     walk = (("Home", 0), ("ArrowRight", 1), ("ArrowRight", 2), ("ArrowLeft", 1), ("End", 241), ("ArrowRight", 241))
     for key, run in walk:
         page.keyboard.press(key)
-        assert selected(page) == run
+        page.wait_for_function("run => new RegExp(`run=${run}(&|$)`).test(location.hash)", arg=run)
 
 
 @pytest.mark.thorough
@@ -459,6 +400,7 @@ def test_a_chart_can_be_left_with_the_tabulator(sliced: ReportContent, open_repo
 def test_a_chart_without_runs_is_read_out(sliced: ReportContent, open_report: Open, figures: Figures) -> None:
     page = open_report(figures(sliced, EVERYTHING))
     before = selected(page)
+    page.click("#tab-figures")
     charts = page.locator(".sheets figure")
     for index in range(charts.count()):
         charts.nth(index).locator(".sheet").focus()
@@ -466,13 +408,14 @@ def test_a_chart_without_runs_is_read_out(sliced: ReportContent, open_report: Op
         page.keyboard.press("ArrowRight")
         text = charts.nth(index).locator(".reading").inner_text()
         assert text == ("all \u00b7 disc \u00b7 runs 2" if index else "fit \u00b7 time 1\u202fs \u00b7 gap 1\u202fm")
-    assert selected(page) == before
     assert charts.first.locator(".legend li").all_inner_texts() == ["spread", "fit", "held"]
+    assert selected(page) == before
 
 
 @pytest.mark.thorough
 def test_a_figure_that_failed_is_named_in_its_place(sliced: ReportContent, open_report: Open, figures: Figures) -> None:
     page = open_report(figures(sliced, None))
+    page.click("#tab-figures")
     assert page.inner_text(".charted .problem") == f"the figure 'made up' cannot be drawn: ValueError: {HOSTILE}"
     assert page.locator("img").count() == 0
 

@@ -1,12 +1,17 @@
 from __future__ import annotations
 
 import dataclasses
+from pathlib import Path
 
 import numpy as np
 import pytest
+from definitions import metrics, stored_definition
 
+from dse.domain.definition import DefinedConfiguration
+from dse.report import read_content, read_insight
 from dse.report.content.nouns import ReportContent, label
 from dse.report.verdicts import Mark, marks_of, overall_marks
+from dse.storage import StudyFolder
 
 
 def test_what_no_study_has_is_all_named_at_once(sliced: ReportContent) -> None:
@@ -50,3 +55,15 @@ def test_a_value_exactly_at_its_bound_passes(sliced: ReportContent) -> None:
 
 def test_a_failed_run_is_counted_as_failed_to_run(sliced: ReportContent) -> None:
     assert np.flatnonzero(overall_marks(sliced) == Mark.FAILED_TO_RUN).tolist() == [37, 150]
+
+
+def test_a_study_without_variables_can_be_read(tmp_path: Path) -> None:
+    definition = stored_definition([DefinedConfiguration("c1"), DefinedConfiguration("c2")], metrics=metrics("end"))
+    with StudyFolder.create(tmp_path / "study", definition):
+        pass
+    content = read_content(tmp_path / "study")
+    assert content.variables == ()
+    assert len(content.configurations) == 2
+    assert read_insight(tmp_path / "study").asked.sentences[-1] == (
+        "Each configuration was run once, at its nominal parameters."
+    )

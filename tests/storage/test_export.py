@@ -52,7 +52,8 @@ def test_a_study_without_runs_can_be_exported(name: str, tmp_path: Path, definit
 def test_csv_floats_read_back_exactly_and_the_undefined_is_empty(folder: StudyFolder) -> None:
     rows = list(csv.DictReader(io.StringIO(to_csv(folder).decode())))
     assert list(rows[0]) == [
-        *("run", "configuration", "outcome", "problem", "controller.kp", "overshoot", "rise_time"),
+        *("run", "configuration", "sensor", "sum(cost) [EUR]", "outcome", "problem"),
+        *("controller.kp [1/s]", "overshoot", "rise_time"),
         *("R1.verdict", "R1.margin", "R2.verdict", "R2.margin"),
     ]
     assert float(rows[0]["overshoot"]) == 0.1 + 0.2
@@ -61,6 +62,27 @@ def test_csv_floats_read_back_exactly_and_the_undefined_is_empty(folder: StudyFo
     assert float(rows[1]["rise_time"]) == math.inf
     assert [row["R1.verdict"] for row in rows] == ["pass", "fail", "failed to run", "pass"]
     assert rows[2]["outcome"] == "failed"
+
+
+def test_choices_and_sums_of_the_configuration_stand_in_every_row(folder: StudyFolder) -> None:
+    rows = list(csv.DictReader(io.StringIO(to_csv(folder).decode())))
+    assert [row["sensor"] for row in rows] == ["radar", "radar", "radar", "lidar <ä>"]
+    assert [row["sum(cost) [EUR]"] for row in rows] == ["45.0", "45.0", "45.0", ""]
+
+
+def test_a_choice_is_told_from_a_metric_of_its_name(tmp_path: Path, definition: StudyDefinition) -> None:
+    named = replace(definition, metrics=(replace(definition.metrics[0], name="sensor", unit="km/h"),), requirements=())
+    with StudyFolder.create(tmp_path / "named", named) as study:
+        head = to_csv(study).decode().splitlines()[0].split(",")
+    assert head[2] == "choice(sensor)"
+    assert head[-1] == "sensor [m/s]"
+
+
+def test_units_of_columns_are_their_metadata_where_files_have_such(folder: StudyFolder) -> None:
+    schema = pq.read_table(pa.BufferReader(to_parquet(folder))).schema
+    assert schema.field("controller.kp").metadata == {b"unit": b"1/s"}
+    assert schema.field("sum(cost)").metadata == {b"unit": b"EUR"}
+    assert to_frame(folder).attrs["units"]["sum(cost)"] == "EUR"
 
 
 def test_json_is_strict_and_holds_the_definition(folder: StudyFolder) -> None:
@@ -80,7 +102,7 @@ def test_json_is_strict_and_holds_the_definition(folder: StudyFolder) -> None:
 def test_parquet_holds_what_the_csv_holds(folder: StudyFolder) -> None:
     table = pq.read_table(pa.BufferReader(to_parquet(folder)))
     rows = list(csv.reader(io.StringIO(to_csv(folder).decode())))
-    assert table.column_names == rows[0]
+    assert table.column_names == [heading.partition(" [")[0] for heading in rows[0]]
     assert table.column("overshoot").to_pylist()[:2] == [0.1 + 0.2, -5e-324]
     assert table.column("R1.verdict").to_pylist() == ["pass", "fail", "failed to run", "pass"]
 
@@ -88,7 +110,8 @@ def test_parquet_holds_what_the_csv_holds(folder: StudyFolder) -> None:
 def test_a_data_frame_holds_what_the_csv_holds(folder: StudyFolder) -> None:
     frame = to_frame(folder)
     text = frame.reset_index().to_csv(index=False, lineterminator="\n")
-    assert pd.read_csv(io.StringIO(text)).equals(pd.read_csv(io.BytesIO(to_csv(folder))))
+    listed = pd.read_csv(io.BytesIO(to_csv(folder))).rename(columns=lambda heading: heading.partition(" [")[0])
+    assert pd.read_csv(io.StringIO(text)).equals(listed)
     assert frame.index.name == "run"
 
 

@@ -123,6 +123,6 @@ def test_a_folder_that_cannot_be_written_to_is_told_by_its_cause(
 
     with monkeypatch.context() as patch:
         patch.setattr(where, refuse)
-        with pytest.raises(DseError, match=rf"the folder cannot be written to: {words}"):
+        with pytest.raises(DseError, match=rf"the folder cannot be (written to|made): {words}"):
             StudyFolder.resume(tmp_path / "study", definition)
     StudyFolder.resume(tmp_path / "study", definition).close()

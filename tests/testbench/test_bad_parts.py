@@ -10,7 +10,7 @@ from dse.exploration.executors.local import Local
 from dse.exploration.loop import explore
 from dse.loading.workspace import Workspace
 from dse.storage.folder import StudyFolder
-from dse.testbench.runner import make_runner
+from dse.testbench import make_runner
 from dse.testbench.study import prepare_study
 
 FILES = {

@@ -15,8 +15,8 @@ from dse.exploration.loop import explore
 from dse.fmu.toolchain.platforms import this_platform
 from dse.loading.workspace import Workspace
 from dse.storage.folder import StudyFolder
+from dse.testbench import make_runner
 from dse.testbench.facts import keep_facts
-from dse.testbench.runner import make_runner
 from dse.testbench.study import PreparedStudy, bench_study, prepare_study
 
 FILES = {

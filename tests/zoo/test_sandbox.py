@@ -16,7 +16,7 @@ from dse.domain.run import Outcome, Run
 from dse.exploration.executors.local import Local
 from dse.exploration.loop import explore
 from dse.storage.folder import StudyFolder
-from dse.testbench.runner import make_runner
+from dse.testbench import make_runner
 from dse.testbench.study import prepare_study
 from zoo.intruder import FORBIDDEN, build_intruder, missed, reached
 from zoo.workspace import lay_out

@@ -14,8 +14,6 @@ if TYPE_CHECKING:
     from dse.domain.run import Run
     from dse.storage import Certainty
 
-_NAMED = ("N", "Pa", "J", "W", "V")
-
 
 @dataclass(frozen=True, slots=True)
 class MetricRow:
@@ -86,25 +84,6 @@ def requirement_labels(definition: StudyDefinition) -> Mapping[str, str]:
     """The requirements by name, each with its title if it has another."""
     named = {entry.name: entry.title for entry in definition.requirements}
     return {name: name if name == words else f"{name} {words}" for name, words in named.items()}
-
-
-def units(definition: StudyDefinition) -> dict[str, str]:
-    """The SI unit of each design variable, metric and margin (``R1.margin``), and of waveforms in figures."""
-    found = {entry.current: si_unit(entry.unit) for entry in definition.figures}
-    found |= {variable.name: si_unit(variable.unit) for variable in definition.variables}
-    found |= {metric.name: si_unit(metric.unit) for metric in definition.metrics}
-    # A requirement may be written without a unit; its margin has that of its metric.
-    return found | {f"{entry.name}.margin": found[entry.metric] for entry in definition.requirements}
-
-
-def si_unit(symbol: str) -> str:
-    """The coherent SI unit of the same dimension: ``m/s`` for ``km/h``, nothing for ``%``."""
-    from dse.units import coherent, parse_unit
-
-    unit = coherent(parse_unit(symbol))
-    # Of kWh the coherent unit is spelt kg.m2/s2, which nobody reads.
-    named = (name for name in _NAMED if symbol != unit.symbol and parse_unit(name).dimension == unit.dimension)
-    return next(named, unit.symbol)
 
 
 def _bound(requirement: DefinedRequirement) -> str:

@@ -36,7 +36,15 @@ from dse.exploration import (
     simulate_alone,
 )
 from dse.storage import StudyFolder, StudyHeader
-from dse.testbench import PreparedStudy, checked_benches, fuse_study, make_runner, prepare_study, require_checkable
+from dse.testbench import (
+    PreparedStudy,
+    checked_benches,
+    fuse_study,
+    make_runner,
+    on_bench,
+    prepare_study,
+    require_checkable,
+)
 
 if TYPE_CHECKING:
     from dse.domain.run import Run
@@ -204,12 +212,15 @@ def executor_of(study: Study, options: ExploreOptions) -> Executor:
 
 
 def alone(
-    study: Study, fmi: int, *, fuse: bool = False, sandbox: bool = False, tell: Tell | None = None
+    study: Study, fmi: int, *, on: int = 0, fuse: bool = False, sandbox: bool = False, tell: Tell | None = None
 ) -> tuple[Run, PreparedStudy]:
-    """The single run of *study*, made in a process of its own, with waveforms; and what it was made from."""
+    """The single run of *study*, made in a process of its own, with waveforms; and what it was made from.
+
+    It is made *on* the bench of this number.
+    """
     planned = ready(study, fmi, fuse=fuse, sandbox=sandbox, tell=tell)
     ((name, prepared),) = planned.benches.items()
     if tell:
         tell("simulating")
     measures = StudyHeader(planned.definition).measures
-    return simulate_alone(prepared, make_runner, name, measures, sandboxed=sandbox), planned
+    return simulate_alone(on_bench(prepared, on), make_runner, name, measures, sandboxed=sandbox), planned

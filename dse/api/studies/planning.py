@@ -17,7 +17,7 @@ from dse.domain.run import RunRequest
 from dse.domain.study import Shard, Study
 from dse.exploration import Batch, KnownRuns, Sink, Work, explore, give
 from dse.storage import Measures, Rehearsal, RunStore, StudyFolder, StudyHeader, changed_study
-from dse.testbench import PreparedBench, PreparedStudy, address_of
+from dse.testbench import Prepared, PreparedStudy, address_of
 
 _LOCAL = "local"
 
@@ -47,17 +47,17 @@ class Plan:
 
 def known_runs(planned: PreparedStudy, *, reads: bool = True, writes: bool = True) -> KnownRuns:
     """What the cache has of the runs of *planned*."""
-    kept = {name: bench.recording.kept for name, bench in planned.benches.items()}
+    kept = {name: bench.kept for name, bench in planned.benches.items()}
     measures = StudyHeader(planned.definition).measures
     return KnownRuns(_run_store(), _addresses(planned.benches), measures, kept, reads=reads, writes=writes)
 
 
-def known_checks(benches: Mapping[str, PreparedBench], measures: Measures, *, reads: bool) -> KnownRuns:
+def known_checks(benches: Mapping[str, Prepared], measures: Measures, *, reads: bool) -> KnownRuns:
     """What the cache has of runs of *benches* that give *measures*, error bars among them."""
     return KnownRuns(_run_store(), _addresses(benches), measures, {}, reads=reads)
 
 
-def _addresses(benches: Mapping[str, PreparedBench]) -> dict[str, Address]:
+def _addresses(benches: Mapping[str, Prepared]) -> dict[str, Address]:
     return {name: address for name, bench in benches.items() if (address := address_of(bench))}
 
 
@@ -77,7 +77,7 @@ def on_demand(planned: PreparedStudy, store: StudyFolder, known: KnownRuns) -> C
     def prepare(names: Sequence[str]) -> None:
         made = planned.add(space.configuration(name) for name in names if name not in planned.benches)
         addresses = _addresses(made)
-        known.extend(addresses, {name: bench.recording.kept for name, bench in made.items()})
+        known.extend(addresses, {name: bench.kept for name, bench in made.items()})
         store.join(planned.definition)
         store.note_addresses(addresses)
 

@@ -50,12 +50,14 @@ class Replay:
 def replay(stored: Run, *, source: str | Path | None = None, fmi: int = 2, tell: Tell | None = None) -> Replay:
     """Simulate *stored* again and compare; its study is found in the workspace here, or in the file *source*."""
     from dse.api.studies.exploring import alone
-    from dse.domain.study import Selection
+    from dse.domain.study import TESTBENCH, Selection
     from dse.storage import changed_inputs, changed_results
     from dse.testbench import bench_study, with_values
 
-    bench = with_values(_bench(stored.definition, source), stored.point)
-    made, planned = alone(bench_study(bench, Selection((stored.configuration,))), fmi, tell=tell)
+    point = {name: value for name, value in stored.point.items() if name != TESTBENCH}
+    first, *others = (with_values(bench, point) for bench in _benches(stored.definition, source))
+    study = replace(bench_study(first, Selection((stored.configuration,))), others=tuple(others))
+    made, planned = alone(study, fmi, on=int(stored.point.get(TESTBENCH, 0)), tell=tell)
     # Alone it has number 0 and its point is the bench's own.
     again = replace(made, request=stored.noun.request)
     return Replay(
@@ -66,9 +68,9 @@ def replay(stored: Run, *, source: str | Path | None = None, fmi: int = 2, tell:
     )
 
 
-def _bench(definition: StudyDefinition, source: str | Path | None) -> TestBench:
-    """The bench of the study, found by its name in the workspace around the current folder, or in *source*."""
+def _benches(definition: StudyDefinition, source: str | Path | None) -> tuple[TestBench, ...]:
+    """The benches of the study, found by its name in the workspace around the current folder, or in *source*."""
     is_bench = not definition.variables
     name = str(source) if source else definition.bench.name if is_bench else definition.study
     workspace = workspace_of(name)
-    return workspace.bench(name) if is_bench else workspace.study(name).bench
+    return (workspace.bench(name),) if is_bench else workspace.study(name).benches

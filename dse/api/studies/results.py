@@ -89,19 +89,19 @@ class Results:
         return self._read(lambda store: _run(store, number, self.definition))
 
     def to_pandas(self) -> pd.DataFrame:
-        """One row per run by number: point, metrics, verdicts and margins. Values are SI.
+        """One row per run by number: choices and sums of its configuration, point, metrics, verdicts, margins; SI.
 
         ``frame.attrs["units"]`` has the unit of each column that has one.
         """
-        from dse.api.showing.frames import runs_frame
+        from dse.storage import to_frame
 
-        return self._read(runs_frame)
+        return self._read(to_frame)
 
     def to_arrow(self) -> pa.Table:
         """The same as an Arrow table; a field's unit is in its metadata, as ``b"unit"``."""
-        from dse.api.showing.frames import runs_table
+        from dse.storage import to_arrow
 
-        return self._read(runs_table)
+        return self._read(to_arrow)
 
     def findings(self) -> tuple[Finding, ...]:
         """What the runs tell, in sentences: how often requirements are met, where, and what matters; what they do not
@@ -137,10 +137,10 @@ class Results:
         It holds the waveforms of at most so many runs. Nothing is simulated. *on_problems* is told of waveforms that
         are gone or damaged and of figures that could not be drawn; by default these are warnings.
         """
-        from dse.report import read_content, write_report
+        from dse.report import read_report, write_report
 
         page = Path(target) if target is not None else self.folder / "report.html"
-        content = read_content(self.folder, waveforms)
+        content = read_report(self.folder, waveforms)
         if problems := (*content.missing, *write_report(content, page)):
             (on_problems or _warn)(problems)
         return page
@@ -156,9 +156,9 @@ class Results:
 
         A Chromium of the machine prints it. Raises DseError if there is none.
         """
-        from dse.report import print_report, read_content
+        from dse.report import print_report, read_report
 
-        content = read_content(self.folder, waveforms)
+        content = read_report(self.folder, waveforms)
         if content.missing:
             (on_problems or _warn)(content.missing)
         print_report(content, Path(target))

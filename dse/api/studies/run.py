@@ -10,6 +10,7 @@ from dse.api.showing import described
 from dse.api.showing.html import table
 from dse.domain.run import Outcome
 from dse.errors import fail
+from dse.storage import units_of
 
 if TYPE_CHECKING:
     import numpy as np
@@ -79,7 +80,7 @@ class Run:
         self.check = check or described.check_by_bars(noun, definition)
         """What finer numerics can change of it, if that was looked at (``check_step``): ``check.errors`` by metric,
         ``check.certainties`` by requirement (``certain``, ``doubtful``)."""
-        self.units: Mapping[str, str] = {**described.units(definition), **(units or {})}
+        self.units: Mapping[str, str] = {**units_of(definition), **(units or {})}
         """SI unit by name, of metrics, margins (``R1.margin``), design variables and waveforms."""
 
     @property

@@ -7,11 +7,11 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from dse.api.showing.described import si_unit
 from dse.api.studies.exploring import Tell, alone, ready
 from dse.api.studies.run import Run
 from dse.domain.study import Selection
-from dse.testbench import bench_study, one_configuration, with_settings
+from dse.storage import si_unit
+from dse.testbench import bench_study, one_configuration, singly, with_settings
 
 if TYPE_CHECKING:
     from dse.domain.bench import TestBench
@@ -56,7 +56,8 @@ def fused_libraries(
 ) -> dict[str, Path]:
     """The fused library of each configuration of `study_of_bench`, by its id."""
     planned = ready(study_of_bench(bench, configuration), fmi, fuse=True, tell=tell)
-    return {name: bench.fused.path for name, bench in planned.benches.items() if bench.fused is not None}
+    each = [(name, bench) for name, benches in planned.benches.items() for bench in singly(benches)]
+    return {name: bench.fused.path for name, bench in each if bench.fused is not None}
 
 
 def write_package(
@@ -82,7 +83,7 @@ def recorded_units(planned: PreparedStudy) -> dict[str, str]:
     from dse.testbench import wire_bench
 
     kept: dict[str, str] = {}
-    for prepared in planned.benches.values():
+    for prepared in (bench for benches in planned.benches.values() for bench in singly(benches)):
         wired = wire_bench(planned.study.bench, prepared.configuration)
         units = {name: si_unit(t.unit.symbol) if t.kind is Kind.REAL else "" for name, t in wired.signals.items()}
         units |= {f"{BONDS}.{bond.name}": "J" for bond in prepared.simulation.method.bonds}

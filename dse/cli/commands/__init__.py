@@ -8,6 +8,8 @@ from importlib import import_module
 COMMANDS = (
     "init",
     "check",
+    "list_",
+    "new",
     "components",
     "build",
     "probe",
@@ -39,6 +41,7 @@ COMMANDS = (
     "replay",
     "cache",
     "docs",
+    "schema",
 )
 
 

@@ -12,21 +12,29 @@ import typer
 from dse.api import workspace_of
 from dse.cli.app import app
 from dse.cli.arguments import Configuration, FmiVersion
+from dse.cli.completing import benches, components
 from dse.cli.terminal import console, say
 from dse.errors import DseError, Location, Problem
+from dse.scratch import make_folder
 
 
 @app.command()
 def build(
     names: Annotated[
-        list[str] | None, typer.Argument(metavar="[COMPONENT]...", help="Components; all if none is named.")
+        list[str] | None,
+        typer.Argument(metavar="[COMPONENT]...", autocompletion=components, help="Components; all if none is named."),
     ] = None,
     folder: Annotated[Path | None, typer.Option("--output", "-o", metavar="DIR", help="Copy the FMUs here.")] = None,
     version: FmiVersion = 2,
     validate: Annotated[bool, typer.Option("--validate", help="Check each FMU with FMPy's validation.")] = False,
     bench: Annotated[
         str | None,
-        typer.Option("--fuse", metavar="BENCH", help="Compile a bench's configurations into one library each."),
+        typer.Option(
+            "--fuse",
+            metavar="BENCH",
+            autocompletion=benches,
+            help="Compile a bench's configurations into one library each.",
+        ),
     ] = None,
     configuration: Configuration = None,
     workspace: Annotated[Path, typer.Option("--workspace", "-w", help="A folder or file in the workspace.")] = Path(),
@@ -50,7 +58,7 @@ def build(
     for name, path in sorted(built.items()):
         target = path
         if folder is not None:
-            folder.mkdir(parents=True, exist_ok=True)
+            make_folder(folder)
             target = folder / f"{name}{path.suffix if bench else '.fmu'}"
             shutil.copyfile(path, target)
         say(f"{name}: {target}")

@@ -10,7 +10,7 @@ import typer
 from dse.cli.app import app
 from dse.cli.arguments import Format, Output
 from dse.cli.terminal import plain_table, print_json, print_table, say
-from dse.scratch import write_whole
+from dse.scratch import make_folder, write_whole
 
 if TYPE_CHECKING:
     from dse.domain.component import Component
@@ -50,7 +50,7 @@ def components(
 def _draw(components: list[Component], folder: Path) -> None:
     from dse.pictures import draw_component, pictured
 
-    folder.mkdir(parents=True, exist_ok=True)
+    make_folder(folder)
     for component in components:
         target = folder / f"{component.name}.svg"
         write_whole(target, draw_component(component, pictured(component)))

@@ -9,6 +9,7 @@ from typing import Annotated
 import typer
 
 from dse.cli.app import app
+from dse.cli.completing import pages as known_pages
 from dse.cli.content import content
 from dse.cli.terminal import console, plain_table, print_table
 from dse.errors import closest, fail
@@ -17,7 +18,10 @@ from dse.errors import closest, fail
 @app.command()
 def docs(
     page: Annotated[
-        str | None, typer.Argument(metavar="[PAGE]", help="A page's name; without one, all are listed.")
+        str | None,
+        typer.Argument(
+            metavar="[PAGE]", autocompletion=known_pages, help="A page's name; without one, all are listed."
+        ),
     ] = None,
     path: Annotated[bool, typer.Option("--path", help="Print the folder of the pages, or the file of PAGE.")] = False,
 ) -> None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dse.api import workspace_of
+from dse.api import new_folder, workspace_of
 from dse.cli.app import app
 from dse.cli.arguments import (
     DryRun,
@@ -25,7 +25,7 @@ from dse.cli.arguments import (
 @app.command()
 def explore(
     study: StudyName,
-    folder: NewFolder,
+    folder: NewFolder = None,
     workers: Workers = 0,
     threads: Threads = 1,
     version: FmiVersion = 2,
@@ -49,7 +49,10 @@ def explore(
 
     part = Shard(*map(int, shard.split("/"))) if shard else None
     options = ExploreOptions(workers, threads, fuse, fresh, version, sandbox, retry_failed, shard=part)
+    space = workspace_of(study)
+    wanted = space.study(study)
+    place = folder or new_folder(space, wanted.name)
     if dry_run:
-        show_plan(workspace_of(study).study(study), folder, options, form)
+        show_plan(wanted, place, options, form)
         return
-    explore_and_show(workspace_of(study).study(study), folder, options, gate=gate)
+    explore_and_show(wanted, place, options, gate=gate)

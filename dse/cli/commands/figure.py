@@ -13,6 +13,7 @@ from dse.cli.arguments import Configuration, Folder
 from dse.cli.status import status_line
 from dse.cli.terminal import say, show_problems
 from dse.errors import DseError, Location, Problem, fail, raise_if_any
+from dse.scratch import make_folder
 
 if TYPE_CHECKING:
     from dse.report import ReportContent
@@ -44,20 +45,26 @@ def figure(
     Without --x and --y one constraint plot is drawn for each slice of the study. Without --run the waveforms are those
     of the run nearest the bounds of all requirements among those that pass.
     """
-    from dse.report import FIGURES, View, drawings, read_content, save_drawing
+    from dataclasses import replace
+
+    from dse.report import FIGURES, View, drawings, read_content, read_insight, save_drawing, uses_insight
 
     if (x is None) != (y is None):
         raise typer.BadParameter("give both --x and --y, or neither", param_hint="--x/--y")
+    names = tuple(dict.fromkeys(only or FIGURES.names()))
     with status_line() as tell:
         tell("reading the runs")
         content = read_content(folder)
+        if uses_insight(names):
+            tell("looking at what they tell")
+            content = replace(content, insight=read_insight(folder))
     view = View(x, y, _configuration(content, configuration), number)
     place = target or folder / "figures"
-    place.mkdir(parents=True, exist_ok=True)
+    make_folder(place)
     if content.missing:
         show_problems(DseError(*content.missing))
     problems: list[Problem] = []
-    for name in dict.fromkeys(only or FIGURES.names()):
+    for name in names:
         written = []
         try:
             for stem, sheet in drawings(name, content, view):

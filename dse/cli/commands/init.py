@@ -14,7 +14,7 @@ from dse.cli.content import content
 from dse.cli.terminal import console, say
 from dse.errors import Location, fail
 
-_FOLDERS = ("components", "designs", "testbenches")
+_FOLDERS = ("components", "designs", "testbenches", "schemas")
 
 
 @app.command()
@@ -32,4 +32,4 @@ def init(
         shutil.copytree(source / name, folder / name)
     screen = console()
     screen.print(f"{folder}: {sum(path.is_file() for path in folder.rglob('*'))} files")
-    say(f"next: cd {shlex.quote(str(folder))}; dse check; dse explore acc_gains -o out; dse report out")
+    say(f"next: cd {shlex.quote(str(folder))}; dse check; dse explore acc_gains; dse report acc_gains")

@@ -8,11 +8,19 @@ from typing import Annotated
 import typer
 
 from dse.cli.app import app
+from dse.cli.arguments import named_folder
+from dse.cli.completing import folders
 from dse.cli.status import status_line
 from dse.cli.terminal import say
 
 Sources = Annotated[
-    list[Path], typer.Argument(metavar="DIR…", help="The folder in which shards were explored, or theirs one by one.")
+    list[Path],
+    typer.Argument(
+        metavar="DIR…",
+        autocompletion=folders,
+        callback=lambda paths: [named_folder(path) for path in paths],
+        help="The folder in which shards were explored, or theirs one by one; the name of a study means out/STUDY.",
+    ),
 ]
 Target = Annotated[
     Path | None,

@@ -11,7 +11,7 @@ from dse.cli.app import app
 from dse.cli.arguments import Folder
 from dse.cli.status import status_line
 from dse.cli.terminal import say
-from dse.scratch import write_whole
+from dse.scratch import make_folder, write_whole
 
 
 @app.command()
@@ -50,6 +50,6 @@ def refine(
         return
     if target.exists():
         raise typer.BadParameter(f"'{target}' is there already", param_hint="--output")
-    target.parent.mkdir(parents=True, exist_ok=True)
+    make_folder(target.parent)
     write_whole(target, text)
-    say(f"{target}: dse explore {name} -o out/{name}")
+    say(f"{target}: dse explore {name}")

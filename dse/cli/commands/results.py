@@ -36,16 +36,17 @@ def results(
 ) -> None:
     """Print a study's runs as a table.
 
-    Point, metrics, verdicts and margins of each run, in SI units.
+    The choices and sums of each run's configuration, its point, metrics, verdicts and margins; all in SI, CSV with the
+    units in its headings.
     """
     from dse.api import Results
-    from dse.scratch import write_whole
+    from dse.scratch import make_folder, write_whole
 
     with status_line() as tell:
         tell("reading the runs")
         data = Results(folder).export(str(output))
     if target is not None:
-        target.parent.mkdir(parents=True, exist_ok=True)
+        make_folder(target.parent)
         write_whole(target, data)
     elif output is Table.PARQUET and sys.stdout.isatty():
         raise typer.BadParameter("parquet is no text: name a file with -o", param_hint="--format")

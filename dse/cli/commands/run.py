@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dse.api import workspace_of
+from dse.api import new_folder, workspace_of
 from dse.cli.app import app
 from dse.cli.arguments import Bench, FmiVersion, Fresh, Fuse, Gate, NewFolder, RetryFailed, Sandbox, Threads, Workers
 
@@ -10,7 +10,7 @@ from dse.cli.arguments import Bench, FmiVersion, Fresh, Fuse, Gate, NewFolder, R
 @app.command()
 def run(
     bench: Bench,
-    folder: NewFolder,
+    folder: NewFolder = None,
     workers: Workers = 0,
     threads: Threads = 1,
     version: FmiVersion = 2,
@@ -28,4 +28,6 @@ def run(
     from dse.cli.exploring import explore_and_show
 
     options = ExploreOptions(workers, threads, fuse, fresh, version, sandbox, retry_failed)
-    explore_and_show(study_of_bench(workspace_of(bench).bench(bench)), folder, options, gate=gate)
+    space = workspace_of(bench)
+    study = study_of_bench(space.bench(bench))
+    explore_and_show(study, folder or new_folder(space, study.name), options, gate=gate)

@@ -23,11 +23,17 @@ from dse.cli.arguments import (
     Settings,
     Strict,
 )
+from dse.cli.completing import benches
 from dse.cli.packages import Wishes, is_package, simulate_package, waveform_file
 from dse.cli.terminal import console
 
 Subject = Annotated[
-    str, typer.Argument(metavar="BENCH", help="A test bench: its name, or its YAML file; or an SSP package (.ssp).")
+    str,
+    typer.Argument(
+        metavar="BENCH",
+        autocompletion=benches,
+        help="A test bench: its name, or its YAML file; or an SSP package (.ssp).",
+    ),
 ]
 Waveforms = Annotated[
     Path | None,

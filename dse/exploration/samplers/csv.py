@@ -117,8 +117,12 @@ def _row(path: Path, number: int, line: Sequence[str], columns: _Columns, proble
     for index, variable, unit in columns:
         where = Location(shown(path), number, 1)
         cell = line[index].strip() if index < len(line) else ""
+        if variable.labels and cell not in variable.labels:
+            what = f"'{cell}' is no value of {variable.name}"
+            problems.append(Problem(what, where, closest(cell, variable.labels)))
+            continue
         try:
-            value = unit.to_si(float(cell))
+            value = variable.values[variable.labels.index(cell)] if variable.labels else unit.to_si(float(cell))
         except ValueError:
             problems.append(Problem(f"'{cell}' is no number for {variable.name}", where, "write 1.5 or 2e-3"))
             continue

@@ -10,7 +10,7 @@ from dse.domain.component import Value
 from dse.domain.design import DesignSpace
 from dse.domain.labels import is_part
 from dse.domain.method import BONDS
-from dse.errors import Location, Problem, Problems, closest, fail, raise_if_any
+from dse.errors import DseError, Location, Problem, Problems, closest, fail, raise_if_any
 from dse.expression import parse_expression
 from dse.formats import Entry
 from dse.loading.bench.candidates import Candidates, bench_candidates, outputs, split_name, types_of
@@ -84,8 +84,18 @@ def read_bench(path: Path, find_component: FindComponent, find_design: FindDesig
     """One file of ``testbenches/`` of the workspace *inside*. Raises DseError with every problem in it."""
     entry = read_document(path, inside)
     file = read_section(entry, BenchFile)
-    design = find_design(file.design, entry["design"].where)
     problems = Problems()
+    metrics = _metrics(entry["metrics"], file, problems)
+    requirements = []
+    for name, section in file.requirements.items():
+        with problems:
+            requirements.append(_requirement(entry["requirements"][name], section, set(file.metrics)))
+    connections = read_connections(entry["connections"], file.connections, problems)
+    try:
+        design = find_design(file.design, entry["design"].where)
+    except DseError as error:  # what is wrong in this file alone is told all the same
+        read_simulation(entry["simulation"], file.simulation, None, problems)
+        raise DseError(*error.problems, *problems) from None
     parts = _test_components(entry["test_components"], file, find_component, design, problems)
     # What the bench would say of a part that could not be read follows from that, and is not said.
     unread = set(file.test_components) - {part.name for part in parts}
@@ -112,15 +122,9 @@ def read_bench(path: Path, find_component: FindComponent, find_design: FindDesig
     if bonds and BONDS in {place.split(".")[0] for place in components}:
         what = f"a part is called '{BONDS}', so bonds cannot be told from its ports"
         problems.add(what, entry["simulation"]["bonds"].key, "rename the part")
-    metrics = _metrics(entry["metrics"], file, problems)
-    requirements = []
-    for name, section in file.requirements.items():
-        with problems:
-            requirements.append(_requirement(entry["requirements"][name], section, set(file.metrics)))
     figures = [
         _figure(entry["figures"][name], section, components, unread, problems) for name, section in file.figures.items()
     ]
-    connections = read_connections(entry["connections"], file.connections, problems)
     raise_if_any(problems)
     return TestBench(
         file.testbench,

@@ -17,6 +17,7 @@ from dse.expression import parse_expression
 from dse.formats import Entry
 from dse.loading.bench.candidates import bench_candidates
 from dse.loading.bench.objectives import read_objective
+from dse.loading.bench.several import bench_variable, differences
 from dse.loading.bench.uncertain import UncertainSection, read_correlations, read_uncertain
 from dse.loading.bench.variables import Place, VariableSection, read_derived, read_variable
 from dse.loading.extensions import EXECUTORS, SAMPLERS, Surroundings, read_extension
@@ -42,7 +43,7 @@ class StudyFile(Section):
 
     study: str
     title: str = ""
-    testbench: str
+    testbench: str | list[str]
     configurations: str | list[str] | SelectionSection = "all"
     design_variables: dict[str, VariableSection] = Field(default_factory=dict)
     constraints: list[str] = Field(default_factory=list)
@@ -61,28 +62,12 @@ def read_study(path: Path, find_bench: FindBench, inside: Path) -> Study:
     """One ``*.pet.yaml`` of the workspace *inside*. Raises DseError with every problem in it."""
     entry = read_document(path, inside)
     file = read_section(entry, StudyFile)
-    bench = find_bench(file.testbench, entry["testbench"].where)
     problems = Problems()
-    variables, derived = _varied(entry, file, bench, problems)
-    objectives = []
-    for number, written in enumerate(file.objectives):
-        with problems:
-            objectives.append(read_objective(entry["objectives"][number], written, bench))
-    correlations: Mapping[tuple[str, str], float] = {}
-    with problems:
-        correlations = read_correlations(entry["correlations"], file.correlations, variables)
     constraints = []
     for number, text in enumerate(file.constraints):
         with problems:
             constraints.append(parse_expression(text, entry["constraints"][number].origin))
-    sampler, executor, selection = None, ExecutorChoice(), Selection()
-    with problems:
-        found = read_extension(entry["sampler"], file.sampler, SAMPLERS)
-        drawn = [variable for variable in variables if variable.role is not Role.CONDITION]
-        names = {*file.design_variables, *file.uncertain} - {follower.name for follower in derived}
-        around = Surroundings(found.entry, frozenset(names), tuple(drawn), inside)
-        # What else a sampler has to be, its protocol says and the suite over all of them checks.
-        sampler = cast(Sampler, found.section.settled(around))
+    executor, selection = ExecutorChoice(), Selection()
     with problems:
         chosen = read_extension(entry["executor"], file.executor, EXECUTORS).section
         executor = ExecutorChoice(chosen.name, chosen.options())
@@ -91,16 +76,42 @@ def read_study(path: Path, find_bench: FindBench, inside: Path) -> Study:
     for key, word, known in (("keep_waveforms", file.keep_waveforms, Keep), ("check_step", file.check_step, CheckStep)):
         if word not in set(known):
             problems.add(f"unknown '{word}'", entry[key].where, closest(word, set(known)))
-    if file.check_step == CheckStep.NEAR_BOUNDARY and bench.simulation.check_step:
-        what, where = "the bench's check_step repeats every run already", entry["check_step"].where
-        problems.add(what, where, "leave it out here, or there to have only runs near a boundary repeated")
     if not 0 <= file.seed < _SEEDS:
         problems.add(f"the seed must be 0 … 2^63 - 1, not {file.seed}", entry["seed"].where, "seed: 1")
+    try:
+        benches = _benches(entry["testbench"], file.testbench, find_bench)
+    except DseError as error:  # what is wrong in this file alone is told all the same
+        with problems:
+            read_extension(entry["sampler"], file.sampler, SAMPLERS)
+        raise DseError(*error.problems, *problems) from None
+    bench = benches[0]
+    variables, derived = _varied(entry, file, bench, problems)
+    if len(benches) > 1:
+        variables.append(bench_variable(benches, entry["testbench"].key))
+    objectives = []
+    for number, written in enumerate(file.objectives):
+        with problems:
+            objectives.append(read_objective(entry["objectives"][number], written, bench))
+    correlations: Mapping[tuple[str, str], float] = {}
+    with problems:
+        correlations = read_correlations(entry["correlations"], file.correlations, variables)
+    sampler = None
+    with problems:
+        found = read_extension(entry["sampler"], file.sampler, SAMPLERS)
+        drawn = [variable for variable in variables if variable.role is not Role.CONDITION]
+        names = {*file.design_variables, *file.uncertain} - {follower.name for follower in derived}
+        around = Surroundings(found.entry, frozenset(names), tuple(drawn), inside)
+        # What else a sampler has to be, its protocol says and the suite over all of them checks.
+        sampler = cast(Sampler, found.section.settled(around))
+    if file.check_step == CheckStep.NEAR_BOUNDARY and any(each.simulation.check_step for each in benches):
+        what, where = "the bench's check_step repeats every run already", entry["check_step"].where
+        problems.add(what, where, "leave it out here, or there to have only runs near a boundary repeated")
     if problems or sampler is None:
         raise DseError(*problems)
+    first, *others = (replace(each, derived=tuple(derived)) if derived else each for each in benches)
     return Study(
         file.study,
-        replace(bench, derived=tuple(derived)) if derived else bench,
+        first,
         tuple(variables),
         sampler,
         selection,
@@ -113,7 +124,26 @@ def read_study(path: Path, find_bench: FindBench, inside: Path) -> Study:
         tuple(constraints),
         correlations,
         CheckStep(file.check_step),
+        tuple(others),
     )
+
+
+def _benches(entry: Entry, named: str | list[str], find_bench: FindBench) -> tuple[TestBench, ...]:
+    """The benches a file names. DseError unless one study can be made on all of them."""
+    if isinstance(named, str):
+        return (find_bench(named, entry.where),)
+    if not named or len(set(named)) < len(named):
+        raise fail("a bench stands here twice" if named else "there is no bench", entry.where, "name each once")
+    benches, problems = [], Problems()
+    for number, name in enumerate(named):
+        with problems:
+            benches.append(find_bench(name, entry[number].where))
+    for number, bench in enumerate(benches[1:] if not problems else (), 1):
+        for what in differences(benches[0], bench):
+            problems.add(what, entry[number].where, f"let it be as in '{benches[0].name}', or study them apart")
+    if problems:
+        raise DseError(*problems)
+    return tuple(benches)
 
 
 def _varied(
@@ -142,7 +172,7 @@ def _varied(
             for name in getattr(file, section).keys() & getattr(file, other).keys():
                 what = f"'{name}' stands under '{section}', too"
                 problems.add(what, entry[other][name].key, "a parameter is varied for one reason")
-    if not (file.design_variables or file.conditions or file.uncertain):
+    if not (file.design_variables or file.conditions or file.uncertain or isinstance(file.testbench, list)):
         problems.add("no design variable", entry["design_variables"].key, "use 'dse run' for a bench without any")
     return variables, derived
 

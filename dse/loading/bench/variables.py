@@ -3,16 +3,16 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Literal
+from typing import ClassVar, Literal
 
 from pydantic import Field
 
 from dse.domain.bench import Derived, TestBench
-from dse.domain.component import Component, Kind, Type
+from dse.domain.component import Component, Kind, Type, as_number
 from dse.domain.sampler import DesignVariable, Role, Scale
-from dse.errors import DseError, Location, Problems, fail
+from dse.errors import DseError, Location, Problems, closest, fail
 from dse.expression import parse_expression
 from dse.formats import Entry
 from dse.loading.bench.candidates import Candidates, settable, split_name
@@ -21,11 +21,13 @@ from dse.loading.values import read_number
 from dse.units import Unit
 
 _MOST_VALUES = 10_000
-_VARIED = (Kind.REAL, Kind.INTEGER, Kind.BOOLEAN)
+_VARIED = (Kind.REAL, Kind.INTEGER, Kind.BOOLEAN, Kind.ENUMERATION)
 
 
 class VariableSection(Section):
     """One design variable, or a condition."""
+
+    hints: ClassVar[Mapping[str, str]] = {"range": "write it as [low, high]; numbers have a decimal point, no comma"}
 
     range: list[Plain] | None = Field(default=None, min_length=2, max_length=2)
     values: list[Plain | bool] | None = None
@@ -52,8 +54,13 @@ class Place:
         found = settable(entry.name, components, entry.key)
         kind = found[0][1]
         if kind.kind not in _VARIED:
-            what = f"'{entry.name}' is {kind}: only real, whole and true/false parameters can be varied"
+            what = (
+                f"'{entry.name}' is {kind}: only real, whole and true/false parameters and enumerations can be varied"
+            )
             raise fail(what, entry.key)
+        other = next((each for _, each in found if each.items != kind.items), None)
+        if other is not None:
+            raise fail(f"'{entry.name}' is {kind} in one component and {other} in another", entry.key)
         return cls(entry.name, found, *split_name(entry.name, components, entry.key), entry.key)
 
     @property
@@ -87,7 +94,7 @@ class Place:
         value = bench.parameters.get(self.name, parameter.start if parameter else None)
         for part in bench.test_components:
             value = part.parameters.get(self.port, value) if part.name == self.part else value
-        return None if value is None else float(value)
+        return None if value is None else as_number(value, self.type)
 
     def title(self, given: str) -> str:
         """What it is called in a report, unless it is *given* a title."""
@@ -100,6 +107,8 @@ def read_variable(place: Place, entry: Entry, section: VariableSection, bench: T
     if (section.range is None) == (section.values is None):
         raise fail(f"give '{place.name}' either a range or values", entry.key, "range: [low, high]")
     levels = section.levels or 0
+    if section.range is not None and place.type.items:
+        raise fail(f"'{place.name}' is {place.type}: it has no range", entry["range"].key, "list its values")
     if section.range is not None:
         low, high, values = _range(place, entry["range"], section.range)
         shown = f"its range {section.range[0]} … {section.range[1]}"
@@ -118,9 +127,20 @@ def read_variable(place: Place, entry: Entry, section: VariableSection, bench: T
             raise fail(f"'{place.name}' has values, each is a level", entry["levels"].where, "leave out 'levels'")
         values = _spread(values, section.levels)
     nominal = _nominal(place, entry, section, bench, (low, high, values), shown)
-    title = place.title(section.title)
+    labels = tuple(place.type.items[int(value)] for value in values) if place.type.items else ()
     return DesignVariable(
-        place.name, low, high, len(values) or levels, nominal, place.unit, title, entry.key, scale, values, role
+        place.name,
+        low,
+        high,
+        len(values) or levels,
+        nominal,
+        place.unit,
+        place.title(section.title),
+        entry.key,
+        scale,
+        values,
+        role,
+        labels=labels,
     )
 
 
@@ -172,6 +192,12 @@ def _value(place: Place, entry: Entry, raw: Plain | bool) -> float:
         if not (isinstance(raw, bool) and place.type.kind is Kind.BOOLEAN):
             raise fail(f"'{place.name}' is {place.type}, found '{raw}'", entry.where)
         return float(raw)
+    if place.type.items:
+        if raw not in place.type.items:
+            raise fail(
+                f"'{place.name}' is {place.type}, found '{raw}'", entry.where, closest(str(raw), place.type.items)
+            )
+        return float(place.type.items.index(str(raw)))
     value = read_number(raw, place.unit, entry.where)
     if place.type.kind is Kind.INTEGER and value != int(value):
         raise fail(f"'{place.name}' is a whole number, found {raw}", entry.where)

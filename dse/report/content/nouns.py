@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, field, fields
 from enum import StrEnum
 from typing import Any, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
+from dse.domain.sampler import Role
 from dse.errors import Problem
+from dse.report.content.insight import Insight
 
 Floats = NDArray[np.float64]
 Flags = NDArray[np.bool_]
@@ -29,6 +31,8 @@ class Variable:
     """A design variable; *values* holds one number per run, in the unit shown (as do all bounds).
 
     Configurations that *lack* it are known by their places; their runs have the nominal value, to stand somewhere.
+    *labels* are what the values 0, 1, … are called, if they are no quantities.
+    Its *role* is that of the study: ``design``, ``condition`` or ``uncertain``.
     """
 
     name: str
@@ -40,6 +44,12 @@ class Variable:
     nominal: float
     values: Floats
     lack: tuple[int, ...] = ()
+    labels: tuple[str, ...] = ()
+    role: str = Role.DESIGN
+
+    def shown(self, value: float) -> str:
+        """A value as a person reads it: what it is called, or a number with its unit."""
+        return self.labels[int(value)] if self.labels else f"{value:.4g} {self.unit_symbol}".rstrip()
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -110,12 +120,35 @@ class Runs:
 
 
 @dataclass(frozen=True, slots=True)
+class Property:
+    """A property of a configuration, in the unit shown."""
+
+    value: float
+    unit_symbol: str = ""
+
+
+@dataclass(frozen=True, slots=True)
 class ConfigurationEntry:
-    """A configuration: *choices* by path in the design, *properties* as ``number unit``."""
+    """A configuration: *choices* by path in the design, *properties* by name.
+
+    *parts* are the components it is simulated with, by path, with "" for what belongs to the bench; *links* are the
+    pairs of parts between which there are connections, each pair once.
+    """
 
     id: str
     choices: Mapping[str, str]
-    properties: Mapping[str, str]
+    properties: Mapping[str, Property]
+    parts: Mapping[str, str] = field(default_factory=dict)
+    links: tuple[tuple[str, str], ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class ObjectiveEntry:
+    """What the study asks to be small, or with *maximize* large: a metric, or if *is_property* a property, by name."""
+
+    name: str
+    maximize: bool = False
+    is_property: bool = False
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -124,8 +157,9 @@ class ReportContent:
 
     *slices* are names of variables that were varied together, for a sliced study. *study_folder* is what the
     reader types in ``dse replay``; the page, which may be anywhere, leaves it out. *facts* are shown as they stand, in
-    order. *missing* is what of the study could not be read. Raises ValueError for what no study has. From here on the
-    arrays cannot be written to, as many figures read them.
+    order. *missing* is what of the study could not be read, *insight* what its runs tell, for the page. *composites*
+    are what objectives compute from metrics and properties, called as they are written. Raises ValueError for what no
+    study has. From here on the arrays cannot be written to, as many figures read them.
     """
 
     title: str
@@ -140,12 +174,22 @@ class ReportContent:
     slices: tuple[tuple[str, ...], ...] = ()
     facts: tuple[tuple[str, str], ...] = ()
     missing: tuple[Problem, ...] = ()
+    objectives: tuple[ObjectiveEntry, ...] = ()
+    composites: tuple[MetricColumn, ...] = ()
+    insight: Insight | None = None
 
     def __post_init__(self) -> None:
         if flaws := [*_flaws(self)]:
             raise ValueError("; ".join(flaws))
-        nouns: list[Any] = [self.runs, *self.variables, *self.metrics, *self.requirements, *self.figures]
-        for value in (getattr(noun, field.name) for noun in nouns for field in fields(noun)):
+        nouns: list[Any] = [
+            self.runs,
+            *self.variables,
+            *self.metrics,
+            *self.requirements,
+            *self.figures,
+            *self.composites,
+        ]
+        for value in (getattr(noun, entry.name) for noun in nouns for entry in fields(noun)):
             if isinstance(value, np.ndarray):
                 value.flags.writeable = False
 

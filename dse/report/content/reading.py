@@ -21,19 +21,32 @@ from dse.domain.definition import (
 )
 from dse.domain.run import Outcome, Run, Waveforms
 from dse.domain.sampler import Grid
+from dse.domain.study import TESTBENCH
 from dse.errors import DseError, Location, Problem
+from dse.report.content.architecture import parts_and_links
 from dse.report.content.nouns import (
     ConfigurationEntry,
     FigureSpec,
     Floats,
     MetricColumn,
+    Property,
     ReportContent,
     RequirementRow,
     Runs,
     SamplerKind,
     Variable,
 )
-from dse.storage import CERTAINTIES, ERROR_IN_BARS, Certainty, RunTable, StudyFolder, damaged_study, read_all_waveforms
+from dse.report.content.objectives import composites_of, objectives_of
+from dse.storage import (
+    CERTAINTIES,
+    ERROR_IN_BARS,
+    Certainty,
+    RunTable,
+    StudyFolder,
+    StudyHeader,
+    damaged_study,
+    read_all_waveforms,
+)
 from dse.units import Unit, parse_unit
 
 MAX_WAVEFORMS = 4000
@@ -56,7 +69,9 @@ def content_of_run(run: Run, definition: StudyDefinition) -> ReportContent:
     waveforms = {run.request.number: run.waveforms} if run.waveforms else {}
     numbers = np.asarray([run.request.number], dtype=np.int64)
     done = np.asarray([run.outcome is Outcome.DONE])
-    rows = _Rows(numbers, (run.request.configuration,), {}, {entry.id: entry.constants})
+    points = {name: np.asarray([value]) for name, value in run.request.point.items()}
+    constants = {entry.id: entry.constants}
+    rows = _Rows(numbers, (run.request.configuration,), points, constants, _bench_labels(definition))
     return ReportContent(
         definition.title,
         SamplerKind.FULL_FACTORIAL,
@@ -90,7 +105,7 @@ def _content(folder: StudyFolder, table: RunTable, waveforms: Mapping[int, Wavef
     definition = folder.header.definition
     units = {metric.name: parse_unit(metric.unit) for metric in definition.metrics}
     constants = {entry.id: entry.constants for entry in definition.configurations}
-    rows = _Rows(table.numbers, table.configurations, table.points, constants)
+    rows = _Rows(table.numbers, table.configurations, table.points, constants, _bench_labels(definition))
     figures = _figures(definition, rows, waveforms)
     checked = np.isin(table.numbers, table.checks.numbers) if len(table.checks) else None
     return ReportContent(
@@ -99,12 +114,14 @@ def _content(folder: StudyFolder, table: RunTable, waveforms: Mapping[int, Wavef
         folder.path.as_posix(),
         Runs(table.numbers, table.configurations, table.done, table.problems, checked),
         tuple(_configuration(entry, definition) for entry in definition.configurations),
-        tuple(map(_variable, definition.variables, table.coordinates().T, _lacking(folder))),
+        tuple(map(_variable, definition.variables, table.coordinates().T, lacking(folder.header))),
         tuple(_metric(m, table) for m in definition.metrics if not m.error_of),
         tuple(_requirement(entry, table, units[entry.metric]) for entry in definition.requirements),
         figures,
         folder.header.slices or (),
         _facts(folder, table, told),
+        objectives=objectives_of(definition),
+        composites=composites_of(definition, table),
     )
 
 
@@ -116,13 +133,22 @@ class _Rows:
     configurations: tuple[str, ...]
     points: Mapping[str, NDArray[Any]]
     constants: Mapping[str, Mapping[str, float]]
+    benches: tuple[str, ...] = ()
 
     def value(self, name: str, number: int) -> float:
         """Value (SI) of the parameter *name* in run *number*; NaN if it has none."""
         row = int(np.searchsorted(self.numbers, number))
         if name in self.points:
             return float(self.points[name][row])
-        return self.constants[self.configurations[row]].get(name, float("nan"))
+        constants = self.constants[self.configurations[row]]
+        bench = self.benches[int(self.points[TESTBENCH][row])] if self.benches and TESTBENCH in self.points else ""
+        return constants.get(f"{bench}/{name}", constants.get(name, float("nan")))
+
+
+def _bench_labels(definition: StudyDefinition) -> tuple[str, ...]:
+    """The names of several benches, in their order; that of the first does not matter."""
+    found = (variable.labels for variable in definition.variables if variable.name == TESTBENCH)
+    return next(found, ("", *definition.other_simulations) if definition.other_simulations else ())
 
 
 def _layout(slices: Grid | None) -> SamplerKind:
@@ -150,15 +176,15 @@ def _bound(value: float | None, unit: Unit) -> float | None:
 
 def _configuration(entry: DefinedConfiguration, definition: StudyDefinition) -> ConfigurationEntry:
     choices = {place: entry.choices[place] for place in definition.design.places if place in entry.choices}
-    properties = {name: f"{total.value:g} {total.unit}".rstrip() for name, total in entry.totals.items()}
-    return ConfigurationEntry(entry.id, choices, properties)
+    properties = {name: Property(total.value, total.unit) for name, total in entry.totals.items()}
+    return ConfigurationEntry(entry.id, choices, properties, *parts_and_links(entry))
 
 
-def _lacking(folder: StudyFolder) -> list[tuple[int, ...]]:
+def lacking(header: StudyHeader) -> list[tuple[int, ...]]:
     """For each variable the places of the configurations that do not have it."""
-    header = folder.header
     has = np.array([header.has(name) for name in header.configurations], dtype=np.bool_)
-    return [tuple(np.flatnonzero(~column).tolist()) for column in has.reshape(-1, len(header.variables)).T]
+    by_variable = has.reshape(len(header.configurations), len(header.variables)).T
+    return [tuple(np.flatnonzero(~column).tolist()) for column in by_variable]
 
 
 def _variable(entry: DefinedVariable, coordinates: Floats, lack: tuple[int, ...]) -> Variable:
@@ -167,7 +193,9 @@ def _variable(entry: DefinedVariable, coordinates: Floats, lack: tuple[int, ...]
     # The bench's own value, which the nominal one may be, need not lie in the range.
     nominal = min(max(entry.nominal, entry.low), entry.high)
     low, high, nominal = (unit.from_si(value) for value in (entry.low, entry.high, nominal))
-    return Variable(entry.name, entry.title, entry.unit, low, high, entry.levels or None, nominal, values, lack)
+    levels = entry.levels or None
+    labels = tuple(entry.label(float(value)) for value in range(int(entry.high) + 1)) if entry.labels else ()
+    return Variable(entry.name, entry.title, entry.unit, low, high, levels, nominal, values, lack, labels, entry.role)
 
 
 def _requirement(entry: DefinedRequirement, table: RunTable, unit: Unit) -> RequirementRow:
@@ -189,10 +217,12 @@ def _figures(definition: StudyDefinition, rows: _Rows, waveforms: Mapping[int, W
         numbers = [number for number, recorded in waveforms.items() if entry.current in recorded.values]
         if not numbers:
             continue
-        current = np.stack([waveforms[number].values[entry.current] for number in numbers])
+        # Runs that ended early, or of a shorter bench, have no values at the end.
+        time = max((waveforms[number].time for number in numbers), key=len)
+        current = np.stack([_padded(waveforms[number].values[entry.current], len(time)) for number in numbers])
         target = None
         if entry.target:
-            target = _shown(_target(entry.target, numbers, rows, waveforms, current.shape[1]), unit)
+            target = _shown(_target(entry.target, numbers, rows, waveforms, len(time)), unit)
         figures.append(
             FigureSpec(
                 entry.name,
@@ -200,7 +230,7 @@ def _figures(definition: StudyDefinition, rows: _Rows, waveforms: Mapping[int, W
                 entry.unit,
                 entry.current,
                 entry.target,
-                waveforms[numbers[0]].time,
+                time,
                 np.asarray(numbers, dtype=np.int64),
                 _shown(current, unit),
                 target,
@@ -215,8 +245,13 @@ def _target(
     """The target of each run: one value each (n,) if it is a parameter everywhere, else waveforms (n, *length*)."""
     if not any(name in waveforms[number].values for number in numbers):
         return np.asarray([rows.value(name, number) for number in numbers])
-    lines = [waveforms[number].values.get(name, np.full(length, rows.value(name, number))) for number in numbers]
-    return np.stack(lines)
+    found = ((number, waveforms[number].values.get(name)) for number in numbers)
+    return np.stack([np.full(length, rows.value(name, n)) if v is None else _padded(v, length) for n, v in found])
+
+
+def _padded(values: Floats, length: int) -> Floats:
+    """*values* with NaN behind them."""
+    return np.pad(values, (0, length - len(values)), constant_values=np.nan)
 
 
 def _waveforms(folder: StudyFolder, chosen: list[int]) -> dict[int, Waveforms]:

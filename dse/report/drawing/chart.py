@@ -25,7 +25,7 @@ def draw_chart(chart: Chart) -> Figure:
     with mpl.rc_context(STYLE):
         figure = Figure(figsize=(6.4, 4.4), layout="constrained")
         axes = figure.add_subplot()
-        axes.set_title("\n".join(textwrap.wrap(chart.title, 80)), loc="left", parse_math=False)
+        axes.set_title("\n".join(textwrap.wrap(chart.title, 64)), loc="left", parse_math=False)
         (x_limits, y_limits) = limits(chart)
         axes.set(xlim=x_limits, ylim=y_limits, xscale=_scale(chart.x), yscale=_scale(chart.y))
         axes.set_xlabel(_text(chart.x), parse_math=False)

@@ -13,6 +13,8 @@ from dse.report.charts.chart import Axis, Chart, Drawn, Limits, Points, Rule, li
 from dse.report.content.nouns import FigureSpec, ReportContent, SamplerKind
 from dse.report.figure import ShownFigure
 from dse.report.interpolation.radial import MOST_CENTRES, radial_fields
+from dse.report.page.designs import designs_of
+from dse.report.page.insight import insight_json
 from dse.report.page.packing import Block, quantise, second_differences
 
 Json = dict[str, object]
@@ -32,12 +34,16 @@ def payload_of(content: ReportContent, shown: Sequence[ShownFigure] = ()) -> Pay
     columns, waveforms = Block(), Block()
     document = _document(content)
     _add_runs(content, columns)
+    document |= designs_of(content, columns)
     figures = [_add_figure(figure, index, columns, waveforms) for index, figure in enumerate(content.figures)]
     document["figures"] = figures
     document["facts"] = [*([k, v] for k, v in content.facts), *_storage_facts(content, figures)]
     if content.sampler is SamplerKind.SCATTERED and len(content.variables) >= 2:
         document["radial"] = [_add_radial(content, index, columns) for index in range(len(content.configurations))]
     document["charted"] = [_charted(figure, f"chart.{index}", columns) for index, figure in enumerate(shown)]
+    if content.insight is not None:
+        document["insight"] = insight_json(content.insight, columns)
+        document["missing"] = [problem.what for problem in content.missing]
     document["columns"] = columns.directory
     document["waveforms"] = waveforms.directory
     return Payload(script_json(document), columns.text(), waveforms.text())
@@ -61,6 +67,8 @@ def _document(content: ReportContent) -> Json:
                 "nominal": v.nominal,
                 "levels": v.levels or 0,
                 "lack": v.lack,
+                "labels": v.labels,
+                "role": str(v.role),
             }
             for v in content.variables
         ],
@@ -78,10 +86,7 @@ def _document(content: ReportContent) -> Json:
             }
             for r in content.requirements
         ],
-        "configurations": [
-            {"id": c.id, "choices": list(c.choices.items()), "properties": list(c.properties.items())}
-            for c in content.configurations
-        ],
+        "configurations": [{"id": c.id, "choices": list(c.choices.items())} for c in content.configurations],
         # One variable by itself spans no plane.
         "slices": [[variables.index(name) for name in names] for names in content.slices if len(names) > 1],
         "problems": [[row, text] for row, text in enumerate(content.runs.problems) if text],

@@ -41,7 +41,7 @@ _WHOLE = {
 _LITTLE = 1 << 16
 """Bytes that SQLite needs to go on, beside the rows."""
 
-_WHICH = "name the folder given to explore or run with -o"
+_WHICH = "name the folder that 'dse explore' or 'dse run' made; 'dse list' shows those below out/"
 
 
 @contextmanager

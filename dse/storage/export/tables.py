@@ -19,16 +19,19 @@ from dse.domain.bench import VERDICTS
 from dse.domain.run import ERROR_BAR, Run
 from dse.storage.checks import CERTAINTIES
 from dse.storage.database.definition import definition_to_json
+from dse.storage.export.headings import choice_columns, headed, total_columns, units_of
 from dse.storage.export.junit import junit
 from dse.storage.folder import StudyFolder
 
 if TYPE_CHECKING:
     import pandas as pd
+    import pyarrow as pa
 from dse.storage.database.table import RunTable
 
 
 def to_csv(folder: StudyFolder) -> bytes:
-    """UTF-8 CSV: run, configuration, outcome, problem, variables, metrics, ``R.verdict`` and ``R.margin``.
+    """UTF-8 CSV: run, configuration with its choices and sums, outcome, problem, variables, metrics, ``R.verdict`` and
+    ``R.margin``. Headings are ``name [unit]`` where there is a unit.
 
     Where runs were checked: ``R.certainty`` as well, and unless error bars are metrics, these (``NAME.error``) and
     what the check has to say (``check``).
@@ -39,7 +42,7 @@ def to_csv(folder: StudyFolder) -> bytes:
     names, columns = zip(*columns_of(table), strict=True)
     text = io.StringIO(newline="")
     writer = csv.writer(text, lineterminator="\n")
-    writer.writerow(names)
+    writer.writerow(headed(names, units_of(folder.require_definition())))
     writer.writerows(zip(*([_csv_cell(cell) for cell in column] for column in columns), strict=True))
     return text.getvalue().encode()
 
@@ -60,22 +63,45 @@ def to_json(folder: StudyFolder) -> bytes:
 
 
 def to_parquet(folder: StudyFolder) -> bytes:
-    """A Parquet file with the columns of the CSV; undefined numbers are NaN."""
+    """A Parquet file with the columns of the CSV, called by their names; undefined numbers are NaN.
+
+    A field with a unit has it in its metadata, as ``unit``.
+    """
     import pyarrow as pa
     import pyarrow.parquet as pq
 
-    arrays = {name: pa.array(column) for name, column in columns_of(folder.table())}
     sink = pa.BufferOutputStream()
-    pq.write_table(pa.table(arrays), sink, compression="zstd")
+    pq.write_table(to_arrow(folder), sink, compression="zstd")
     data: bytes = sink.getvalue().to_pybytes()
     return data
 
 
+def to_arrow(folder: StudyFolder) -> pa.Table:
+    """The table of `to_parquet`."""
+    import pyarrow as pa
+
+    table = folder.table()
+    known = units_of(folder.require_definition())
+    arrays = {name: pa.array(column) for name, column in columns_of(table)}
+    fields = [
+        pa.field(name, array.type, metadata={"unit": known[name]} if name in known else None)
+        for name, array in arrays.items()
+    ]
+    return pa.table(list(arrays.values()), schema=pa.schema(fields))
+
+
 def to_frame(folder: StudyFolder) -> pd.DataFrame:
-    """One row per run, sorted by number, with the columns of the CSV; undefined numbers are NaN."""
+    """One row per run, sorted by number, with the columns of the CSV, called by their names; undefined numbers are NaN.
+
+    ``attrs["units"]`` has the SI unit of each column of numbers that are a quantity.
+    """
     import pandas as pd
 
-    return pd.DataFrame(dict(columns_of(folder.table()))).set_index("run")
+    table = folder.table()
+    known = units_of(folder.require_definition())
+    frame = pd.DataFrame(dict(columns_of(table))).set_index("run")
+    frame.attrs["units"] = {name: known[name] for name in frame.columns if name in known}
+    return frame
 
 
 def to_junit(folder: StudyFolder) -> bytes:
@@ -98,10 +124,12 @@ def columns_of(table: RunTable) -> Iterator[tuple[str, list[object]]]:
     verdicts = [str(verdict) for verdict in VERDICTS]
     yield "run", table.numbers.tolist()
     yield "configuration", list(table.configurations)
+    yield from _described(table)
     yield "outcome", np.where(table.done, "done", "failed").tolist()
     yield "problem", [" ".join(problem.split()) for problem in table.problems]
-    for name in header.variables:
-        yield name, table.points[name].tolist()
+    for variable in header.definition.variables:
+        values = table.points[variable.name].tolist()
+        yield variable.name, [variable.label(value) or value for value in values] if variable.labels else values
     for name in header.metrics:
         yield name, table.metric(name).tolist()
     for name in header.metrics if len(table.checks) else ():
@@ -114,6 +142,21 @@ def columns_of(table: RunTable) -> Iterator[tuple[str, list[object]]]:
     if len(table.checks):
         problems = table.checks.problems
         yield "check", [" ".join(problems.get(number, "").split()) for number in table.numbers.tolist()]
+
+
+def _described(table: RunTable) -> Iterator[tuple[str, list[object]]]:
+    """What is chosen in the configuration of each run, None where there is no such place; its sums, NaN if empty."""
+    definition = table.header.definition
+    known = {configuration.id: configuration for configuration in definition.configurations}
+    for path, name in choice_columns(definition).items():
+        chosen = {key: configuration.choices.get(path) for key, configuration in known.items()}
+        yield name, [chosen[key] for key in table.configurations]
+    for total, name in total_columns(definition).items():
+        sums = {
+            key: table.header.total(key, total) if total in configuration.totals else math.nan
+            for key, configuration in known.items()
+        }
+        yield name, [sums[key] for key in table.configurations]
 
 
 def _csv_cell(cell: object) -> object:

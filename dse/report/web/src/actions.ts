@@ -1,6 +1,6 @@
 // What the reader does that touches more than one choice at once.
 import { liesIn } from "./plane/plane";
-import type { State, Store } from "./store";
+import { MOST_PINS, type State, type Store } from "./store";
 import { PASS } from "./verdicts";
 
 /** Selects a run; where it is not in the plane shown, moves the plane to it. */
@@ -13,6 +13,20 @@ export function selectRun(store: Store, run: number): void {
     Object.assign(patch, planeThrough(store, run, configuration));
   }
   store.set(patch);
+}
+
+/** Pins a run for comparison, or takes its pin away; beyond MOST_PINS nothing is pinned. */
+export function togglePin({ state, set }: Store, run: number): void {
+  if (run < 0) return;
+  const others = state.pins.filter((pin) => pin !== run);
+  if (others.length < state.pins.length) set({ pins: others });
+  else if (others.length < MOST_PINS) set({ pins: [...others, run] });
+}
+
+/** Remembers what the reader chose in a view, by a key `VIEW.NAME`; an empty *value* forgets it. */
+export function setSetting({ state, set }: Store, key: string, value: string): void {
+  const { [key]: _, ...others } = state.settings;
+  set({ settings: value ? { ...others, [key]: value } : others });
 }
 
 /** Shows another configuration; the run at the same place, or its first, is selected. */
@@ -71,7 +85,8 @@ export function startingRun(store: Store, among: Iterable<number>): number {
     const worst = Math.max(
       0,
       ...study.requirements.map(({ metric }, index) => {
-        const { atMost, atLeast } = state.thresholds[index]!;
+        const { atMost, atLeast, off } = state.thresholds[index]!;
+        if (off) return 0;
         const value = study.metrics[metric]!.values[run]!;
         return Math.min(Math.abs((atMost ?? Infinity) - value), Math.abs(value - (atLeast ?? -Infinity))) / scales[index]!;
       }),

@@ -1,9 +1,9 @@
 // One sentence about the selected run and the counts, for those who listen to the page.
 import { el } from "./dom";
 import { withUnit } from "./format";
-import { scope } from "./panels/summary";
+import { inWords } from "./panels/summary";
 import type { Store } from "./store";
-import { FAIL, PASS, tally, WORDS } from "./verdicts";
+import { FAIL, WORDS } from "./verdicts";
 
 export function createAnnouncement(store: Store): HTMLElement {
   const box = el("p", { id: "announcement", class: "unseen", "aria-live": "polite" });
@@ -12,7 +12,7 @@ export function createAnnouncement(store: Store): HTMLElement {
     box.textContent = sentence(store);
   };
   store.subscribe((_, changed) => {
-    if (!changed.has("selected") && !changed.has("thresholds")) return;
+    if (!changed.has("selected") && !changed.has("thresholds") && !changed.has("brushes")) return;
     // A slider being dragged changes many times a second; only where it rests is said.
     clearTimeout(timer);
     timer = window.setTimeout(say, 250);
@@ -24,9 +24,7 @@ export function createAnnouncement(store: Store): HTMLElement {
 function sentence(store: Store): string {
   const { study, state } = store;
   const { overall, each } = store.judgement();
-  const counts = tally(study, overall, scope(store));
-  const total = counts.reduce((sum, value) => sum + value, 0);
-  const share = `${counts[PASS]} of ${total} runs meet every requirement.`;
+  const share = `${inWords(store)}.`;
   const run = state.selected;
   if (run < 0) return share;
   const place = study.variables.map(({ title, unit, values, text }) => `${title} ${withUnit(text(values[run]!), unit)}`);

@@ -1,25 +1,17 @@
 // Puts the page together.
+import { followAddress, readFragment } from "./address";
 import { startingRun } from "./actions";
 import { createAnnouncement } from "./announce";
-import { card, el } from "./dom";
+import { shownRuns } from "./counts";
+import { el } from "./dom";
 import { count } from "./format";
 import { startLive } from "./live";
-import { createCharts } from "./panels/charts";
-import { createConfigurations } from "./panels/configurations";
-import { createControls } from "./panels/controls";
-import { createFacts } from "./panels/facts";
-import { createParallel } from "./panels/parallel";
-import { createSelected } from "./panels/selected";
-import { createSummary } from "./panels/summary";
-import { createTable } from "./panels/table";
-import { createThresholds } from "./panels/thresholds";
-import { createWaveforms } from "./panels/waveforms";
-import { createPlanes, startingPoint } from "./plane/plane";
-import { attachInteraction } from "./plot/interact";
-import { createPlot } from "./plot/plot";
-import { createStore, studyThresholds, type State, type Store } from "./store";
+import { createBrushes } from "./panels/brushes";
+import { startingPoint } from "./plane/plane";
+import { createStore, studyThresholds, whileShown, type State, type Store } from "./store";
 import { readStudy, type Study } from "./study";
 import { followTheme, startTheme } from "./theme";
+import { VIEWS } from "./views/views";
 
 async function start(): Promise<void> {
   const page = document.getElementById("page")!;
@@ -27,11 +19,12 @@ async function start(): Promise<void> {
   try {
     const study = await readStudy();
     const store = createStore(study, initial(study, theme));
-    const planes = createPlanes(study);
-    const plotted = study.variables.length >= 2;
-    const selected = startingRun(store, plotted ? candidates(study, planes(store.state)) : study.number.keys());
+    const selected = startingRun(store, shownRuns(store) ?? study.number.keys());
     store.set({ selected, configuration: selected < 0 ? 0 : study.configuration[selected]! });
-    page.replaceChildren(header(store), ...sections(store, plotted ? planes : null), createAnnouncement(store));
+    const start = store.state;
+    store.set(readFragment(study, location.hash.slice(1), start));
+    page.replaceChildren(header(store), ...createViews(store), createAnnouncement(store));
+    followAddress(store, start);
     startLive(store);
     document.documentElement.dataset["ready"] = "yes";
   } catch (error) {
@@ -53,12 +46,14 @@ function initial(study: Study, theme: State["theme"]): State {
     selected: -1,
     filter: "all",
     sort: { column: "run", descending: false },
+    brushes: [],
+    pins: [],
+    hovered: -1,
+    zoom: null,
+    settings: {},
+    view: VIEWS.find((view) => view.suits(study))!.name,
     theme,
   };
-}
-
-function candidates(study: Study, plane: { on: Int32Array; beside: Int32Array }): Iterable<number> {
-  return study.sampler === "scattered" ? plane.beside.length ? plane.beside : plane.on : plane.on;
 }
 
 function header(store: Store): HTMLElement {
@@ -74,52 +69,51 @@ function header(store: Store): HTMLElement {
   };
   name();
   store.subscribe(name);
-  return el("header", {}, el("h1", {}, study.title), el("span", { class: "muted" }, parts.join(" \u00b7 ")), el("span", { class: "spring" }), button);
+  return el("header", {}, el("h1", { title: study.title }, study.title), el("span", { class: "muted" }, parts.join(" \u00b7 ")), el("span", { class: "spring" }), button);
 }
 
-function sections(store: Store, planes: ReturnType<typeof createPlanes> | null): HTMLElement[] {
-  const { study } = store;
-  const thresholds = study.requirements.length ? [card("requirements", "Thresholds", createThresholds(store))] : [];
-  const run = card("run", "Selected run", createSelected(store));
-  const waves = study.figures.length ? [card("waves", "Waveforms", createWaveforms(store))] : [];
-  const charts = study.charted.length ? [card("charts", "Figures", createCharts(store))] : [];
-  const column = (name: string, ...cards: HTMLElement[]): HTMLElement => el("div", { class: name }, ...cards);
-  if (!planes) {
-    const overview = card("overview", study.variables.length ? "Runs" : "Configurations", createSummary(store), listing(store));
-    return [
-      el("main", {}, column("wide", overview), column("left", run, ...thresholds), column("right", ...waves), column("wide", ...charts, createFacts(study))),
-    ];
-  }
-  const configurations = study.configurations.length > 1 ? [card("overview", "Configurations", createConfigurations(store))] : [];
-  return [
-    el(
-      "main",
-      {},
-      column("left", plotCard(store, planes), ...thresholds),
-      column("right", run, ...waves),
-      column("wide", ...configurations, card("all", "All runs", createParallel(store), createTable(store)), ...charts, createFacts(study)),
-    ),
-  ];
-}
-
-function listing(store: Store): HTMLElement {
-  return store.study.variables.length ? createTable(store) : createConfigurations(store);
-}
-
-function plotCard(store: Store, planes: ReturnType<typeof createPlanes>): HTMLElement {
-  const plot = createPlot(store, planes);
-  attachInteraction(store, plot);
-  const note = el("p", { class: "hint", id: "plane-note" });
-  const explain = (): void => {
-    const { on, beside } = plot.plane();
-    const { selected } = store.state;
-    const away = selected >= 0 && !on.includes(selected) && !beside.includes(selected);
-    const hint = away ? "The selected run lies outside this plane." : "Click a run, or move with the arrow keys.";
-    note.textContent = `${plot.plane().note} ${hint}`;
+/** Tabs, and below them the open view; a view is made when it is first opened. */
+function createViews(store: Store): HTMLElement[] {
+  const suited = VIEWS.filter((view) => view.suits(store.study));
+  const made = new Map<string, { body: HTMLElement; show: () => void; hide: () => void }>();
+  let shown: { hide: () => void } | null = null;
+  const panel = el("div", { id: "view", role: "tabpanel", tabindex: -1 });
+  const tabs = suited.map((view) => el("button", { id: `tab-${view.name}`, type: "button", role: "tab", "aria-controls": "view", click: () => store.set({ view: view.name }) }, view.title));
+  const list = el("div", { class: "views", role: "tablist", "aria-label": "Views" }, ...tabs);
+  list.addEventListener("keydown", (event) => {
+    const step = event.key === "ArrowRight" ? 1 : event.key === "ArrowLeft" ? -1 : 0;
+    if (!step) return;
+    const open = suited.findIndex(({ name }) => name === store.state.view);
+    const next = (open + step + suited.length) % suited.length;
+    store.set({ view: suited[next]!.name });
+    tabs[next]!.focus();
+  });
+  const show = (): void => {
+    const view = suited.find(({ name }) => name === store.state.view) ?? suited[0]!;
+    tabs.forEach((tab, index) => {
+      tab.setAttribute("aria-selected", String(suited[index] === view));
+      tab.tabIndex = suited[index] === view ? 0 : -1;
+    });
+    panel.setAttribute("aria-labelledby", `tab-${view.name}`);
+    shown?.hide();
+    let entry = made.get(view.name);
+    if (entry) {
+      panel.replaceChildren(entry.body);
+      entry.show();
+    } else {
+      const quiet = whileShown(store);
+      entry = { body: view.create(quiet.store), show: quiet.show, hide: quiet.hide };
+      made.set(view.name, entry);
+      panel.replaceChildren(entry.body);
+    }
+    shown = entry;
   };
-  explain();
-  store.subscribe(explain);
-  return card("constraint", "Constraint plot", createControls(store), createSummary(store), plot.element, note);
+  store.subscribe((_, changed) => {
+    if (changed.has("view")) show();
+  });
+  show();
+  const { chips, form } = createBrushes(store);
+  return [el("nav", { class: "navigation" }, suited.length > 1 && list, el("span", { class: "spring" }), form), chips, el("main", {}, panel)];
 }
 
 void start();

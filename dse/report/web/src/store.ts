@@ -1,6 +1,13 @@
 // What the reader has chosen. Parts of the page subscribe; changes of one animation frame arrive together.
-import { judge, type Judgement, type Threshold } from "./verdicts";
+import { maskOf, type Brush } from "./brushing";
+import { createPlanes, type Plane } from "./plane/plane";
 import type { Study } from "./study";
+import { judge, type Judgement, type Threshold } from "./verdicts";
+
+export interface Zoom {
+  readonly x: readonly [number, number];
+  readonly y: readonly [number, number];
+}
 
 export type Filter = "all" | 0 | 1 | 2 | 3;
 
@@ -17,6 +24,18 @@ export interface State {
   selected: number;
   filter: Filter;
   sort: { column: string; descending: boolean };
+  /** Ranges that were dragged on axes; runs outside of any are set back everywhere. */
+  brushes: readonly Brush[];
+  /** Runs pinned for comparison, at most MOST_PINS. */
+  pins: readonly number[];
+  /** Run under the pointer, -1 for none. */
+  hovered: number;
+  /** The part of the plane that is shown, null for all of it. */
+  zoom: Zoom | null;
+  /** The view that is open, by its name. */
+  view: string;
+  /** What else a view lets the reader choose, by keys `VIEW.NAME`. It comes from addresses, too: check it. */
+  settings: Readonly<Record<string, string>>;
   theme: "light" | "dark";
 }
 
@@ -31,11 +50,18 @@ export interface Store {
   /** Tells the listeners now what they would hear with the next frame. */
   flush(): void;
   judgement(): Judgement;
+  plane(): Plane;
+  /** Which runs lie within all brushes, 1 for each; null if there is no brush. */
+  within(): Uint8Array | null;
 }
+
+export const MOST_PINS = 5;
 
 export function createStore(study: Study, initial: State): Store {
   let state = initial;
   let judged: { thresholds: Threshold[]; judgement: Judgement } | null = null;
+  let brushed: { brushes: readonly Brush[]; mask: Uint8Array | null } | null = null;
+  const planes = createPlanes(study);
   let pending: Set<keyof State> | null = null;
   const listeners: Listener[] = [];
 
@@ -43,7 +69,9 @@ export function createStore(study: Study, initial: State): Store {
     if (!pending) return;
     const changed = pending;
     pending = null;
+    const started = performance.now();
     for (const listener of listeners) listener(state, changed);
+    performance.measure("update", { start: started, end: performance.now() });
   };
 
   return {
@@ -55,6 +83,11 @@ export function createStore(study: Study, initial: State): Store {
       const keys = (Object.keys(patch) as (keyof State)[]).filter((key) => patch[key] !== state[key]);
       if (!keys.length) return;
       state = { ...state, ...patch };
+      // Another plane is seen whole.
+      if ((keys.includes("x") || keys.includes("y")) && !patch.zoom && state.zoom) {
+        state.zoom = null;
+        keys.push("zoom");
+      }
       if (!pending) {
         pending = new Set();
         requestAnimationFrame(flush);
@@ -70,6 +103,37 @@ export function createStore(study: Study, initial: State): Store {
         judged = { thresholds: state.thresholds, judgement: judge(study, state.thresholds) };
       }
       return judged.judgement;
+    },
+    plane: () => planes(state),
+    within() {
+      if (brushed?.brushes !== state.brushes) brushed = { brushes: state.brushes, mask: maskOf(study, state.brushes) };
+      return brushed.mask;
+    },
+  };
+}
+
+/** The store as a view sees it: while the view is not shown it hears nothing, and all at once when it is shown again. */
+export function whileShown(store: Store): { store: Store; show: () => void; hide: () => void } {
+  const listeners: Listener[] = [];
+  const missed = new Set<keyof State>();
+  let shown = true;
+  store.subscribe((state, changed) => {
+    if (shown) for (const listener of listeners) listener(state, changed);
+    else for (const key of changed) missed.add(key);
+  });
+  // Getters stay getters: a copy would freeze the state.
+  const quiet = Object.create(store, { subscribe: { value: (listener: Listener) => listeners.push(listener) } }) as Store;
+  return {
+    store: quiet,
+    show: () => {
+      shown = true;
+      if (!missed.size) return;
+      const changed = new Set(missed);
+      missed.clear();
+      for (const listener of listeners) listener(store.state, changed);
+    },
+    hide: () => {
+      shown = false;
     },
   };
 }

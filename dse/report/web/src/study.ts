@@ -1,6 +1,7 @@
 // The study as the page sees it: typed columns, one value per run, in the units shown.
 import { readCharted, type Charted } from "./chart";
-import { columnText } from "./format";
+import { columnText, number, shortened, withUnit } from "./format";
+import { readInsight, type Insight } from "./insight";
 import { unpack, type Entry, type Numbers } from "./packing";
 
 export interface Column {
@@ -24,6 +25,26 @@ export interface Variable extends Column {
   levels: number;
   // Places of the configurations that do not have it.
   lack: number[];
+  /** What the values 0, 1, … are called; none where they are quantities. */
+  labels: string[];
+  role: "design" | "condition" | "uncertain";
+}
+
+/** A property: `values` holds one number per configuration, not per run, NaN where it has none. */
+export type Property = Column;
+
+export interface Objective {
+  /** Key of a column. */
+  column: string;
+  maximize: boolean;
+}
+
+/** Where parts stand that hang together alike: path, left edge, middle and width of each, and linked pairs. */
+export interface Picture {
+  parts: [string, number, number, number][];
+  links: [number, number][];
+  width: number;
+  height: number;
 }
 
 export interface Requirement {
@@ -40,7 +61,11 @@ export interface Requirement {
 export interface Configuration {
   id: string;
   choices: [string, string][];
+  /** As text with units. */
   properties: [string, string][];
+  /** Its place among the pictures, -1 for none, and what stands in each part. */
+  picture: number;
+  parts: string[];
   radial: Radial | null;
 }
 
@@ -83,28 +108,49 @@ export interface Study {
   metrics: Metric[];
   requirements: Requirement[];
   configurations: Configuration[];
+  properties: Property[];
+  /** What objectives compute from metrics and properties, one value per run. */
+  composites: Column[];
+  objectives: Objective[];
+  pictures: Picture[];
   slices: number[][];
   figures: Figure[];
   charted: Charted[];
   facts: [string, string][];
+  /** What was asked and what the runs tell; null for a page that was made without. */
+  insight: Insight | null;
+  /** What of the study could not be read. */
+  missing: string[];
   waveforms: () => Promise<Map<string, Numbers>>;
 }
+
+const MOST_TITLE = 120;
+const MOST_UNIT = 20;
 
 interface Document {
   title: string;
   sampler: Sampler;
   runs: number;
   mostCentres: number;
-  variables: { name: string; title: string; unit: string; low: number; high: number; nominal: number; levels: number; lack: number[] }[];
+  variables: { name: string; title: string; unit: string; low: number; high: number; nominal: number; levels: number; lack: number[]; role: Variable["role"]; labels: string[] }[];
   metrics: { name: string; title: string; unit: string; checked: boolean }[];
   requirements: { name: string; title: string; metric: number; atMost: number | null; atLeast: number | null }[];
-  configurations: { id: string; choices: [string, string][]; properties: [string, string][] }[];
+  configurations: { id: string; choices: [string, string][] }[];
+  properties: { name: string; title: string; unit: string }[];
+  composites: { name: string; title: string; unit: string }[];
+  objectives: Objective[];
+  pictures: Picture[];
+  pictureOf: number[];
+  components: string[];
+  partsOf: number[][];
   slices: number[][];
   problems: [number, string][];
   figures: { name: string; title: string; unit: string; current: string; target: string; shape: Figure["shape"] }[];
   charted: Charted[];
   facts: [string, string][];
   radial?: boolean[];
+  insight?: unknown;
+  missing?: string[];
   columns: Entry[];
   waveforms: Entry[];
 }
@@ -121,9 +167,10 @@ export async function readStudy(): Promise<Study> {
   });
   const range = (name: string): { low: Float64Array; high: Float64Array } | null =>
     arrays.has(`${name}.low`) ? { low: floats(`${name}.low`), high: floats(`${name}.high`) } : null;
+  const properties = source.properties.map((property, i) => ({ ...property, ...column(`property.${i}`) }));
   let waveforms: Promise<Map<string, Numbers>> | undefined;
   return {
-    title: source.title,
+    title: shortened(source.title, MOST_TITLE),
     sampler: source.sampler,
     size: source.runs,
     mostCentres: source.mostCentres,
@@ -132,19 +179,24 @@ export async function readStudy(): Promise<Study> {
     done: flags("done"),
     checked: arrays.has("checked") ? flags("checked") : null,
     problems: new Map(source.problems),
-    variables: source.variables.map((variable, i) => ({ ...variable, ...column(`variable.${i}`) })),
+    variables: source.variables.map((variable, i) => ({ ...variable, ...named(variable), ...column(`variable.${i}`), ...labelled(variable.labels) })),
     metrics: source.metrics.map((metric, i) => ({
       ...metric,
+      ...named(metric),
       ...column(`metric.${i}`),
       error: metric.checked ? floats(`error.${i}`) : null,
     })),
     requirements: source.requirements.map((requirement, i) => ({
       ...requirement,
+      title: shortened(requirement.title, MOST_TITLE),
       exercised: flags(`exercised.${i}`),
       unsettled: arrays.has(`unsettled.${i}`) ? flags(`unsettled.${i}`) : null,
     })),
     configurations: source.configurations.map((configuration, i) => ({
       ...configuration,
+      properties: properties.filter(({ values }) => !Number.isNaN(values[i])).map(({ name, unit, values }): [string, string] => [name, withUnit(number(values[i]!, 6), unit)]),
+      picture: source.pictureOf[i]!,
+      parts: source.partsOf[i]!.map((code) => source.components[code]!),
       radial: source.radial?.[i]
         ? {
             centres: integers(`radial.${i}.centres`),
@@ -154,9 +206,14 @@ export async function readStudy(): Promise<Study> {
           }
         : null,
     })),
+    properties,
+    composites: source.composites.map((composite, i) => ({ ...composite, ...column(`composite.${i}`) })),
+    objectives: source.objectives,
+    pictures: source.pictures,
     slices: source.slices,
     figures: source.figures.map((figure, i) => ({
       ...figure,
+      ...named(figure),
       time: floats(`figure.${i}.time`),
       row: new Map(Array.from(integers(`figure.${i}.kept`), (number, row) => [number, row])),
       constants: figure.shape === "constant" ? floats(`figure.${i}.target`) : null,
@@ -164,12 +221,23 @@ export async function readStudy(): Promise<Study> {
     })),
     charted: readCharted(source.charted, arrays),
     facts: source.facts,
+    insight: readInsight(source.insight, arrays),
+    missing: source.missing ?? [],
     waveforms: () => (waveforms ??= unpack(source.waveforms, block("waveforms"))),
   };
 }
 
+function labelled(labels: string[]): Pick<Column, "text"> | null {
+  return labels.length ? { text: (value) => labels[value] ?? number(value) } : null;
+}
+
 export function axisLabel(column: { title: string; unit: string }): string {
   return `${column.title} [${column.unit || "\u2013"}]`;
+}
+
+// A title of ten thousand letters, or one that turns the text around it, would break every panel it stands in.
+function named({ title, unit }: { title: string; unit: string }): { title: string; unit: string } {
+  return { title: shortened(title, MOST_TITLE), unit: shortened(unit, MOST_UNIT) };
 }
 
 function block(id: string): string {

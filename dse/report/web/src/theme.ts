@@ -13,7 +13,9 @@ export interface Palette {
   broken: string;
   target: string;
   current: string;
+  accent: string;
   requirements: string[];
+  pins: string[];
   ramp: string[];
   font: string;
 }
@@ -34,7 +36,9 @@ export function palette(): Palette {
     broken: read("broken"),
     target: read("target"),
     current: read("current"),
+    accent: read("accent"),
     requirements: list("requirements"),
+    pins: list("pins"),
     ramp: list("ramp"),
     font: getComputedStyle(document.body).fontFamily,
   };

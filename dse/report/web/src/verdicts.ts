@@ -7,6 +7,8 @@ export * from "./marks";
 export interface Threshold {
   atMost: number | null;
   atLeast: number | null;
+  /** Left out of the verdict on a run; its own verdict is there all the same. */
+  off?: boolean;
 }
 
 export interface Judgement {
@@ -20,16 +22,23 @@ export interface Judgement {
 const ERROR_IN_BARS = 2;
 
 export function judge(study: Study, thresholds: Threshold[]): Judgement {
-  const each = study.requirements.map((_, index) => marksOf(study, index, thresholds[index]!));
+  const each = study.requirements.map((_, index) => marksAt(study, index, thresholds[index]!));
   const overall = new Uint8Array(study.size);
-  for (const marks of each) {
+  for (const [index, marks] of each.entries()) {
+    if (thresholds[index]!.off) continue;
     for (let run = 0; run < overall.length; run++) {
       if (marks[run] === FAIL) overall[run] = FAIL;
       else if (marks[run] === NOT_EXERCISED && overall[run] === PASS) overall[run] = NOT_EXERCISED;
     }
   }
   for (let run = 0; run < overall.length; run++) if (!study.done[run]) overall[run] = FAILED;
-  const doubtful = Uint8Array.from(overall, (_, run) => (thresholds.some((threshold, index) => isDoubtful(study, index, run, threshold)) ? 1 : 0));
+  const doubtful = new Uint8Array(study.size);
+  thresholds.forEach((threshold, index) => {
+    const { metric, unsettled } = study.requirements[index]!;
+    // Where nobody has looked, there is nothing to go through a million runs for.
+    if (threshold.off || (!unsettled && !study.metrics[metric]!.error)) return;
+    for (let run = 0; run < doubtful.length; run++) if (isDoubtful(study, index, run, threshold)) doubtful[run] = 1;
+  });
   return { each, overall, doubtful };
 }
 
@@ -63,6 +72,19 @@ export function tally(study: Study, marks: Uint8Array, configuration: number): n
     if (configuration < 0 || study.configuration[run] === configuration) counts[marks[run]!]!++;
   }
   return counts;
+}
+
+const marked = new WeakMap<Study, { threshold: Threshold; marks: Uint8Array }[]>();
+
+// A slider moves one threshold; the marks at the others stay.
+function marksAt(study: Study, index: number, threshold: Threshold): Uint8Array {
+  const kept = marked.get(study) ?? [];
+  marked.set(study, kept);
+  const last = kept[index];
+  if (last && last.threshold.atMost === threshold.atMost && last.threshold.atLeast === threshold.atLeast) return last.marks;
+  const marks = marksOf(study, index, threshold);
+  kept[index] = { threshold, marks };
+  return marks;
 }
 
 // Comparisons with NaN are false, so that an undefined metric never passes.

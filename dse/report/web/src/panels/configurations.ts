@@ -18,7 +18,7 @@ export function createConfigurations(store: Store): HTMLElement {
     requestAnimationFrame(() => box.querySelector(".chosen")?.scrollIntoView({ block: "nearest" }));
   });
   store.subscribe((_, changed) => {
-    if (changed.has("configuration") || changed.has("thresholds") || (changed.has("selected") && store.study.variables.length)) draw();
+    if (changed.has("configuration") || changed.has("thresholds") || changed.has("brushes") || (changed.has("selected") && store.study.variables.length)) draw();
   });
   draw();
   if (!store.study.variables.length) return box;
@@ -31,6 +31,7 @@ function tableOf(store: Store): HTMLElement {
   const properties = names(study.configurations, "properties");
   const many = study.variables.length > 0;
   const shown = counterparts(store);
+  const within = store.within();
   const { each, overall } = store.judgement();
   const head = (text: string, numeric = false): HTMLElement => el("th", { scope: "col", class: numeric ? "numeric" : "" }, text);
   const rows = study.configurations.map((configuration, index) => {
@@ -40,7 +41,13 @@ function tableOf(store: Store): HTMLElement {
     const mark = run < 0 ? -1 : overall[run]!;
     return el(
       "tr",
-      { class: state.configuration === index ? "chosen" : "", "aria-selected": String(state.configuration === index), click: () => selectConfiguration(store, index) },
+      {
+        class: `${state.configuration === index ? "chosen" : ""} ${within && run >= 0 && !within[run] ? "outside" : ""}`,
+        "aria-selected": String(state.configuration === index),
+        click: () => selectConfiguration(store, index),
+        pointerenter: () => store.set({ hovered: run }),
+        pointerleave: () => store.set({ hovered: -1 }),
+      },
       el("td", {}, el("code", {}, configuration.id)),
       many
         ? el("td", { class: "numeric" }, `${group(counts[PASS]!)} of ${group(total)}`)

@@ -1,10 +1,10 @@
 // Which plane is shown: slices, axes, configuration, colour, and the place of the plane.
 import { planeToSelected, selectConfiguration } from "../actions";
 import { choose, el, field } from "../dom";
-import { number, withUnit } from "../format";
+import { number, shortened, withUnit } from "../format";
 import { levels, movable } from "../plane/plane";
 import type { State, Store } from "../store";
-import { axisLabel } from "../study";
+import { axisLabel, type Configuration } from "../study";
 
 const SHOWN: (keyof State)[] = ["configuration", "x", "y", "fixed", "fill"];
 
@@ -42,7 +42,8 @@ function parts(store: Store): HTMLElement[] {
   };
   row.append(axis("x"), axis("y"));
   if (study.configurations.length > 1) {
-    const options = study.configurations.map(({ id }, index) => [String(index), id] as [string, string]);
+    const told = differences(study.configurations);
+    const options = study.configurations.map(({ id }, index) => [String(index), shortened(`${id} ${told[index]}`, 90)] as [string, string]);
     const select = choose(options, String(state.configuration), (value) => selectConfiguration(store, Number(value)));
     select.id = "configuration";
     row.append(field("Configuration", select));
@@ -54,8 +55,19 @@ function parts(store: Store): HTMLElement[] {
   row.append(field("Colour", fill));
   rows.push(row);
   const rest = movable(study, state.x, state.y);
-  if (rest.length) rows.push(sliders(store, rest));
+  if (rest.length) {
+    row.append(el("button", { id: "through-selected", type: "button", title: "Move the plane through the selected run", click: () => planeToSelected(store) }, "Through run"));
+    rows.push(sliders(store, rest));
+  }
   return rows;
+}
+
+// What each was chosen to be, where the configurations differ.
+function differences(configurations: Configuration[]): string[] {
+  const places = [...new Set(configurations.flatMap(({ choices }) => choices.map(([place]) => place)))];
+  const chosen = configurations.map(({ choices }) => new Map(choices));
+  const telling = places.filter((place) => chosen.some((choices) => choices.get(place) !== chosen[0]!.get(place)));
+  return chosen.map((choices) => telling.flatMap((place) => choices.get(place) ?? []).join(", "));
 }
 
 function slices(store: Store): HTMLElement {
@@ -103,9 +115,6 @@ function sliders(store: Store, rest: number[]): HTMLElement {
       el("output", { id: `reading-${index}`, for: `fixed-${index}` }, withUnit(text(state.fixed[index]!), unit)),
     );
   }
-  box.append(
-    el("button", { id: "through-selected", type: "button", click: () => planeToSelected(store) }, "Through the selected run"),
-  );
   return box;
 }
 

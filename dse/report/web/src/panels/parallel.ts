@@ -1,181 +1,201 @@
-// Every run as a line across all variables and metrics; a click selects the nearest line.
-import { scaleLinear, type ScaleLinear } from "d3-scale";
-import { selectRun } from "../actions";
-import { el, fit } from "../dom";
-import { group, number } from "../format";
-import { colourOf } from "../plot/regions";
-import type { Store } from "../store";
-import { axisLabel, type Study } from "../study";
-import { palette, type Palette } from "../theme";
-import { PASS } from "../verdicts";
-import { scope } from "./summary";
+// Every run as a line across axes the reader chooses and orders; dragging along an axis brushes it.
+import { selectRun, setSetting, togglePin } from "../actions";
+import { rebrushed } from "../brushing";
+import { el } from "../dom";
+import { group } from "../format";
+import { createMenu } from "../menu";
+import { axesOf, FOOT, heightsOf, nearestLine, paintLines, placeOf, SIDE, TOP, type Axis } from "../plot/parallel";
+import type { State, Store } from "../store";
 
-const MOST_LINES = 1500;
-const TOP = 40;
-const FOOT = 22;
-const SIDE = 78;
-
-interface Axis {
-  title: string;
-  values: Float64Array;
-  metric: number;
-  low: number;
-  high: number;
-}
+const MOST_LINES = 1200;
+const LEAST_ROOM = 104;
+const REACH = 16;
+const STILL = 3;
+const ORDER = "runs.axes";
+const GROUPS: [string, string][] = [["variable", "Design variables"], ["metric", "Metrics"], ["property", "Properties"]];
+const REPAINTED: (keyof State)[] = ["thresholds", "selected", "theme", "brushes", "pins", "hovered"];
 
 export function createParallel(store: Store): HTMLElement {
   const { study } = store;
-  const axes = axesOf(study);
-  const canvas = el("canvas", { class: "parallel", role: "img", "aria-label": "Every run as a line across all design variables and metrics; the table below has the same numbers" });
+  const all = axesOf(study);
+  const canvas = el("canvas", { class: "parallel", tabindex: 0, role: "img", "aria-label": "Every run as a line across the chosen axes; the table below has the same numbers" });
+  const heads = el("div", { class: "heads" });
+  const inner = el("div", { class: "parallel-inner" }, heads, canvas);
+  const scroll = el("div", { class: "parallel-scroll" }, inner);
   const note = el("p", { class: "hint" });
-  let lines: number[] = [];
-  const draw = (): void => {
-    const wanted = scope(store);
-    const runs = Array.from(study.number.keys()).filter((run) => study.done[run] && (wanted < 0 || study.configuration[run] === wanted));
-    const stride = Math.max(1, Math.ceil(runs.length / MOST_LINES));
-    lines = runs.filter((_, i) => i % stride === 0);
-    const share = stride > 1 ? `${group(lines.length)} of ${group(runs.length)} runs are drawn. ` : "";
-    note.textContent = `${share}Green lines meet every requirement, the thick line is the selected run, marks are the thresholds. Click a line to select its run.`;
-    paint(canvas, store, axes, lines);
+  let axes: Axis[] = [];
+  let lines: { inside: number[]; outside: number[] } = { inside: [], outside: [] };
+
+  const paint = (): void => paintLines(canvas, store, axes, lines);
+  const sample = (): void => {
+    const within = store.within();
+    const done = Array.from(study.number.keys()).filter((run) => study.done[run]);
+    const inside = within ? done.filter((run) => within[run]) : done;
+    const outside = within ? done.filter((run) => !within[run]) : [];
+    lines = { inside: thinned(inside), outside: thinned(outside) };
+    const share = lines.inside.length < inside.length ? `${group(lines.inside.length)} of ${group(inside.length)} lines are drawn. ` : "";
+    note.textContent = `${share}Green lines meet every requirement that is switched on, the thick line is the selected run, bars are the thresholds. Drag along an axis to brush it, click it to clear; drag a heading, or use its arrow keys, to move an axis.`;
   };
-  canvas.addEventListener("click", (event) => {
-    const run = nearest(canvas, axes, lines, event.offsetX, event.offsetY);
-    if (run >= 0) selectRun(store, run);
-  });
+  const layout = (): void => {
+    axes = chosen(store, all);
+    inner.style.width = `${Math.max(scroll.clientWidth, axes.length * LEAST_ROOM)}px`;
+    const room = (inner.clientWidth - 2 * SIDE) / Math.max(1, axes.length - 1);
+    const focused = document.activeElement?.id;
+    heads.replaceChildren(...axes.map((axis, index) => head(store, axes, axis, index, placeOf(axes.length, inner.clientWidth, index), Math.min(room, 2 * SIDE))));
+    if (focused?.startsWith("head-")) document.getElementById(focused)?.focus();
+    paint();
+  };
+  attach(store, canvas, () => axes, () => [...lines.inside, ...lines.outside]);
   store.subscribe((_, changed) => {
-    if (changed.has("thresholds") || changed.has("selected") || changed.has("configuration") || changed.has("theme")) draw();
+    if (changed.has("brushes")) sample();
+    if (changed.has("settings")) layout();
+    else if (REPAINTED.some((key) => changed.has(key))) paint();
   });
-  new ResizeObserver(draw).observe(canvas);
-  return el("div", {}, canvas, note);
+  new ResizeObserver(layout).observe(scroll);
+  sample();
+  return el("div", {}, chooser(store, all), scroll, note);
 }
 
-// A metric's axis spans the bulk of its values, so that one wild run does not flatten the others.
-function axesOf(study: Study): Axis[] {
-  const variables = study.variables.map((variable) => ({ title: axisLabel(variable), values: variable.values, metric: -1, low: variable.low, high: variable.high }));
-  const metrics = study.metrics.map((column, metric) => {
-    const sorted = column.values.filter((value, run) => Number.isFinite(value) && study.done[run] === 1).sort();
-    const at = (part: number): number => sorted[Math.round(part * (sorted.length - 1))] ?? 0;
-    const [low, high] = [at(0.01), at(0.99)];
-    return { title: axisLabel(column), values: column.values, metric, low, high: high > low ? high : low + 1 };
+/** The picture of the axes as they are. */
+export function parallelCanvas(box: HTMLElement): HTMLCanvasElement {
+  return box.querySelector("canvas")!;
+}
+
+function thinned(runs: number[]): number[] {
+  return runs.length <= MOST_LINES ? runs : Array.from({ length: MOST_LINES }, (_, index) => runs[Math.floor((index * runs.length) / MOST_LINES)]!);
+}
+
+function chosen({ state }: Store, all: Axis[]): Axis[] {
+  const keys = state.settings[ORDER]?.split(",") ?? [];
+  const picked = [...new Set(keys)].flatMap((key) => all.find((axis) => axis.key === key) ?? []);
+  return picked.length ? picked : all;
+}
+
+function reorder(store: Store, axes: Axis[]): void {
+  setSetting(store, ORDER, axes.map(({ key }) => key).join());
+}
+
+function moved(axes: Axis[], from: number, to: number): Axis[] {
+  const others = axes.filter((_, index) => index !== from);
+  others.splice(Math.min(others.length, Math.max(0, to)), 0, axes[from]!);
+  return others;
+}
+
+function head(store: Store, axes: Axis[], axis: Axis, index: number, x: number, room: number): HTMLElement {
+  const button = el("button", { id: `head-${axis.key}`, class: "head-axis", type: "button", title: `${axis.title}: drag, or the arrow keys, to move; Delete takes it away` }, el("span", {}, axis.title));
+  button.style.left = `${x}px`;
+  button.style.width = `${room - 6}px`;
+  button.addEventListener("keydown", (event) => {
+    const step = event.key === "ArrowRight" ? 1 : event.key === "ArrowLeft" ? -1 : 0;
+    if (step) reorder(store, moved(axes, index, index + step));
+    else if ((event.key === "Delete" || event.key === "Backspace") && axes.length > 1) reorder(store, axes.filter((other) => other !== axis));
+    else return;
+    event.preventDefault();
   });
-  return [...variables, ...metrics];
+  button.addEventListener("pointerdown", (event) => {
+    button.setPointerCapture(event.pointerId);
+    const from = event.clientX;
+    const follow = (moving: PointerEvent): void => {
+      button.style.transform = `translateX(calc(-50% + ${moving.clientX - from}px))`;
+    };
+    const drop = (ended: PointerEvent): void => {
+      button.removeEventListener("pointermove", follow);
+      button.style.transform = "";
+      const width = button.parentElement!.clientWidth;
+      const step = (width - 2 * SIDE) / Math.max(1, axes.length - 1);
+      const to = index + Math.round((ended.clientX - from) / step);
+      if (to !== index) reorder(store, moved(axes, index, to));
+    };
+    button.addEventListener("pointermove", follow);
+    button.addEventListener("pointerup", drop, { once: true });
+  });
+  return button;
 }
 
-function scales(axes: Axis[], height: number): ScaleLinear<number, number>[] {
-  return axes.map(({ low, high }) => scaleLinear([low, high], [height - FOOT, TOP]).clamp(true));
-}
-
-function place(axes: Axis[], width: number, index: number): number {
-  return SIDE + (index * (width - 2 * SIDE)) / Math.max(1, axes.length - 1);
-}
-
-function paint(canvas: HTMLCanvasElement, store: Store, axes: Axis[], lines: number[]): void {
-  const { pen, width, height } = fit(canvas);
-  const colours = palette();
-  const heights = scales(axes, height);
-  const { overall } = store.judgement();
-  const add = (run: number): void => {
-    let started = false;
-    axes.forEach(({ values }, index) => {
-      const value = values[run]!;
-      if (!Number.isFinite(value)) started = false;
-      else if (started) pen.lineTo(place(axes, width, index), heights[index]!(value));
-      else {
-        pen.moveTo(place(axes, width, index), heights[index]!(value));
-        started = true;
-      }
-    });
+function chooser(store: Store, all: Axis[]): HTMLElement {
+  const list = el("div", { class: "axes" });
+  const draw = (): void => {
+    const shown = chosen(store, all);
+    const set = (keys: string[]): void => reorder(store, keys.flatMap((key) => all.find((axis) => axis.key === key) ?? []));
+    const keys = shown.map(({ key }) => key);
+    const focused = document.activeElement?.id;
+    const named = new Set(GROUPS.map(([prefix]) => prefix));
+    const groups = [...GROUPS, ...[...new Set(all.map(({ key }) => prefixOf(key)))].filter((prefix) => !named.has(prefix)).map((prefix): [string, string] => [prefix, "Others"])];
+    list.replaceChildren(
+      ...groups.flatMap(([prefix, title]) => {
+        const members = all.filter(({ key }) => prefixOf(key) === prefix);
+        if (!members.length) return [];
+        const only = el("button", { type: "button", class: "bare", id: `only-${prefix}`, click: () => set(members.map(({ key }) => key)) }, "only these");
+        return [
+          el(
+            "fieldset",
+            {},
+            el("legend", {}, title, only),
+            ...members.map((axis) =>
+              el(
+                "label",
+                {},
+                el("input", { id: `axis-${axis.key}`, type: "checkbox", checked: keys.includes(axis.key), change: (event: Event) => set((event.target as HTMLInputElement).checked ? [...keys, axis.key] : keys.filter((key) => key !== axis.key)) }),
+                el("span", {}, axis.title),
+              ),
+            ),
+          ),
+        ];
+      }),
+      el("button", { type: "button", id: "all-axes", click: () => setSetting(store, ORDER, "") }, "All, in the study\u2019s order"),
+    );
+    if (focused) document.getElementById(focused)?.focus();
   };
-  const stroke = (runs: number[], colour: string, alpha: number): void => {
-    pen.strokeStyle = colour;
-    pen.globalAlpha = alpha;
-    pen.lineWidth = 1;
-    for (const run of runs) {
-      pen.beginPath();
-      add(run);
-      pen.stroke();
-    }
-    pen.globalAlpha = 1;
-  };
-  const thin = Math.min(1, 14 / Math.sqrt(lines.length + 1));
-  stroke(lines.filter((run) => overall[run] !== PASS), colours.muted, 0.3 * thin);
-  stroke(lines.filter((run) => overall[run] === PASS), colours.pass, 0.7 * thin);
-  const { selected } = store.state;
-  if (selected >= 0 && store.study.done[selected]) {
-    pen.lineJoin = "round";
-    for (const [colour, thickness] of [[colours.plot, 5], [colours.ink, 2.4]] as const) {
-      pen.beginPath();
-      add(selected);
-      pen.strokeStyle = colour;
-      pen.lineWidth = thickness;
-      pen.stroke();
-    }
-  }
-  axes.forEach((axis, index) => drawAxis(pen, store, axis, place(axes, width, index), heights[index]!, (width - 2 * SIDE) / Math.max(1, axes.length - 1), colours));
-}
-
-function drawAxis(
-  pen: CanvasRenderingContext2D,
-  store: Store,
-  axis: Axis,
-  x: number,
-  height: ScaleLinear<number, number>,
-  room: number,
-  colours: Palette,
-): void {
-  const [bottom, top] = height.range() as [number, number];
-  pen.strokeStyle = colours.muted;
-  pen.lineWidth = 1;
-  pen.beginPath();
-  pen.moveTo(Math.round(x) + 0.5, top);
-  pen.lineTo(Math.round(x) + 0.5, bottom);
-  pen.stroke();
-  pen.textAlign = "center";
-  pen.textBaseline = "alphabetic";
-  pen.fillStyle = colours.ink;
-  pen.font = `600 12px ${colours.font}`;
-  pen.fillText(axis.title, x, top - 24, Math.min(room - 10, 2 * SIDE - 6));
-  pen.fillStyle = colours.muted;
-  pen.font = `11.5px ${colours.font}`;
-  pen.fillText(number(axis.high, 3), x, top - 7);
-  pen.fillText(number(axis.low, 3), x, bottom + 16);
-  store.study.requirements.forEach(({ metric }, requirement) => {
-    if (metric !== axis.metric || metric < 0) return;
-    const { atMost, atLeast } = store.state.thresholds[requirement]!;
-    for (const bound of [atMost, atLeast]) {
-      if (bound === null) continue;
-      const y = height(bound);
-      pen.lineWidth = 7;
-      pen.strokeStyle = colours.plot;
-      segment(pen, x - 12, x + 12, y);
-      pen.lineWidth = 4;
-      pen.strokeStyle = colourOf(colours, requirement);
-      segment(pen, x - 11, x + 11, y);
-    }
+  store.subscribe((_, changed) => {
+    if (changed.has("settings")) draw();
   });
+  draw();
+  const menu = createMenu("choose-axes", "Axes", "Choose the axes", list);
+  menu.classList.add("left-menu");
+  return menu;
 }
 
-function segment(pen: CanvasRenderingContext2D, from: number, to: number, y: number): void {
-  pen.beginPath();
-  pen.moveTo(from, y);
-  pen.lineTo(to, y);
-  pen.stroke();
+function prefixOf(key: string): string {
+  return key.split(".")[0]!;
 }
 
-function nearest(canvas: HTMLCanvasElement, axes: Axis[], lines: number[], x: number, y: number): number {
-  const heights = scales(axes, canvas.clientHeight);
-  const step = (canvas.clientWidth - 2 * SIDE) / Math.max(1, axes.length - 1);
-  const position = Math.min(axes.length - 1.001, Math.max(0, (x - SIDE) / step));
-  const left = Math.floor(position);
-  let best = -1;
-  let least = 14;
-  for (const run of lines) {
-    const [a, b] = [left, Math.min(axes.length - 1, left + 1)].map((index) => heights[index]!(axes[index]!.values[run]!)) as [number, number];
-    const away = Math.abs(a + (b - a) * (position - left) - y);
-    if (away < least) {
-      least = away;
-      best = run;
+function attach(store: Store, canvas: HTMLCanvasElement, axes: () => Axis[], lines: () => number[]): void {
+  let drag: { axis: Axis; from: number; moved: boolean } | null = null;
+  const axisAt = (x: number): Axis | null => {
+    const shown = axes();
+    const index = shown.findIndex((_, i) => Math.abs(placeOf(shown.length, canvas.clientWidth, i) - x) < REACH);
+    return shown[index] ?? null;
+  };
+  const brush = (axis: Axis, from: number, to: number): void => {
+    const scale = heightsOf([axis], canvas.clientHeight)[0]!;
+    // An axis shows the bulk of the values; to its end means to the last of them.
+    const end = (y: number): number => (y <= TOP ? axis.most : y >= canvas.clientHeight - FOOT ? axis.least : scale.invert(y));
+    store.set({ brushes: rebrushed(store.state.brushes, axis.key, [end(from), end(to)]) });
+  };
+  canvas.addEventListener("pointerdown", (event) => {
+    const axis = axisAt(event.offsetX);
+    if (!axis || event.button !== 0) return;
+    drag = { axis, from: event.offsetY, moved: false };
+    canvas.setPointerCapture(event.pointerId);
+  });
+  canvas.addEventListener("pointermove", (event) => {
+    if (drag) {
+      drag.moved ||= Math.abs(event.offsetY - drag.from) > STILL;
+      if (drag.moved) brush(drag.axis, drag.from, event.offsetY);
+      return;
     }
-  }
-  return best;
+    canvas.classList.toggle("on-axis", axisAt(event.offsetX) !== null);
+    store.set({ hovered: nearestLine(canvas, axes(), lines(), event.offsetX, event.offsetY) });
+  });
+  canvas.addEventListener("pointerleave", () => store.set({ hovered: -1 }));
+  canvas.addEventListener("pointerup", (event) => {
+    const ended = drag;
+    drag = null;
+    if (ended?.moved) return;
+    if (ended && store.state.brushes.some(({ column }) => column === ended.axis.key)) return store.set({ brushes: rebrushed(store.state.brushes, ended.axis.key, null) });
+    const run = nearestLine(canvas, axes(), lines(), event.offsetX, event.offsetY);
+    if (run < 0) return;
+    if (event.shiftKey) togglePin(store, run);
+    else selectRun(store, run);
+  });
 }

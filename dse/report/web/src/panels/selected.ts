@@ -1,79 +1,57 @@
 // The selected run: its parameters, its metrics against the thresholds, and its parameters as YAML.
 import { el } from "../dom";
-import { checked, number, withUnit } from "../format";
+import { checked, count, number, withUnit } from "../format";
 import type { Store } from "../store";
-import type { Study, Variable } from "../study";
+import { copyText } from "../save";
+import type { Study } from "../study";
+import { variablesOf, yamlOf } from "../yaml";
 import { CLASSES, errorOf, isDoubtful, margin, SIGNS, type Threshold, WORDS } from "../verdicts";
 
-export function createSelected(store: Store): HTMLElement {
+const ROOMY = "(min-width: 1800px)";
+
+/** What there is to know of the selected run, and its name with its verdict. */
+export function createSelected(store: Store): { box: HTMLElement; name: HTMLElement } {
   const box = el("div", { class: "selected" });
+  const name = el("span", { class: "run-name" });
   let open = false;
+  // Elsewhere the list would push the waveforms off the screen; the requirements' rows tell what decides.
+  let numbers = matchMedia(ROOMY).matches;
   const draw = (): void => {
+    const { study } = store;
     const run = store.state.selected;
+    name.replaceChildren(...(run < 0 ? [] : [el("b", { id: "selected-run" }, `Run ${study.number[run]}`), badge(store.judgement().overall[run]!)]));
     if (run < 0) return box.replaceChildren(el("p", { class: "muted" }, "No run is selected."));
-    const yaml = yamlBlock(store.study, run, open, (now) => (open = now));
-    box.replaceChildren(heading(store, run), ...parameters(store.study, run), metricsTable(store, run), yaml);
+    const problem = study.problems.get(run);
+    const metrics = el("details", { class: "numbers", open: numbers, toggle: () => (numbers = metrics.open) }, el("summary", {}, count(study.metrics.length, "metric")), metricsTable(store, run));
+    const yaml = yamlParts(study, run, open, (now) => (open = now));
+    box.replaceChildren(
+      ...(problem === undefined ? [] : [el("p", { class: "problem" }, problem)]),
+      parameters(study, run),
+      el("div", { class: "folds" }, metrics, ...yaml),
+    );
   };
   draw();
   store.subscribe((_, changed) => {
     if (changed.has("selected") || changed.has("thresholds")) draw();
   });
-  return box;
+  return { box, name };
 }
 
 export function badge(mark: number): HTMLElement {
   return el("span", { class: `badge ${CLASSES[mark]}` }, `${SIGNS[mark]} ${WORDS[mark]}`);
 }
 
-export function yamlOf(study: Study, run: number): string {
-  const lines = [
-    `# run ${study.number[run]} of ${study.title.replace(/\s+/g, " ")}`,
-    `configuration: ${scalar(study.configurations[study.configuration[run]!]!.id)}`,
-  ];
-  if (study.variables.length) lines.push("parameters:");
-  for (const { name, unit, values } of variablesOf(study, run)) {
-    lines.push(`  ${scalar(name)}: ${unit ? scalar(`${values[run]} ${unit}`) : String(values[run])}`);
-  }
-  return lines.join("\n") + "\n";
-}
-
-// Those that the run's configuration has.
-function variablesOf(study: Study, run: number): Variable[] {
-  return study.variables.filter(({ lack }) => !lack.includes(study.configuration[run]!));
-}
-
-// Anything beyond plain words is quoted; a JSON string is a YAML string.
-function scalar(text: string): string {
-  return /^[A-Za-z0-9_.+-][A-Za-z0-9_.+\-/%\u00b0 ]*$/.test(text) && !/^[-?]|\s$|^[\d.]+$|^(true|false|null|~)$/i.test(text)
-    ? text
-    : /^-?[\d.]+(e[-+]?\d+)? [A-Za-z%/.0-9\u00b0]+$/.test(text)
-      ? text
-      : JSON.stringify(text);
-}
-
-function heading(store: Store, run: number): HTMLElement {
-  const { study } = store;
-  const problem = study.problems.get(run);
-  return el(
-    "div",
-    {},
-    el("h3", { id: "selected-run" }, `Run ${study.number[run]}`, badge(store.judgement().overall[run]!)),
-    problem !== undefined && el("p", { class: "problem" }, problem),
-  );
-}
-
-function parameters(study: Study, run: number): HTMLElement[] {
+function parameters(study: Study, run: number): HTMLElement {
   const list = el("dl", { class: "parameters" });
   for (const { title, name, unit, values, text } of variablesOf(study, run)) {
     list.append(el("div", { title: name }, el("dt", {}, title), el("dd", {}, withUnit(text(values[run]!), unit))));
   }
   const configuration = study.configurations[study.configuration[run]!]!;
-  const parts: HTMLElement[] = study.variables.length ? [list] : [];
   const choices = configuration.choices.map(([place, component]) => `${place}: ${component}`).join("\n");
   if (study.configurations.length > 1 || !study.variables.length) {
-    parts.push(el("p", { class: "configuration", title: choices }, "Configuration ", el("code", {}, configuration.id)));
+    list.prepend(el("div", { title: choices }, el("dt", {}, "Configuration"), el("dd", {}, el("code", {}, configuration.id))));
   }
-  return parts;
+  return list;
 }
 
 const DOUBT = "Finer numerics may change it: the margin is within two error bars, or a repetition gave another verdict or none.";
@@ -133,7 +111,7 @@ function signed(value: number, unit: string): string {
   return withUnit(`${value > 0 ? "+" : ""}${number(value, 3)}`, unit);
 }
 
-function yamlBlock(study: Study, run: number, open: boolean, toggled: (open: boolean) => void): HTMLElement {
+function yamlParts(study: Study, run: number, open: boolean, toggled: (open: boolean) => void): HTMLElement[] {
   const text = yamlOf(study, run);
   const shown = el("pre", { id: "yaml", tabindex: 0 }, text);
   const said = el("span", { class: "muted", role: "status" });
@@ -143,23 +121,12 @@ function yamlBlock(study: Study, run: number, open: boolean, toggled: (open: boo
       id: "copy-yaml",
       type: "button",
       click: () => {
+        details.open = true;
         void copyText(text, shown).then((done) => (said.textContent = done ? "copied" : "selected: press Ctrl+C"));
       },
     },
     "Copy as YAML",
   );
-  const details = el("details", { open, toggle: () => toggled(details.open) }, el("summary", {}, "Parameters as YAML"), shown);
-  return el("div", { class: "yaml" }, details, el("div", { class: "copy" }, copy, said));
-}
-
-async function copyText(text: string, shown: HTMLElement): Promise<boolean> {
-  try {
-    await navigator.clipboard.writeText(text);
-    return true;
-  } catch {
-    // A page opened from disk may not reach the clipboard; then the text is at least selected.
-    (shown.parentElement as HTMLDetailsElement).open = true;
-    getSelection()?.selectAllChildren(shown);
-    return false;
-  }
+  const details = el("details", { class: "yaml", open, toggle: () => toggled(details.open) }, el("summary", {}, "Parameters as YAML"), shown);
+  return [details, el("div", { class: "copy" }, said, copy)];
 }

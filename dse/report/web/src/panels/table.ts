@@ -1,11 +1,12 @@
 // All runs, sorted and filtered; only the rows in view exist, so that a hundred thousand cost no more than thirty.
-import { selectRun } from "../actions";
+import { selectRun, togglePin } from "../actions";
+import { columnsOf } from "../columns";
+import { countMarks } from "../counts";
 import { el } from "../dom";
 import { group } from "../format";
 import type { Filter, Store } from "../store";
 import { axisLabel, type Study } from "../study";
-import { CLASSES, SIGNS, tally, WORDS } from "../verdicts";
-import { scope } from "./summary";
+import { CLASSES, SIGNS, WORDS } from "../verdicts";
 
 const ROW = 28;
 const SPARE = 12;
@@ -20,7 +21,7 @@ interface Column {
 }
 
 export function createTable(store: Store): HTMLElement {
-  const columns = columnsOf(store);
+  const columns = tableColumns(store);
   const head = el("tr");
   const body = el("tbody");
   const table = el("table", { class: "runs", "aria-label": "All runs" }, el("thead", {}, head), body);
@@ -50,6 +51,7 @@ export function createTable(store: Store): HTMLElement {
   view.addEventListener("scroll", rows, { passive: true });
   view.addEventListener("keydown", (event) => {
     const step = event.key === "ArrowDown" ? 1 : event.key === "ArrowUp" ? -1 : 0;
+    if (event.key === "p" && event.target === view) togglePin(store, store.state.selected);
     if (!step || !runs.length) return;
     event.preventDefault();
     const place = runs.indexOf(store.state.selected);
@@ -57,38 +59,39 @@ export function createTable(store: Store): HTMLElement {
   });
   new ResizeObserver(rows).observe(view);
   store.subscribe((_, changed) => {
-    const scoped = changed.has("configuration");
     const judged = changed.has("thresholds");
     const ordered = store.state.filter !== "all" || store.state.sort.column === "verdict";
-    if (changed.has("filter") || changed.has("sort") || scoped || (judged && ordered)) order();
-    else if (judged || changed.has("selected")) rows();
+    if (changed.has("filter") || changed.has("sort") || changed.has("brushes") || (judged && ordered)) order();
+    else if (judged || changed.has("selected") || changed.has("pins")) rows();
     if (judged) drawFilters(store, filters);
-    if (changed.has("selected") || scoped) reveal();
+    if (changed.has("selected")) reveal();
   });
   order();
   requestAnimationFrame(reveal);
   return el("div", { class: "table" }, filters, view);
 }
 
-function columnsOf(store: Store): Column[] {
+function tableColumns(store: Store): Column[] {
   const { study } = store;
   const columns: Column[] = [
     { key: "run", title: "Run", numeric: true, sort: (run) => study.number[run]!, text: (run) => String(study.number[run]), marks: null },
   ];
-  study.variables.forEach(({ values, text, lack, ...variable }, index) => {
-    columns.push({ key: `variable.${index}`, title: axisLabel(variable), numeric: true, sort: (run) => values[run]!, text: (run) => (lack.includes(study.configuration[run]!) ? "\u2013" : text(values[run]!)), marks: null });
-  });
-  study.metrics.forEach(({ values, text, ...metric }, index) => {
-    const judged = requirementOf(study, index);
+  if (study.configurations.length > 1) {
+    columns.push({ key: "configuration", title: "Configuration", numeric: false, sort: (run) => study.configuration[run]!, text: (run) => study.configurations[study.configuration[run]!]!.id, marks: null });
+  }
+  for (const { key, values, text, ...column } of columnsOf(study)) {
+    const [group, index] = key.split(".") as [string, string];
+    const judged = group === "metric" ? requirementOf(study, Number(index)) : -1;
+    const lack = group === "variable" ? study.variables[Number(index)]!.lack : [];
     columns.push({
-      key: `metric.${index}`,
-      title: axisLabel(metric),
+      key,
+      title: axisLabel(column),
       numeric: true,
       sort: (run) => values[run]!,
-      text: (run) => (study.done[run] ? text(values[run]!) : "\u2013"),
+      text: (run) => (lack.includes(study.configuration[run]!) || (group === "metric" && !study.done[run]) ? "\u2013" : text(values[run]!)),
       marks: judged < 0 ? null : (run) => store.judgement().each[judged]![run]!,
     });
-  });
+  }
   columns.push({
     key: "verdict",
     title: "Verdict",
@@ -107,11 +110,11 @@ function requirementOf(study: Study, metric: number): number {
 function arrange(store: Store, columns: Column[]): Int32Array<ArrayBuffer> {
   const { study, state } = store;
   const { overall } = store.judgement();
-  const configuration = scope(store);
+  const within = store.within();
   const found: number[] = [];
   for (let run = 0; run < study.size; run++) {
     if (state.filter !== "all" && overall[run] !== state.filter) continue;
-    if (configuration < 0 || study.configuration[run] === configuration) found.push(run);
+    if (!within || within[run]) found.push(run);
   }
   const column = columns.find(({ key }) => key === state.sort.column) ?? columns[0]!;
   const keys = new Float64Array(study.size);
@@ -148,7 +151,7 @@ function drawHead(store: Store, columns: Column[], head: HTMLElement): void {
 }
 
 function drawFilters(store: Store, box: HTMLElement): void {
-  const counts = tally(store.study, store.judgement().overall, scope(store));
+  const counts = countMarks(store.judgement().overall, null, store.within());
   const total = counts.reduce((sum, value) => sum + value, 0);
   const options: [Filter, string, number][] = [
     ["all", "all", total],
@@ -172,12 +175,18 @@ function rowOf(store: Store, columns: Column[], run: number): HTMLElement {
   const selected = store.state.selected === run;
   return el(
     "tr",
-    { class: selected ? "chosen" : "", "aria-selected": String(selected), click: () => selectRun(store, run) },
+    {
+      class: selected ? "chosen" : store.state.pins.includes(run) ? "pinned" : "",
+      "aria-selected": String(selected),
+      click: (event: MouseEvent) => (event.shiftKey ? togglePin(store, run) : selectRun(store, run)),
+      pointerenter: () => store.set({ hovered: run }),
+      pointerleave: () => store.set({ hovered: -1 }),
+    },
     ...columns.map(({ key, numeric, text, marks }) => {
       const mark = marks?.(run);
       const kind = mark === undefined ? "" : CLASSES[mark]!;
       const shown = key === "verdict" ? `${SIGNS[mark!]} ${text(run)}` : text(run);
-      return el("td", { class: `${numeric ? "numeric" : "verdict"} ${kind}` }, shown);
+      return el("td", { class: `${numeric ? "numeric" : key} ${kind}` }, shown);
     }),
   );
 }

@@ -1,27 +1,34 @@
-// One row per bound: hatch, slider and number field, and how many runs pass.
+// One row per bound: a switch, slider and number field, how many runs pass, and how the selected run does.
 import { scaleLinear } from "d3-scale";
+import { countMarks, shownRuns } from "../counts";
 import { el } from "../dom";
 import { group, number, withUnit } from "../format";
 import { paintSwatch } from "../plot/hatch";
 import { colourOf } from "../plot/regions";
-import { studyThresholds, type Store } from "../store";
-import type { Column } from "../study";
+import { studyThresholds, type State, type Store } from "../store";
+import { axisLabel, type Column } from "../study";
 import { palette } from "../theme";
-import { FAIL, NOT_EXERCISED, PASS, tally } from "../verdicts";
-import { scope } from "./summary";
+import { CLASSES, FAIL, margin, NOT_EXERCISED, PASS, SIGNS, WORDS } from "../verdicts";
 
 type Bound = "atMost" | "atLeast";
 
 interface Row {
   requirement: number;
   bound: Bound;
+  box: HTMLElement;
+  toggle: HTMLInputElement | null;
   swatch: HTMLCanvasElement;
+  change: HTMLElement;
   slider: HTMLInputElement;
   field: HTMLInputElement;
-  result: HTMLElement;
+  counts: HTMLElement;
+  light: HTMLElement;
 }
 
-export function createThresholds(store: Store): HTMLElement {
+const COUNTED: (keyof State)[] = ["thresholds", "configuration", "x", "y", "fixed", "brushes"];
+
+/** The rows, and the button that takes the thresholds back to the study's. */
+export function createThresholds(store: Store): { box: HTMLElement; reset: HTMLElement } {
   const rows: Row[] = [];
   const reset = el(
     "button",
@@ -30,62 +37,69 @@ export function createThresholds(store: Store): HTMLElement {
   );
   const box = el("div", { class: "thresholds" });
   store.study.requirements.forEach((requirement, index) => {
-    for (const bound of ["atLeast", "atMost"] as const) {
-      if (requirement[bound] !== null) box.append(createRow(store, index, bound, rows));
-    }
+    const bounds = (["atLeast", "atMost"] as const).filter((bound) => requirement[bound] !== null);
+    bounds.forEach((bound, order) => {
+      const row = createRow(store, index, bound, order === 0);
+      rows.push(row);
+      box.append(row.box);
+    });
   });
-  box.append(reset);
 
-  const show = (swatches: boolean): void => {
-    const { each } = store.judgement();
-    const original = studyThresholds(store.study);
-    for (const { requirement, bound, swatch, slider, field, result } of rows) {
-      const value = store.state.thresholds[requirement]![bound]!;
-      slider.value = String(value);
-      if (document.activeElement !== field || Number(field.value) !== value) field.value = String(value);
-      const { unit } = store.study.metrics[store.study.requirements[requirement]!.metric]!;
-      slider.setAttribute("aria-valuetext", withUnit(number(value), unit));
-      const counts = tally(store.study, each[requirement]!, scope(store));
-      const judged = counts[PASS]! + counts[FAIL]!;
-      const open = counts[NOT_EXERCISED]!;
-      result.replaceChildren(
-        el("b", {}, group(counts[PASS]!)),
-        ` of ${group(judged)} pass`,
-        el("span", { class: "muted" }, open ? `${group(open)} not exercised` : "all exercised"),
-      );
-      if (swatches) paintSwatch(swatch, requirement, colourOf(palette(), requirement));
-    }
-    reset.disabled = original.every(
-      ({ atMost, atLeast }, index) =>
-        atMost === store.state.thresholds[index]!.atMost && atLeast === store.state.thresholds[index]!.atLeast,
-    );
+  const show = (): void => {
+    for (const row of rows) showRow(store, row);
+    reset.disabled = store.study.requirements.every(({ atMost, atLeast }, index) => {
+      const threshold = store.state.thresholds[index]!;
+      return atMost === threshold.atMost && atLeast === threshold.atLeast && !threshold.off;
+    });
   };
-  show(true);
+  const paint = (): void => {
+    const colours = palette();
+    for (const { swatch, requirement } of rows) paintSwatch(swatch, requirement, colourOf(colours, requirement));
+  };
+  show();
+  paint();
   store.subscribe((_, changed) => {
-    if (changed.has("thresholds") || changed.has("theme") || changed.has("configuration")) show(changed.has("theme"));
+    if (COUNTED.some((key) => changed.has(key))) show();
+    else if (changed.has("selected")) for (const row of rows) showLight(store, row);
+    if (changed.has("theme")) paint();
   });
-  return box;
+  return { box, reset };
 }
 
-function createRow(store: Store, requirement: number, bound: Bound, rows: Row[]): HTMLElement {
+function createRow(store: Store, requirement: number, bound: Bound, first: boolean): Row {
   const { title, metric, name } = store.study.requirements[requirement]!;
   const column = store.study.metrics[metric]!;
+  const original = store.study.requirements[requirement]![bound]!;
   const sign = bound === "atMost" ? "\u2264" : "\u2265";
   const id = `${bound}-${requirement}`;
-  const set = (text: string): void => {
-    const value = Number(text);
-    if (text.trim() === "" || !Number.isFinite(value)) return;
+  const replace = (patch: Partial<State["thresholds"][number]>): void => {
     const thresholds = store.state.thresholds.slice();
-    thresholds[requirement] = { ...thresholds[requirement]!, [bound]: value };
+    thresholds[requirement] = { ...thresholds[requirement]!, ...patch };
     store.set({ thresholds });
   };
-  const { low, high, step } = reachOf(column, store.study.requirements[requirement]![bound]!);
+  const set = (text: string): void => {
+    const value = Number(text);
+    if (text.trim() !== "" && Number.isFinite(value)) replace({ [bound]: value });
+  };
+  const toggle = first
+    ? el("input", {
+        id: `switch-${requirement}`,
+        type: "checkbox",
+        "aria-label": `${title} counts`,
+        title: "Whether this requirement counts",
+        change: (event: Event) => replace({ off: !(event.target as HTMLInputElement).checked }),
+      })
+    : null;
+  const { low, high, step } = reachOf(column, original);
+  // Where the study's own bound lies.
+  const ticks = el("datalist", { id: `ticks-${id}` }, el("option", { value: original }));
   const slider = el("input", {
     id: `slider-${id}`,
     type: "range",
     min: low,
     max: high,
     step,
+    list: `ticks-${id}`,
     "aria-label": `${title}: ${column.title} ${sign}`,
     input: () => set(slider.value),
   });
@@ -95,20 +109,65 @@ function createRow(store: Store, requirement: number, bound: Bound, rows: Row[])
     step: "any",
     "aria-label": `${title}: ${column.title} ${sign}, in ${column.unit || "1"}`,
     input: () => set(field.value),
-    blur: () => (field.value = String(store.state.thresholds[requirement]![bound])),
+    blur: () => (field.value = written(store.state.thresholds[requirement]![bound]!)),
   });
   const swatch = el("canvas", { class: "swatch", "aria-hidden": "true" });
-  const result = el("div", { class: "result", id: `result-${id}` });
-  rows.push({ requirement, bound, swatch, slider, field, result });
-  return el(
+  const change = el("span", { class: "change" });
+  const counts = el("div", { id: `result-${id}` });
+  const light = el("div", { id: `light-${id}` });
+  const box = el(
     "div",
     { class: "threshold" },
+    toggle ?? el("span"),
     swatch,
-    el("div", { class: "name" }, el("b", { title: name }, title), el("span", { class: "muted" }, `${column.title} ${sign}`)),
-    slider,
-    el("div", { class: "entry" }, field, el("span", { class: "unit" }, column.unit)),
-    result,
+    el("div", { class: "name", title: `${name}: ${title}` }, el("b", {}, title), el("span", { class: "muted" }, `${column.title} ${sign}`), change),
+    el("div", { class: "reach" }, slider, ticks),
+    el("div", { class: "entry" }, field, el("span", { class: "unit", title: axisLabel(column) }, column.unit)),
+    el("div", { class: "result" }, counts, light),
   );
+  return { requirement, bound, box, toggle, swatch, change, slider, field, counts, light };
+}
+
+function showRow(store: Store, row: Row): void {
+  const { study, state } = store;
+  const { requirement, bound, toggle, slider, field, counts } = row;
+  const threshold = state.thresholds[requirement]!;
+  const value = threshold[bound]!;
+  const { unit } = study.metrics[study.requirements[requirement]!.metric]!;
+  row.box.classList.toggle("off", !!threshold.off);
+  if (toggle) toggle.checked = !threshold.off;
+  slider.value = String(value);
+  if (document.activeElement !== field || Number(field.value) !== Number(written(value))) field.value = written(value);
+  slider.setAttribute("aria-valuetext", withUnit(number(value), unit));
+  row.change.textContent = changed(study.requirements[requirement]![bound]!, value, bound, unit);
+  const marks = store.judgement().each[requirement]!;
+  const counted = countMarks(marks, shownRuns(store), store.within());
+  const open = counted[NOT_EXERCISED]!;
+  counts.replaceChildren(el("b", {}, group(counted[PASS]!)), ` of ${group(counted[PASS]! + counted[FAIL]!)} pass`);
+  counts.title = open ? `${group(open)} runs do not exercise it` : "every run exercises it";
+  showLight(store, row);
+}
+
+function showLight({ study, state, judgement }: Store, { requirement, light }: Row): void {
+  const run = state.selected;
+  if (run < 0) return light.replaceChildren();
+  const metric = study.metrics[study.requirements[requirement]!.metric]!;
+  const mark = judgement().each[requirement]![run]!;
+  const by = margin(metric.values[run]!, state.thresholds[requirement]!);
+  const text = mark <= FAIL && !Number.isNaN(by) ? withUnit(`${by > 0 ? "+" : ""}${number(by, 3)}`, metric.unit) : WORDS[mark]!;
+  light.replaceChildren(el("span", { class: `badge ${CLASSES[mark]}`, title: `Run ${study.number[run]}: ${WORDS[mark]}` }, `${SIGNS[mark]} ${text}`));
+}
+
+// 3 times 0.2 is 0.6000000000000001; the last digits are no one's wish.
+function written(value: number): string {
+  return String(Number(value.toPrecision(12)));
+}
+
+// In words, how the bound differs from the study's.
+function changed(original: number, value: number, bound: Bound, unit: string): string {
+  if (value === original) return "";
+  const tighter = bound === "atMost" ? value < original : value > original;
+  return `${tighter ? "tightened" : "relaxed"} from ${withUnit(number(original), unit)}`;
 }
 
 // The slider spans the bulk of the metric's values and the study's own threshold, in round steps.

@@ -1,127 +1,195 @@
-// The waveforms of the selected run as in Figure 7 of the paper: target red and dashed, current blue.
+// The waveforms of the run under the pointer, else of the selected one, as in Figure 7 of the paper (target red and
+// dashed, current blue), with the pinned runs over them.
 import uPlot from "uplot";
+import { togglePin } from "../actions";
 import { el } from "../dom";
 import { number, withUnit } from "../format";
 import type { Numbers } from "../packing";
-import type { Store } from "../store";
+import { MOST_PINS, type State, type Store } from "../store";
 import { axisLabel, type Figure } from "../study";
 import { palette } from "../theme";
 import { decode } from "../waveform";
 
-const HEIGHT = 210;
+type Line = (number | null)[] | Float64Array;
 
 interface Chart {
   plot: uPlot;
-  box: HTMLElement;
+  holder: HTMLElement;
+  figure: Figure;
+  index: number;
+  reading: HTMLElement;
 }
 
-export function createWaveforms(store: Store): HTMLElement {
-  const box = el("div", { class: "figures" });
+const SHOWN: (keyof State)[] = ["selected", "hovered", "pins"];
+
+/** The charts, and the button that pins the selected run. */
+export function createWaveforms(store: Store): { box: HTMLElement; pin: HTMLElement } {
+  const notice = el("div", { class: "missing" });
+  const legend = el("div", { class: "curves" });
+  const figures = el("div", { class: "figures" });
+  const pin = el("button", { id: "pin", type: "button", click: () => togglePin(store, store.state.selected) });
+  const box = el("div", { class: "waveforms" }, legend, notice, figures);
+  let blocks: Map<string, Numbers> | null = null;
   let charts: Chart[] = [];
-  let drawn = 0;
-  const draw = async (): Promise<void> => {
-    const turn = ++drawn;
-    const blocks = await store.study.waveforms();
-    if (turn !== drawn) return;
-    for (const { plot } of charts) plot.destroy();
-    charts = [];
-    const { selected } = store.state;
-    const run = selected < 0 ? -1 : store.study.number[selected]!;
-    box.dataset["run"] = String(run);
-    const kept = store.study.figures.some((figure) => figure.row.has(run));
-    box.replaceChildren(
-      ...(kept
-        ? store.study.figures.map((figure, index) =>
-            figure.row.has(run) ? drawFigure(figure, index, run, blocks, charts) : missing(store, run, figure.title),
-          )
-        : [missing(store, run, "")]),
-      ...(kept ? [el("p", { class: "hint" }, "Drag to zoom in time, double-click to see everything.")] : []),
-    );
-    for (const { plot, box: holder } of charts) plot.setSize({ width: holder.clientWidth, height: HEIGHT });
+
+  const show = (): void => {
+    drawLegend(store, legend);
+    drawPin(store, pin);
+    if (!blocks) return;
+    const run = runShown(store);
+    const drawn = [run, ...store.state.pins].some((each) => isKept(store, each));
+    figures.hidden = !drawn;
+    notice.replaceChildren(...(isKept(store, run) ? [] : [missing(store, run)]));
+    if (!charts.length && drawn) charts = store.study.figures.map((figure, index) => createChart(figure, index, figures));
+    for (const chart of charts) update(store, chart, run, blocks);
+    figures.dataset["run"] = String(run < 0 ? -1 : store.study.number[run]!);
   };
-  new ResizeObserver(() => {
-    for (const { plot, box: holder } of charts) {
-      if (holder.clientWidth && holder.clientWidth !== plot.width) plot.setSize({ width: holder.clientWidth, height: HEIGHT });
-    }
-  }).observe(box);
   store.subscribe((_, changed) => {
-    if (changed.has("selected") || changed.has("theme")) void draw();
+    if (SHOWN.some((key) => changed.has(key))) show();
+    if (changed.has("theme")) {
+      drawLegend(store, legend);
+      for (const { plot } of charts) plot.redraw(false, true);
+    }
   });
-  void draw();
-  return box;
+  show();
+  void store.study.waveforms().then((unpacked) => {
+    blocks = unpacked;
+    show();
+  });
+  return { box, pin };
 }
 
-function missing(store: Store, run: number, title: string): HTMLElement {
-  const { selected } = store.state;
-  const failed = selected >= 0 && !store.study.done[selected];
-  return el(
-    "figure",
-    { class: "missing" },
-    title && el("figcaption", {}, el("b", {}, title)),
-    el(
-      "p",
-      {},
-      run < 0
-        ? "Select a run to see its waveform."
-        : failed
-          ? `Run ${run} failed and left no waveform. To see it fail again, with DIR the study's folder:`
-          : `${title ? "The waveform" : "The waveforms"} of run ${run} ${title ? "was" : "were"} not kept. To simulate the run again, bit for bit, with DIR the study's folder:`,
-    ),
-    run >= 0 && el("code", {}, `dse replay DIR ${run}`),
-  );
+/** The figures' canvases, for a picture. */
+export function waveformCanvases(box: HTMLElement): [string, HTMLCanvasElement[]][] {
+  return Array.from(box.querySelectorAll("figure"), (figure) => [figure.querySelector("b")!.textContent!, [figure.querySelector("canvas")!]]);
 }
 
-function drawFigure(figure: Figure, index: number, run: number, blocks: Map<string, Numbers>, charts: Chart[]): HTMLElement {
+function runShown(store: Store): number {
+  const { hovered, selected } = store.state;
+  return isKept(store, hovered) ? hovered : selected;
+}
+
+/** Whether the page has a waveform of the run. */
+export function isKept({ study }: Pick<Store, "study">, run: number): boolean {
+  return run >= 0 && study.figures.some(({ row }) => row.has(study.number[run]!));
+}
+
+function drawLegend(store: Store, box: HTMLElement): void {
+  const { study, state } = store;
+  const run = runShown(store);
   const colours = palette();
-  const { time } = figure;
-  const current = decode(figure, index, run, "current", blocks)!;
-  const target = decode(figure, index, run, "target", blocks);
-  const reading = el("span", { class: "reading" });
-  const holder = el("div", { class: "chart", role: "img", "aria-label": description(figure, run, current) });
-  const read = (at: number): void => {
-    const parts = [`t = ${withUnit(number(time[at]!, 4), "s")}`, `${figure.current} ${withUnit(number(current[at] ?? NaN), figure.unit)}`];
-    if (target) parts.push(`${figure.target} ${withUnit(number(target[at] ?? NaN), figure.unit)}`);
-    reading.textContent = parts.join("   ");
+  const focused = document.activeElement instanceof HTMLElement && box.contains(document.activeElement) ? document.activeElement.id : "";
+  const key = (colour: string): HTMLElement => {
+    const line = el("span", { class: "stroke", "aria-hidden": "true" });
+    line.style.borderColor = colour;
+    return line;
   };
-  read(time.length - 1);
-  const axis = { stroke: colours.ink, font: `12px ${colours.font}`, labelFont: `600 12px ${colours.font}`, labelSize: 20 };
-  const lines = { grid: { stroke: colours.line, width: 1 }, ticks: { stroke: colours.line, width: 1, size: 5 } };
+  const parts: HTMLElement[] = [];
+  if (run >= 0) parts.push(el("span", { class: "entry-key" }, key(colours.current), el("b", {}, `Run ${study.number[run]}`), el("span", { class: "muted" }, run === state.selected ? "selected" : "under the pointer")));
+  if (study.figures.some(({ shape }) => shape !== "none")) {
+    const dashed = key(colours.target);
+    dashed.classList.add("dashed");
+    parts.push(el("span", { class: "entry-key" }, dashed, el("span", { class: "muted" }, "target")));
+  }
+  state.pins.forEach((pin, index) => {
+    const name = `Run ${study.number[pin]}`;
+    const unpin = el("button", { id: `unpin-${index}`, class: "bare", type: "button", title: `Unpin ${name}`, "aria-label": `Unpin ${name}`, click: () => togglePin(store, pin) }, "\u00d7");
+    parts.push(el("span", { class: "entry-key pin" }, key(colours.pins[index]!), el("b", {}, name), unpin));
+  });
+  box.replaceChildren(...parts);
+  if (focused) (document.getElementById(focused) ?? document.getElementById("pin"))?.focus();
+}
+
+function drawPin({ state }: Store, pin: HTMLButtonElement): void {
+  const pinned = state.pins.includes(state.selected);
+  const full = !pinned && state.pins.length >= MOST_PINS;
+  pin.textContent = pinned ? "Unpin selected" : "Pin selected";
+  pin.setAttribute("aria-pressed", String(pinned));
+  pin.disabled = state.selected < 0 || full;
+  pin.title = full ? `${MOST_PINS} runs are pinned: unpin one first` : "Key P on the plot, or a click with Shift, pins, too";
+}
+
+function missing({ study }: Store, run: number): HTMLElement {
+  if (run < 0) return el("p", {}, "Select a run to see its waveform.");
+  const which = study.number[run]!;
+  const text = study.done[run]
+    ? `The waveforms of run ${which} were not kept. To simulate the run again, bit for bit, with DIR the study\u2019s folder:`
+    : `Run ${which} failed and left no waveform. To see it fail again, with DIR the study\u2019s folder:`;
+  return el("div", {}, el("p", {}, text), el("code", {}, `dse replay DIR ${which}`));
+}
+
+function createChart(figure: Figure, index: number, box: HTMLElement): Chart {
+  const reading = el("span", { class: "reading" });
+  const holder = el("div", { class: "chart", role: "img" });
+  box.append(el("figure", {}, el("figcaption", {}, el("b", { title: figure.target ? `${figure.current}, ${figure.target}` : figure.current }, figure.title), reading), holder));
+  // Colours are asked for at every repaint, so that a change of theme needs no new chart.
+  const ink = (): string => palette().ink;
+  const line = (): string => palette().line;
+  const axis = {
+    stroke: ink,
+    font: `12px ${palette().font}`,
+    labelFont: `600 12px ${palette().font}`,
+    labelSize: 18,
+    grid: { stroke: line, width: 1 },
+    ticks: { stroke: line, width: 1, size: 5 },
+    values: (_: uPlot, ticks: number[]) => ticks.map((tick) => number(tick, 6)),
+  };
+  // uPlot would round every point to a pixel, and a smooth line to a staircase.
+  const series = (stroke: () => string, width: number, dash?: number[]): uPlot.Series => ({ stroke, width, pxAlign: 0, points: { show: false }, ...(dash ? { dash } : {}) });
   const plot = new uPlot(
     {
-      width: 480,
-      height: HEIGHT,
+      width: holder.clientWidth || 480,
+      height: holder.clientHeight || 180,
+      pxAlign: 0,
       legend: { show: false },
       padding: [8, 14, 0, 0],
       scales: { x: { time: false }, y: { range: padded } },
       cursor: { sync: { key: "time" }, points: { size: 6 }, y: false },
       axes: [
-        { ...axis, ...lines, label: "time [s]", size: 34, values: (_, ticks) => ticks.map((tick) => number(tick, 6)) },
-        { ...axis, ...lines, label: axisLabel({ title: figure.current, unit: figure.unit }), size: 52, values: (_, ticks) => ticks.map((tick) => number(tick, 6)) },
+        { ...axis, label: "time [s]", size: 30 },
+        { ...axis, label: axisLabel({ title: "", unit: figure.unit }).trim(), size: 50 },
       ],
       series: [
         {},
-        { label: figure.current, stroke: colours.current, width: 2, points: { show: false } },
-        ...(target ? [{ label: figure.target, stroke: colours.target, width: 1.6, dash: [7, 5], points: { show: false } }] : []),
+        ...Array.from({ length: MOST_PINS }, (_, pin) => [series(() => palette().pins[pin]!, 1.6), series(() => palette().pins[pin]!, 1.2, [3, 4])]).flat(),
+        series(() => palette().current, 2),
+        series(() => palette().target, 1.6, [7, 5]),
       ],
-      hooks: { setCursor: [(self: uPlot) => read(self.cursor.idx ?? time.length - 1)] },
+      hooks: { setCursor: [(self: uPlot) => read(self, figure, reading)] },
     },
-    [time, current, ...(target ? [target] : [])] as uPlot.AlignedData,
+    [[]],
     holder,
   );
-  charts.push({ plot, box: holder });
-  return el(
-    "figure",
-    {},
-    el(
-      "figcaption",
-      {},
-      el("b", {}, figure.title),
-      target && el("span", { class: "key target" }, figure.target),
-      el("span", { class: "key current" }, figure.current),
-      reading,
-    ),
-    holder,
-  );
+  new ResizeObserver(() => {
+    if (holder.clientWidth) plot.setSize({ width: holder.clientWidth, height: holder.clientHeight });
+  }).observe(holder);
+  return { plot, holder, figure, index, reading };
+}
+
+function update({ study, state }: Store, { plot, holder, figure, index, reading }: Chart, run: number, blocks: Map<string, Numbers>): void {
+  const nothing = new Array<null>(figure.time.length).fill(null);
+  const linesOf = (each: number): [Line, Line] => {
+    const which = each < 0 ? -1 : study.number[each]!;
+    return [decode(figure, index, which, "current", blocks) ?? nothing, decode(figure, index, which, "target", blocks) ?? nothing];
+  };
+  const pins = Array.from({ length: MOST_PINS }, (_, pin) => linesOf(state.pins[pin] ?? -1)).flat();
+  const shown = linesOf(run);
+  const { min, max } = plot.scales["x"]!;
+  const fresh = min === undefined || min === null || min === max;
+  plot.setData([figure.time, ...pins, ...shown] as uPlot.AlignedData, fresh);
+  // What was zoomed to stays; setting it anew fits the other axis.
+  if (!fresh) plot.setScale("x", { min: min!, max: max! });
+  holder.setAttribute("aria-label", description(figure, run < 0 ? -1 : study.number[run]!, shown[0]));
+  read(plot, figure, reading);
+}
+
+function read({ data, cursor }: uPlot, figure: Figure, reading: HTMLElement): void {
+  const at = cursor.idx ?? figure.time.length - 1;
+  const [current, target] = [data.at(-2)?.[at], data.at(-1)?.[at]] as (number | null | undefined)[];
+  if (current === null || current === undefined || data.length < 3) return void (reading.textContent = "");
+  const parts = [`t = ${withUnit(number(figure.time[at]!, 4), "s")}`, withUnit(number(current), figure.unit)];
+  if (target !== null && target !== undefined) parts.push(`target ${withUnit(number(target), figure.unit)}`);
+  reading.textContent = parts.join("   ");
 }
 
 function padded(_: uPlot, low: number | null, high: number | null): [number, number] {
@@ -130,8 +198,9 @@ function padded(_: uPlot, low: number | null, high: number | null): [number, num
   return [low - room, high + room];
 }
 
-function description(figure: Figure, run: number, current: ArrayLike<number | null>): string {
-  const known = Array.from(current).filter((value): value is number => value !== null);
+function description(figure: Figure, run: number, current: Line): string {
+  const known = Array.from(current as ArrayLike<number | null>).filter((value): value is number => value !== null);
+  if (!known.length) return `${figure.title}: no waveform of run ${run}`;
   const low = known.reduce((a, b) => Math.min(a, b), Infinity);
   const high = known.reduce((a, b) => Math.max(a, b), -Infinity);
   return `${figure.title} of run ${run}: from ${number(low)} to ${number(high)}, ends at ${withUnit(number(known.at(-1) ?? NaN), figure.unit)}`;

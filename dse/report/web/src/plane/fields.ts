@@ -17,13 +17,13 @@ export interface Fields extends Grid {
   metric(index: number): Float64Array;
   /** 0.5 or more where the requirement is exercised; null if it is everywhere. */
   exercised(requirement: number): Float64Array | null;
-  /** 0.5 or more where all requirements have a value; null if they have everywhere. */
-  known(): Float64Array | null;
+  /** 0.5 or more where the *requirements* have a value; null if they have everywhere. */
+  known(requirements: readonly number[]): Float64Array | null;
 }
 
 /** Remembers the result for each argument. */
-export function remember<T>(make: (key: number) => T): (key: number) => T {
-  const made = new Map<number, T>();
+export function remember<T, K = number>(make: (key: K) => T): (key: K) => T {
+  const made = new Map<K, T>();
   return (key) => {
     if (!made.has(key)) made.set(key, make(key));
     return made.get(key)!;

@@ -35,9 +35,12 @@ export function latticeFields(study: Study, lattice: Lattice): Fields {
   const wide = xs.length;
   const done = Uint8Array.from(runs, (run) => (run >= 0 && study.done[run] ? 1 : 0));
   const region = (inside: Uint8Array): Float64Array | null => (inside.every(Boolean) ? null : divided(inside, wide));
-  const hasValue = (run: number): boolean =>
-    study.requirements.every(({ metric, exercised }) => !exercised[run] || Number.isFinite(study.metrics[metric]!.values[run]!));
-  const known = remember(() => region(Uint8Array.from(runs, (run, node) => (done[node] && hasValue(run) ? 1 : 0))));
+  // Keyed by a text, because a list is equal only to itself.
+  const known = remember((requirements: string) => {
+    const asked = requirements ? requirements.split(",").map((index) => study.requirements[Number(index)]!) : [];
+    const hasValue = (run: number): boolean => asked.every(({ metric, exercised }) => !exercised[run] || Number.isFinite(study.metrics[metric]!.values[run]!));
+    return region(Uint8Array.from(runs, (run, node) => (done[node] && hasValue(run) ? 1 : 0)));
+  });
   return {
     xs,
     ys,
@@ -55,7 +58,7 @@ export function latticeFields(study: Study, lattice: Lattice): Fields {
       const nodes = Float64Array.from(runs, (run) => (run >= 0 && exercised[run] ? 1 : 0));
       return region(Uint8Array.from(filled(nodes, done, wide), (value) => (value >= 0.5 ? 1 : 0)));
     }),
-    known: () => known(0),
+    known: (requirements) => known(requirements.join()),
   };
 }
 

@@ -34,6 +34,11 @@ export function createPlanes(study: Study): (state: Shown) => Plane {
   };
 }
 
+/** Whether the study has a plane to show. */
+export function plotted(study: Study): boolean {
+  return study.variables.length >= 2;
+}
+
 /** The variables that are on neither axis. */
 export function others(study: Study, x: number, y: number): number[] {
   return study.variables.map((_, index) => index).filter((index) => index !== x && index !== y);

@@ -23,8 +23,15 @@ export function radialFields(study: Study, radial: Radial, x: number, y: number,
     how: `Boundaries are interpolated with radial functions through ${radial.centres.length} runs; they are estimates between the runs.`,
     metric: values,
     exercised: (requirement) => region(metrics + requirement),
-    known: () => region(last),
+    // The field is that of all requirements; without some of them it is asked for only where something is unknown at all.
+    known: (requirements) => (requirements.every((index) => isWhole(study, radial, index)) && radial.centres.every((run) => study.done[run]) ? null : region(last)),
   };
+}
+
+function isWhole(study: Study, { centres }: Radial, requirement: number): boolean {
+  const { metric, exercised } = study.requirements[requirement]!;
+  const { values } = study.metrics[metric]!;
+  return centres.every((run) => !exercised[run] || Number.isFinite(values[run]!));
 }
 
 // Only a field that is 1 at every run has no weights; one that is 0 everywhere must still be drawn.

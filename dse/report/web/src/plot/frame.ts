@@ -1,6 +1,7 @@
 // Where the plot lies on the canvas and how data become pixels.
 import { scaleLinear, type ScaleContinuousNumeric } from "d3-scale";
-import { axisLabel, type Variable } from "../study";
+import type { Zoom } from "../store";
+import { axisLabel } from "../study";
 import { number } from "../format";
 import type { Palette } from "../theme";
 
@@ -23,13 +24,10 @@ export interface Frame {
   y: Scale;
 }
 
-export function frameOf(width: number, height: number, horizontal: Variable, vertical: Variable, bar: boolean): Frame {
+/** A frame that leaves room for the axes' texts, and for the colour *bar* if there is one. */
+export function frameOf(width: number, height: number, { x, y }: Zoom, bar: boolean): Frame {
   const frame = { left: 66, right: width - (bar ? 96 : 16), top: 14, bottom: height - 50 };
-  return {
-    ...frame,
-    x: scaleLinear([horizontal.low, horizontal.high], [frame.left, frame.right]),
-    y: scaleLinear([vertical.low, vertical.high], [frame.bottom, frame.top]),
-  };
+  return { ...frame, x: scaleLinear(x, [frame.left, frame.right]), y: scaleLinear(y, [frame.bottom, frame.top]) };
 }
 
 export function clipTo(pen: CanvasRenderingContext2D, { left, right, top, bottom }: Frame): void {
@@ -73,8 +71,8 @@ export function drawAxes(
   pen.font = `600 12.5px ${colours.font}`;
   pen.textAlign = "center";
   pen.textBaseline = "alphabetic";
-  pen.fillText(axisText(horizontal), (left + right) / 2, bottom + 42, right - left);
-  sideways(pen, 16, (top + bottom) / 2, () => pen.fillText(axisText(vertical), 0, 0, bottom - top));
+  pen.fillText(fitted(pen, axisText(horizontal), right - left), (left + right) / 2, bottom + 42);
+  sideways(pen, 16, (top + bottom) / 2, () => pen.fillText(fitted(pen, axisText(vertical), bottom - top), 0, 0));
 }
 
 export function drawGrid(pen: CanvasRenderingContext2D, frame: Frame, horizontal: AxisText, vertical: AxisText, colours: Palette): void {
@@ -95,6 +93,18 @@ export function drawGrid(pen: CanvasRenderingContext2D, frame: Frame, horizontal
 
 export function axisText(axis: AxisText): string {
   return axis.names?.length ? axis.title : axisLabel(axis);
+}
+
+/** *text*, with an ellipsis where it would be wider than *room*. */
+export function fitted(pen: CanvasRenderingContext2D, text: string, room: number): string {
+  if (pen.measureText(text).width <= room) return text;
+  let [fits, many] = [0, text.length];
+  while (many - fits > 1) {
+    const half = (fits + many) >> 1;
+    if (pen.measureText(`${text.slice(0, half)}\u2026`).width <= room) fits = half;
+    else many = half;
+  }
+  return `${text.slice(0, fits)}\u2026`;
 }
 
 function ticksOf(scale: Scale, { log, names }: AxisText, count: number): [number, string][] {

@@ -11,6 +11,7 @@ import { path, type Ring } from "./contour";
 import { drawAxes, frameOf, type Frame } from "./frame";
 import { labelBoundary, labelRegion, type Spot } from "./labels";
 import { paintPoints, placeOf } from "./points";
+import { wholeOf } from "./zoom";
 import { colourOf, paintRegions, regionsOf, sameOpen, scaleOf, type Regions } from "./regions";
 
 export interface Plot {
@@ -18,12 +19,12 @@ export interface Plot {
   surface: HTMLElement;
   plane(): Plane;
   frame(): Frame | null;
-  hover(run: number): void;
 }
 
-const REPAINTED: (keyof State)[] = ["configuration", "x", "y", "fixed", "thresholds", "fill", "theme"];
+const REPAINTED: (keyof State)[] = ["configuration", "x", "y", "fixed", "thresholds", "fill", "theme", "brushes", "zoom"];
+const OVERLAID: (keyof State)[] = ["selected", "hovered", "pins"];
 
-export function createPlot(store: Store, planes: (state: State) => Plane): Plot {
+export function createPlot(store: Store): Plot {
   const ground = el("canvas", { class: "ground", "aria-hidden": "true" });
   const overlay = el("canvas", { class: "overlay", "aria-hidden": "true" });
   const surface = el("div", {
@@ -31,12 +32,11 @@ export function createPlot(store: Store, planes: (state: State) => Plane): Plot 
     tabindex: 0,
     role: "application",
     "aria-roledescription": "constraint plot",
-    "aria-label": "Constraint plot. Arrow keys select the neighbouring run.",
+    "aria-label": "Constraint plot. Arrow keys select the neighbouring run, P pins it, plus and minus zoom, 0 shows the whole plane, Shift and an arrow key move it.",
     "aria-describedby": "announcement",
   }, ground, overlay);
   let frame: Frame | null = null;
-  let hovered = -1;
-  const plane = (): Plane => planes(store.state);
+  const plane = store.plane;
 
   const repaint = (): void => {
     const started = performance.now();
@@ -45,12 +45,12 @@ export function createPlot(store: Store, planes: (state: State) => Plane): Plot 
     drawOverlay();
   };
   const drawOverlay = (): void => {
-    if (frame) paintOverlay(overlay, frame, store, plane(), hovered);
+    if (frame) paintOverlay(overlay, frame, store, plane());
   };
 
   store.subscribe((_, changed: Changed) => {
     if (REPAINTED.some((key) => changed.has(key))) repaint();
-    else if (changed.has("selected")) drawOverlay();
+    else if (OVERLAID.some((key) => changed.has(key))) drawOverlay();
   });
   new ResizeObserver(repaint).observe(surface);
   return {
@@ -58,11 +58,6 @@ export function createPlot(store: Store, planes: (state: State) => Plane): Plot 
     surface,
     plane,
     frame: () => frame,
-    hover: (run) => {
-      if (run === hovered) return;
-      hovered = run;
-      drawOverlay();
-    },
   };
 }
 
@@ -72,7 +67,7 @@ function paintGround(canvas: HTMLCanvasElement, store: Store, plane: Plane): Fra
   const colours = palette();
   const [horizontal, vertical] = [study.variables[plane.x]!, study.variables[plane.y]!];
   const metric = state.fill >= 0 && plane.fields ? study.metrics[state.fill]! : null;
-  const frame = frameOf(width, height, horizontal, vertical, metric !== null);
+  const frame = frameOf(width, height, state.zoom ?? wholeOf(study, plane), metric !== null);
   pen.fillStyle = colours.plot;
   pen.fillRect(frame.left, frame.top, frame.right - frame.left, frame.bottom - frame.top);
   if (plane.fields) {
@@ -82,11 +77,11 @@ function paintGround(canvas: HTMLCanvasElement, store: Store, plane: Plane): Fra
     paintRegions(pen, frame, plane.fields, regions, fill, colours);
     if (metric && fill) drawColourBar(pen, frame, width, metric, fill.scale, colours);
     drawAxes(pen, frame, horizontal, vertical, colours);
-    paintPoints(pen, frame, study, plane, store.judgement(), colours);
+    paintPoints(pen, frame, study, plane, store.judgement(), store.within(), colours);
     writeLabels(pen, frame, study, plane.fields, state.thresholds, regions, metric === null, colours);
   } else {
     drawAxes(pen, frame, horizontal, vertical, colours);
-    paintPoints(pen, frame, study, plane, store.judgement(), colours);
+    paintPoints(pen, frame, study, plane, store.judgement(), store.within(), colours);
   }
   return frame;
 }
@@ -101,6 +96,7 @@ function writeLabels(
   nameFeasible: boolean,
   colours: Palette,
 ): void {
+  const on = study.requirements.map((_, index) => index).filter((index) => !thresholds[index]!.off);
   const taken: Spot[] = [];
   const ratio = pen.getTransform().a;
   const failing = path(regions.sides.flatMap(({ rings }) => rings));
@@ -120,20 +116,21 @@ function writeLabels(
   }
   for (const group of sameOpen(regions.open)) {
     const exercised = fields.exercised(group[0]!)!;
-    const names = group.length === study.requirements.length ? [] : group.map((index) => study.requirements[index]!.title);
+    const names = group.length === on.length ? [] : group.map((index) => study.requirements[index]!.title);
     labelRegion(pen, frame, fields, (node) => exercised[node]! < 0.5, ["not exercised", ...names.slice(0, 3)], colours.plot, colours, taken);
   }
-  const known = fields.known();
+  const known = fields.known(on);
   if (known) labelRegion(pen, frame, fields, (node) => known[node]! < 0.5, ["no result"], colours.plot, colours, taken);
-  if (nameFeasible && study.requirements.length) {
-    labelRegion(pen, frame, fields, meetsAll(study, fields, thresholds), ["all requirements met"], colours.feasible, colours, taken);
+  if (nameFeasible && on.length) {
+    const met = on.length === study.requirements.length ? "all requirements met" : "requirements switched on are met";
+    labelRegion(pen, frame, fields, meetsAll(study, fields, thresholds, on), [met], colours.feasible, colours, taken);
   }
 }
 
-function meetsAll(study: Study, fields: NonNullable<Plane["fields"]>, thresholds: Threshold[]): (node: number) => boolean {
-  const known = fields.known();
-  const parts = study.requirements.map(({ metric }, index) => ({
-    field: fields.metric(metric),
+function meetsAll(study: Study, fields: NonNullable<Plane["fields"]>, thresholds: Threshold[], on: number[]): (node: number) => boolean {
+  const known = fields.known(on);
+  const parts = on.map((index) => ({
+    field: fields.metric(study.requirements[index]!.metric),
     exercised: fields.exercised(index),
     high: thresholds[index]!.atMost ?? Infinity,
     low: thresholds[index]!.atLeast ?? -Infinity,
@@ -146,24 +143,29 @@ function meetsAll(study: Study, fields: NonNullable<Plane["fields"]>, thresholds
     );
 }
 
-function paintOverlay(canvas: HTMLCanvasElement, frame: Frame, store: Store, plane: Plane, hovered: number): void {
+function paintOverlay(canvas: HTMLCanvasElement, frame: Frame, store: Store, plane: Plane): void {
   const { study, state } = store;
   const { pen } = fit(canvas);
   const colours = palette();
-  const ring = (run: number, radius: number, width: number): void => {
+  const shown = (run: number): [number, number] | null => {
+    if (run < 0 || (!plane.on.includes(run) && !plane.beside.includes(run))) return null;
     const [x, y] = placeOf(frame, study, plane, run);
+    return x > frame.left - 1 && x < frame.right + 1 && y > frame.top - 1 && y < frame.bottom + 1 ? [x, y] : null;
+  };
+  const ring = ([x, y]: [number, number], radius: number, width: number, colour: string): void => {
     pen.beginPath();
     pen.arc(x, y, radius, 0, 2 * Math.PI);
     pen.strokeStyle = colours.plot;
     pen.lineWidth = width + 3;
     pen.stroke();
-    pen.strokeStyle = colours.ink;
+    pen.strokeStyle = colour;
     pen.lineWidth = width;
     pen.stroke();
   };
-  if (hovered >= 0 && hovered !== state.selected) ring(hovered, 7, 1.2);
-  if (state.selected >= 0 && (plane.on.includes(state.selected) || plane.beside.includes(state.selected))) {
-    const [x, y] = placeOf(frame, study, plane, state.selected);
+  drawBrushes(pen, frame, store, plane, colours);
+  const selected = shown(state.selected);
+  if (selected) {
+    const [x, y] = selected;
     pen.strokeStyle = colours.ink;
     pen.lineWidth = 0.8;
     pen.globalAlpha = 0.45;
@@ -176,6 +178,46 @@ function paintOverlay(canvas: HTMLCanvasElement, frame: Frame, store: Store, pla
     pen.stroke();
     pen.setLineDash([]);
     pen.globalAlpha = 1;
-    ring(state.selected, 8, 2.2);
   }
+  state.pins.forEach((pin, index) => {
+    const place = shown(pin);
+    if (!place) return;
+    ring(place, 6, 3, colours.pins[index]!);
+    pen.font = `600 11.5px ${colours.font}`;
+    pen.textAlign = "left";
+    pen.textBaseline = "middle";
+    pen.lineWidth = 4;
+    pen.strokeStyle = colours.plot;
+    pen.strokeText(String(study.number[pin]), place[0] + 11, place[1]);
+    pen.fillStyle = colours.ink;
+    pen.fillText(String(study.number[pin]), place[0] + 11, place[1]);
+  });
+  const hovered = state.hovered === state.selected ? null : shown(state.hovered);
+  if (hovered) ring(hovered, 7, 1.2, colours.ink);
+  if (selected) ring(selected, 8, 2.2, colours.ink);
+}
+
+// Brushes of the two variables shown: a bar along the axis, and faint lines across the plane.
+function drawBrushes(pen: CanvasRenderingContext2D, { left, right, top, bottom, x, y }: Frame, { state }: Store, plane: Plane, colours: Palette): void {
+  pen.strokeStyle = colours.accent;
+  for (const { column, low, high } of state.brushes) {
+    const [isX, isY] = [column === `variable.${plane.x}`, column === `variable.${plane.y}`];
+    if (!isX && !isY) continue;
+    const [scale, least, most] = isX ? [x, left, right] : [y, top, bottom];
+    const ends = [scale(low), scale(high)].map((end) => Math.min(most, Math.max(least, end))) as [number, number];
+    const line = (width: number, dash: number[], ...points: [number, number][]): void => {
+      pen.lineWidth = width;
+      pen.setLineDash(dash);
+      pen.beginPath();
+      points.forEach(([a, b], index) => (index ? pen.lineTo(a, b) : pen.moveTo(a, b)));
+      pen.stroke();
+    };
+    if (isX) line(4, [], [ends[0], bottom + 2], [ends[1], bottom + 2]);
+    else line(4, [], [left - 2, ends[0]], [left - 2, ends[1]]);
+    for (const end of ends) {
+      if (isX) line(1, [5, 4], [end, top], [end, bottom]);
+      else line(1, [5, 4], [left, end], [right, end]);
+    }
+  }
+  pen.setLineDash([]);
 }

@@ -3,39 +3,62 @@ import type { Plane } from "../plane/plane";
 import type { Study } from "../study";
 import { channels, type Palette } from "../theme";
 import { FAIL, FAILED, NOT_EXERCISED, PASS, type Judgement } from "../verdicts";
-import type { Frame } from "./frame";
+import { clipTo, type Frame } from "./frame";
 
 const MOST_DRAWN = 6000;
 const ORDER = [FAIL, NOT_EXERCISED, PASS, FAILED];
 const SHADES = 6;
+const OUTSIDE = 4;
+const SET_BACK = 0.35;
+const EDGE = 9;
 
+/** Draws the runs of the plane; those that lie not *within* the brushes (null: there are none) are set back. */
 export function paintPoints(
   pen: CanvasRenderingContext2D,
   frame: Frame,
   study: Study,
   plane: Plane,
   { overall: marks, doubtful }: Judgement,
+  within: Uint8Array | null,
   colours: Palette,
 ): void {
   const total = plane.on.length + plane.beside.length;
+  pen.save();
+  clipTo(pen, rimmed(frame, study, plane));
   if (total > MOST_DRAWN) {
-    stampPoints(pen, frame, study, plane, marks, colours);
-    return paintRings(pen, frame, study, plane, doubtful, 0.4, colours);
+    stampPoints(pen, frame, study, plane, marks, within, colours);
+    paintRings(pen, frame, study, plane, doubtful, 0.4, colours);
+    return pen.restore();
   }
   const spacing = Math.sqrt(((frame.right - frame.left) * (frame.bottom - frame.top)) / Math.max(1, total));
   const size = Math.min(1, Math.max(0.4, spacing / 22));
+  const isIn = (run: number): boolean => !within || within[run] === 1;
+  const paint = (runs: number[]): void => {
+    for (const mark of ORDER) drawMark(pen, frame, study, plane, runs.filter((run) => marks[run] === mark), mark, size, colours);
+  };
+  pen.globalAlpha = SET_BACK;
+  drawMark(pen, frame, study, plane, [...plane.beside, ...plane.on].filter((run) => !isIn(run)), FAIL, size, { ...colours, ink: colours.muted });
   const groups: number[][] = Array.from({ length: SHADES }, () => []);
-  plane.beside.forEach((run, i) => groups[Math.min(SHADES - 1, Math.floor(plane.strength[i]! * SHADES))]!.push(run));
+  plane.beside.forEach((run, i) => {
+    if (isIn(run)) groups[Math.min(SHADES - 1, Math.floor(plane.strength[i]! * SHADES))]!.push(run);
+  });
   groups.forEach((runs, shade) => {
     pen.globalAlpha = (shade + 1) / SHADES;
-    for (const mark of ORDER) drawMark(pen, frame, study, plane, runs.filter((run) => marks[run] === mark), mark, size, colours);
+    paint(runs);
   });
   pen.globalAlpha = 1;
-  for (const mark of ORDER) {
-    const runs = Array.from(plane.on).filter((run) => marks[run] === mark);
-    drawMark(pen, frame, study, plane, runs, mark, size, colours);
-  }
+  paint(Array.from(plane.on).filter(isIn));
   paintRings(pen, frame, study, plane, doubtful, size, colours);
+  pen.restore();
+}
+
+// Points on the rim of the plane are whole; what lies beyond a part that was zoomed to is not drawn over the axes.
+function rimmed(frame: Frame, study: Study, { x, y }: Plane): Frame {
+  const edge = (scale: Frame["x"], index: number, end: 0 | 1): number => {
+    const { low, high } = study.variables[index]!;
+    return Math.abs(scale.domain()[end]! - (end ? high : low)) < 1e-9 * (high - low) ? EDGE : 0;
+  };
+  return { ...frame, left: frame.left - edge(frame.x, x, 0), right: frame.right + edge(frame.x, x, 1), top: frame.top - edge(frame.y, y, 1), bottom: frame.bottom + edge(frame.y, y, 0) };
 }
 
 /** A ring around runs with a verdict that finer numerics may change. */
@@ -133,6 +156,7 @@ function stampPoints(
   study: Study,
   plane: Plane,
   marks: Uint8Array,
+  within: Uint8Array | null,
   colours: Palette,
 ): void {
   const ratio = pen.getTransform().a;
@@ -141,18 +165,19 @@ function stampPoints(
   const pixels = new Uint32Array(image.data.buffer);
   const runs = plane.beside.length ? joined(plane.on, plane.beside) : plane.on;
   const side = Math.max(1, Math.round((runs.length > 200_000 ? 1 : runs.length > 40_000 ? 1.5 : 2.4) * ratio));
-  const ink = [colours.pass, colours.ink, colours.muted, colours.broken].map(packed);
-  const sides = [side + Math.round(ratio), side, side, side + Math.round(2 * ratio)];
+  // The last is for what lies outside of the brushes, and is drawn first.
+  const ink = [colours.pass, colours.ink, colours.muted, colours.broken, colours.line].map(packed);
+  const sides = [side + Math.round(ratio), side, side, side + Math.round(2 * ratio), side];
   const xs = study.variables[plane.x]!.values;
   const ys = study.variables[plane.y]!.values;
   const [x0, x1] = [frame.x(0), frame.x(1) - frame.x(0)];
   const [y0, y1] = [frame.y(0), frame.y(1) - frame.y(0)];
-  for (const mark of ORDER) {
+  for (const mark of within ? [OUTSIDE, ...ORDER] : ORDER) {
     const colour = ink[mark]!;
     const edge = sides[mark]!;
     for (let i = 0; i < runs.length; i++) {
       const run = runs[i]!;
-      if (marks[run] !== mark) continue;
+      if ((within && !within[run] ? OUTSIDE : marks[run]) !== mark) continue;
       const column = Math.round((x0 + x1 * xs[run]!) * ratio - edge / 2);
       const row = Math.round((y0 + y1 * ys[run]!) * ratio - edge / 2);
       if (column < 0 || row < 0 || column + edge > width || row + edge > height) continue;

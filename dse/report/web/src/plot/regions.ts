@@ -29,9 +29,11 @@ export interface Scale {
 }
 
 export function regionsOf(study: Study, fields: Fields, thresholds: Threshold[], frame: Frame): Regions {
-  const known = fields.known();
+  const isOn = (requirement: number): boolean => !thresholds[requirement]!.off;
+  const known = fields.known(study.requirements.map((_, index) => index).filter(isOn));
   return {
     sides: study.requirements.flatMap(({ metric }, requirement) => {
+      if (!isOn(requirement)) return [];
       const { atMost, atLeast } = thresholds[requirement]!;
       const field = fields.metric(metric);
       const sides: Side[] = [];
@@ -40,7 +42,7 @@ export function regionsOf(study: Study, fields: Fields, thresholds: Threshold[],
       return sides;
     }),
     open: study.requirements.map((_, index) => {
-      const exercised = fields.exercised(index);
+      const exercised = isOn(index) ? fields.exercised(index) : null;
       return exercised ? below(exercised, fields, frame, 0.5) : [];
     }),
     unknown: known ? below(known, fields, frame, 0.5) : [],

@@ -1,0 +1,122 @@
+"""How fast the report's page is in headless Chromium: first paint, a slider, a brush.
+
+    python benchmarks/bench_report_page.py [runs ...]
+
+The runs are those of a made-up study of two metrics over four design variables, on a grid of two and scattered. First
+paint is the processor time from the start of the navigation until the page stands; the others are what one change
+takes, from the page's own marks. The median of nine changes is told.
+"""
+
+from __future__ import annotations
+
+import shutil
+import statistics
+import sys
+import tempfile
+import time
+from pathlib import Path
+
+import numpy as np
+from playwright.sync_api import Browser, Page, sync_playwright
+
+from dse.report.content.nouns import (
+    ConfigurationEntry,
+    MetricColumn,
+    ReportContent,
+    RequirementRow,
+    Runs,
+    SamplerKind,
+    Variable,
+)
+from dse.report.page.html import write_report
+
+VARIABLES = ("kp_speed", "kd_speed", "kp_gap", "kd_gap")
+
+
+def study(runs: int, sampler: SamplerKind) -> ReportContent:
+    """About *runs* runs; on a grid the last two variables stay where they are."""
+    random = np.random.default_rng(1)
+    if sampler is SamplerKind.FULL_FACTORIAL:
+        side = round(runs**0.5)
+        runs = side * side
+        levels = np.linspace(0, 1, side)
+        points = np.stack([np.tile(levels, side), np.repeat(levels, side), np.full(runs, 0.5), np.full(runs, 0.5)])
+    else:
+        points = random.random((4, runs))
+    a, b, c, d = points
+    overshoot = 12 * a * (1.2 - b) + 2 * np.sin(6 * c) + 0.5 * d - 4
+    undershoot = 8 * (1 - a) * b + 3 * (c - d) ** 2 - 2
+    return ReportContent(
+        "Benchmark",
+        sampler,
+        "out/benchmark",
+        Runs(np.arange(runs), ("c1",) * runs, np.ones(runs, dtype=bool), ("",) * runs),
+        (ConfigurationEntry("c1", {}, {}),),
+        tuple(Variable(name, name, "1/s", 0.0, 1.0, None, 0.5, points[i]) for i, name in enumerate(VARIABLES)),
+        (MetricColumn("overshoot", "overshoot", "%", overshoot), MetricColumn("gap", "undershoot", "%", undershoot)),
+        (
+            RequirementRow("R1", "no overshoot", "overshoot", 0.5, None, np.ones(runs, dtype=bool)),
+            RequirementRow("R2", "no undershoot", "gap", 1.0, None, a + b > 0.2),
+        ),
+    )
+
+
+def opened(browser: Browser, report: Path) -> tuple[Page, float, float]:
+    """The page, and what its first paint took: seconds of processor time and of wall time."""
+    page = browser.new_page(viewport={"width": 1440, "height": 900})
+    session = page.context.new_cdp_session(page)
+    session.send("Performance.enable", {"timeDomain": "threadTicks"})
+    started = time.perf_counter()
+    page.goto(report.as_uri())
+    page.wait_for_selector("html[data-ready]", timeout=120_000)
+    page.evaluate("() => new Promise(done => requestAnimationFrame(() => requestAnimationFrame(done)))")
+    wall = time.perf_counter() - started
+    metrics = {entry["name"]: entry["value"] for entry in session.send("Performance.getMetrics")["metrics"]}
+    return page, metrics["TaskDuration"], wall
+
+
+CHANGES = """async (kind) => {
+  const took = [];
+  const frame = () => new Promise(done => requestAnimationFrame(() => requestAnimationFrame(done)));
+  for (let turn = 0; turn < 9; turn++) {
+    performance.clearMeasures("update");
+    if (kind === "slider") {
+      const slider = document.getElementById("slider-atMost-0");
+      slider.value = Number(slider.min) + (0.3 + 0.05 * turn) * (slider.max - slider.min);
+      slider.dispatchEvent(new Event("input"));
+    } else {
+      document.getElementById("limit-low").value = 0.1 + 0.02 * turn;
+      document.getElementById("limit-high").value = 0.8;
+      document.getElementById("limit").requestSubmit();
+    }
+    await frame();
+    took.push(performance.getEntriesByName("update").reduce((sum, { duration }) => sum + duration, 0));
+  }
+  return took;
+}"""
+
+
+def main(sizes: list[int]) -> None:
+    """Prints one line for each study."""
+    chromium = shutil.which("chromium") or shutil.which("google-chrome")
+    print(f"{'study':28} {'file':>9} {'written':>9} {'first paint':>22} {'slider':>9} {'brush':>9}")
+    with tempfile.TemporaryDirectory() as folder, sync_playwright() as playwright:
+        browser = playwright.chromium.launch(executable_path=chromium, args=["--no-sandbox"])
+        for runs in sizes:
+            for sampler in (SamplerKind.FULL_FACTORIAL, SamplerKind.SCATTERED):
+                report = Path(folder) / "report.html"
+                started = time.process_time()
+                write_report(study(runs, sampler), report)
+                written = time.process_time() - started
+                page, processor, wall = opened(browser, report)
+                slider, brush = (statistics.median(page.evaluate(CHANGES, kind)) for kind in ("slider", "brush"))
+                page.close()
+                print(
+                    f"{runs:>9} {sampler!s:18} {report.stat().st_size / 1e6:6.1f} MB {written:7.1f} s "
+                    f"{processor:6.2f} s ({wall:5.2f} s wall) {slider:6.1f} ms {brush:6.1f} ms"
+                )
+        browser.close()
+
+
+if __name__ == "__main__":
+    main([int(size) for size in sys.argv[1:]] or [2178, 100_000])

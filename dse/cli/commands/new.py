@@ -1,0 +1,130 @@
+"""``dse new``: starts of components, design spaces, test benches and studies."""
+
+from __future__ import annotations
+
+import shutil
+from collections.abc import Mapping
+from pathlib import Path, PurePosixPath
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from dse.cli.app import group
+from dse.cli.completing import benches, components as components_of, designs
+from dse.cli.content import content
+from dse.cli.terminal import say
+
+if TYPE_CHECKING:
+    from dse.loading import Workspace
+
+new_app = group("new", "Write a commented start of a component, a design space, a test bench or a study.")
+
+Name = Annotated[str, typer.Argument(metavar="NAME", help="What it is to be called.")]
+At = Annotated[Path, typer.Option("--workspace", "-w", help="A folder or file in the workspace.")]
+
+
+@new_app.command("component")
+def new_component(
+    name: Name,
+    kind: Annotated[str, typer.Option("--kind", help="What it is written in: c or modelica.")] = "c",
+    implements: Annotated[
+        str | None,
+        typer.Option("--implements", metavar="INTERFACE", help="An interface of the workspace; else it gets its own."),
+    ] = None,
+    workspace: At = Path(),
+) -> None:
+    """Write a component that can be built, with its ports and a parameter.
+
+    The files go to components/NAME of the workspace, which the current folder becomes if it is in none.
+    """
+    from dse.api import new_component as started
+
+    space = _opened(workspace)
+    _write(space, name, started(space, name, kind, implements))
+    say(f"next: dse build {name}; dse new design NAME {name}")
+
+
+@new_app.command("design")
+def new_design(
+    name: Name,
+    components: Annotated[
+        list[str] | None,
+        typer.Argument(
+            metavar="COMPONENT...", autocompletion=components_of, help="Its parts; those of one interface are a choice."
+        ),
+    ] = None,
+    workspace: At = Path(),
+) -> None:
+    """Write a design space of components.
+
+    Ports of one name and type are connected. The file is designs/NAME.yaml.
+    """
+    from dse.api import new_design as started
+
+    space = _opened(workspace)
+    _write(space, name, started(space, name, components or []))
+    say(f"next: dse enumerate {name}; dse new bench NAME --design {name}")
+
+
+@new_app.command("bench")
+def new_bench(
+    name: Name,
+    design: Annotated[
+        str, typer.Option("--design", "-d", metavar="DESIGN", autocompletion=designs, help="The design space it tests.")
+    ],
+    around: Annotated[
+        str | None,
+        typer.Option(
+            "--around", metavar="COMPONENT", help="What is around the design: a plant, a road; connected by names."
+        ),
+    ] = None,
+    workspace: At = Path(),
+) -> None:
+    """Write a test bench for a design space, that can be simulated.
+
+    The file is testbenches/NAME.yaml.
+    """
+    from dse.api import new_bench as started
+
+    space = _opened(workspace)
+    _write(space, name, started(space, name, design, around))
+    say(f"next: dse simulate {name}; dse new study NAME --bench {name}")
+
+
+@new_app.command("study")
+def new_study(
+    name: Name,
+    bench: Annotated[
+        str, typer.Option("--bench", "-b", metavar="BENCH", autocompletion=benches, help="The test bench it runs on.")
+    ],
+    workspace: At = Path(),
+) -> None:
+    """Write a study of a test bench, that can be explored.
+
+    The file is testbenches/NAME.pet.yaml.
+    """
+    from dse.api import new_study as started
+
+    space = _opened(workspace)
+    _write(space, name, started(space, name, bench))
+    say(f"next: dse explore {name}; dse report {name}")
+
+
+def _opened(path: Path) -> Workspace:
+    """The workspace around *path*; where there is none, *path* becomes one."""
+    from dse.loading import Workspace, find_root
+
+    return Workspace(find_root(path) or path)
+
+
+def _write(workspace: Workspace, name: str, files: Mapping[PurePosixPath, str]) -> None:
+    from dse.api import write_start
+    from dse.formats import shown
+
+    for path in write_start(workspace, name, files):
+        say(shown(path))
+    # The first lines of the files name them.
+    schemas = workspace.root / "schemas"
+    if not schemas.exists():
+        shutil.copytree(content("schemas") / "schemas", schemas)
+        say(f"{shown(schemas)}: for editors")

@@ -1,0 +1,66 @@
+"""Where requirements are met, and where a verdict is in doubt: the boundary with its band."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from dse.report.charts.chart import Chart
+from dse.report.content.insight import ChanceMap
+from dse.report.content.nouns import ReportContent, label
+from dse.report.drawing.sheets import axes_of, say, sheet, style
+from dse.report.drawing.style import COLOURS, INK
+from dse.report.figure import View
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure as Sheet
+
+_DOUBT = 5
+"""Percent: from here on a verdict is in doubt."""
+
+
+class Boundary:
+    """How probable it is that a requirement is met, by what all runs of the plane tell."""
+
+    title = "Boundaries and their bands"
+    uses_insight = True
+
+    def charts(self, content: ReportContent) -> Sequence[Chart]:  # noqa: ARG002  # the page has a view of its own
+        """None: the page has a view of its own."""
+        return ()
+
+    def drawings(self, content: ReportContent, view: View) -> Iterator[tuple[str, Sheet]]:  # noqa: ARG002  # of all
+        """One for each requirement and plane that can be told."""
+        for number, chance in enumerate(content.insight.chances if content.insight else ()):
+            name = content.requirements[chance.requirement].name
+            yield f"boundary_{name}_{number}", _draw(content, chance)
+
+
+FIGURE = Boundary()
+
+
+def _draw(content: ReportContent, chance: ChanceMap) -> Sheet:
+    requirement = content.requirements[chance.requirement]
+    x, y = (content.variables[index] for index in chance.plane)
+    grids = [np.linspace(each.low, each.high, chance.size) for each in (x, y)]
+    passing, misjudged = (np.asarray(p).reshape(chance.size, chance.size) for p in (chance.passing, chance.misjudged))
+    held = ", ".join(f"{content.variables[i].title} = {content.variables[i].shown(value)}" for i, value in chance.held)
+    note = (
+        f"From {chance.used:,} of {chance.runs:,} runs{f', at {held}' * bool(held)}. Hatched: the verdict is another "
+    )
+    note += f"one with {_DOUBT} % or more; of the plane {chance.uncertain:.1%} is believed to be misjudged."
+    with style():
+        title = f"{requirement.title or requirement.name}: how probable it is that it is met"
+        figure = sheet(title, note.replace("%", " %").replace("  %", " %"), height=4.8)
+        (axes,) = axes_of(figure)
+        filled = axes.contourf(*grids, passing, levels=np.linspace(0, 100, 11), cmap="RdYlBu", vmin=-15, vmax=115)
+        if misjudged.max() >= _DOUBT:
+            axes.contourf(*grids, misjudged, levels=[_DOUBT, 101], colors="none", hatches=["////"])
+        if passing.min() < 50 < passing.max():
+            axes.contour(*grids, passing, levels=[50], colors=[COLOURS[0]], linewidths=1.6)
+        bar = figure.colorbar(filled, ax=axes)
+        bar.set_label("met with [%]", color=INK)
+        say(axes, xlabel=label(x.title, x.unit_symbol), ylabel=label(y.title, y.unit_symbol))
+        return figure

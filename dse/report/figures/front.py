@@ -1,0 +1,87 @@
+"""Designs by what is looked for: one objective over another, or the first over the requirement's metric."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from itertools import combinations
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from dse.exploration import front_of
+from dse.report.charts.chart import Axis, Chart, Line, Points, Rule
+from dse.report.content.nouns import Floats, ReportContent
+from dse.report.drawing.chart import draw_chart
+from dse.report.figure import View
+from dse.report.verdicts import Mark, overall_marks
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure as Sheet
+
+_WORDS = {Mark.FAIL: "fail", Mark.NOT_EXERCISED: "not exercised", Mark.PASS: "pass"}
+
+
+class Front:
+    """Runs over two objectives at a time, and the front of those that pass; on the page a view shows designs."""
+
+    title = "Objectives"
+
+    def charts(self, content: ReportContent) -> Sequence[Chart]:  # noqa: ARG002  # the page has a view of its own
+        """None: the page has a view of its own."""
+        return ()
+
+    def drawings(self, content: ReportContent, view: View) -> Iterator[tuple[str, Sheet]]:  # noqa: ARG002  # of all
+        """One for each pair of objectives; of a single one, over the metric of each requirement."""
+        looked_for = [_objective(content, index) for index in range(len(content.objectives))]
+        pairs = list(combinations(looked_for, 2))
+        if len(looked_for) == 1:
+            required = dict.fromkeys(requirement.metric for requirement in content.requirements)
+            pairs = [(_metric(content, name), looked_for[0]) for name in required if name != content.objectives[0].name]
+        for number, (x, y) in enumerate(pairs, 1):
+            yield f"front_{number}", draw_chart(_chart(content, x, y, f"pair{number}"))
+
+
+FIGURE = Front()
+
+_Quantity = tuple[str, str, Floats, int, float | None]
+"""Title, unit, a value for each run, whether it is to be small (1), large (-1) or neither (0), and a bound."""
+
+
+def _objective(content: ReportContent, index: int) -> _Quantity:
+    entry = content.objectives[index]
+    sense = -1 if entry.maximize else 1
+    if entry.is_property:
+        totals = {each.id: each.properties.get(entry.name) for each in content.configurations}
+        values = np.array([np.nan if (p := totals[name]) is None else p.value for name in content.runs.configurations])
+        unit = next((each.unit_symbol for each in totals.values() if each is not None), "")
+        return entry.name, unit, values, sense, None
+    known = (*content.metrics, *content.composites)
+    column = next(column for column in known if column.name == entry.name)
+    return column.title or column.name, column.unit_symbol, column.values, sense, None
+
+
+def _metric(content: ReportContent, name: str) -> _Quantity:
+    metric = content.metric(name)
+    bounds = next(r for r in content.requirements if r.metric == name)
+    bound = bounds.at_most if bounds.at_most is not None else bounds.at_least
+    return metric.title or name, metric.unit_symbol, metric.values, 0, bound
+
+
+def _chart(content: ReportContent, x: _Quantity, y: _Quantity, name: str) -> Chart:
+    marks = overall_marks(content)
+    drawn: list[Points | Line | Rule] = [
+        Points(x[2][rows], y[2][rows], content.runs.numbers[rows], words, mark)
+        for mark, words in _WORDS.items()
+        if len(rows := np.flatnonzero((marks == mark) & np.isfinite(x[2]) & np.isfinite(y[2])))
+    ]
+    passing = np.flatnonzero((marks == Mark.PASS) & np.isfinite(x[2]) & np.isfinite(y[2]))
+    if x[3] and y[3] and len(passing):
+        front = passing[front_of(np.column_stack([x[3] * x[2][passing], y[3] * y[2][passing]]))]
+        front = front[np.argsort(x[2][front], kind="stable")]
+        drawn.append(Line(x[2][front], y[2][front], "front of the runs that pass"))
+    if x[4] is not None:
+        drawn.append(Rule("x", x[4], "bound"))
+    names = " over ".join(each[0] for each in (y, x))
+    return Chart(
+        name, f"{content.title}: {names}", Axis(x[0], x[1]), Axis(y[0], y[1]), tuple(drawn), "A point is a run."
+    )

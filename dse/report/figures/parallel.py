@@ -1,0 +1,77 @@
+"""Every run as a line through its variables and required metrics."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from dse.report.charts.chart import Chart
+from dse.report.content.nouns import Floats, ReportContent, label
+from dse.report.drawing.sheets import axes_of, sheet, style, ticks
+from dse.report.drawing.style import MUTED, PASS
+from dse.report.figure import View
+from dse.report.verdicts import Mark, overall_marks
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure as Sheet
+
+_MOST = 1500
+"""Lines that can be told apart at best."""
+
+_AXES = 14
+
+
+class Parallel:
+    """Parallel coordinates; on the page a view lets the reader choose and limit axes."""
+
+    title = "Runs in parallel coordinates"
+
+    def charts(self, content: ReportContent) -> Sequence[Chart]:  # noqa: ARG002  # the page has a view of its own
+        """None: the page has a view of its own."""
+        return ()
+
+    def drawings(self, content: ReportContent, view: View) -> Iterator[tuple[str, Sheet]]:  # noqa: ARG002  # of all
+        """One, of a study that varies something."""
+        required = dict.fromkeys(requirement.metric for requirement in content.requirements)
+        shown = [(label(v.title, v.unit_symbol), v.values) for v in content.variables]
+        shown += [(label(m.title or n, m.unit_symbol), m.values) for n in required for m in [content.metric(n)]]
+        varied = [(title, values) for title, values in shown if len(np.unique(values[np.isfinite(values)])) > 1]
+        if content.variables and len(varied) > 1:
+            yield "parallel", _draw(content, varied[:_AXES], len(varied))
+
+
+FIGURE = Parallel()
+
+
+def _draw(content: ReportContent, shown: Sequence[tuple[str, Floats]], all_: int) -> Sheet:
+    marks = overall_marks(content)
+    order = np.argsort(marks == Mark.PASS, kind="stable")  # those that pass lie on top
+    rows = order[np.linspace(0, len(order) - 1, min(_MOST, len(order))).astype(int)]
+    places, ends = zip(*(_scaled(values) for _, values in shown), strict=True)
+    lines = np.column_stack(places)[rows]
+    text = f"{len(rows):,} of {len(marks):,} runs; green ones meet every requirement, a gap is an undefined value."
+    note = text + (f" The first {len(shown)} of {all_} axes." if all_ > len(shown) else "")
+    with style():
+        figure = sheet(content.title, note, width=max(6.4, 1.1 * len(shown)), height=4.0)
+        (axes,) = axes_of(figure)
+        for row, line in zip(rows.tolist(), lines, strict=True):
+            passes = marks[row] == Mark.PASS
+            axes.plot(line, color=PASS if passes else MUTED, alpha=0.35 if passes else 0.12, linewidth=0.7)
+        for position, (low, high) in enumerate(ends):
+            axes.axvline(position, color=MUTED, linewidth=0.8)
+            for end, height, where in ((low, -0.02, "top"), (high, 1.02, "bottom")):
+                axes.annotate(f"{end:.4g}", (position, height), ha="center", va=where, fontsize=7)
+        axes.set(ylim=(-0.1, 1.1), xlim=(-0.3, len(shown) - 0.7), yticks=[])
+        axes.spines[:].set_visible(False)
+        axes.tick_params(axis="x", length=0)
+        ticks(axes, "x", [title for title, _ in shown], slanted=len(shown) > 5)
+        return figure
+
+
+def _scaled(values: Floats) -> tuple[Floats, tuple[float, float]]:
+    """Where values lie on their axis, 0 … 1, and its ends."""
+    known = values[np.isfinite(values)]
+    low, high = float(known.min()), float(known.max())
+    return np.where(np.isfinite(values), (values - low) / (high - low), np.nan), (low, high)

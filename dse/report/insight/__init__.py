@@ -1,0 +1,1 @@
+"""What a study asked and what its runs tell, computed for the page from the stored runs alone."""

@@ -1,0 +1,100 @@
+"""Formulas that stand for runs and travel in a page: radial functions through a few centres, with a linear tail.
+
+``s(f) = sum(w_j |f - f_j|^p) + t . (1, f)`` by least squares (the kernels of Wendland, Scattered Data
+Approximation, 8.3), p = 1 or 3, whichever errs less in runs that were left out.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from dse.analysis import Factor
+from dse.report.content.nouns import Floats
+
+POWERS = (1, 3)
+MOST_CENTRES = 200
+MOST_RUNS = 2000
+_FOLDS = 5
+_SEED = 0
+_RIDGE = 1e-10
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Formula:
+    """Weights of one response, (centres + 1 + features,), with the errors that it makes in runs left out."""
+
+    power: int
+    weights: Floats
+    error: float
+    explained: float
+
+
+def features(places: Floats, factors: tuple[Factor, ...]) -> Floats:
+    """Numbers from -1 to 1; of a choice a column for each level but the first, (n, features)."""
+    columns: list[Floats] = []
+    for factor, column in zip(factors, places.T, strict=True):
+        if factor.is_choice:
+            level = np.minimum((column * len(factor.levels)).astype(int), len(factor.levels) - 1)
+            columns += [(level == number).astype(np.float64) for number in range(1, len(factor.levels))]
+        else:
+            columns.append(2 * column - 1)
+    return np.array(columns, dtype=np.float64).reshape(len(columns), len(places)).T
+
+
+def centres_of(points: Floats) -> Floats:
+    """At most `MOST_CENTRES` of *points*, (n, features), each the farthest from those before it."""
+    points = np.unique(points, axis=0)
+    chosen = [int(np.argmin(((points - points.mean(axis=0)) ** 2).sum(axis=1)))]
+    away = ((points - points[chosen[0]]) ** 2).sum(axis=1)
+    while len(chosen) < min(MOST_CENTRES, len(points)):
+        chosen.append(int(np.argmax(np.round(away, 12))))
+        away = np.minimum(away, ((points - points[chosen[-1]]) ** 2).sum(axis=1))
+    return np.asarray(points[np.sort(chosen)], dtype=np.float64)
+
+
+def formulas(points: Floats, values: Floats, centres: Floats) -> list[Formula]:
+    """A formula through *values*, (n, responses), at *points*, (n, features), for each response."""
+    fold = np.random.default_rng(_SEED).permutation(len(points)) % _FOLDS
+    best: list[Formula] = []
+    for power in POWERS:
+        predicted = np.empty_like(values)
+        for number in range(_FOLDS):
+            train = fold != number
+            near = centres_of(points[train])
+            weights = _fitted(points[train], values[train], near, power)
+            predicted[~train] = evaluated(points[~train], near, weights, power)
+        square = ((predicted - values) ** 2).mean(axis=0)
+        whole = _fitted(points, values, centres, power)
+        variance = values.var(axis=0)
+        found = [
+            Formula(power, whole[:, k], float(square[k] ** 0.5), float(1 - square[k] / variance[k]))
+            for k in range(values.shape[1])
+        ]
+        pairs = zip(best or found, found, strict=True)
+        best = [min(pair, key=lambda each: each.error) for pair in pairs]
+    return best
+
+
+def evaluated(points: Floats, centres: Floats, weights: Floats, power: int) -> Floats:
+    """The formulas with *weights*, (centres + 1 + features, responses), at *points*."""
+    return np.asarray(_basis(points, centres, power) @ weights, dtype=np.float64)
+
+
+def _fitted(points: Floats, values: Floats, centres: Floats, power: int) -> Floats:
+    """By least squares through all points, with a ridge that is too small to be seen."""
+    basis = _basis(points, centres, power)
+    square = basis.T @ basis
+    square[np.diag_indices_from(square)] += _RIDGE * np.trace(square) / len(square)
+    return np.asarray(np.linalg.solve(square, basis.T @ values), dtype=np.float64)
+
+
+def _basis(points: Floats, centres: Floats, power: int) -> Floats:
+    from scipy.spatial.distance import cdist
+
+    return np.hstack([cdist(points, centres) ** power, _tail(points)])
+
+
+def _tail(points: Floats) -> Floats:
+    return np.hstack([np.ones((len(points), 1)), points])

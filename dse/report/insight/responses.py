@@ -1,0 +1,166 @@
+"""What each metric depends on, part by part: shares of its variance, means along factors, and a formula for it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import TypeVar
+
+import numpy as np
+
+from dse.analysis import Factor, Share, StudyData, first_order_shares, main_effects
+from dse.errors import DseError, fail
+from dse.report.content.insight import Bar, Effect, Estimate, FactorAxis, Part, Profile, Response
+from dse.report.content.nouns import Floats
+from dse.report.insight.drawing import drawn
+from dse.report.insight.naming import Naming
+from dse.report.insight.profiles import MOST_RUNS, Formula, centres_of, features, formulas
+from dse.units import Unit, parse_unit
+
+MOST_METRICS = 16
+"""Those behind requirements and objectives first."""
+
+MOST_COMPARED = 5000
+"""Runs of which shares of the variance and means are told."""
+
+_STEPS = 33
+_LEAST = 12
+
+T = TypeVar("T")
+
+
+def part_of(data: StudyData, naming: Naming) -> Part:
+    """Of the runs *data*, which may be compared with each other: of 5,000 drawn at most, formulas of 2,000."""
+    definition, runs = data.definition, len(data)
+    data = data.part(drawn(np.arange(runs), MOST_COMPARED))
+    wanted = [entry.metric for entry in definition.requirements]
+    wanted += [each.name for each in definition.objectives if each.name in data.metrics]
+    names = [*dict.fromkeys([*wanted, *data.metrics])][:MOST_METRICS]
+    fits = _Fits(data)
+    fits.make(names)
+    return Part(
+        naming.plane(data.plane),
+        tuple(_axis(factor, naming) for factor in data.factors),
+        len(data),
+        runs,
+        data.apart,
+        tuple(centres.astype(np.float32) for centres in fits.centres),
+        tuple(_response(data, name, fits, naming) for name in names),
+    )
+
+
+@dataclass(slots=True)
+class _Fits:
+    """Formulas by metric; metrics that are defined in the same runs share their centres."""
+
+    data: StudyData
+    centres: list[Floats] = field(default_factory=list)
+    found: dict[str, tuple[int, Formula, int]] = field(default_factory=dict)
+    reasons: dict[str, str] = field(default_factory=dict)
+
+    def make(self, names: list[str]) -> None:
+        """For as many of the metrics *names* as there can be one."""
+        groups: dict[bytes, list[str]] = {}
+        for name in names:
+            try:
+                self._refuse(name)
+            except DseError as error:
+                self.reasons[name] = _reason(error, name)
+            else:
+                groups.setdefault(np.isfinite(self.data.metrics[name]).tobytes(), []).append(name)
+        for those in groups.values():
+            self._fit(those)
+
+    def _refuse(self, name: str) -> None:
+        self.data.response(name, _LEAST)
+        data = self.data
+        if not data.factors:
+            raise fail("runs do not differ in anything")
+        absent = [f.name for f, column in zip(data.factors, data.places.T, strict=True) if np.isnan(column).any()]
+        if absent:
+            raise fail(f"some runs lack {absent[0]}, and a formula needs all factors in every run")
+
+    def _fit(self, names: list[str]) -> None:
+        rows = np.flatnonzero(np.isfinite(self.data.metrics[names[0]]))
+        rows = drawn(rows, MOST_RUNS)
+        points = features(self.data.places[rows], self.data.factors)
+        if len(rows) < max(_LEAST, 2 * (points.shape[1] + 1)):
+            self.reasons |= dict.fromkeys(names, f"{len(rows)} runs are too few for {points.shape[1]} factors")
+            return
+        values = np.stack([self.data.metrics[name][rows] for name in names], axis=1)
+        centres = centres_of(points)
+        spread = values.std(axis=0)
+        spread[spread == 0] = 1.0
+        made = formulas(points, (values - values.mean(axis=0)) / spread, centres)
+        self.centres.append(centres)
+        for name, formula, middle, scale in zip(names, made, values.mean(axis=0), spread, strict=True):
+            weights = formula.weights * scale
+            weights[len(centres)] += middle
+            self.found[name] = (
+                len(self.centres) - 1,
+                Formula(formula.power, weights, formula.error * scale, formula.explained),
+                len(rows),
+            )
+
+
+def _response(data: StudyData, name: str, fits: _Fits, naming: Naming) -> Response:
+    unit = parse_unit(next(metric.unit for metric in data.definition.metrics if metric.name == name))
+    withheld: list[str] = []
+    shares = _or_reason(lambda: first_order_shares(data, name), "what explains it", name, withheld)
+    effects = _or_reason(lambda: main_effects(data, name), "means along factors", name, withheld)
+    profile = None
+    if name in fits.found:
+        profile = _profile(fits, name, unit)
+    else:
+        withheld.append(f"a formula: {fits.reasons[name]}")
+    return Response(
+        naming.metrics[name],
+        tuple(_bar(data, share) for share in shares or ()),
+        tuple(
+            Effect(
+                data.factor(each.factor),
+                each.at,
+                tuple(_estimate(mean.value, mean.low, mean.high, unit) for mean in each.means),
+            )
+            for each in effects or ()
+        ),
+        profile,
+        tuple(dict.fromkeys(map(naming.spoken, withheld))),
+    )
+
+
+def _profile(fits: _Fits, name: str, unit: Unit) -> Profile:
+    at, formula, runs = fits.found[name]
+    factor, offset = float(unit.factor), float(unit.offset)
+    weights = formula.weights / factor
+    weights[len(fits.centres[at])] -= offset / factor
+    return Profile(formula.power, formula.error / factor, formula.explained, runs, at, weights.astype(np.float32))
+
+
+def _bar(data: StudyData, share: Share) -> Bar:
+    return Bar(data.factor(share.factor), (share.share.value, share.share.low, share.share.high))
+
+
+def _estimate(value: float, low: float, high: float, unit: Unit) -> Estimate:
+    first, second, third = (unit.from_si(each) for each in (value, low, high))
+    return first, second, third
+
+
+def _axis(factor: Factor, naming: Naming) -> FactorAxis:
+    if factor.is_choice:
+        return FactorAxis(factor.name, "", -1, (), factor.levels)
+    unit = parse_unit(factor.unit)
+    values = tuple(unit.from_si(factor.value(place)) for place in np.linspace(0, 1, _STEPS).tolist())
+    return FactorAxis(naming.titled(factor.name), factor.unit, naming.variables[factor.name], values)
+
+
+def _or_reason(make: Callable[[], T], what: str, about: str, withheld: list[str]) -> T | None:
+    try:
+        return make()
+    except DseError as error:
+        withheld.append(f"{what}: {_reason(error, about)}")
+        return None
+
+
+def _reason(error: DseError, about: str) -> str:
+    return error.problems[0].what.removeprefix(f"{about}: ")

@@ -1,0 +1,83 @@
+"""Findings as sentences, and the boxes and robust centres among them with their ranges."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+
+from dse.analysis import Box as FoundBox, Centre as FoundCentre, Finding, StudyData, best_boxes, robust_centre
+from dse.errors import DseError
+from dse.report.content.insight import Box, Centre, Range, Told
+from dse.report.insight.naming import Naming
+from dse.units import parse_unit
+
+
+def told_of(findings: Sequence[Finding], naming: Naming) -> tuple[Told, ...]:
+    """Every finding, with titles for names."""
+    return tuple(Told(naming.plane(each.plane), str(each.topic), naming.spoken(each.text)) for each in findings)
+
+
+def boxes_of(data: StudyData, findings: Sequence[Finding], naming: Naming) -> tuple[Box, ...]:
+    """The boxes of all requirements together, as they are told in *findings*; none where they are withheld."""
+    try:
+        found = best_boxes(data, _whole(data))
+    except DseError:
+        return ()
+    texts = [each.text for each in findings if each.plane == data.plane and each.about == _whole(data)]
+    conditions = [text for text in texts if " held-out runs" in text]
+    return tuple(_box(each, data, naming, naming.spoken(text)) for each, text in zip(found, conditions, strict=False))
+
+
+def centres_of(data: StudyData, naming: Naming) -> tuple[Centre, ...]:
+    """The robust centre of all requirements together; none where it is withheld."""
+    try:
+        found = robust_centre(data, _whole(data))
+    except DseError:
+        return ()
+    return (_centre(found, data, naming),)
+
+
+def _whole(data: StudyData) -> str:
+    return next(iter(data.verdicts)) if len(data.verdicts) == 1 else "all requirements"
+
+
+def _box(box: FoundBox, data: StudyData, naming: Naming, text: str) -> Box:
+    choices = [f"{limit.factor.name} is {' or '.join(limit.levels)}" for limit in box.limits if limit.factor.is_choice]
+    density = box.density
+    return Box(
+        naming.plane(data.plane),
+        text,
+        (density.value, density.low, density.high),
+        box.coverage,
+        box.checked,
+        tuple(
+            _range(data, naming, limit.factor.name, limit.low, limit.high)
+            for limit in box.limits
+            if not limit.factor.is_choice
+        ),
+        ", ".join(choices),
+    )
+
+
+def _centre(centre: FoundCentre, data: StudyData, naming: Naming) -> Centre:
+    (row,) = np.flatnonzero(data.numbers == centre.number)
+    ranges = [
+        _range(data, naming, factor.name, place - centre.margin, place + centre.margin)
+        for factor, place in zip(data.factors, data.places[row].tolist(), strict=True)
+        if not factor.is_choice and factor.is_decided and not math.isnan(place)
+    ]
+    return Centre(naming.plane(data.plane), centre.number, centre.margin, centre.around, centre.limit, tuple(ranges))
+
+
+def _range(data: StudyData, naming: Naming, name: str, low: float, high: float) -> Range:
+    """Between two places; where one is NaN, the range's own end."""
+    factor = data.factors[data.factor(name)]
+    unit = parse_unit(factor.unit)
+    first, last = (0.0 if math.isnan(low) else max(low, 0.0)), (1.0 if math.isnan(high) else min(high, 1.0))
+    ends = [factor.value(first), factor.value(last)]
+    if factor.variable is not None and (values := factor.variable.values):
+        inside = [v for i, v in enumerate(values) if first <= (i + 0.5) / len(values) <= last]
+        ends = [min(inside), max(inside)] if inside else ends
+    return Range(naming.variables[name], *map(unit.from_si, ends))

@@ -1,0 +1,34 @@
+// Designs: which one to take, why another is out, and what would have to change.
+import { addTools, card, el } from "../../dom";
+import type { View } from "../view";
+import { createAlternatives } from "./alternatives";
+import { createCompare } from "./compare";
+import { createCriteria } from "./criteria";
+import { groupingOf } from "./grouping";
+import { createLeaderboard } from "./leaderboard";
+import { differingPlaces, createModel } from "./model";
+import { createReasons } from "./reasons";
+import { boardButton, scatterMenu } from "./saving";
+import { createScatter } from "./scatter";
+import { designColumns } from "./values";
+import { createWaterfall } from "./waterfall";
+
+export const designsView: View = {
+  name: "designs",
+  title: "Designs",
+  suits: (study) => study.size > 0 && designColumns(study).length > 0,
+  create(store) {
+    const root = el("div", { class: "columns designs" });
+    const model = createModel(store);
+    const scatter = createScatter(model);
+    const several = groupingOf(store.study).size > 1;
+    const boxes = differingPlaces(store).length ? [card("buys", "What an alternative buys", createAlternatives(model))] : [];
+    const falls = several && store.study.requirements.length ? [card("falls", "What requirements leave", createWaterfall(model))] : [];
+    root.append(
+      el("div", { class: "left" }, addTools(card("scatter", "Any over any", scatter), scatterMenu(model, scatter.querySelector<HTMLElement>(".cloud")!))),
+      el("div", { class: "right" }, card("asked", "What is asked of a design", createCriteria(model)), card("why", "The selected design", createReasons(model))),
+      el("div", { class: "wide" }, addTools(card("board", "Leader board", createLeaderboard(model)), boardButton(model)), ...(several ? [card("side", "Side by side", createCompare(model))] : []), ...falls, ...boxes),
+    );
+    return root;
+  },
+};

@@ -1,0 +1,124 @@
+// Which designs meet the requirements, and by how much: the rule of dse/exploration/designs.py at the reader's
+// thresholds (both are held to tests/design_cases.py).
+import type { Study } from "../../study";
+import { FAIL, FAILED, judge, margin, NOT_EXERCISED, PASS, type Judgement, type Threshold } from "../../verdicts";
+import { groupingOf } from "./grouping";
+
+export interface Standing {
+  /** Overall mark of each design; `PASS` is feasible. */
+  mark: Uint8Array;
+  /** By requirement: the mark of each design, its smallest margin in a run that exercised the requirement (NaN where
+   * none did), and the run that has it (-1). */
+  each: Uint8Array[];
+  margins: Float64Array[];
+  worst: Int32Array[];
+  /** The least margin as a share of its scale; NaN where one is not known. */
+  slack: Float64Array;
+  /** By how much requirements are missed: margins in units of their scales, 1 for one that no run exercised, and for each run
+   * that failed to run 1 + the number of requirements; 0 where it is feasible. */
+  shortfall: Float64Array;
+  /** The run that decides: one that failed to run, else that of the least slack, else the first. */
+  deciding: Int32Array;
+}
+
+/** What a share of margin is a share of: the bound; of a band, half its width; of a bound at 0, the metric's median size. */
+export function scaleOf(study: Study, index: number, { atMost, atLeast }: Threshold): number {
+  const scale = atMost !== null && atLeast !== null ? (atMost - atLeast) / 2 : Math.abs(atMost ?? atLeast ?? 1);
+  if (scale > 0) return scale;
+  const values = study.metrics[study.requirements[index]!.metric]!.values;
+  const sizes = values.map(Math.abs).filter((value) => Number.isFinite(value) && value > 0).sort();
+  return sizes[sizes.length >> 1] ?? 1;
+}
+
+/** *thresholds* moved inwards by the share *demand* of each scale. */
+export function tightened(study: Study, thresholds: Threshold[], demand: number): Threshold[] {
+  if (!demand) return thresholds;
+  return thresholds.map((threshold, index) => {
+    const by = demand * scaleOf(study, index, threshold);
+    const { atMost, atLeast } = threshold;
+    return { ...threshold, atMost: atMost === null ? null : atMost - by, atLeast: atLeast === null ? null : atLeast + by };
+  });
+}
+
+/** Designs at *thresholds*, judged with the share *demand* of margin asked for; *judgement* is that of the runs without it. */
+export function standingOf(study: Study, thresholds: Threshold[], demand: number, judgement: Judgement): Standing {
+  const { size, start, rows, whole } = groupingOf(study);
+  const { each } = demand ? judge(study, tightened(study, thresholds, demand)) : judgement;
+  const standing: Standing = {
+    mark: new Uint8Array(size),
+    each: each.map(() => new Uint8Array(size)),
+    margins: each.map(() => new Float64Array(size).fill(NaN)),
+    worst: each.map(() => new Int32Array(size).fill(-1)),
+    slack: new Float64Array(size).fill(NaN),
+    shortfall: new Float64Array(size),
+    deciding: new Int32Array(size),
+  };
+  each.forEach((marks, index) => judgeOne(study, thresholds[index]!, index, marks, standing));
+  const scales = thresholds.map((threshold, index) => scaleOf(study, index, threshold));
+  const counted = each.map((_, index) => index).filter((index) => !thresholds[index]!.off);
+  const bounded = thresholds.map(({ atMost, atLeast }) => atMost !== null || atLeast !== null);
+  for (let design = 0; design < size; design++) {
+    const [from, to] = [start[design]!, start[design + 1]!];
+    let failed = 0;
+    let deciding = rows[from]!;
+    for (let i = to - 1; i >= from; i--) {
+      if (study.done[rows[i]!]) continue;
+      failed++;
+      deciding = rows[i]!;
+    }
+    let mark: number = failed ? FAILED : whole[design] ? PASS : NOT_EXERCISED;
+    let slack = Infinity;
+    let isKnown = !failed;
+    let shortfall = failed * (1 + counted.length);
+    for (const index of counted) {
+      const one = standing.each[index]![design]!;
+      const run = standing.worst[index]![design]!;
+      const share = standing.margins[index]![design]! / scales[index]!;
+      if (mark !== FAILED && one === FAIL) mark = FAIL;
+      if (mark === PASS && one !== PASS) mark = NOT_EXERCISED;
+      if (one !== PASS && one !== FAIL) isKnown = false;
+      else if (bounded[index] && !failed && !Number.isNaN(slack) && !(share >= slack)) {
+        // Also what is undefined, which nothing undercuts.
+        slack = share;
+        deciding = run;
+      }
+      // A missed margin of nothing is missed all the same.
+      if (one === FAIL) shortfall += demand > share ? demand - share : Number.MIN_VALUE;
+      else if (one !== PASS) shortfall += 1;
+    }
+    standing.mark[design] = mark;
+    standing.deciding[design] = deciding;
+    standing.shortfall[design] = shortfall;
+    standing.slack[design] = isKnown && slack !== Infinity ? slack : NaN;
+  }
+  return standing;
+}
+
+/** One requirement: *marks* are those of the runs. */
+function judgeOne(study: Study, threshold: Threshold, index: number, marks: Uint8Array, standing: Standing): void {
+  const { size, start, rows } = groupingOf(study);
+  const { values } = study.metrics[study.requirements[index]!.metric]!;
+  const [each, margins, worst] = [standing.each[index]!, standing.margins[index]!, standing.worst[index]!];
+  for (let design = 0; design < size; design++) {
+    let found: number = NOT_EXERCISED;
+    let least = Infinity;
+    let at = -1;
+    for (let i = start[design]!; i < start[design + 1]!; i++) {
+      const run = rows[i]!;
+      const mark = marks[run]!;
+      if (mark === FAIL) found = FAIL;
+      else if (mark === PASS && found !== FAIL) found = PASS;
+      else if (mark === FAILED && found === NOT_EXERCISED) found = FAILED;
+      if (mark !== PASS && mark !== FAIL) continue;
+      const by = margin(values[run]!, threshold);
+      // An undefined metric fails, and leaves the margin undefined.
+      if (at < 0 || by < least || (Number.isNaN(by) && !Number.isNaN(least))) {
+        least = by;
+        at = run;
+      }
+    }
+    each[design] = found;
+    margins[design] = Number.isFinite(least) ? least : NaN;
+    worst[design] = at;
+  }
+}

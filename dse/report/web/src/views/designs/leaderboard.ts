@@ -1,0 +1,181 @@
+// All designs as a table: those that are feasible first, ranked by score or any column; only the rows in view exist.
+import { selectRun } from "../../actions";
+import { el } from "../../dom";
+import { number } from "../../format";
+import { axisLabel } from "../../study";
+import { CLASSES, PASS, SIGNS, WORDS } from "../../verdicts";
+import { choiceAt, configurationOf, differingPlaces, hasVariable, nameOf, subscribeCalmly, togglePick, type Model } from "./model";
+import { designColumns, place } from "./values";
+
+const ROW = 28;
+const SPARE = 10;
+
+interface Column {
+  key: string;
+  title: string;
+  hint: string;
+  numeric: boolean;
+  value: (design: number) => number | string;
+  text: (design: number) => string;
+  mark?: (design: number) => number;
+}
+
+export function createLeaderboard(model: Model): HTMLElement {
+  const { store } = model;
+  const head = el("tr");
+  const body = el("tbody");
+  const table = el("table", { class: "runs", id: "leaders", "aria-label": "Designs" }, el("thead", {}, head), body);
+  const view = el("div", { class: "view", tabindex: 0, "aria-label": "Leader board; up and down arrows move the selection, space picks for comparison" }, table);
+  const note = el("p", { class: "hint", id: "leaders-note" });
+  let columns = columnsOf(model);
+  let designs = new Int32Array(0);
+
+  const rows = (): void => {
+    const start = Math.max(0, Math.floor(view.scrollTop / ROW) - SPARE);
+    const end = Math.min(designs.length, Math.ceil((view.scrollTop + view.clientHeight) / ROW) + SPARE);
+    const shown = Array.from(designs.subarray(start, end), (design, index) => rowOf(model, columns, design, start + index));
+    const focused = (document.activeElement as HTMLElement | null)?.id;
+    body.replaceChildren(gap(start, columns.length + 1), ...shown, gap(designs.length - end, columns.length + 1));
+    if (focused?.startsWith("pick-")) document.getElementById(focused)?.focus({ preventScroll: true });
+    table.setAttribute("aria-rowcount", String(designs.length + 1));
+  };
+  const order = (): void => {
+    columns = columnsOf(model);
+    designs = arranged(model, columns);
+    drawHead(model, columns, head);
+    note.textContent = noteOf(model, designs.length);
+    rows();
+  };
+  const selected = (): number => (store.state.selected < 0 ? -1 : model.grouping.of[store.state.selected]!);
+  view.addEventListener("scroll", rows, { passive: true });
+  view.addEventListener("keydown", (event) => {
+    if (event.target !== view || !designs.length) return;
+    const step = event.key === "ArrowDown" ? 1 : event.key === "ArrowUp" ? -1 : 0;
+    const at = designs.indexOf(selected());
+    if (event.key === " " && at >= 0) {
+      event.preventDefault();
+      togglePick(model, designs[at]!);
+    }
+    if (!step) return;
+    event.preventDefault();
+    const to = Math.min(designs.length - 1, Math.max(0, at + step));
+    selectRun(store, model.standing().deciding[designs[to]!]!);
+    const top = to * ROW;
+    if (top < view.scrollTop || top > view.scrollTop + view.clientHeight - 3 * ROW) view.scrollTop = top - view.clientHeight / 2;
+  });
+  new ResizeObserver(rows).observe(view);
+  const ordering = ["criteria", "demand", "thresholds", "brushes", "sort"] as const;
+  subscribeCalmly(model, (changed) => {
+    if (ordering.some((key) => changed.has(key))) order();
+  });
+  model.subscribe((changed) => {
+    if ((changed.has("selected") || changed.has("picked")) && !ordering.some((key) => changed.has(key))) rows();
+  });
+  order();
+  return el("div", { class: "leaders" }, view, note);
+}
+
+function columnsOf(model: Model): Column[] {
+  const { store, choices } = model;
+  const { study } = store;
+  const { mark, slack, each } = model.standing();
+  const scores = model.scores();
+  const front = model.front();
+  const aims = choices.criteria.map(({ column }) => column);
+  const others = designColumns(study).map(({ key }) => key).filter((key) => !aims.includes(key));
+  const kinds = ["property", "composite", "variable", "metric"];
+  others.sort((a, b) => kinds.indexOf(a.split(".")[0]!) - kinds.indexOf(b.split(".")[0]!));
+  const numeric = (key: string): Column => {
+    const { title, unit, values, text, sense } = model.column(key);
+    const judged = key.startsWith("metric.") ? study.requirements.findIndex(({ metric }) => metric === place(key)) : -1;
+    const way = sense === "min" ? "the largest over the conditions" : sense === "max" ? "the smallest over the conditions" : "the mean of its runs";
+    const arrow = aims.includes(key) ? (sense === "max" ? " \u2191" : " \u2193") : "";
+    return {
+      key,
+      title: axisLabel({ title, unit }) + arrow,
+      hint: key.startsWith("metric.") && model.grouping.size < study.size ? way : "",
+      numeric: true,
+      value: (design) => (hasVariable(model, key, design) ? values[design]! : NaN),
+      text: (design) => (!hasVariable(model, key, design) || Number.isNaN(values[design]!) ? "\u2013" : text(values[design]!)),
+      ...(judged >= 0 ? { mark: (design: number) => each[judged]![design]! } : {}),
+    };
+  };
+  return [
+    { key: "design", title: "Design", hint: "", numeric: false, value: (design) => design, text: nameOf },
+    { key: "score", title: "Score", hint: "TOPSIS: 1 is the best of every criterion among the feasible designs, 0 the worst", numeric: true, value: (design) => scores[design]!, text: (design) => (Number.isNaN(scores[design]!) ? "\u2013" : scores[design]!.toFixed(3)) },
+    { key: "verdict", title: "Verdict", hint: "", numeric: false, value: (design) => mark[design]!, text: (design) => `${SIGNS[mark[design]!]} ${WORDS[mark[design]!]}`, mark: (design) => mark[design]! },
+    ...(study.requirements.length ? [{ key: "slack", title: "Least margin [%]", hint: "Of any requirement that is on, as a share of its bound", numeric: true, value: (design: number) => slack[design]!, text: (design: number) => (Number.isNaN(slack[design]!) ? "\u2013" : number(100 * slack[design]!, 3)) }] : []),
+    ...(aims.length > 1 ? [{ key: "front", title: "Front", hint: "On the Pareto front of the criteria, among the feasible designs", numeric: false, value: (design: number) => 1 - front[design]!, text: (design: number) => (front[design] ? "\u25cf" : "") }] : []),
+    ...aims.map(numeric),
+    ...differingPlaces(store).map((name): Column => {
+      const chosen = (design: number): string => choiceAt(store, configurationOf(model, design), name) || "\u2013";
+      return { key: `place.${name}`, title: name, hint: "", numeric: false, value: chosen, text: chosen };
+    }),
+    ...others.map(numeric),
+  ];
+}
+
+/** Feasible designs first; those that are not, without a score, by how little they miss. */
+function arranged(model: Model, columns: Column[]): Int32Array<ArrayBuffer> {
+  const { mark, shortfall } = model.standing();
+  const within = model.within();
+  const { sort } = model.choices;
+  const column = columns.find(({ key }) => key === sort.column) ?? columns[1]!;
+  const found: number[] = [];
+  for (let design = 0; design < mark.length; design++) if (within?.[design] ?? 1) found.push(design);
+  const direction = sort.descending ? -1 : 1;
+  const keys = Array.from(mark, (_, design) => column.value(design));
+  const unknown = (key: number | string): boolean => typeof key === "number" && Number.isNaN(key);
+  found.sort((a, b) => {
+    if ((mark[a] === PASS) !== (mark[b] === PASS)) return mark[a] === PASS ? -1 : 1;
+    const [x, y] = [keys[a]!, keys[b]!];
+    // What is undefined goes last, whichever way the column is sorted.
+    if (unknown(x) || unknown(y)) return Number(unknown(x)) - Number(unknown(y)) || shortfall[a]! - shortfall[b]! || a - b;
+    return x < y ? -direction : x > y ? direction : shortfall[a]! - shortfall[b]! || a - b;
+  });
+  return Int32Array.from(found);
+}
+
+function drawHead(model: Model, columns: Column[], head: HTMLElement): void {
+  const { sort } = model.choices;
+  const focused = (document.activeElement as HTMLElement | null)?.dataset["leader"];
+  const cells = columns.map(({ key, title, hint, numeric }) => {
+    const active = sort.column === key;
+    // What is better when large is first shown largest first.
+    const descending = active ? !sort.descending : key === "score" || key === "slack" || (numeric && model.choices.criteria.some(({ column, maximize }) => column === key && maximize));
+    const button = el("button", { type: "button", "data-leader": key, title: hint || undefined, click: () => model.set({ sort: { column: key, descending } }) }, title, el("span", { class: "arrow", "aria-hidden": "true" }, active ? (sort.descending ? "\u25be" : "\u25b4") : ""));
+    return el("th", { scope: "col", class: numeric ? "numeric" : "", "aria-sort": active ? (sort.descending ? "descending" : "ascending") : "none" }, button);
+  });
+  head.replaceChildren(el("th", { scope: "col" }, el("span", { class: "unseen" }, "Compare")), ...cells);
+  if (focused) head.querySelector<HTMLElement>(`[data-leader="${CSS.escape(focused)}"]`)?.focus();
+}
+
+function rowOf(model: Model, columns: Column[], design: number, index: number): HTMLElement {
+  const { store, choices } = model;
+  const chosen = store.state.selected >= 0 && model.grouping.of[store.state.selected] === design;
+  const pick = el("input", { id: `pick-${design}`, type: "checkbox", "aria-label": `Compare ${nameOf(design)}`, checked: choices.picked.includes(design), click: (event: Event) => event.stopPropagation(), change: () => togglePick(model, design) });
+  const cells = columns.map(({ key, numeric, text, mark }) => {
+    const kind = mark ? CLASSES[mark(design)]! : "";
+    return el("td", { class: `${numeric ? "numeric" : key === "verdict" ? "verdict" : ""} ${kind}` }, text(design));
+  });
+  return el("tr", { class: chosen ? "chosen" : "", "aria-selected": String(chosen), "aria-rowindex": index + 2, "data-design": design, click: () => selectRun(store, model.standing().deciding[design]!) }, el("td", {}, pick), ...cells);
+}
+
+function noteOf(model: Model, shown: number): string {
+  const { grouping, store, choices } = model;
+  const several = grouping.size < store.study.size;
+  const parts = [
+    choices.criteria.length ? "Feasible designs first. Score: TOPSIS over the feasible designs shown (Hwang and Yoon 1981), criteria in vector normalisation, weights by their share." : "Feasible designs first. Choose a criterion for a score.",
+    several ? "Values are means over what is uncertain at the worst condition; a design has to meet every requirement in all its runs, and be shown to in one at least." : "",
+    shown < grouping.size ? `${grouping.size - shown} designs lie outside of the brushes.` : "",
+    "A row selects the run that decides; tick up to five to compare.",
+  ];
+  return parts.filter(Boolean).join(" ");
+}
+
+function gap(count: number, columns: number): HTMLElement {
+  const row = el("tr", { class: "gap", "aria-hidden": "true" }, el("td", { colspan: columns }));
+  row.style.height = `${count * ROW}px`;
+  if (!count) row.hidden = true;
+  return row;
+}

@@ -1,0 +1,78 @@
+// Shares of a metric's variance as bars with their intervals, and its means along each factor.
+import type { Chart } from "../../chart";
+import { el } from "../../dom";
+import type { Estimate, FactorAxis, Part, Response } from "../../insight";
+import { paintChart } from "../../plot/chart";
+import type { Store } from "../../store";
+import { palette } from "../../theme";
+import { createPainted } from "../shared/painting";
+import { valueAt } from "../shared/places";
+
+const MOST_FACTORS = 12;
+
+export function createDependence(store: Store, part: Part, response: Response): HTMLElement {
+  const bars = [...response.bars].sort((a, b) => b.share[0]! - a.share[0]!);
+  const order = bars.map(({ factor }) => factor);
+  const effects = [...response.effects].sort((a, b) => place(order, a.factor) - place(order, b.factor));
+  const hidden = Math.max(0, effects.length - MOST_FACTORS);
+  return el(
+    "div",
+    {},
+    ...response.withheld.map((text) => el("p", { class: "hint withheld" }, `Not told: ${text}.`)),
+    bars.length > 0 && el("h4", {}, "Share of the variance that each explains by itself, with its 95 % interval"),
+    bars.length > 0 && el("div", { class: "bars", id: "bars" }, ...bars.map(({ factor, share }) => bar(part.factors[factor]!, share))),
+    bars.length > 0 && el("p", { class: "hint" }, "What the shares leave to 100 % is due to several together, or to chance; \u2018dse findings\u2019 looks at that, too."),
+    effects.length > 0 && el("h4", {}, "Mean along each, with its 95 % interval"),
+    el("div", { class: "minis" }, ...effects.slice(0, MOST_FACTORS).map((effect) => mini(store, part, response, effect, ends(effects)))),
+    hidden > 0 && el("p", { class: "hint" }, `${hidden} factors that matter less are not drawn.`),
+  );
+}
+
+function place(order: number[], factor: number): number {
+  const found = order.indexOf(factor);
+  return found < 0 ? order.length : found;
+}
+
+function bar(factor: FactorAxis, [value, low, high]: Estimate): HTMLElement {
+  const percent = (share: number | null): string => `${Math.round(100 * (share ?? 0))}`;
+  const fill = el("span", { class: "fill" });
+  const whisker = el("span", { class: "whisker" });
+  fill.style.width = `${100 * (value ?? 0)}%`;
+  whisker.style.left = `${100 * (low ?? 0)}%`;
+  whisker.style.width = `${100 * ((high ?? 0) - (low ?? 0))}%`;
+  return el("div", { class: "bar-row" }, el("span", { class: "bar-name" }, factor.label), el("span", { class: "bar-track", "aria-hidden": "true" }, fill, whisker), el("span", { class: "bar-value" }, el("b", {}, `${percent(value)}\u202f%`), ` (${percent(low)} \u2026 ${percent(high)}\u202f%)`));
+}
+
+function ends(effects: Response["effects"]): [number, number] {
+  const all = effects.flatMap(({ means }) => means.flat()).filter((value): value is number => value !== null);
+  const [low, high] = [Math.min(...all), Math.max(...all)];
+  const rim = 0.05 * (high - low) || 1;
+  return [low - rim, high + rim];
+}
+
+function mini(store: Store, part: Part, response: Response, { factor, places, means }: Response["effects"][number], [low, high]: [number, number]): HTMLElement {
+  const axis = part.factors[factor]!;
+  const metric = store.study.metrics[response.metric]!;
+  const isChoice = axis.variable < 0;
+  const at = Float64Array.from(places, (each) => (isChoice ? each * axis.levels.length - 0.5 : valueAt(axis, each)));
+  const column = (index: number): Float64Array => Float64Array.from(means, (mean) => mean[index] ?? NaN);
+  const chart: Chart = {
+    name: "effect",
+    title: axis.label,
+    note: "",
+    x: { title: axis.label, unit: axis.unit, log: false, low: isChoice ? -0.5 : axis.values[0]!, high: isChoice ? axis.levels.length - 0.5 : axis.values.at(-1)!, names: isChoice ? axis.labels : [] },
+    y: { title: metric.title, unit: metric.unit, log: false, low, high, names: [] },
+    drawn: [
+      ...(isChoice ? whiskers(at, column(1), column(2)) : [{ kind: "band" as const, label: "", x: at, low: column(1), high: column(2) }]),
+      isChoice ? { kind: "points", label: "", verdict: null, x: at, y: column(0), runs: new Int32Array(at.length) } : { kind: "line", label: "", x: at, y: column(0) },
+    ],
+  };
+  const values = means.map((mean, index) => `${mean[0]} at ${isChoice ? axis.labels[index] : at[index]}`).join(", ");
+  return createPainted(store, "mini", `Mean of ${metric.title} along ${axis.label}: ${values}`, (canvas) => paintChart(canvas, chart, palette())).element;
+}
+
+/** Levels have no order: nothing is drawn between them. */
+export function whiskers(at: Float64Array, low: Float64Array, high: Float64Array): Chart["drawn"] {
+  const broken = (values: Float64Array, half = 0): Float64Array => Float64Array.from([...values].flatMap((value) => [value - half, value + half, NaN]));
+  return [{ kind: "band", label: "", x: broken(at, 0.12), low: broken(low), high: broken(high) }];
+}

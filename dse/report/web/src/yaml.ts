@@ -1,0 +1,73 @@
+// What the reader takes along: a run's parameters, and the next study's design variables.
+import type { Store } from "./store";
+import type { Study, Variable } from "./study";
+
+/** A run's configuration and its exact parameters. */
+export function yamlOf(study: Study, run: number): string {
+  const lines = [
+    `# run ${study.number[run]} of ${study.title.replace(/\s+/g, " ")}`,
+    `configuration: ${scalar(study.configurations[study.configuration[run]!]!.id)}`,
+  ];
+  if (study.variables.length) lines.push("parameters:");
+  for (const { name, unit, values } of variablesOf(study, run)) lines.push(`  ${scalar(name)}: ${quantity(values[run]!, unit)}`);
+  return lines.join("\n") + "\n";
+}
+
+/** The variables that the run's configuration has. */
+export function variablesOf(study: Study, run: number): Variable[] {
+  return study.variables.filter(({ lack }) => !lack.includes(study.configuration[run]!));
+}
+
+/**
+ * The `design_variables` of a study of what is brushed: the range of each variable is its own brush; else, if anything
+ * else is brushed, that of the runs within; else what it was.
+ */
+export function nextStudy(store: Store): string {
+  const { study, state } = store;
+  const within = store.within();
+  const lines = [`# where ${study.title.replace(/\s+/g, " ")} was brushed`, "design_variables:"];
+  study.variables.forEach((variable, index) => {
+    const own = state.brushes.find(({ column }) => column === `variable.${index}`);
+    const others = state.brushes.some(({ column }) => column !== `variable.${index}`);
+    const [low, high] = own ? [own.low, own.high] : others && within ? reachOf(variable.values, within) : [variable.low, variable.high];
+    const clip = (value: number): number => Math.min(variable.high, Math.max(variable.low, value));
+    // A range of a run or none is no range.
+    const [from, to] = low < high ? [rounded(clip(low)), rounded(clip(high))] : [variable.low, variable.high];
+    const nominal = Math.min(to, Math.max(from, variable.nominal));
+    lines.push(
+      `  ${scalar(variable.name)}:`,
+      `    range: [${quantity(from, variable.unit)}, ${quantity(to, variable.unit)}]`,
+      `    nominal: ${quantity(nominal, variable.unit)}`,
+      `    title: ${scalar(variable.title)}`,
+    );
+  });
+  return lines.join("\n") + "\n";
+}
+
+function reachOf(values: Float64Array, within: Uint8Array): [number, number] {
+  let [low, high] = [Infinity, -Infinity];
+  for (let run = 0; run < within.length; run++) {
+    if (!within[run]) continue;
+    low = Math.min(low, values[run]!);
+    high = Math.max(high, values[run]!);
+  }
+  return [low, high];
+}
+
+// A range comes from a hand that dragged; six digits are more than it aimed at.
+function rounded(value: number): number {
+  return Number(value.toPrecision(6));
+}
+
+function quantity(value: number, unit: string): string {
+  return unit ? scalar(`${value} ${unit}`) : String(value);
+}
+
+// Anything beyond plain words is quoted; a JSON string is a YAML string.
+function scalar(text: string): string {
+  return /^[A-Za-z0-9_.+-][A-Za-z0-9_.+\-/%\u00b0 ]*$/.test(text) && !/^[-?]|\s$|^[\d.]+$|^(true|false|null|~)$/i.test(text)
+    ? text
+    : /^-?[\d.]+(e[-+]?\d+)? [A-Za-z%/.0-9\u00b0]+$/.test(text)
+      ? text
+      : JSON.stringify(text);
+}

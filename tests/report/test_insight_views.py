@@ -1,0 +1,313 @@
+"""Overview, understanding and conditions in a real browser."""
+
+from __future__ import annotations
+
+import dataclasses
+import json
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+from known_functions import even, study, variable
+from playwright.sync_api import Page
+
+from dse.analysis import planes
+from dse.domain.definition import DefinedObjective
+from dse.report import insight_of
+from dse.report.content.nouns import (
+    ConfigurationEntry,
+    MetricColumn,
+    ReportContent,
+    RequirementRow,
+    Runs,
+    SamplerKind,
+    Variable,
+)
+from dse.report.insight.profiles import evaluated, features
+from dse.storage import RunTable
+
+pytestmark = pytest.mark.browser
+
+HOSTILE = '</script><img src=x onerror="window.pwned=1"><b>'
+Open = Callable[[ReportContent], Page]
+
+
+def content_of(table: RunTable, title: str = "made up", problem: str = "it broke at t = 3.5 s") -> ReportContent:
+    """The report's content of a table, as its reading makes it of a folder."""
+    definition = table.header.definition
+    metrics = tuple(MetricColumn(m.name, m.title, m.unit, table.metric(m.name).copy()) for m in definition.metrics)
+    return ReportContent(
+        title,
+        SamplerKind.SCATTERED,
+        "out/made_up",
+        Runs(
+            table.numbers.copy(),
+            table.configurations,
+            table.done.copy(),
+            tuple("" if ok else problem for ok in table.done),
+        ),
+        tuple(ConfigurationEntry(c.id, dict(c.choices), {}) for c in definition.configurations),
+        tuple(
+            Variable(
+                v.name, v.title, v.unit, v.low, v.high, v.levels or None, v.nominal, table.points[v.name].astype(float)
+            )
+            for v in definition.variables
+        ),
+        metrics,
+        tuple(
+            RequirementRow(r.name, r.title, r.metric, r.at_most, r.at_least, table.done & (table.verdicts(r.name) != 2))
+            for r in definition.requirements
+        ),
+        insight=insight_of(table),
+    )
+
+
+def plane(count: int = 200, **facts) -> RunTable:
+    """y = x1 + x2 / 4 is required to be at most 0.5."""
+    points = even(count, 2, 0)
+    return study(points, {"y": points[:, 0] + points[:, 1] / 4}, {"y": 0.5}, **facts)
+
+
+def conditions() -> RunTable:
+    """x1 at two speeds and three grips: y = x1 + speed - grip is at most 0.5; not exercised where the grip is 0."""
+    designs, speeds, grips = np.linspace(0.05, 0.95, 10), [0.0, 1.0], [0.0, 0.5, 1.0]
+    points = np.array([[x, s, g] for x in designs for s in speeds for g in grips])
+    variables = (
+        variable("x1"),
+        variable("speed", role="condition", values=(0.0, 1.0)),
+        variable("grip", role="condition", values=(0.0, 0.5, 1.0)),
+    )
+    y = points[:, 0] + points[:, 1] - points[:, 2]
+    return study(points, {"y": y}, {"y": 0.5}, variables=variables, exercised=points[:, 2] > 0)
+
+
+def settle(page: Page) -> None:
+    page.evaluate("() => new Promise(done => requestAnimationFrame(() => requestAnimationFrame(done)))")
+
+
+def opened(page: Page, view: str) -> Page:
+    page.click(f"#tab-{view}")
+    settle(page)
+    return page
+
+
+def selected(page: Page) -> int:
+    settle(page)
+    return int(page.inner_text("#selected-run").split()[1])
+
+
+def plain(text: str) -> str:
+    return text.replace("\u202f", " ").replace("\u2212", "-")
+
+
+def test_the_overview_says_what_was_found_and_opens_the_run_that_is_picked(open_report: Open) -> None:
+    table = plane()
+    page = opened(open_report(content_of(table)), "overview")
+    insight = insight_of(table)
+    assert [each.text for each in insight.told if each.topic != "not told"] == page.locator(
+        "#findings > ul li"
+    ).all_inner_texts()
+    robust = page.locator(".pick", has_text="Most robust")
+    robust.click()
+    assert selected(page) == insight.centres[0].run
+    assert page.get_attribute("#tab-plot", "aria-selected") == "true"
+
+
+def test_the_verdict_matrix_counts_what_the_runs_did_and_opens_the_worst(open_report: Open) -> None:
+    table = conditions()
+    page = opened(open_report(content_of(table)), "conditions")
+    rows = page.locator("#matrix tbody tr")
+    assert rows.count() == 3
+    page.select_option(".conditions select >> nth=3", "all")
+    settle(page)
+    shown = [[plain(cell.inner_text()) for cell in row.locator("td").all()] for row in rows.all()]
+    at = {name: table.points[name] for name in ("speed", "grip")}
+    for row, grip in enumerate([0.0, 0.5, 1.0]):
+        for column, speed in enumerate([0.0, 1.0]):
+            there = (at["speed"] == speed) & (at["grip"] == grip)
+            passing = int((table.verdicts("R1")[there] == 0).sum())
+            assert f"{passing} of 10" in shown[row][column]
+    cell = page.locator("#matrix tbody tr >> nth=1").locator("button >> nth=1")
+    there = np.flatnonzero((at["speed"] == 1.0) & (at["grip"] == 0.5))
+    cell.click()
+    assert selected(page) == int(there[np.argmin(table.margins("R1")[there])])
+
+
+def test_the_profiler_says_what_the_formula_says(open_report: Open) -> None:
+    table = plane()
+    page = opened(open_report(content_of(table)), "understanding")
+    for index, place in enumerate((0.25, 0.8)):
+        slider = page.locator(".profile-control input").nth(index)
+        slider.evaluate("(e, v) => { e.value = v; e.dispatchEvent(new Event('input')) }", str(place))
+    settle(page)
+    (part,) = insight_of(table).parts
+    profile = part.responses[0].profile
+    assert profile is not None
+    point = features(np.array([[0.25, 0.8]]), planes(table)[0].factors)
+    expected = evaluated(
+        point, part.centres[profile.centres].astype(float), profile.weights[:, None].astype(float), profile.power
+    )
+    assert float(plain(page.inner_text("#prediction b")).split()[0]) == pytest.approx(float(expected[0, 0]), abs=2e-4)
+    page.click("#profile-nearest")
+    away = np.hypot(table.points["x1"] - 0.25, table.points["x2"] - 0.8)
+    assert f"run, {int(np.argmin(away))}, was simulated" in page.inner_text("#nearest-run")
+
+
+@pytest.mark.thorough
+def test_the_lights_follow_the_thresholds(open_report: Open) -> None:
+    table = plane()
+    page = open_report(content_of(table))
+    page.fill("#field-atMost-0", "-1")
+    opened(page, "overview")
+    row = plain(page.inner_text("#lights tbody tr >> nth=1"))
+    assert "0 of 200" in row
+    assert page.locator("#lights .light.fail").count() == 2
+    assert "No run meets all requirements" in page.inner_text("#warnings")
+    assert "thresholds" in page.inner_text("#warnings").lower()
+    assert "you have moved thresholds" in page.inner_text("#findings").lower()
+    assert page.locator(".pick").count() == 1  # the robust centre of the study's own
+    opened(page, "plot")
+    page.fill("#field-atMost-0", "9")
+    opened(page, "overview")
+    assert page.locator("#lights .light.pass").count() == 2
+
+
+@pytest.mark.thorough
+def test_failed_runs_are_warned_of_by_their_causes(open_report: Open) -> None:
+    done = np.arange(200) % 4 > 0
+    page = opened(open_report(content_of(plane(done=done))), "overview")
+    first = page.locator("#warnings li").first
+    assert "50 of 200 runs failed to run: it broke at t = \u2026 s (50)" in plain(first.inner_text())
+    first.locator("button").click()
+    assert selected(page) == 0
+
+
+@pytest.mark.thorough
+def test_what_was_not_exercised_is_warned_of(open_report: Open) -> None:
+    page = opened(open_report(content_of(conditions())), "overview")
+    assert "not exercised in 20 of 60 runs" in plain(page.inner_text("#warnings"))
+    assert "20 not exercised" in plain(page.inner_text("#lights"))
+
+
+@pytest.mark.thorough
+def test_show_sets_back_what_is_outside_of_a_box(open_report: Open) -> None:
+    table = plane(600)
+    page = opened(open_report(content_of(table)), "understanding")
+    box = insight_of(table).boxes[0]
+    page.click(".box-row >> nth=0 >> text=Show")
+    settle(page)
+    inside = np.ones(600, dtype=bool)
+    for limits in box.ranges:
+        values = table.points[f"x{limits.variable + 1}"]
+        inside &= (values >= limits.low - 1e-6) & (values <= limits.high + 1e-6)
+    passing = int((inside & (table.verdicts("R1") == 0)).sum())
+    assert f"{passing} of the {int(inside.sum())} runs inside pass" in plain(page.inner_text("#brushed"))
+    page.click("#clear-brushes")
+    settle(page)
+    assert not page.is_visible("#clear-brushes")
+
+
+@pytest.mark.thorough
+def test_a_small_plane_opens_in_the_plot(open_report: Open) -> None:
+    points = even(60, 3, 0)
+    page = opened(open_report(content_of(study(points, {"y": points.sum(axis=1)}, {"y": 1.5}))), "understanding")
+    assert page.locator(".pair").count() == 3
+    page.locator(".pair").nth(2).click()
+    settle(page)
+    assert page.get_attribute("#tab-plot", "aria-selected") == "true"
+    assert "x2" in page.inner_text("#view")
+    assert "x3" in page.inner_text("#view")
+
+
+@pytest.mark.thorough
+def test_a_search_is_told_with_its_best_designs(open_report: Open) -> None:
+    points = even(100, 2, 0)
+    table = study(points, {"y": points[:, 0], "z": points[:, 1]}, {"y": 0.5})
+    definition = dataclasses.replace(table.header.definition, objectives=(DefinedObjective("z"),))
+    table = dataclasses.replace(table, header=dataclasses.replace(table.header, definition=definition))
+    page = opened(open_report(content_of(table)), "understanding")
+    feasible = int((points[:, 0] <= 0.5).sum())
+    assert f"{feasible} of 100 designs" in plain(page.inner_text("#search"))
+    opened(page, "overview").locator(".pick", has_text="Best design").first.click()
+    assert selected(page) == int(np.argmin(np.where(points[:, 0] <= 0.5, points[:, 1], np.inf)))
+
+
+@pytest.mark.thorough
+@pytest.mark.parametrize("view", ["overview", "understanding", "conditions"])
+@pytest.mark.parametrize("width", [400, 1440, 2560])
+def test_no_view_is_wider_than_the_page(open_report: Open, view: str, width: int) -> None:
+    page = open_report(content_of(conditions()))
+    page.set_viewport_size({"width": width, "height": 900})
+    opened(page, view)
+    assert page.evaluate("document.documentElement.scrollWidth") <= width
+
+
+@pytest.mark.thorough
+def test_names_of_users_stay_text(open_report: Open) -> None:
+    long = "\u202e" + "x" * 10_000
+    points = even(80, 2, 0)
+    variables = (variable("x1", title=HOSTILE), variable("x2", title=long, role="condition", values=(0.0, 1.0)))
+    points[:, 1] = np.arange(80) % 2
+    choices = [{HOSTILE: (HOSTILE, long)[i % 2]} for i in range(80)]
+    table = study(
+        points, {"y": points[:, 0]}, {"y": 0.5}, variables=variables, choices=choices, done=np.arange(80) % 9 > 0
+    )
+    page = open_report(content_of(table, HOSTILE, HOSTILE))
+    page.set_viewport_size({"width": 400, "height": 900})
+    for view in ("overview", "understanding", "conditions"):
+        opened(page, view)
+        assert page.evaluate("document.documentElement.scrollWidth") <= 400
+    assert page.evaluate("window.pwned") is None
+    assert page.locator("#view img").count() == 0
+
+
+@pytest.mark.thorough
+@pytest.mark.parametrize("count", [0, 1, 2])
+def test_few_runs_are_shown_without_a_complaint(open_report: Open, count: int) -> None:
+    page = opened(open_report(content_of(plane(count))), "overview")
+    assert page.locator("#warnings li").count() > 0
+    if page.locator("#tab-understanding").count():
+        opened(page, "understanding")
+
+
+@pytest.mark.thorough
+def test_metrics_that_are_nowhere_defined_are_withheld_by_name(open_report: Open) -> None:
+    points = even(60, 2, 0)
+    values = {"y": np.full(60, np.nan), "z": np.where(points[:, 0] > 0.5, np.inf, points[:, 1])}
+    page = opened(open_report(content_of(study(points, values, {"y": 0.5, "z": 0.5}))), "understanding")
+    assert "it is defined in 0 of 60 runs" in page.inner_text("#view")
+    opened(page, "overview")
+
+
+@pytest.mark.thorough
+def test_all_failed_is_a_page_all_the_same(open_report: Open) -> None:
+    page = opened(open_report(content_of(plane(60, done=np.zeros(60, dtype=bool)))), "overview")
+    assert "60 of 60 runs failed to run" in plain(page.inner_text("#warnings"))
+    assert page.locator(".pick").count() == 0
+
+
+@pytest.mark.thorough
+def test_thirty_variables_and_five_requirements_on_one_metric(open_report: Open) -> None:
+    points = even(200, 30, 0)
+    table = study(points, {"y": points[:, 0], "z": points[:, 1]}, {"y": 0.5})
+    page = opened(open_report(content_of(table)), "understanding")
+    assert page.locator(".pair").count() == 15
+    page.locator(".checks input:checked").first.uncheck()
+    settle(page)
+    assert page.locator(".pair").count() == 10
+    assert page.locator(".profile-cell").count() == 12
+    base = content_of(table)
+    several = tuple(dataclasses.replace(base.requirements[0], name=f"R{k}", at_most=0.1 * k) for k in range(1, 6))
+    asked = dataclasses.replace(base.insight.asked, exercised=("",) * 5)  # type: ignore[union-attr]
+    content = dataclasses.replace(base, requirements=several, insight=dataclasses.replace(base.insight, asked=asked))  # type: ignore[type-var]
+    opened(page := open_report(content), "overview")
+    assert page.locator("#lights tbody tr").count() == 6
+
+
+def test_the_payload_is_plain_json_of_bounded_size() -> None:
+    from dse.report.page.insight import insight_json
+    from dse.report.page.packing import Block
+
+    block = Block()
+    text = json.dumps(insight_json(insight_of(plane(600)), block), allow_nan=False)
+    assert len(text) + len(block.text()) < 40_000

@@ -1,0 +1,51 @@
+"""What a reader sees of a page in a browser, and what Python says it should be."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Callable
+
+import numpy as np
+from playwright.sync_api import Page
+
+from dse.report.content.nouns import ReportContent
+from dse.report.verdicts import overall_marks
+
+Open = Callable[[ReportContent], Page]
+PLANE = slice(0, 121)
+"""Runs of the plane that is shown first of the sliced study."""
+
+
+def counts(page: Page) -> list[int]:
+    """What the legend says: pass, fail, not exercised, failed to run."""
+    settle(page)
+    texts = [page.inner_text(f"#count-{kind}") for kind in ("pass", "fail", "open", "broken")]
+    return [int(text.replace("\u202f", "")) for text in texts]
+
+
+def expected(content: ReportContent, *bounds: float, runs: slice = slice(None)) -> list[int]:
+    """The same of *runs* from Python, with the requirements' upper bounds replaced."""
+    requirements = tuple(
+        dataclasses.replace(requirement, at_most=bound)
+        for requirement, bound in zip(content.requirements, bounds, strict=True)
+    )
+    marks = overall_marks(dataclasses.replace(content, requirements=requirements))[runs]
+    return [int(count) for count in np.bincount(marks, minlength=4)]
+
+
+def settle(page: Page) -> None:
+    """Wait until what was changed has been drawn."""
+    page.evaluate("() => new Promise(done => requestAnimationFrame(() => requestAnimationFrame(done)))")
+
+
+def ground(page: Page) -> str:
+    """The constraint plot's pixels."""
+    settle(page)
+    return str(page.evaluate("document.querySelector('canvas.ground').toDataURL()"))
+
+
+def selected(page: Page) -> int:
+    if page.get_attribute("#tab-plot", "aria-selected") == "false":
+        page.click("#tab-plot")
+    settle(page)
+    return int(page.inner_text("#selected-run").split()[1])
