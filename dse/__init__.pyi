@@ -1,5 +1,6 @@
 from .api import (
     Bench as Bench,
+    Compared as Compared,
     Design as Design,
     ExplorationInterruptedError as ExplorationInterruptedError,
     Progress as Progress,
@@ -9,6 +10,7 @@ from .api import (
     Study as Study,
     Waveforms as Waveforms,
     Workspace as Workspace,
+    compare as compare,
     open as open,
     results as results,
 )

@@ -91,9 +91,13 @@ async def _aside(work: Callable[[], T]) -> T:
     loop = asyncio.get_running_loop()
     done: asyncio.Future[T] = loop.create_future()
 
+    def settle(how: Callable[[Any], None], what: object) -> None:
+        if not done.cancelled():
+            how(what)
+
     def tell(how: Callable[[Any], None], what: object) -> None:
         with suppress(RuntimeError):  # the server has ended meanwhile
-            loop.call_soon_threadsafe(lambda: None if done.cancelled() else how(what))
+            loop.call_soon_threadsafe(settle, how, what)
 
     def thread() -> None:
         try:

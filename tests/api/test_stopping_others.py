@@ -64,6 +64,29 @@ def test_who_writes_is_interrupted_as_by_ctrl_c(study: Path, holder: subprocess.
     assert holder.communicate(timeout=60)[0] == "interrupted\n"
 
 
+BACKGROUND = """
+import signal
+signal.signal(signal.SIGINT, signal.SIG_IGN)
+"""
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="only Linux tells what a process hears")
+def test_what_runs_in_the_background_of_a_shell_is_stopped_as_it_can_be(study: Path) -> None:
+    handles = "signal.signal(signal.SIGTERM, signal.default_int_handler)\n"
+    with started(BACKGROUND + handles + HOLDS, str(study)) as process:
+        assert stop(study).process == process.pid
+        assert process.communicate(timeout=60)[0] == "interrupted\n"
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="only Linux tells what a process hears")
+def test_what_would_not_tidy_up_is_not_ended(study: Path) -> None:
+    with started(BACKGROUND + HOLDS, str(study)) as process:
+        with pytest.raises(DseError, match="it ignores interrupts"):
+            stop(study)
+        assert process.poll() is None
+        process.kill()
+
+
 def test_where_nobody_writes_nobody_is_stopped(study: Path) -> None:
     with pytest.raises(DseError, match="nobody explores this study"):
         stop(study)

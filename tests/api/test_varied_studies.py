@@ -9,9 +9,10 @@ from pathlib import Path
 import pytest
 
 import dse
-from dse.api import Towards, refine
+from dse.api import Towards, refine, try_point
 from dse.api.studies.bench import Bench
 from dse.testbench.study import with_values
+from dse.units import parse_unit
 
 STUDY = """study: varied
 testbench: acc_following
@@ -96,6 +97,21 @@ def test_the_next_study_can_be_read_and_lies_within_the_last(varied, towards, mo
     assert narrowed.selection.ids
     assert [each.expression.text for each in narrowed.bench.derived] == ["5 s * controller.kp_gap"]
     assert (narrowed.sampler.name == "boundary") == (towards is Towards.BAND)
+
+
+def test_a_point_of_every_configuration_can_be_tried_again(varied):
+    _, results = varied
+    units = {each.name: parse_unit(each.unit) for each in results.definition.variables}
+    frame = results.to_pandas()
+    for number in frame.groupby("configuration").head(1).index.tolist():
+        run = results.run(number)
+        shown = {name: units[name].from_si(float(value)) for name, value in run.point.items()}
+        tried = try_point(results.definition, run.configuration, shown, near=results.folder)
+        assert tried.changed == ()
+        assert tried.run.metrics.keys() == run.metrics.keys()
+        # What is shown may be a rounding away from what was simulated.
+        for name, value in run.metrics.items():
+            assert tried.run.metrics[name] == pytest.approx(value, rel=1e-6, abs=1e-9, nan_ok=True)
 
 
 SEARCH = """study: search

@@ -442,3 +442,11 @@ EVERYTHING = (
         (Bars(np.arange(4) - 0.5, np.array([1.0, 2.0, 3.0]), "all"),),
     ),
 )
+
+
+@pytest.mark.thorough
+def test_a_grid_that_lacks_levels_has_no_boundaries_yet(sliced: ReportContent, open_report: Open) -> None:
+    assert "interpolated linearly" in open_report(sliced).inner_text("#plane-note")
+    variables = tuple(dataclasses.replace(variable, levels=12) for variable in sliced.variables)
+    page = open_report(dataclasses.replace(sliced, variables=variables))
+    assert "only the runs are shown, no boundaries" in page.inner_text("#plane-note")

@@ -6,12 +6,13 @@ import json
 import math
 import re
 import shutil
+import threading
 from pathlib import Path
 
 import pytest
 from served_studies import add_run, store_study
 
-from dse.serving import desk
+from dse.serving import Shelf, application, desk
 from dse.storage import StudyFolder, WriterLock
 
 
@@ -34,8 +35,6 @@ def test_names_are_text(client) -> None:
 
 
 def test_an_empty_folder_says_how_to_make_a_study(tmp_path: Path, served) -> None:
-    from dse.serving import Shelf, application
-
     with served(application(Shelf(tmp_path))) as client:
         assert "dse explore" in client.get("/").text
 
@@ -156,6 +155,31 @@ def test_a_point_that_does_not_fit_the_study_is_refused_by_name(client) -> None:
     assert "'chassis.mass' is no design variable" in told("c1", **{"controller.kp": 0.5, "chassis.mass": 1.0})
 
 
+def test_while_one_point_is_simulated_another_one_waits_and_the_end_of_the_server_does_not(
+    workshop: Path, served, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    begun, released = threading.Event(), threading.Event()
+
+    def slow(*_: object, **__: object) -> None:
+        begun.set()
+        released.wait(60)
+
+    monkeypatch.setattr("dse.serving.answers.try_point", slow)
+    point = {"configuration": "c1", "point": {"controller.kp": 0.5}}
+    with served(application(Shelf(workshop))) as client:
+        first = threading.Thread(target=client.post, args=("/simulate?study=out/first", point))
+        first.start()
+        assert begun.wait(30)
+        assert client.get("/progress?study=out/first").status == 200
+        second = client.post("/simulate?study=out/first", point)
+    # The server has ended, and the point is still being simulated.
+    assert not released.is_set()
+    assert second.status == 429
+    assert "another point is being simulated" in second.text
+    released.set()
+    first.join()
+
+
 def test_nobody_is_stopped_where_nobody_explores(client) -> None:
     answer = client.post("/stop?study=out/first", {})
     assert answer.status == 409
@@ -163,8 +187,6 @@ def test_nobody_is_stopped_where_nobody_explores(client) -> None:
 
 
 def test_studies_can_have_any_name(tmp_path: Path, served) -> None:
-    from dse.serving import Shelf, application
-
     name = 'a "b" <i>&%2f ü'
     store_study(tmp_path / name, [0.5])
     with served(application(Shelf(tmp_path))) as client:

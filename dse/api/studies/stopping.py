@@ -28,8 +28,9 @@ def stop(folder: str | Path) -> Writer:
     if sys.platform == "win32":
         raise _refused(path, writer, "Windows has no way to interrupt another console", "press Ctrl-C in its window")
     _require_ours(path, writer)
+    number = _heard(path, writer)
     try:
-        os.kill(writer.process, signal.SIGINT)
+        os.kill(writer.process, number)
     except ProcessLookupError:
         raise fail("nobody explores this study any more", Location(str(path))) from None
     except PermissionError:
@@ -57,6 +58,27 @@ def _require_ours(path: Path, writer: Writer) -> None:
         raise _refused(path, writer, f"the system does not tell whether it writes here ({error})", _THERE) from error
     if not has_lock:
         raise _refused(path, writer, f"it does not hold the folder's {LOCK}", _THERE)
+
+
+def _heard(path: Path, writer: Writer) -> signal.Signals:
+    """The signal to stop it with: what a shell has put into the background hears no Ctrl-C, but SIGTERM.
+
+    Only a process that handles SIGTERM itself gets that: it would end any other in the middle of things.
+    """
+    try:
+        told = Path(f"/proc/{writer.process}/status").read_text("ascii", "replace")
+    except OSError:  # only Linux tells
+        return signal.SIGINT
+    masks = {line.partition(":")[0]: line.partition(":")[2].strip() for line in told.splitlines()}
+
+    def has(mask: str, number: signal.Signals) -> bool:
+        return bool(int(masks.get(mask, "0"), 16) >> (number - 1) & 1)
+
+    if not has("SigIgn", signal.SIGINT):
+        return signal.SIGINT
+    if has("SigCgt", signal.SIGTERM):
+        return signal.SIGTERM
+    raise _refused(path, writer, "it ignores interrupts", "end it where it was started")
 
 
 _THERE = "press Ctrl-C where it was started"

@@ -65,6 +65,7 @@ def _document(content: ReportContent) -> Json:
                 "low": v.low,
                 "high": v.high,
                 "nominal": v.nominal,
+                "levels": v.levels or 0,
                 "lack": v.lack,
                 "labels": v.labels,
                 "role": str(v.role),

@@ -22,6 +22,9 @@ interface Progress {
   writer?: string;
 }
 
+/** Milliseconds after which whoever was asked to stop should have. */
+const PATIENCE = 20000;
+
 const EVERY = { running: 2000, otherwise: 10000 };
 
 export function startLive(store: Store): void {
@@ -40,11 +43,13 @@ export function startLive(store: Store): void {
   document.body.append(trying.panel);
   new ResizeObserver(() => (trying.panel.style.top = `${bar.offsetHeight}px`)).observe(bar);
 
+  let asked = Infinity;
   const ask = async (): Promise<void> => {
     stop.disabled = true;
     said.textContent = "asking it to stop \u2026";
     try {
       await post(`/stop?${entry.query}`, {});
+      asked = performance.now();
       said.textContent = "asked to stop; what is finished is stored";
     } catch (error) {
       said.textContent = String((error as Error).message);
@@ -65,6 +70,11 @@ export function startLive(store: Store): void {
     const more = now.finished - entry.runs;
     news.hidden = more === 0;
     news.textContent = more > 0 ? `${count(more, "new run")} \u2013 show` : "The study was begun again \u2013 show";
+    if (isRunning && performance.now() - asked > PATIENCE) {
+      said.textContent = "it has not stopped yet";
+      stop.disabled = false;
+      asked = Infinity;
+    }
     if (!isRunning && !stop.hidden) {
       said.textContent = now.state === "interrupted" ? "stopped; the same command goes on" : "";
       stop.disabled = false;

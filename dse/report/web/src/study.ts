@@ -21,6 +21,8 @@ export interface Variable extends Column {
   low: number;
   high: number;
   nominal: number;
+  /** How many values a grid has of it when all its runs are made; 0 if it is on none. */
+  levels: number;
   // Places of the configurations that do not have it.
   lack: number[];
   /** What the values 0, 1, … are called; none where they are quantities. */
@@ -130,7 +132,7 @@ interface Document {
   sampler: Sampler;
   runs: number;
   mostCentres: number;
-  variables: { name: string; title: string; unit: string; low: number; high: number; nominal: number; lack: number[]; role: Variable["role"]; labels: string[] }[];
+  variables: { name: string; title: string; unit: string; low: number; high: number; nominal: number; levels: number; lack: number[]; role: Variable["role"]; labels: string[] }[];
   metrics: { name: string; title: string; unit: string; checked: boolean }[];
   requirements: { name: string; title: string; metric: number; atMost: number | null; atLeast: number | null }[];
   configurations: { id: string; choices: [string, string][] }[];

@@ -92,7 +92,9 @@ function makePlane(study: Study, shown: Shown): Plane {
   for (let run = 0; run < study.size; run++) if (liesIn(study, run, shown)) on.push(run);
   const runs = Int32Array.from(on);
   const sliced = study.sampler === "sliced" && !study.slices.some((names) => names.includes(x) && names.includes(y));
-  const lattice = sliced ? null : latticeOf(horizontal.values, vertical.values, runs);
+  // Of a grid that is being made there are no levels yet to interpolate to.
+  const spans = [horizontal, vertical].every(({ values, levels }) => new Set(on.map((run) => values[run])).size >= levels);
+  const lattice = sliced || !spans ? null : latticeOf(horizontal.values, vertical.values, runs);
   if (lattice) {
     const fields = latticeFields(study, lattice);
     return { ...base, on: runs, fields, note: fields.how };
