@@ -1,4 +1,5 @@
-"""Makes the README's picture and its table of the picked run from out/acc_gains: run it after `make demo`."""
+"""Makes the README's pictures and its table of the picked run: run it after `make demo` and, for the third picture,
+`dse explore electric_acc_search` and `dse report electric_acc_search`."""
 
 from __future__ import annotations
 
@@ -14,24 +15,33 @@ from dse.report.figures.waveforms import default_run
 
 ROOT = Path(__file__).resolve().parents[1]
 STUDY = ROOT / "out" / "acc_gains"
+SEARCH = ROOT / "out" / "electric_acc_search"
 MARKS = ("<!-- picked run: begin -->", "<!-- picked run: end -->")
 
 
 def main() -> None:
-    """Write docs/images/acc_gains*.png and the lines between the README's marks."""
+    """Write docs/images/*.png and the lines between the README's marks."""
     browser_path = shutil.which("chromium") or shutil.which("google-chrome")
-    if browser_path is None or not (STUDY / "report.html").exists():
-        sys.exit("needs chromium and out/acc_gains/report.html (make demo)")
+    missing = [str(study) for study in (STUDY, SEARCH) if not (study / "report.html").exists()]
+    if browser_path is None or missing:
+        sys.exit(f"needs chromium, and a report in {' and '.join(missing) or 'every study'}")
+    images = ROOT / "docs" / "images"
     with sync_playwright() as playwright:
-        browser = playwright.chromium.launch(executable_path=browser_path)
-        page = browser.new_page(viewport={"width": 1440, "height": 1245})
+        browser = playwright.chromium.launch(executable_path=browser_path, args=["--no-sandbox"])
+        page = browser.new_page(viewport={"width": 1440, "height": 900})
         page.goto((STUDY / "report.html").as_uri())
+        page.wait_for_selector("html[data-ready]")
         page.wait_for_timeout(1500)
-        page.screenshot(path=ROOT / "docs" / "images" / "acc_gains.png")
+        page.screenshot(path=images / "acc_gains.png")
         page.get_by_text("distance P gain × distance D gain").first.click()
         page.wait_for_timeout(500)
         box = page.locator('[aria-roledescription="constraint plot"]').bounding_box()
-        page.screenshot(path=ROOT / "docs" / "images" / "acc_gains_distance.png", clip=box)
+        page.screenshot(path=images / "acc_gains_distance.png", clip=box)
+        page.goto((SEARCH / "report.html").as_uri())
+        page.wait_for_selector("html[data-ready]")
+        page.click("#tab-designs")
+        page.wait_for_timeout(500)
+        page.screenshot(path=images / "electric_acc_designs.png")
         browser.close()
     readme = ROOT / "README.md"
     text = readme.read_text(encoding="utf-8")

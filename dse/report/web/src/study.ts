@@ -27,6 +27,7 @@ export interface Variable extends Column {
   lack: number[];
   /** What the values 0, 1, … are called; none where they are quantities. */
   labels: string[];
+  names?: string[];
   role: "design" | "condition" | "uncertain";
 }
 
@@ -227,8 +228,8 @@ export async function readStudy(): Promise<Study> {
   };
 }
 
-function labelled(labels: string[]): Pick<Column, "text"> | null {
-  return labels.length ? { text: (value) => labels[value] ?? number(value) } : null;
+function labelled(labels: string[]): (Pick<Column, "text"> & { names: string[] }) | null {
+  return labels.length ? { text: (value) => labels[value] ?? number(value), names: labels } : null;
 }
 
 export function axisLabel(column: { title: string; unit: string }): string {

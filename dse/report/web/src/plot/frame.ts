@@ -110,7 +110,7 @@ export function fitted(pen: CanvasRenderingContext2D, text: string, room: number
 function ticksOf(scale: Scale, { log, names }: AxisText, count: number): [number, string][] {
   if (names?.length) {
     const stride = Math.ceil(names.length / Math.max(3, count));
-    return names.map((name, index): [number, string] => [index, name]).filter((_, index) => index % stride === 0);
+    return names.map((name, index): [number, string] => [index, name]).filter(([, name], index) => name && index % stride === 0);
   }
   const ticks = scale.ticks(Math.max(3, count));
   const decades = ticks.filter((tick) => Number.isInteger(Math.log10(tick)));

@@ -161,6 +161,7 @@ function stampPoints(
 ): void {
   const ratio = pen.getTransform().a;
   const { width, height } = pen.canvas;
+  if (!width || !height) return; // its view is not shown
   const image = new ImageData(width, height);
   const pixels = new Uint32Array(image.data.buffer);
   const runs = plane.beside.length ? joined(plane.on, plane.beside) : plane.on;
