@@ -18,7 +18,7 @@ PLANE = slice(0, 121)
 
 def counts(page: Page) -> list[int]:
     """What the legend says: pass, fail, not exercised, failed to run."""
-    settle(page)
+    open_cockpit(page)
     texts = [page.inner_text(f"#count-{kind}") for kind in ("pass", "fail", "open", "broken")]
     return [int(text.replace("\u202f", "")) for text in texts]
 
@@ -44,8 +44,19 @@ def ground(page: Page) -> str:
     return str(page.evaluate("document.querySelector('canvas.ground').toDataURL()"))
 
 
-def selected(page: Page) -> int:
+def open_tab(page: Page, view: str) -> None:
+    """Open a view, and wait until it stands."""
+    page.click(f"#tab-{view}")
+    settle(page)
+
+
+def open_cockpit(page: Page) -> None:
+    """Open the first view, unless it is open; a click would take the focus."""
     if page.get_attribute("#tab-plot", "aria-selected") == "false":
         page.click("#tab-plot")
     settle(page)
+
+
+def selected(page: Page) -> int:
+    open_cockpit(page)
     return int(page.inner_text("#selected-run").split()[1])

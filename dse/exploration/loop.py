@@ -183,7 +183,11 @@ class _Sink:
     def unknown(self, batches: Iterable[Batch]) -> Iterator[Batch]:
         """Those of *batches* whose waveforms are not known; of the others the files are made."""
         for batch in batches:
-            if self._known.make_file(batch, self._folder.waveform_folder / batch.file):
+            # Another study may have made them since it was asked for their rows.
+            self.take(request for request in batch.requests if request.number not in self.finished)
+            if self.finished.issuperset(batch.numbers) and self._known.make_file(
+                batch, self._folder.waveform_folder / batch.file
+            ):
                 self._keep(batch.numbers, batch.file)
                 self._there.update(batch.numbers)
             else:

@@ -74,6 +74,21 @@ def test_a_study_that_was_made_before_is_taken_whole(tmp_path: Path, keep: Keep,
     assert content(tmp_path / "one") == content(tmp_path / "two")
 
 
+def test_runs_that_another_study_makes_meanwhile_are_taken_with_their_rows(tmp_path: Path, monkeypatch: Any) -> None:
+    study = study_of(levels=3, keep=Keep.ALL)
+    run(tmp_path / "one", study)
+    rows, asked = KnownRuns.rows, []
+
+    def late(known: KnownRuns, requests: Any) -> Any:
+        asked.append(list(requests))
+        return rows(known, asked[-1] if len(asked) > 1 else ())
+
+    monkeypatch.setattr(KnownRuns, "rows", late)
+    second = run(tmp_path / "two", study)
+    assert (second.runs, second.taken, second.simulated) == (18, 18, 0)
+    assert content(tmp_path / "one") == content(tmp_path / "two")
+
+
 @pytest.mark.thorough
 def test_a_sampler_that_looks_at_results_is_told_what_was_known(tmp_path: Path) -> None:
     study = study_of(Bisection(requirement="R1", width=0.01), keep=Keep.ALL)

@@ -19,6 +19,7 @@ from dse.report.content.nouns import (
     FigureSpec,
     Floats,
     MetricColumn,
+    Property,
     ReportContent,
     RequirementRow,
     Runs,
@@ -123,7 +124,7 @@ def build(
                     "controller": "pd_acc",
                     "brake": ("hydraulic_booster", "brake_by_wire")[i // 2 % 2],
                 },
-                {"cost": f"{9450 + 310 * i} EUR", "mass": f"{412 + 7 * i} kg"},
+                {"cost": Property(9450.0 + 310 * i, "EUR"), "mass": Property(412.0 + 7 * i, "kg")},
             )
             for i, name in enumerate(configurations)
         ),

@@ -466,7 +466,7 @@ def test_the_table_of_designs_is_saved_with_all_digits(
 ) -> None:
     page = opened(open_report, priced)
     with page.expect_download() as caught:
-        page.click("#save-designs")
+        page.click("#save-board")
     caught.value.save_as(tmp_path / "designs.csv")
     with (tmp_path / "designs.csv").open(encoding="utf-8", newline="") as file:
         rows = list(csv.DictReader(file))

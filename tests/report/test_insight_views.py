@@ -311,3 +311,21 @@ def test_the_payload_is_plain_json_of_bounded_size() -> None:
     block = Block()
     text = json.dumps(insight_json(insight_of(plane(600)), block), allow_nan=False)
     assert len(text) + len(block.text()) < 40_000
+
+
+@pytest.mark.thorough
+def test_an_enumeration_is_a_choice_with_labels_in_every_view(open_report: Open) -> None:
+    points = np.array([[x, k] for x in np.linspace(0, 1, 30) for k in (0.0, 1.0, 2.0)])
+    labels = ("dry", "wet", "icy")
+    surface = variable("surface", role="condition", high=2.0, values=(0.0, 1.0, 2.0), labels=labels)
+    table = study(points, {"y": points[:, 0] + points[:, 1]}, {"y": 1.0}, variables=(variable("x1"), surface))
+    content = content_of(table)
+    shown = (content.variables[0], dataclasses.replace(content.variables[1], labels=labels))
+    page = opened(open_report(dataclasses.replace(content, variables=shown)), "conditions")
+    assert page.locator("#matrix thead th").all_inner_texts()[1:] == list(labels)
+    opened(page, "understanding").select_option(".profile-control select", "2")
+    settle(page)
+    assert float(plain(page.inner_text("#prediction b")).split()[0]) > 1.5
+    page.click("#profile-nearest")
+    settle(page)
+    assert page.input_value(".profile-control select") == "2"

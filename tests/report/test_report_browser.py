@@ -8,7 +8,7 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 from playwright.sync_api import Locator, Page, Position
-from report_pages import PLANE, Open, counts, expected, ground, selected, settle
+from report_pages import PLANE, Open, counts, expected, ground, open_tab, selected, settle
 from verdict_cases import BOUNDS, cases
 
 from dse.errors import Problem
@@ -61,9 +61,10 @@ def test_the_page_judges_every_case_as_python_does(scattered: ReportContent, ope
             for i, bounds in enumerate(BOUNDS)
         ),
         figures=(),
+        configurations=tuple(dataclasses.replace(one, properties={}) for one in scattered.configurations),
     )
     page = open_report(content)
-    page.click("#tab-runs")
+    open_tab(page, "runs")
     page.eval_on_selector(".table .view", "view => { view.style.height = view.style.maxHeight = '9999px' }")
     settle(page)
     rows = page.eval_on_selector_all(
@@ -137,11 +138,11 @@ def test_arrow_keys_walk_along_the_grid(sliced: ReportContent, open_report: Open
 def test_a_waveform_that_was_not_kept_names_the_command(sliced: ReportContent, open_report: Open) -> None:
     page = open_report(sliced)
     run = next(number for number in range(20, 242) if number not in sliced.figures[0].kept and number != 37)
-    page.click("#tab-runs")
+    open_tab(page, "runs")
     page.eval_on_selector(".table .view", f"view => view.scrollTop = {run} * 28")
     settle(page)
     page.click(f".table tbody tr:has(td:first-child:text-is('{run}'))")
-    page.click("#tab-plot")
+    open_tab(page, "plot")
     page.wait_for_selector(f"code:text-is('dse replay DIR {run}')")
 
 
@@ -159,7 +160,7 @@ def test_the_other_slice_shows_its_own_runs(sliced: ReportContent, open_report: 
 @pytest.mark.thorough
 def test_the_run_table_sorts_and_filters(sliced: ReportContent, open_report: Open) -> None:
     page = open_report(sliced)
-    page.click("#tab-runs")
+    open_tab(page, "runs")
     page.click("[data-sort='metric.1']")
     page.click("[data-sort='metric.1']")
     page.eval_on_selector(".table .view", "view => view.scrollTop = 0")
@@ -171,7 +172,7 @@ def test_the_run_table_sorts_and_filters(sliced: ReportContent, open_report: Ope
     rows = page.locator(".table tbody tr:not(.gap)")
     assert rows.count() == np.count_nonzero(overall_marks(sliced) == Mark.FAILED_TO_RUN) == 2
     rows.first.click()
-    page.click("#tab-plot")
+    open_tab(page, "plot")
     assert "fmi2DoStep" in page.inner_text(".problem")
 
 
@@ -192,13 +193,12 @@ def test_the_shown_yaml_has_the_exact_parameters(sliced: ReportContent, open_rep
 def test_dark_mode_redraws_everything(sliced: ReportContent, open_report: Open) -> None:
     page = open_report(sliced)
     light, colour = ground(page), page.evaluate("getComputedStyle(document.body).backgroundColor")
-    page.click("#tab-figures")
-    settle(page)
+    open_tab(page, "figures")
     chart = page.evaluate("document.querySelector('.sheet canvas').toDataURL()")
     page.click("#theme")
     settle(page)
     assert page.evaluate("document.querySelector('.sheet canvas').toDataURL()") != chart
-    page.click("#tab-plot")
+    open_tab(page, "plot")
     assert ground(page) != light
     assert page.evaluate("getComputedStyle(document.body).backgroundColor") != colour
     assert page.inner_text("#theme") == "Light mode"
@@ -254,7 +254,7 @@ def test_names_that_are_markup_stay_text(sliced: ReportContent, open_report: Ope
     page.hover(".plot", position={"x": 300, "y": 200})
     page.locator(".plot").click(position={"x": 300, "y": 200})
     page.wait_for_selector(".figures:not([hidden]) .u-wrap, .missing code")
-    page.click("#tab-figures")
+    open_tab(page, "figures")
     page.locator(".sheet").first.hover(position={"x": 300, "y": 120})
     assert HOSTILE in page.locator(".sheets figcaption b").first.inner_text()
     assert page.inner_text("h1") == HOSTILE
@@ -333,7 +333,7 @@ def test_a_small_page_shows_every_verdict(sliced: ReportContent, open_report: Op
 
 def progress_of(page: Page, requirement: int) -> Locator:
     """The chart of a requirement's metric over the runs."""
-    page.click("#tab-figures")
+    open_tab(page, "figures")
     return page.locator(".charted > .sheets").nth(1).locator("figure").nth(requirement)
 
 
@@ -349,7 +349,7 @@ def place_in(chart: Locator, drawn: Chart, x: float, y: float) -> Position:
 @pytest.mark.thorough
 def test_every_figure_has_a_heading_and_its_charts_are_described(sliced: ReportContent, open_report: Open) -> None:
     page = open_report(sliced)
-    page.click("#tab-figures")
+    open_tab(page, "figures")
     assert page.locator(".charted h3").all_inner_texts() == ["Margins of the requirements", "Progress of the study"]
     assert page.locator(".sheets figcaption").count() == 4
     described = str(progress_of(page, 1).locator(".sheet").get_attribute("aria-label"))
@@ -400,7 +400,7 @@ def test_a_chart_can_be_left_with_the_tabulator(sliced: ReportContent, open_repo
 def test_a_chart_without_runs_is_read_out(sliced: ReportContent, open_report: Open, figures: Figures) -> None:
     page = open_report(figures(sliced, EVERYTHING))
     before = selected(page)
-    page.click("#tab-figures")
+    open_tab(page, "figures")
     charts = page.locator(".sheets figure")
     for index in range(charts.count()):
         charts.nth(index).locator(".sheet").focus()
@@ -415,7 +415,7 @@ def test_a_chart_without_runs_is_read_out(sliced: ReportContent, open_report: Op
 @pytest.mark.thorough
 def test_a_figure_that_failed_is_named_in_its_place(sliced: ReportContent, open_report: Open, figures: Figures) -> None:
     page = open_report(figures(sliced, None))
-    page.click("#tab-figures")
+    open_tab(page, "figures")
     assert page.inner_text(".charted .problem") == f"the figure 'made up' cannot be drawn: ValueError: {HOSTILE}"
     assert page.locator("img").count() == 0
 

@@ -91,7 +91,8 @@ def explored(root: Path) -> Path:
 
 def rows(folder: Path) -> list[dict[str, str]]:
     with StudyFolder.open(folder) as stored:
-        return list(csv.DictReader(io.StringIO(EXPORTS["csv"](stored).decode())))
+        read = csv.DictReader(io.StringIO(EXPORTS["csv"](stored).decode()))
+        return [{name.partition(" [")[0]: cell for name, cell in row.items()} for row in read]
 
 
 def test_every_design_is_run_on_every_bench_with_its_own_time_and_formulas(explored: Path) -> None:

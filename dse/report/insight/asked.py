@@ -40,6 +40,8 @@ def _sentences(table: RunTable, naming: Naming) -> Iterator[str]:
         f"Each run simulates {simulation.stop:g} s in steps of {simulation.step:g} s, "
         f"recorded every {simulation.record_every:g} s{method}."
     )
+    for name, other in definition.other_simulations.items():
+        yield f"On {name}, {other.stop:g} s in steps of {other.step:g} s, recorded every {other.record_every:g} s."
     yield _sampled(definition, naming)
     if definition.objectives:
         yield f"Wanted: {' and '.join(naming.objectives(definition))}."
@@ -73,6 +75,8 @@ def _spread(variable: DefinedVariable) -> str:
     if variable.distribution:
         numbers = ", ".join(f"{key} {value:g}" for key, value in variable.distribution.numbers.items())
         return f"{variable.distribution.kind}{f' ({numbers}, SI)' if numbers else ''}"
+    if variable.labels:
+        return ", ".join(variable.labels)
     if variable.values:
         return "only " + ", ".join(f"{unit.from_si(value):g}" for value in variable.values)
     scale = "" if variable.scale == "linear" else f"{variable.scale} scale"

@@ -42,7 +42,7 @@ function tableOf(store: Store): HTMLElement {
     return el(
       "tr",
       {
-        class: `${state.configuration === index ? "chosen" : ""} ${within && run >= 0 && !within[run] ? "outside" : ""}`,
+        class: `${state.configuration === index ? "chosen" : ""} ${!many && within && run >= 0 && !within[run] ? "outside" : ""}`,
         "aria-selected": String(state.configuration === index),
         click: () => selectConfiguration(store, index),
         pointerenter: () => store.set({ hovered: run }),

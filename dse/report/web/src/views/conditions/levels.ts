@@ -11,11 +11,11 @@ export interface Levels {
   of: Int32Array;
 }
 
-export function levelsOf({ values, low, high, unit }: Variable): Levels {
+export function levelsOf({ values, low, high, unit, labels: names, text }: Variable): Levels {
   const distinct = [...new Set(values)].sort((a, b) => a - b);
-  if (distinct.length <= MOST_VALUES) {
+  if (names.length || distinct.length <= MOST_VALUES) {
     const place = new Map(distinct.map((value, index) => [value, index]));
-    return { labels: distinct.map((value) => `${number(value)} ${unit}`.trim()), of: Int32Array.from(values, (value) => place.get(value)!) };
+    return { labels: distinct.map((value) => (names.length ? text(value) : `${number(value)} ${unit}`.trim())), of: Int32Array.from(values, (value) => place.get(value)!) };
   }
   const step = (high - low) / PARTS;
   const labels = Array.from({ length: PARTS }, (_, index) => `${number(low + index * step, 3)} \u2026 ${number(low + (index + 1) * step, 3)} ${unit}`.trim());

@@ -56,7 +56,12 @@ export function placesOf({ x, y }: Cloud, frame: Frame): { a: Float32Array; b: F
   const line = (scale: Frame["x"], values: Float64Array): Float32Array => {
     const [low, high] = scale.domain() as [number, number];
     const [from, to] = [scale(low), scale(high)];
-    return Float32Array.from(values, (value) => (Number.isFinite(value) ? from + ((value - low) / (high - low)) * (to - from) : NaN));
+    const places = new Float32Array(values.length);
+    for (let point = 0; point < places.length; point++) {
+      const value = values[point]!;
+      places[point] = Number.isFinite(value) ? from + ((value - low) / (high - low)) * (to - from) : NaN;
+    }
+    return places;
   };
   return { a: line(frame.x, x.values), b: line(frame.y, y.values) };
 }

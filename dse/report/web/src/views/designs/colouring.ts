@@ -53,12 +53,15 @@ function byChoice(model: Model, name: string, colours: Palette): Colouring {
   const { study } = store;
   const chosen = study.configurations.map((_, configuration) => choiceAt(store, configuration, name) || "\u2013 (none)");
   const counts = new Map<string, number>();
-  for (const configuration of study.configuration) counts.set(chosen[configuration]!, (counts.get(chosen[configuration]!) ?? 0) + 1);
+  const sizes = new Int32Array(chosen.length);
+  for (let run = 0; run < study.size; run++) sizes[study.configuration[run]!]!++;
+  chosen.forEach((alternative, configuration) => counts.set(alternative, (counts.get(alternative) ?? 0) + sizes[configuration]!));
   const ranked = [...counts].sort((a, b) => b[1] - a[1]).map(([alternative]) => alternative);
   const named = ranked.length > MOST_COLOURS ? ranked.slice(0, MOST_COLOURS - 1) : ranked;
   const codeOf = chosen.map((alternative) => (named.includes(alternative) ? named.indexOf(alternative) : named.length));
   const runs = choices.points === "runs" ? null : grouping.first;
-  const codes = Uint8Array.from({ length: runs ? grouping.size : study.size }, (_, point) => codeOf[study.configuration[runs ? runs[point]! : point]!]!);
+  const codes = new Uint8Array(runs ? grouping.size : study.size);
+  for (let point = 0; point < codes.length; point++) codes[point] = codeOf[study.configuration[runs ? runs[point]! : point]!]!;
   const others = ranked.length > named.length ? [`${ranked.length - named.length} others`] : [];
   return { codes, colours: [...colours.requirements.slice(0, named.length), ...(others.length ? [colours.muted] : [])], names: [...named, ...others], range: null, column: null };
 }

@@ -18,7 +18,7 @@ export const designsView: View = {
   title: "Designs",
   suits: (study) => study.size > 0 && designColumns(study).length > 0,
   create(store) {
-    const root = el("div", { class: "columns designs" });
+    const root = el("div", { class: "designs" });
     const model = createModel(store);
     const scatter = createScatter(model);
     const several = groupingOf(store.study).size > 1;

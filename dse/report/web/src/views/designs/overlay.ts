@@ -90,7 +90,7 @@ function figureOf(model: Model, figure: Figure, index: number, runs: number[], b
   const shared = targets.length > 1 && targets.every(({ target }) => target!.length === targets[0]!.target!.length && target!.every((value, at) => value === targets[0]!.target![at]));
   const dashed = shared ? [{ ...targets[0]!, stroke: colours.target }] : targets.map((one) => ({ ...one, stroke: targets.length > 1 ? seriesColour(one.place) : colours.target }));
   const reading = el("span", { class: "reading" });
-  const holder = el("div", { class: "chart", role: "img", "aria-label": `${figure.title} of ${drawn.map(({ place, number }) => `${nameOf(picked[place]!)} (run ${number})`).join(", ")}` });
+  const holder = el("div", { class: "lines", role: "img", "aria-label": `${figure.title} of ${drawn.map(({ place, number }) => `${nameOf(picked[place]!)} (run ${number})`).join(", ")}` });
   const read = (at: number): void => {
     reading.textContent = [`t = ${withUnit(number(figure.time[at]!, 4), "s")}`, ...drawn.map(({ place, current }) => `${nameOf(picked[place]!)} ${withUnit(number(current[at] ?? NaN), figure.unit)}`)].join("   ");
   };
@@ -116,6 +116,6 @@ function figureOf(model: Model, figure: Figure, index: number, runs: number[], b
     holder,
   );
   plots.push({ plot, holder });
-  caption.append(...(targets.length ? [el("span", { class: "key target" }, figure.target)] : []), reading);
+  caption.append(...(targets.length ? [el("span", { class: "dashes" }, figure.target)] : []), reading);
   return el("figure", {}, caption, holder, note);
 }

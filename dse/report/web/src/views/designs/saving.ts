@@ -14,7 +14,7 @@ export function scatterMenu(model: Model, surface: HTMLElement): HTMLElement {
 
 export function boardButton(model: Model): HTMLElement {
   const save = (): void => download("designs.csv", new Blob([designsCsv(model)], { type: "text/csv" }));
-  return el("button", { type: "button", id: "save-designs", title: "Every design within the brushes, with all digits", click: save }, "Designs (CSV)");
+  return el("button", { type: "button", id: "save-board", title: "Every design within the brushes, with all digits", click: save }, "Designs (CSV)");
 }
 
 function rankingCommand({ store, choices }: Model): string {

@@ -101,7 +101,11 @@ export function createScatter(model: Model): HTMLElement {
   });
   surface.addEventListener("keydown", (event) => {
     if (!drawn || event.altKey || event.ctrlKey || event.metaKey) return;
-    if (event.key === "Escape") return clear(model);
+    if (event.key === "Escape") {
+      // An enlarged panel is left with the next one.
+      if (store.state.brushes.length) event.preventDefault();
+      return clear(model);
+    }
     const step = { ArrowLeft: -1, ArrowRight: 1, ArrowDown: -1, ArrowUp: 1 }[event.key];
     if (step === undefined) return;
     event.preventDefault();

@@ -29,7 +29,7 @@ export function createFound(store: Store): HTMLElement {
   if (!told.length) box.append(el("p", { class: "sentence" }, study.size ? "The runs tell nothing about requirements: the bench has none." : "There are no runs yet."));
   for (const those of planes.values()) {
     if (those[0]!.plane.length) box.append(el("h3", { class: "plane" }, `${planeName(study, those[0]!.plane)}; all else held`));
-    box.append(...topics(those.filter(({ topic }) => topic !== WITHHELD)));
+    box.append(...topics(those.filter(({ topic }) => topic !== WITHHELD), those[0]!.plane.length ? "h4" : "h3"));
   }
   const silent = [...told.filter(({ topic }) => topic === WITHHELD).map(({ text }) => text), ...withheld];
   if (silent.length) {
@@ -39,9 +39,9 @@ export function createFound(store: Store): HTMLElement {
   return box;
 }
 
-function topics(those: Told[]): HTMLElement[] {
+function topics(those: Told[], level: "h3" | "h4"): HTMLElement[] {
   return [...new Set(those.map(({ topic }) => topic))].flatMap((topic) => [
-    el("h4", {}, topic),
+    el(level, { class: "minor" }, topic),
     el("ul", { class: "sentences" }, ...those.filter((each) => each.topic === topic).map(({ text }) => el("li", {}, text))),
   ]);
 }

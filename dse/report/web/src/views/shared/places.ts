@@ -1,6 +1,7 @@
 // Where on a factor's axis a value lies: 0 … 1, and back.
 import { number, withUnit } from "../../format";
 import type { FactorAxis } from "../../insight";
+import type { Study, Variable } from "../../study";
 
 export function valueAt({ values }: FactorAxis, place: number): number {
   const at = place * (values.length - 1);
@@ -27,11 +28,26 @@ export function placeText(factor: FactorAxis, place: number): string {
   return factor.variable < 0 ? factor.labels[levelAt(factor, place)]! : withUnit(number(valueAt(factor, place), 4), factor.unit);
 }
 
-/** The place of a run on each factor; the middle where the page does not know. */
-export function placesOf(factors: FactorAxis[], value: (variable: number) => number, choice: (title: string) => string | undefined): number[] {
+/** What a run has of a choice: its configuration's, or the label of a variable that is an enumeration. */
+export function levelOf(study: Study, factor: FactorAxis, run: number): string {
+  const variable = labelled(study, factor);
+  if (variable) return variable.text(variable.values[run]!);
+  return study.configurations[study.configuration[run]!]!.choices.find(([name]) => name === factor.title)?.[1] ?? "absent";
+}
+
+/** The variable that a choice is, if it is no place of the design space. */
+export function labelled(study: Study, factor: FactorAxis): Variable | undefined {
+  return study.variables.find(({ name, labels }) => labels.length > 0 && name === factor.title);
+}
+
+/** The place of a run on each factor; of no run (-1) the nominal one, or the first level. */
+export function placesOf(study: Study, factors: FactorAxis[], run: number): number[] {
   return factors.map((factor) => {
-    if (factor.variable >= 0) return placeAt(factor, value(factor.variable));
-    const level = factor.levels.indexOf(choice(factor.title) ?? "absent");
-    return ((level < 0 ? 0 : level) + 0.5) / factor.levels.length;
+    if (factor.variable >= 0) {
+      const { values, nominal } = study.variables[factor.variable]!;
+      return placeAt(factor, run < 0 ? nominal : values[run]!);
+    }
+    const level = run < 0 ? 0 : factor.levels.indexOf(levelOf(study, factor, run));
+    return (Math.max(level, 0) + 0.5) / factor.levels.length;
   });
 }

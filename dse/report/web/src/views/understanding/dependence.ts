@@ -19,10 +19,10 @@ export function createDependence(store: Store, part: Part, response: Response): 
     "div",
     {},
     ...response.withheld.map((text) => el("p", { class: "hint withheld" }, `Not told: ${text}.`)),
-    bars.length > 0 && el("h4", {}, "Share of the variance that each explains by itself, with its 95 % interval"),
+    bars.length > 0 && el("h3", { class: "minor" }, "Share of the variance that each explains by itself, with its 95 % interval"),
     bars.length > 0 && el("div", { class: "bars", id: "bars" }, ...bars.map(({ factor, share }) => bar(part.factors[factor]!, share))),
     bars.length > 0 && el("p", { class: "hint" }, "What the shares leave to 100 % is due to several together, or to chance; \u2018dse findings\u2019 looks at that, too."),
-    effects.length > 0 && el("h4", {}, "Mean along each, with its 95 % interval"),
+    effects.length > 0 && el("h3", { class: "minor" }, "Mean along each, with its 95 % interval"),
     el("div", { class: "minis" }, ...effects.slice(0, MOST_FACTORS).map((effect) => mini(store, part, response, effect, ends(effects)))),
     hidden > 0 && el("p", { class: "hint" }, `${hidden} factors that matter less are not drawn.`),
   );

@@ -8,7 +8,7 @@ import { paintChart } from "../../plot/chart";
 import type { Store } from "../../store";
 import { palette } from "../../theme";
 import { createPainted, type Painted } from "../shared/painting";
-import { levelAt, placesOf, placeText, valueAt } from "../shared/places";
+import { levelAt, levelOf, placesOf, placeText, valueAt } from "../shared/places";
 import { planeName } from "../shared/planes";
 import { withLevel } from "./choices";
 import { whiskers } from "./dependence";
@@ -77,13 +77,7 @@ function quality(part: Part, { error, explained, runs, power }: Profile, plane: 
 }
 
 function startPlaces({ study, state }: Store, part: Part): number[] {
-  const run = state.selected;
-  const choices = run < 0 ? [] : study.configurations[study.configuration[run]!]!.choices;
-  return placesOf(
-    part.factors,
-    (variable) => (run < 0 ? study.variables[variable]!.nominal : study.variables[variable]!.values[run]!),
-    (title) => choices.find(([name]) => name === title)?.[1],
-  );
+  return placesOf(study, part.factors, state.selected);
 }
 
 function shownFactors(part: Part, { bars }: Response): number[] {
@@ -196,13 +190,12 @@ function bounds({ study, state }: Store, { metric }: Response): Chart["drawn"] {
 function nearestRun({ study }: Store, part: Part, places: number[]): number {
   const wanted = part.factors.map((factor, index) => (factor.variable < 0 ? factor.levels[levelAt(factor, places[index]!)]! : valueAt(factor, places[index]!)));
   const held = part.plane.length ? study.variables.map((_, index) => index).filter((index) => !part.plane.includes(index)) : [];
-  const choices = study.configurations.map((configuration) => new Map(configuration.choices));
   let [best, least] = [-1, Infinity];
   for (let run = 0; run < study.size; run++) {
     let square = 0;
     for (const [index, factor] of part.factors.entries()) {
       if (factor.variable < 0) {
-        if ((choices[study.configuration[run]!]!.get(factor.title) ?? "absent") !== wanted[index]) square += 1;
+        if (levelOf(study, factor, run) !== wanted[index]) square += 1;
         continue;
       }
       const { values, low, high } = study.variables[factor.variable]!;
