@@ -166,7 +166,7 @@ function listed(metrics: Tried["metrics"], id: string): HTMLElement {
 }
 
 function drawing(figure: Waveform, plots: (() => void)[]): HTMLElement {
-  const holder = el("div", { class: "chart", role: "img", "aria-label": `${figure.title} of the point simulated` });
+  const holder = el("div", { class: "trace", role: "img", "aria-label": `${figure.title} of the point simulated` });
   plots.push(() => {
     const colours = palette();
     const axis = { stroke: colours.ink, font: `12px ${colours.font}`, grid: { stroke: colours.line, width: 1 }, ticks: { stroke: colours.line, width: 1, size: 5 } };
@@ -190,6 +190,6 @@ function drawing(figure: Waveform, plots: (() => void)[]): HTMLElement {
       holder,
     );
   });
-  const keys = [figure.targets && el("span", { class: "key target" }, figure.target), el("span", { class: "key current" }, figure.current)];
+  const keys = [figure.targets && el("span", { class: "of target" }, figure.target), el("span", { class: "of current" }, figure.current)];
   return el("figure", {}, el("figcaption", {}, el("b", {}, figure.title), el("span", {}, `${withUnit("", figure.unit).trim() || "\u2013"} over time [s]`), ...keys), holder);
 }
