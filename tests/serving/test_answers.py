@@ -72,8 +72,8 @@ def test_a_page_is_made_once_until_there_are_other_runs(
     client, workshop: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     made = []
-    read = desk.read_content
-    monkeypatch.setattr(desk, "read_content", lambda *given: made.append(given) or read(*given))
+    read = desk.read_report
+    monkeypatch.setattr(desk, "read_report", lambda *given: made.append(given) or read(*given))
     pages = [client.get("/study/out/first/").text for _ in range(3)]
     assert len(made) == 1
     assert len({*pages}) == 1
@@ -86,7 +86,7 @@ def test_a_page_is_made_once_until_there_are_other_runs(
 
 
 def test_progress_counts_and_never_makes_a_page(client, workshop: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(desk, "read_content", lambda *_: pytest.fail("a page was made"))
+    monkeypatch.setattr(desk, "read_report", lambda *_: pytest.fail("a page was made"))
     told = json.loads(client.get("/progress?study=out/first").text)
     assert told == {"state": "interrupted", "runs": 4, "finished": 3}
 

@@ -12,6 +12,7 @@ import pytest
 from port_workspaces import write
 
 import dse
+from dse.api import try_point
 from dse.domain.sampler import Role
 from dse.errors import DseError
 from dse.loading import Workspace
@@ -130,6 +131,15 @@ def test_a_run_on_the_second_bench_is_replayed_bit_for_bit(
     for row in rows(explored)[:2]:
         again = dse.results(explored).replay(int(row["run"]))
         assert (again.different, again.changed) == ((), ())
+
+
+def test_a_point_on_either_bench_and_of_any_item_can_be_tried(root: Path, explored: Path) -> None:
+    results = dse.results(explored)
+    for number in range(len(results)):
+        run = results.run(number)
+        shown = {name: float(value) for name, value in run.point.items()}
+        tried = try_point(results.definition, run.configuration, shown, near=root)
+        assert (tried.run.metrics, tried.run.verdicts, tried.changed) == (run.metrics, run.verdicts, ())
 
 
 def test_the_runs_of_a_bench_are_those_of_a_study_of_that_bench_alone(root: Path, explored: Path) -> None:

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 from dse.api.studies.exploring import alone
 from dse.api.studies.run import Run
 from dse.domain.run import Outcome, Run as RunNoun, RunRequest
-from dse.domain.study import Selection
+from dse.domain.study import TESTBENCH, Selection
 from dse.errors import DseError, Location, Problem, closest, fail, raise_if_any
 from dse.loading import Workspace
 from dse.storage import changed_inputs
@@ -43,21 +43,26 @@ def try_point(
     the study, and if its files are not there or cannot be built; a run that fails is a result.
     """
     values = _values(definition, configuration, point)
-    bench = _within_ranges(with_values(_bench(definition, Path(near)), values), definition, configuration, point)
-    made, planned = alone(bench_study(bench, Selection((configuration,))), 2)
+    free = {name: value for name, value in values.items() if name != TESTBENCH}
+    first, *others = (
+        _within_ranges(with_values(bench, free), definition, configuration, point)
+        for bench in _benches(definition, Path(near))
+    )
+    study = replace(bench_study(first, Selection((configuration,))), others=tuple(others))
+    made, planned = alone(study, 2, on=int(values.get(TESTBENCH, 0)))
     here = RunNoun(RunRequest(0, configuration, values), Outcome.DONE, {}, ())
     run = Run(made, planned.definition)
     return Tried(run, tuple(changed_inputs(definition, planned.definition, here)))
 
 
-def _bench(definition: StudyDefinition, near: Path) -> TestBench:
-    """The bench of the study as its workspace has it now. DseError says what is wrong with the last place looked at."""
+def _benches(definition: StudyDefinition, near: Path) -> tuple[TestBench, ...]:
+    """The benches of the study as its workspace has them now. DseError for the last place that was looked at."""
     is_bench = not definition.variables
     name = definition.bench.name if is_bench else definition.study
 
-    def found(place: Path) -> TestBench:
+    def found(place: Path) -> tuple[TestBench, ...]:
         workspace = Workspace.around(place)
-        return workspace.bench(name) if is_bench else workspace.study(name).bench
+        return (workspace.bench(name),) if is_bench else workspace.study(name).benches
 
     with suppress(DseError):
         return found(near)
@@ -105,6 +110,6 @@ def _value(variable: DefinedVariable, given: float) -> Value:
     nearest = min(variable.values, key=lambda each: abs(each - value))
     if not math.isclose(nearest, value, rel_tol=1e-9, abs_tol=1e-12):
         unit = parse_unit(variable.unit)
-        known = ", ".join(f"{unit.from_si(each):g}" for each in variable.values)
+        known = ", ".join(variable.label(each) or f"{unit.from_si(each):g}" for each in variable.values)
         raise fail(f"'{variable.name}' has certain values only", Location(variable.name), f"{known} {variable.unit}")
     return nearest

@@ -42,7 +42,8 @@ export function createTrying(store: Store, query: string): { button: HTMLElement
   const note = el("p", { class: "hint" }, "Click anywhere in the plot, or change the numbers. The run is made with the workspace as it is now; nothing is stored.");
   const panel = el("aside", { class: "card trying", id: "try", hidden: true, "aria-labelledby": "heading-try" }, el("div", { class: "head" }, title, el("span", { class: "spring" }), close), note, form, result);
   const button = el("button", { type: "button", id: "try-open", "aria-expanded": "false", "aria-controls": "try", click: () => toggle(panel.hidden) }, "Simulate here");
-  const inputs = study.variables.map(({ name, low, high }) => {
+  const inputs = study.variables.map(({ name, low, high, labels }) => {
+    if (labels.length) return el("select", { name }, ...labels.map((label, value) => label && el("option", { value }, label)));
     const input = el("input", { type: "number", step: "any", required: true, name });
     input.title = `${name}, ${number(low)} \u2026 ${number(high)} in the study`;
     return input;
@@ -83,7 +84,7 @@ export function createTrying(store: Store, query: string): { button: HTMLElement
     event.preventDefault();
     const point: Record<string, number> = {};
     study.variables.forEach(({ name }, index) => {
-      if (!inputs[index]!.disabled) point[name] = inputs[index]!.valueAsNumber;
+      if (!inputs[index]!.disabled) point[name] = Number(inputs[index]!.value);
     });
     start.disabled = true;
     result.replaceChildren(el("p", { class: "muted" }, "simulating \u2026"));
@@ -114,15 +115,18 @@ export function createTrying(store: Store, query: string): { button: HTMLElement
     // After the run beside it was selected, which the click did, too.
     requestAnimationFrame(() =>
       requestAnimationFrame(() => {
-        put(inputs[store.state.x]!, rounded(x, study.variables[store.state.x]!));
-        put(inputs[store.state.y]!, rounded(y, study.variables[store.state.y]!));
+        const place: [number, number][] = [[store.state.x, x], [store.state.y, y]];
+        for (const [index, value] of place) {
+          const variable = study.variables[index]!;
+          if (!variable.labels.length) put(inputs[index]!, rounded(value, variable));
+        }
       }),
     );
   });
   return { button, panel };
 }
 
-function put(input: HTMLInputElement, value: number): void {
+function put(input: HTMLInputElement | HTMLSelectElement, value: number): void {
   input.value = String(value);
 }
 
@@ -162,7 +166,7 @@ function listed(metrics: Tried["metrics"], id: string): HTMLElement {
 }
 
 function drawing(figure: Waveform, plots: (() => void)[]): HTMLElement {
-  const holder = el("div", { class: "chart", role: "img", "aria-label": `${figure.title} of the point simulated` });
+  const holder = el("div", { class: "trace", role: "img", "aria-label": `${figure.title} of the point simulated` });
   plots.push(() => {
     const colours = palette();
     const axis = { stroke: colours.ink, font: `12px ${colours.font}`, grid: { stroke: colours.line, width: 1 }, ticks: { stroke: colours.line, width: 1, size: 5 } };
@@ -186,6 +190,6 @@ function drawing(figure: Waveform, plots: (() => void)[]): HTMLElement {
       holder,
     );
   });
-  const keys = [figure.targets && el("span", { class: "key target" }, figure.target), el("span", { class: "key current" }, figure.current)];
+  const keys = [figure.targets && el("span", { class: "of target" }, figure.target), el("span", { class: "of current" }, figure.current)];
   return el("figure", {}, el("figcaption", {}, el("b", {}, figure.title), el("span", {}, `${withUnit("", figure.unit).trim() || "\u2013"} over time [s]`), ...keys), holder);
 }
