@@ -463,3 +463,24 @@ def test_on_paper_there_is_nothing_to_press(sliced: ReportContent, open_report: 
         assert not any(each.is_visible() for each in page.locator(control).all())
     assert page.locator(".plot").is_visible()
     assert page.locator(".thresholds").is_visible()
+
+
+@pytest.mark.thorough
+def test_for_paper_all_views_stand_one_after_the_other_and_go_back_into_tabs(
+    sliced: ReportContent, open_report: Open
+) -> None:
+    page = open_report(sliced)
+    tabs = page.locator("[role=tab]").all_inner_texts()
+    page.evaluate(
+        """() => { window.print = () => {
+            window.most = [...document.querySelectorAll('.printed')].map(section => section.querySelector('h2').innerText);
+            window.dispatchEvent(new Event('afterprint'));
+        } }"""
+    )
+    page.click("#print")
+    page.wait_for_function("() => window.most && !document.querySelector('.printed')")
+    assert page.evaluate("window.most") == tabs
+    assert len(tabs) > 2
+    assert page.locator("#view > *").count() == 1
+    page.click("#tab-runs")
+    assert page.is_visible(".parallel")

@@ -48,7 +48,7 @@ _OPTIONS = (
 
 
 def print_report(content: ReportContent, target: Path) -> None:
-    """Write the page to *target* as PDF, as its print style has it. Nothing is fetched.
+    """Write the page to *target* as PDF, all its views one after the other. Nothing is fetched.
 
     Raises DseError if there is no Chromium (``$CHROMIUM``, else one of `BROWSERS` on the path), or it fails.
     """
@@ -60,7 +60,7 @@ def print_report(content: ReportContent, target: Path) -> None:
         profile = f"--user-data-dir={Path(scratch, 'profile')}"
         # For root Chromium starts without its sandbox only; the page is our own and runs no other code.
         rights = ["--no-sandbox"] if hasattr(os, "geteuid") and os.geteuid() == 0 else []
-        command = [browser, *_OPTIONS, *rights, profile, f"--print-to-pdf={printed}", page.as_uri()]
+        command = [browser, *_OPTIONS, *rights, profile, f"--print-to-pdf={printed}", f"{page.as_uri()}#print=all"]
         where = Location(browser)
         try:
             done = subprocess.run(command, stdin=subprocess.DEVNULL, capture_output=True, timeout=PATIENCE, check=False)

@@ -6,12 +6,14 @@ import { shownRuns } from "./counts";
 import { el } from "./dom";
 import { count } from "./format";
 import { startLive } from "./live";
-import { createBrushes } from "./panels/brushes";
 import { startingPoint } from "./plane/plane";
-import { createStore, studyThresholds, whileShown, type State, type Store } from "./store";
+import { createStore, studyThresholds, type State, type Store } from "./store";
 import { readStudy, type Study } from "./study";
+import { createTabs } from "./tabs";
 import { followTheme, startTheme } from "./theme";
 import { VIEWS } from "./views/views";
+
+const DRAWN = 1000;
 
 async function start(): Promise<void> {
   const page = document.getElementById("page")!;
@@ -23,7 +25,9 @@ async function start(): Promise<void> {
     store.set({ selected, configuration: selected < 0 ? 0 : study.configuration[selected]! });
     const start = store.state;
     store.set(readFragment(study, location.hash.slice(1), start));
-    page.replaceChildren(header(store), ...createViews(store), createAnnouncement(store));
+    const tabs = createTabs(store);
+    page.replaceChildren(header(store, tabs.stack), ...tabs.elements, createAnnouncement(store));
+    if (new URLSearchParams(location.hash.slice(1)).has("print")) tabs.stack();
     followAddress(store, start);
     startLive(store);
     document.documentElement.dataset["ready"] = "yes";
@@ -56,7 +60,7 @@ function initial(study: Study, theme: State["theme"]): State {
   };
 }
 
-function header(store: Store): HTMLElement {
+function header(store: Store, stack: () => void): HTMLElement {
   const { study } = store;
   const theme = followTheme(store);
   const parts = [count(study.size, "run")];
@@ -69,51 +73,15 @@ function header(store: Store): HTMLElement {
   };
   name();
   store.subscribe(name);
-  return el("header", {}, el("h1", { title: study.title }, study.title), el("span", { class: "muted" }, parts.join(" \u00b7 ")), el("span", { class: "spring" }), button);
+  const print = el("button", { id: "print", type: "button", title: "Prints all views, one after the other", click: () => void printAll(stack) }, "Print");
+  return el("header", {}, el("h1", { title: study.title }, study.title), el("span", { class: "muted" }, parts.join(" \u00b7 ")), el("span", { class: "spring" }), print, button);
 }
 
-/** Tabs, and below them the open view; a view is made when it is first opened. */
-function createViews(store: Store): HTMLElement[] {
-  const suited = VIEWS.filter((view) => view.suits(store.study));
-  const made = new Map<string, { body: HTMLElement; show: () => void; hide: () => void }>();
-  let shown: { hide: () => void } | null = null;
-  const panel = el("div", { id: "view", role: "tabpanel", tabindex: -1 });
-  const tabs = suited.map((view) => el("button", { id: `tab-${view.name}`, type: "button", role: "tab", "aria-controls": "view", click: () => store.set({ view: view.name }) }, view.title));
-  const list = el("div", { class: "views", role: "tablist", "aria-label": "Views" }, ...tabs);
-  list.addEventListener("keydown", (event) => {
-    const step = event.key === "ArrowRight" ? 1 : event.key === "ArrowLeft" ? -1 : 0;
-    if (!step) return;
-    const open = suited.findIndex(({ name }) => name === store.state.view);
-    const next = (open + step + suited.length) % suited.length;
-    store.set({ view: suited[next]!.name });
-    tabs[next]!.focus();
-  });
-  const show = (): void => {
-    const view = suited.find(({ name }) => name === store.state.view) ?? suited[0]!;
-    tabs.forEach((tab, index) => {
-      tab.setAttribute("aria-selected", String(suited[index] === view));
-      tab.tabIndex = suited[index] === view ? 0 : -1;
-    });
-    panel.setAttribute("aria-labelledby", `tab-${view.name}`);
-    shown?.hide();
-    let entry = made.get(view.name);
-    if (entry) {
-      panel.replaceChildren(entry.body);
-      entry.show();
-    } else {
-      const quiet = whileShown(store);
-      entry = { body: view.create(quiet.store), show: quiet.show, hide: quiet.hide };
-      made.set(view.name, entry);
-      panel.replaceChildren(entry.body);
-    }
-    shown = entry;
-  };
-  store.subscribe((_, changed) => {
-    if (changed.has("view")) show();
-  });
-  show();
-  const { chips, form } = createBrushes(store);
-  return [el("nav", { class: "navigation" }, suited.length > 1 && list, el("span", { class: "spring" }), form), chips, el("main", {}, panel)];
+// What is drawn on canvases has to be on paper's width, and drawn, before the browser looks at it.
+async function printAll(stack: () => void): Promise<void> {
+  stack();
+  await new Promise((done) => setTimeout(done, DRAWN));
+  window.print();
 }
 
 void start();
