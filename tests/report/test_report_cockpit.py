@@ -473,7 +473,7 @@ def test_for_paper_all_views_stand_one_after_the_other_and_go_back_into_tabs(
     tabs = page.locator("[role=tab]").all_inner_texts()
     page.evaluate(
         """() => { window.print = () => {
-            window.most = [...document.querySelectorAll('.printed')].map(section => section.querySelector('h2').innerText);
+            window.most = [...document.querySelectorAll('.printed > h2')].map(heading => heading.innerText);
             window.dispatchEvent(new Event('afterprint'));
         } }"""
     )
@@ -483,4 +483,4 @@ def test_for_paper_all_views_stand_one_after_the_other_and_go_back_into_tabs(
     assert len(tabs) > 2
     assert page.locator("#view > *").count() == 1
     page.click("#tab-runs")
-    assert page.is_visible(".parallel")
+    page.wait_for_selector(".table", state="visible")
