@@ -37,7 +37,7 @@ function tableOf(model: Model): HTMLElement {
     }
     rows.push(row(study.requirements[index]!.title, sum(left), all, missed, freed));
   }
-  const heads = ["", "Left after it and those before", "", "Miss it", "Won if it were dropped"].map((text, place) => el("th", { scope: "col", class: place ? "numeric" : "" }, text));
+  const heads = ["Requirement", "Left after it and those before", "Share", "Miss it", "Won if it were dropped"].map((text, place) => el("th", { scope: "col", class: place ? "numeric" : "" }, text));
   return el("table", { class: "boxes", id: "waterfall" }, el("thead", {}, el("tr", {}, ...heads)), el("tbody", {}, ...rows));
 }
 

@@ -26,7 +26,7 @@ export function createRequirements(store: Store): HTMLElement {
   return el(
     "div",
     {},
-    el("div", { class: "scroll", tabindex: 0, role: "region", "aria-label": "Requirements" }, el("table", { class: "plain lights-table", id: "lights" }, columns, body)),
+    el("div", { class: "scroll", tabindex: 0, role: "region", "aria-label": "Table of requirements" }, el("table", { class: "plain lights-table", id: "lights" }, columns, body)),
     el("p", { class: "hint" }, "Of all runs of the study, at the thresholds that are set; runs that do not exercise a requirement count neither way."),
   );
 }
