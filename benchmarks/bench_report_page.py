@@ -4,7 +4,8 @@
 
 The runs are those of a made-up study of two metrics over four design variables, on a grid of two and scattered. First
 paint is the processor time from the start of the navigation until the page stands; the others are what one change
-takes, from the page's own marks. The median of nine changes is told.
+takes, from the page's own marks. The median of nine changes is told. Where Plotly and HiPlot are installed, their pages
+of the same runs stand below: a scatter of the first two variables in colour and parallel coordinates of all columns.
 """
 
 from __future__ import annotations
@@ -61,6 +62,39 @@ def study(runs: int, sampler: SamplerKind) -> ReportContent:
     )
 
 
+def plotly_page(content: ReportContent, target: Path) -> None:
+    """A scatter and parallel coordinates by Plotly, offline in one file. ImportError without it."""
+    import plotly.graph_objects as go
+    from plotly.subplots import make_subplots
+
+    x, y, *_ = content.variables
+    colour = content.metrics[0].values
+    figure = make_subplots(rows=2, cols=1, specs=[[{"type": "xy"}], [{"type": "domain"}]])
+    figure.add_trace(go.Scattergl(x=x.values, y=y.values, mode="markers", marker={"color": colour, "size": 4}), 1, 1)
+    columns = [{"label": each.name, "values": each.values} for each in (*content.variables, *content.metrics)]
+    figure.add_trace(go.Parcoords(dimensions=columns, line={"color": colour}), 2, 1)
+    figure.write_html(target, include_plotlyjs=True, post_script="document.documentElement.dataset.ready = 'yes'")
+
+
+def hiplot_page(content: ReportContent, target: Path) -> None:
+    """Parallel coordinates by HiPlot, offline in one file. ImportError without it."""
+    import hiplot
+
+    columns = {each.name: each.values.tolist() for each in (*content.variables, *content.metrics)}
+    rows = [dict(zip(columns, row, strict=True)) for row in zip(*columns.values(), strict=True)]
+    text = hiplot.Experiment.from_iterable(rows).to_html()
+    target.write_text(text.replace("</body>", f"<script>{_WHEN_DRAWN}</script></body>"), encoding="utf-8")
+
+
+_WHEN_DRAWN = """const drawn = setInterval(() => {
+  if (!document.querySelector("canvas")) return;
+  clearInterval(drawn);
+  document.documentElement.dataset.ready = "yes";
+}, 5);"""
+
+OTHERS = {"Plotly": plotly_page, "HiPlot": hiplot_page}
+
+
 def opened(browser: Browser, report: Path) -> tuple[Page, float, float]:
     """The page, and what its first paint took: seconds of processor time and of wall time."""
     page = browser.new_page(viewport={"width": 1440, "height": 900})
@@ -96,6 +130,22 @@ CHANGES = """async (kind) => {
 }"""
 
 
+def others(browser: Browser, content: ReportContent, folder: Path) -> None:
+    """A line for each page that another program makes of *content*."""
+    for name, make in OTHERS.items():
+        target = folder / f"{name}.html"
+        started = time.process_time()
+        try:
+            make(content, target)
+        except ImportError:
+            continue
+        written = time.process_time() - started
+        page, processor, wall = opened(browser, target)
+        page.close()
+        size = target.stat().st_size / 1e6
+        print(f"{name:>28} {size:6.1f} MB {written:7.1f} s {processor:6.2f} s ({wall:5.2f} s wall)")
+
+
 def main(sizes: list[int]) -> None:
     """Prints one line for each study."""
     chromium = shutil.which("chromium") or shutil.which("google-chrome")
@@ -115,6 +165,7 @@ def main(sizes: list[int]) -> None:
                     f"{runs:>9} {sampler!s:18} {report.stat().st_size / 1e6:6.1f} MB {written:7.1f} s "
                     f"{processor:6.2f} s ({wall:5.2f} s wall) {slider:6.1f} ms {brush:6.1f} ms"
                 )
+                others(browser, study(runs, sampler), Path(folder))
         browser.close()
 
 
