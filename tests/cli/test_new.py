@@ -106,6 +106,7 @@ def test_a_name_that_is_taken_elsewhere_in_the_workspace_is_refused(dse_in, tmp_
     assert not (tmp_path / "components" / "cruise").exists()
 
 
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize(
     ("line", "words"),
     [
@@ -133,6 +134,7 @@ def test_what_cannot_be_started_is_named_with_what_to_do(dse, example, line, wor
     assert sorted(example.rglob("*")) == before
 
 
+@pytest.mark.thorough
 def test_editors_find_the_schema_of_what_is_written_and_it_accepts_it(dse_in, tmp_path):
     for line in ("component a", "component b --kind modelica", "design c a", "bench d --design c", "study e --bench d"):
         assert dse_in(tmp_path, "new", *line.split()).returncode == 0
@@ -146,6 +148,7 @@ def test_editors_find_the_schema_of_what_is_written_and_it_accepts_it(dse_in, tm
         assert list(Draft7Validator(schema).iter_errors(YAML(typ="safe", pure=True).load(text))) == [], path
 
 
+@pytest.mark.thorough
 def test_schemas_that_a_workspace_has_are_left_as_they_are(dse_in, tmp_path):
     (tmp_path / "schemas").mkdir()
     (tmp_path / "schemas" / "component.json").write_text("{}", encoding="utf-8")

@@ -29,6 +29,7 @@ def test_a_study_goes_into_the_out_folder_of_its_workspace_and_goes_on_there(wor
     assert planned.stdout.startswith("out/small: 4 runs")
 
 
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize("command", ["status", "results", "report", "findings", "best"])
 def test_a_study_folder_is_found_by_the_name_of_the_study(workspace, dse_in, command):
     more = ["--minimize", "consumption"] if command == "best" else []
