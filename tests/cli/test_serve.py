@@ -68,7 +68,7 @@ def test_a_running_study_is_watched_stopped_and_its_points_are_simulated(serve, 
     small = (example / "testbenches" / "small.pet.yaml").read_text(encoding="utf-8")
     place = tmp_path / "work"
     shutil.copytree(example, place)
-    long = small.replace("study: small", "study: long").replace("levels: 5", "levels: 200")
+    long = small.replace("study: small", "study: long").replace("levels: 5", "levels: 2000")
     (place / "testbenches" / "long.pet.yaml").write_text(long, encoding="utf-8")
     command = [sys.executable, "-m", "dse", "explore", "long", "-o", "out/long", "-j", "1"]
     environment = {**os.environ, "DSE_CACHE": str(cache)}
@@ -84,7 +84,7 @@ def test_a_running_study_is_watched_stopped_and_its_points_are_simulated(serve, 
             told = json.loads(text) if status == 200 else {}
             time.sleep(0.2)
         assert told["state"] == "running"
-        assert told["runs"] == 800
+        assert told["runs"] == 8000
         assert f"process {explorer.pid}" in told["writer"]
         status, page = fetched(address, "/study/out/long/")
         assert status == 200

@@ -177,7 +177,7 @@ def test_up_to_five_runs_are_pinned(sliced: ReportContent, open_report: Open) ->
     assert page.locator(".curves .pin b").all_inner_texts() == [f"Run {44 + 2 * pin}" for pin in range(5)]
     assert page.is_disabled("#pin")
     page.click("#unpin-1")
-    settle(page)
+    page.wait_for_function("() => document.querySelectorAll('.curves .pin b').length === 4")
     assert page.locator(".curves .pin b").all_inner_texts() == ["Run 44", "Run 48", "Run 50", "Run 52"]
     page.click("#pin")
     settle(page)
