@@ -113,7 +113,9 @@ def _of_bench(top: Entry) -> dict[str, str]:
 def _of_study(top: Entry) -> dict[str, str]:
     sampler = top.document.data.get("sampler")
     word = next(iter(sampler), "") if isinstance(sampler, dict) else sampler
-    return {"testbench": _text(top, "testbench"), "sampler": word if isinstance(word, str) else ""}
+    benches = top.document.data.get("testbench")
+    several = " + ".join(map(str, benches)) if isinstance(benches, list) else _text(top, "testbench")
+    return {"testbench": several, "sampler": word if isinstance(word, str) else ""}
 
 
 def _text(top: Entry, key: str) -> str:
@@ -122,20 +124,13 @@ def _text(top: Entry, key: str) -> str:
 
 
 def _results(path: Path) -> ListedResults:
-    from dse.domain.bench import VERDICTS
-    from dse.domain.study import SHARD_FOLDER
+    from dse.api.studies.glancing import glance
     from dse.formats import shown
-    from dse.metrics import overall_codes
-    from dse.storage import StudyFolder, writer_of
 
     folder = Path(shown(path))
     try:
-        with StudyFolder.open(path) as store:
-            header, table = store.header, store.table()
+        now = glance(path)
     except DseError as error:
         return ListedResults(folder, problem=error.problems[0].what)
-    codes = overall_codes([table.verdicts(name) for name in header.requirements], table.done)
-    verdicts = {str(verdict): int((codes == code).sum()) for code, verdict in enumerate(VERDICTS)}
-    ended = "at rest" if SHARD_FOLDER.fullmatch(path.name) else "interrupted"
-    state = "running" if writer_of(path) else "finished" if len(table) >= header.runs else ended
-    return ListedResults(folder, header.definition.study, state, header.runs, len(table), verdicts)
+    verdicts = {str(verdict): count for verdict, count in now.verdicts.items()}
+    return ListedResults(folder, now.study, now.state, now.runs, now.finished, verdicts)

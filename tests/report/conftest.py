@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import os
-import shutil
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
@@ -11,6 +9,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 import pytest
+from chromium import started_chromium
 from numpy.typing import NDArray
 from report_pages import Open
 
@@ -217,19 +216,8 @@ def bench_only() -> ReportContent:
 
 @pytest.fixture(scope="module")
 def browser() -> Iterator[Browser]:
-    from playwright.sync_api import sync_playwright
-
-    names = ("chromium", "chromium-browser", "google-chrome")
-    found = next((path for path in map(shutil.which, names) if path), None)
-    if found is None:
-        if os.environ.get("CI"):
-            pytest.fail(f"the report's browser tests need one of {', '.join(names)}")
-        pytest.skip(f"none of {', '.join(names)} is installed")
-    with sync_playwright() as playwright:
-        # Without its sandbox Chromium also starts for root in a container; the page is our own.
-        started = playwright.chromium.launch(executable_path=found, args=["--no-sandbox"])
+    with started_chromium() as started:
         yield started
-        started.close()
 
 
 @pytest.fixture

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import os
-import shutil
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import pytest
-from playwright.sync_api import Browser, Page, sync_playwright
+from chromium import started_chromium
+from playwright.sync_api import Browser, Page
 from served_studies import TITLE, add_run
 
 from dse.serving.desk import Desk
@@ -19,17 +18,8 @@ pytestmark = [pytest.mark.browser, pytest.mark.thorough]
 
 @pytest.fixture(scope="module")
 def browser() -> Iterator[Browser]:
-    names = ("chromium", "chromium-browser", "google-chrome")
-    found = next((path for path in map(shutil.which, names) if path), None)
-    if found is None:
-        if os.environ.get("CI"):
-            pytest.fail(f"served pages are tested with one of {', '.join(names)}")
-        pytest.skip(f"none of {', '.join(names)} is installed")
-    with sync_playwright() as playwright:
-        # Without its sandbox Chromium also starts for root in a container; the pages are our own.
-        started = playwright.chromium.launch(executable_path=found, args=["--no-sandbox"])
+    with started_chromium() as started:
         yield started
-        started.close()
 
 
 @pytest.fixture

@@ -12,6 +12,7 @@ import pytest
 from port_workspaces import write
 
 import dse
+from dse.api import listing
 from dse.api import try_point
 from dse.domain.sampler import Role
 from dse.errors import DseError
@@ -112,6 +113,11 @@ def test_the_benches_are_a_condition_of_the_study(root: Path) -> None:
     (condition,) = (variable for variable in study.variables if variable.role is Role.CONDITION)
     assert condition.labels == ("short", "long")
     assert [bench.name for bench in study.benches] == ["short", "long"]
+
+
+def test_a_listing_names_every_bench_of_a_study(root: Path) -> None:
+    (study,) = (each for each in listing(Workspace(root)).studies if each.name == "both")
+    assert study.facts["testbench"] == "short + long"
 
 
 def test_waveforms_end_with_their_bench_and_have_its_target(explored: Path) -> None:

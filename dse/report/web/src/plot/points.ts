@@ -1,9 +1,10 @@
 // The runs as points: filled = pass, dot = fail, hollow = not exercised, cross = failed to run.
 import type { Plane } from "../plane/plane";
 import type { Study } from "../study";
-import { channels, type Palette } from "../theme";
+import type { Palette } from "../theme";
 import { FAIL, FAILED, NOT_EXERCISED, PASS, type Judgement } from "../verdicts";
 import { clipTo, type Frame } from "./frame";
+import { createStamps, packed } from "./stamps";
 
 const MOST_DRAWN = 6000;
 const ORDER = [FAIL, NOT_EXERCISED, PASS, FAILED];
@@ -149,7 +150,6 @@ export function placeOf(frame: Frame, study: Study, { x, y }: Plane, run: number
   return [frame.x(study.variables[x]!.values[run]!), frame.y(study.variables[y]!.values[run]!)];
 }
 
-// Beyond some thousand points a path per point is slow; squares set straight into pixels take milliseconds.
 function stampPoints(
   pen: CanvasRenderingContext2D,
   frame: Frame,
@@ -159,13 +159,10 @@ function stampPoints(
   within: Uint8Array | null,
   colours: Palette,
 ): void {
-  const ratio = pen.getTransform().a;
-  const { width, height } = pen.canvas;
-  if (!width || !height) return; // its view is not shown
-  const image = new ImageData(width, height);
-  const pixels = new Uint32Array(image.data.buffer);
   const runs = plane.beside.length ? joined(plane.on, plane.beside) : plane.on;
-  const side = Math.max(1, Math.round((runs.length > 200_000 ? 1 : runs.length > 40_000 ? 1.5 : 2.4) * ratio));
+  const stamps = createStamps(pen, runs.length);
+  if (!stamps) return;
+  const { ratio, side } = stamps;
   // The last is for what lies outside of the brushes, and is drawn first.
   const ink = [colours.pass, colours.ink, colours.muted, colours.broken, colours.line].map(packed);
   const sides = [side + Math.round(ratio), side, side, side + Math.round(2 * ratio), side];
@@ -174,25 +171,13 @@ function stampPoints(
   const [x0, x1] = [frame.x(0), frame.x(1) - frame.x(0)];
   const [y0, y1] = [frame.y(0), frame.y(1) - frame.y(0)];
   for (const mark of within ? [OUTSIDE, ...ORDER] : ORDER) {
-    const colour = ink[mark]!;
-    const edge = sides[mark]!;
     for (let i = 0; i < runs.length; i++) {
       const run = runs[i]!;
       if ((within && !within[run] ? OUTSIDE : marks[run]) !== mark) continue;
-      const column = Math.round((x0 + x1 * xs[run]!) * ratio - edge / 2);
-      const row = Math.round((y0 + y1 * ys[run]!) * ratio - edge / 2);
-      if (column < 0 || row < 0 || column + edge > width || row + edge > height) continue;
-      for (let b = 0; b < edge; b++) {
-        const start = (row + b) * width + column;
-        for (let a = 0; a < edge; a++) pixels[start + a] = colour;
-      }
+      stamps.put(x0 + x1 * xs[run]!, y0 + y1 * ys[run]!, sides[mark]!, ink[mark]!);
     }
   }
-  const sheet = document.createElement("canvas");
-  sheet.width = width;
-  sheet.height = height;
-  sheet.getContext("2d")!.putImageData(image, 0, 0);
-  pen.drawImage(sheet, 0, 0, width / ratio, height / ratio);
+  stamps.draw();
 }
 
 function joined(a: Int32Array, b: Int32Array): Int32Array {
@@ -200,9 +185,4 @@ function joined(a: Int32Array, b: Int32Array): Int32Array {
   both.set(a);
   both.set(b, a.length);
   return both;
-}
-
-function packed(hex: string): number {
-  const [red, green, blue] = channels(hex);
-  return ((255 << 24) | (blue << 16) | (green << 8) | red) >>> 0;
 }

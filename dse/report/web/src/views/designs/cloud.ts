@@ -3,9 +3,10 @@ import { scaleLinear } from "d3-scale";
 import { columnOf, type Keyed } from "../../columns";
 import { clipTo, type Frame } from "../../plot/frame";
 import { drawShape, paintShape } from "../../plot/points";
+import { createStamps, packed } from "../../plot/stamps";
 import type { Palette } from "../../theme";
 import { FAIL, FAILED, NOT_EXERCISED, PASS } from "../../verdicts";
-import { packed, type Colouring } from "./colouring";
+import type { Colouring } from "./colouring";
 import type { Model } from "./model";
 
 /** What is drawn: values on both axes, verdicts, and which lie within the brushes (null: all). */
@@ -102,13 +103,10 @@ function shapes(pen: CanvasRenderingContext2D, frame: Frame, { marks, within }: 
   pen.globalAlpha = 1;
 }
 
-// Beyond some thousand points a path per point is slow; squares set straight into pixels take milliseconds.
 function stamp(pen: CanvasRenderingContext2D, { marks, within }: Cloud, { a, b }: { a: Float32Array; b: Float32Array }, { codes, colours: own }: Colouring, colours: Palette): void {
-  const ratio = pen.getTransform().a;
-  const { width, height } = pen.canvas;
-  const image = new ImageData(width, height);
-  const pixels = new Uint32Array(image.data.buffer);
-  const side = Math.max(1, Math.round((marks.length > 200_000 ? 1 : marks.length > 40_000 ? 1.5 : 2.4) * ratio));
+  const stamps = createStamps(pen, marks.length);
+  if (!stamps) return;
+  const { ratio, side } = stamps;
   const byMark = [colours.pass, colours.ink, colours.muted, colours.broken].map(packed);
   const byCode = own.map(packed);
   const faint = packed(colours.line);
@@ -117,22 +115,11 @@ function stamp(pen: CanvasRenderingContext2D, { marks, within }: Cloud, { a, b }
       const edge = mark === PASS ? side + Math.round(ratio) : side;
       for (let point = 0; point < marks.length; point++) {
         if (marks[point] !== mark || (within?.[point] ?? 1) !== inside) continue;
-        const column = Math.round(a[point]! * ratio - edge / 2);
-        const row = Math.round(b[point]! * ratio - edge / 2);
-        if (!(column >= 0 && row >= 0 && column + edge <= width && row + edge <= height)) continue;
-        const colour = !inside ? faint : codes ? byCode[codes[point]!]! : byMark[mark]!;
-        for (let down = 0; down < edge; down++) {
-          const start = (row + down) * width + column;
-          for (let right = 0; right < edge; right++) pixels[start + right] = colour;
-        }
+        stamps.put(a[point]!, b[point]!, edge, !inside ? faint : codes ? byCode[codes[point]!]! : byMark[mark]!);
       }
     }
   }
-  const sheet = document.createElement("canvas");
-  sheet.width = width;
-  sheet.height = height;
-  sheet.getContext("2d")!.putImageData(image, 0, 0);
-  pen.drawImage(sheet, 0, 0, width / ratio, height / ratio);
+  stamps.draw();
 }
 
 /** The front: its points ringed, and if there are two aims and these are the axes, the edge of what it dominates. */

@@ -1,6 +1,6 @@
 // What the colour of a point says: its verdict, a number along the ramp, or which alternative was chosen.
 import { columnOf, type Keyed } from "../../columns";
-import { channels, palette, shade, type Palette } from "../../theme";
+import { palette, shade, type Palette } from "../../theme";
 import { axisLabel } from "../../study";
 import { choiceAt, differingPlaces, type Model } from "./model";
 import { aggregated, designColumns } from "./values";
@@ -70,10 +70,4 @@ function byChoice(model: Model, name: string, colours: Palette): Colouring {
 export function seriesColour(index: number): string {
   const { requirements } = palette();
   return requirements[index % requirements.length]!;
-}
-
-/** A colour as the four bytes of a pixel. */
-export function packed(colour: string): number {
-  const [red, green, blue] = colour.startsWith("#") ? channels(colour) : (colour.match(/\d+/g)!.map(Number) as [number, number, number]);
-  return ((255 << 24) | (blue << 16) | (green << 8) | red) >>> 0;
 }
