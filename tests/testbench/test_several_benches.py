@@ -12,8 +12,7 @@ import pytest
 from port_workspaces import write
 
 import dse
-from dse.api import listing
-from dse.api import try_point
+from dse.api import listing, try_point
 from dse.domain.sampler import Role
 from dse.errors import DseError
 from dse.loading import Workspace
