@@ -1,0 +1,8 @@
+from .tables import (
+    LaneBand as LaneBand,
+    Light as Light,
+    Patch as Patch,
+    Piecewise as Piecewise,
+    RoadPath as RoadPath,
+    RoadTables as RoadTables,
+)
