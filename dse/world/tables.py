@@ -48,7 +48,7 @@ class Patch:
 
 @dataclass(frozen=True)
 class Light:
-    """A traffic light at a *station* of a path: *phases* are colours and how many s each is shown, from *shift* s on."""
+    """A traffic light at a *station* of a path: *phases* are colours and s each is shown, from *shift* s on."""
 
     id: str
     station: float
@@ -60,8 +60,8 @@ class Light:
 class RoadPath:
     """A way through a road network in its direction of travel: a reference line, and all that lies along it.
 
-    *x*, *y* (degree 5, m) are the reference line in the plane, within 1e-7 m of the road's; its stations are lengths to
-    1e-7. *height* in m, *bank* in rad (> 0: the left side is higher) belong to the reference line; *speed_limit* in m/s,
+    *x*, *y* (degree 5, m) are the reference line in the plane, within 1e-7 m of the road's; its stations are lengths
+    to 1e-7. *height* in m, *bank* in rad (> 0: left side higher) belong to the reference line; *speed_limit* in m/s,
     0 where there is none, is constant in pieces. *lanes* has the path's own lane first.
     """
 
