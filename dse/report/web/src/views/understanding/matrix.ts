@@ -6,8 +6,8 @@ import type { State, Store } from "../../store";
 import type { Study } from "../../study";
 import { palette } from "../../theme";
 import { FAIL, FAILED, NOT_EXERCISED, PASS } from "../../verdicts";
+import { chooseMatrixVariables, matrixVariables, MOST_VARIABLES } from "./chosen";
 
-const MOST_VARIABLES = 6;
 const MOST_POINTS = 4000;
 const RIM = 6;
 
@@ -21,7 +21,7 @@ interface Cell {
 
 export function createMatrix(store: Store): HTMLElement {
   const { study } = store;
-  const shown = study.variables.map((_, index) => index).slice(0, MOST_VARIABLES);
+  let shown = matrixVariables(store);
   const grid = el("div", { class: "pairs-grid", id: "pairs" });
   let cells: Cell[] = [];
   const paintAll = (): void => {
@@ -41,10 +41,14 @@ export function createMatrix(store: Store): HTMLElement {
   build();
   new ResizeObserver(paintAll).observe(grid);
   store.subscribe((_, changed) => {
-    if (grid.isConnected && ["thresholds", "selected", "configuration", "theme", "brushes", "fixed"].some((key) => changed.has(key as keyof State))) paintAll();
+    const now = changed.has("settings") ? matrixVariables(store) : shown;
+    if (now.join() !== shown.join()) {
+      shown = now;
+      build();
+    } else if (grid.isConnected && ["thresholds", "selected", "configuration", "theme", "brushes", "fixed"].some((key) => changed.has(key as keyof State))) paintAll();
   });
   const many = study.variables.length > MOST_VARIABLES;
-  return el("div", {}, el("p", { class: "hint" }, note(study)), many && chooser(study, shown, build), grid);
+  return el("div", {}, el("p", { class: "hint" }, note(study)), many && chooser(store), grid);
 }
 
 function note(study: Study): string {
@@ -54,24 +58,26 @@ function note(study: Study): string {
     : "Only runs that lie in the plane through the selected run; runs elsewhere are not mixed in.";
 }
 
-function chooser(study: Study, shown: number[], build: () => void): HTMLElement {
-  const boxes = study.variables.map((variable, index) => {
+function chooser(store: Store): HTMLElement {
+  const boxes = store.study.variables.map((variable, index) => {
     const box = el("input", { type: "checkbox", change: () => {
-      const at = shown.indexOf(index);
-      if (at >= 0 && shown.length > 2) shown.splice(at, 1);
-      else if (at < 0 && shown.length < MOST_VARIABLES) shown.push(index);
-      shown.sort((a, b) => a - b);
-      refresh();
-      build();
+      const others = matrixVariables(store).filter((each) => each !== index);
+      chooseMatrixVariables(store, (box.checked ? [...others, index] : others).sort((a, b) => a - b));
     } });
     return el("label", { class: "check" }, box, variable.title);
   });
-  const refresh = (): void => boxes.forEach((label, index) => {
-    const box = label.firstChild as HTMLInputElement;
-    box.checked = shown.includes(index);
-    box.disabled = box.checked ? shown.length <= 2 : shown.length >= MOST_VARIABLES;
-  });
+  const refresh = (): void => {
+    const shown = matrixVariables(store);
+    boxes.forEach((label, index) => {
+      const box = label.firstChild as HTMLInputElement;
+      box.checked = shown.includes(index);
+      box.disabled = box.checked ? shown.length <= 2 : shown.length >= MOST_VARIABLES;
+    });
+  };
   refresh();
+  store.subscribe((_, changed) => {
+    if (changed.has("settings")) refresh();
+  });
   return el("fieldset", { class: "checks" }, el("legend", {}, `Variables (${MOST_VARIABLES} at most)`), ...boxes);
 }
 
