@@ -372,7 +372,8 @@ def test_what_is_chosen_in_understanding_and_conditions_comes_back_with_the_addr
     assert told() == before
     # What fits no study is left out.
     page.evaluate("""() => { location.hash = 'conditions.across=7&conditions.down=x&conditions.requirement=-3'
-        + '&conditions.of=1&understanding.metric=9&understanding.part=-1&understanding.at=0:9:NaN&understanding.planes=1,1,77' }""")
+        + '&conditions.of=1&understanding.metric=9&understanding.part=-1'
+        + '&understanding.at=0:9:NaN&understanding.planes=1,1,77' }""")
     settle(page)
     assert told()[1:6] == ["1", "2", "-1", "design", "0"]
 

@@ -1,7 +1,8 @@
 // All planes of two design variables as small pictures, with cross-hairs at the selected run; a click opens one.
-import { el, fit } from "../../dom";
+import { el } from "../../dom";
 import { count, group } from "../../format";
 import { liesIn, startingPoint } from "../../plane/plane";
+import { paintedBy, type Sheet } from "../../plot/sheet";
 import type { State, Store } from "../../store";
 import type { Study } from "../../study";
 import { palette } from "../../theme";
@@ -14,9 +15,10 @@ const RIM = 6;
 interface Cell {
   x: number;
   y: number;
-  canvas: HTMLCanvasElement;
+  runs: number[];
   button: HTMLElement;
   told: HTMLElement;
+  repaint: () => void;
 }
 
 export function createMatrix(store: Store): HTMLElement {
@@ -25,7 +27,10 @@ export function createMatrix(store: Store): HTMLElement {
   const grid = el("div", { class: "pairs-grid", id: "pairs" });
   let cells: Cell[] = [];
   const paintAll = (): void => {
-    for (const cell of cells) paint(store, cell);
+    for (const cell of cells) {
+      tell(store, cell);
+      cell.repaint();
+    }
   };
   const build = (): void => {
     cells = [];
@@ -93,7 +98,8 @@ function createCell(store: Store, x: number, y: number): Cell {
     el("span", { class: "pair-x" }, `\u2192 ${variables[x]!.title}`),
     told,
   );
-  return { x, y, canvas, button, told };
+  const cell: Cell = { x, y, runs: [], button, told, repaint: paintedBy(canvas, (sheet) => paint(sheet, store, cell), { title: () => `${variables[y]!.title} over ${variables[x]!.title}` }) };
+  return cell;
 }
 
 function runsOf({ study, state }: Store, x: number, y: number): number[] {
@@ -108,16 +114,20 @@ function runsOf({ study, state }: Store, x: number, y: number): number[] {
   return found;
 }
 
-function paint(store: Store, { x, y, canvas, told }: Cell): void {
-  const { study, state } = store;
-  const runs = runsOf(store, x, y);
+function tell(store: Store, cell: Cell): void {
+  const { x, y, told } = cell;
+  const { study } = store;
   const { overall } = store.judgement();
-  const mask = store.within();
+  const runs = (cell.runs = runsOf(store, x, y));
   const passing = runs.filter((run) => overall[run] === PASS).length;
   const together = study.sampler !== "sliced" || study.slices.some((names) => names.includes(x) && names.includes(y));
   told.textContent = together ? `${group(passing)} of ${count(runs.length, "run")} pass` : "not varied together";
-  if (!canvas.clientWidth) return;
-  const { pen, width, height } = fit(canvas);
+}
+
+function paint({ pen, width, height }: Sheet, store: Store, { x, y, runs }: Cell): void {
+  const { study, state } = store;
+  const { overall } = store.judgement();
+  const mask = store.within();
   const colours = palette();
   const place = (variable: number, run: number, from: number, to: number): number => {
     const { values, low, high } = study.variables[variable]!;

@@ -107,7 +107,7 @@ function createControl(store: Store, part: Part, profile: Profile, response: Res
   const metric = store.study.metrics[response.metric]!;
   const isChoice = axis.variable < 0;
   let range: [number, number] = [0, 1];
-  const painted: Painted = createPainted(store, "mini", `${metric.title} along ${axis.label}, as a formula predicts it`, (canvas) => paintChart(canvas, chartOf(), palette()));
+  const painted: Painted = createPainted(store, "mini", `${metric.title} along ${axis.label}, as a formula predicts it`, (sheet) => paintChart(sheet, chartOf(), palette()));
   const chartOf = (): Chart => {
     const { at, values } = curve(store, part, profile, factor, places());
     const x = Float64Array.from(at, (place, index) => (isChoice ? index : valueAt(axis, place)));

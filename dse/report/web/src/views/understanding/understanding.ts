@@ -4,6 +4,7 @@ import { group } from "../../format";
 import type { Part, Response } from "../../insight";
 import { untilDropped, type Store } from "../../store";
 import { plotted } from "../../plane/plane";
+import { withSaving } from "../../panels/saving";
 import { planeName } from "../shared/planes";
 import type { View } from "../view";
 import { createBoxes } from "./boxes";
@@ -54,12 +55,12 @@ export const understandingView: View = {
     return el(
       "div",
       { class: "understanding" },
-      card("dependence", "What a metric depends on", controls, dependence),
-      card("profiler", "What would happen at other values", profiler),
-      chances.length > 0 && card("chances", "How sure the boundaries are", createChances(store)),
+      withSaving(store, card("dependence", "What a metric depends on", controls, dependence), "effects", "effects"),
+      withSaving(store, card("profiler", "What would happen at other values", profiler), "profile", ""),
+      chances.length > 0 && withSaving(store, card("chances", "How sure the boundaries are", createChances(store)), "boundaries", "boundary"),
       (boxes.length > 0 || centres.length > 0) && card("boxes", "Where all requirements are met", createBoxes(store)),
-      plotted(study) && card("pairs", "All planes", createMatrix(store)),
-      search && card("search", "How the search went", createSearch(store, search)),
+      plotted(study) && withSaving(store, card("pairs", "All planes", createMatrix(store)), "planes", "constraints"),
+      search && withSaving(store, card("search", "How the search went", createSearch(store, search)), "search", "search"),
     );
   },
 };
