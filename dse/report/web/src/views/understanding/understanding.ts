@@ -63,6 +63,6 @@ function metricChoice({ study }: Store, part: Part, change: (metric: number) => 
   return choose(part.responses.map((each): [string, string] => [String(each.metric), name(each)]), String(part.responses[0]!.metric), (value) => change(Number(value)));
 }
 
-function noteOf({ used, runs, apart }: Part): string {
-  return `Of ${used < runs ? `${group(used)} runs drawn from ${group(runs)}` : `${group(runs)} runs`}${apart ? `; ${group(apart)} others, in which other variables were varied, are left out` : ""}.`;
+function noteOf({ runs, apart }: Part): string {
+  return `Of ${group(runs)} runs${apart ? `; ${group(apart)} others, in which other variables were varied, are left out` : ""}.`;
 }
