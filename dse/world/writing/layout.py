@@ -16,6 +16,7 @@ from dse.world.writing.network import (
     Junction,
     Lane,
     LaneSection,
+    LightGroup,
     Link,
     Network,
     RoadRecord,
@@ -146,16 +147,14 @@ class _Made:
             connections.append(Connection(ids[way.start.side], number, coming))
         for side, arm in arms.items():
             self._attach(arm, ids[side], junction)
-        groups: tuple[tuple[int, ...], ...] = ()
-        if shape.lights is not None:
-            groups = tuple(self._lights(shape.lights, arms, ids))
-        self._junctions.append(Junction(junction, f"intersection_{junction}", tuple(connections), groups))
+        lights = () if shape.lights is None else tuple(self._lights(shape.lights, arms, ids))
+        self._junctions.append(Junction(junction, f"intersection_{junction}", tuple(connections), lights))
 
     def _attach(self, arm: Arm, road: int, junction: int) -> None:
         (self._behind if arm.side == COMING else self._before)[road] = Link(junction, "")
 
-    def _lights(self, lights: Lights, arms: Mapping[str, Arm], ids: Mapping[str, int]) -> Iterator[tuple[int, ...]]:
-        """Put up lights at all arms; the numbers of those that show the same."""
+    def _lights(self, lights: Lights, arms: Mapping[str, Arm], ids: Mapping[str, int]) -> Iterator[LightGroup]:
+        """Put up lights at all arms; those that show the same together."""
         yellow, clearing = lights.yellow, lights.clearing
         main = (("green", lights.main), ("yellow", yellow), ("red", clearing + lights.side + yellow + clearing))
         side = (
@@ -165,18 +164,18 @@ class _Made:
             ("red", clearing),
         )
         for phases, sides in ((main, (COMING, "straight")), (side, ("left", "right"))):
-            group = []
+            signals = []
             for arm in (arms[name] for name in sides if name in arms):
                 if arm.coming:
-                    group.append(self.new())
+                    signals.append(self.new())
                     beside = arm.coming * arm.lanes.width + 1.0
                     inward = arm.side == COMING
                     station, offset = (self._roads[ids[arm.side]].length, -beside) if inward else (0.0, beside)
-                    shown = tuple((colour, time) for colour, time in phases if time)
-                    signal = Signal(group[-1], station, offset, "+" if inward else "-", lights.shift, shown)
+                    signal = Signal(signals[-1], station, offset, "+" if inward else "-")
                     self._signals[ids[arm.side]] = (*self._signals.get(ids[arm.side], ()), signal)
-            if group:
-                yield tuple(group)
+            if signals:
+                shown = tuple((colour, seconds) for colour, seconds in phases if seconds)
+                yield LightGroup(tuple(signals), shown, lights.shift)
 
     def _roundabout(
         self, shape: Roundabout, segment: Segment, arms: Mapping[str, Arm], ids: Mapping[str, int], height: float

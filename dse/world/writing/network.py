@@ -71,17 +71,12 @@ class Patch:
 
 @dataclass(frozen=True, slots=True)
 class Signal:
-    """A traffic light beside the road, for who comes in its direction ("+") or against it ("-").
-
-    *phases* are colours and for how many s each is shown, the first from *shift* s on.
-    """
+    """A traffic light beside the road, for who comes in its direction ("+") or against it ("-")."""
 
     id: int
     station: float
     offset: float
     orientation: str
-    shift: float
-    phases: tuple[tuple[str, float], ...]
 
 
 @dataclass(frozen=True, slots=True)
@@ -114,13 +109,22 @@ class Connection:
 
 
 @dataclass(frozen=True, slots=True)
+class LightGroup:
+    """*signals* that show the same: *phases* are colours and for how many s each, the first from *shift* s on."""
+
+    signals: tuple[int, ...]
+    phases: tuple[tuple[str, float], ...]
+    shift: float
+
+
+@dataclass(frozen=True, slots=True)
 class Junction:
-    """Where roads meet; its lights, if there are any, are of two groups of signals."""
+    """Where roads meet, with its lights."""
 
     id: int
     name: str
     connections: tuple[Connection, ...]
-    groups: tuple[tuple[int, ...], ...] = ()
+    lights: tuple[LightGroup, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)

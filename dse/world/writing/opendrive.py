@@ -12,23 +12,17 @@ from dse.world.writing.network import (
     Junction,
     Lane,
     LaneSection,
+    LightGroup,
     Link,
     Network,
+    Patch,
     RoadRecord,
     Signal,
 )
 from dse.world.writing.pieces import Piece
 
-FRICTION = "dse:friction"
-"""``<userData>`` of a road: a part of it, not a whole lane wide, with a friction of its own.
-
-Its value is start, end, right, left (m along the road and to the left of its reference line) and the friction.
-"""
-PHASES = "dse:phases"
-"""``<userData>`` of a signal: when a traffic light shows what.
-
-Its value is a time in s, from which on the first phase is shown, and then colours and for how many s each is.
-"""
+PHASES, SHIFT = "dse.phases", "dse.shift"
+"""``<userData>`` of a controller: when its traffic lights show what, and from which time in s on."""
 
 _LIGHT = "1000001"
 """The type of a traffic light with three colours in OpenDRIVE's own catalogue."""
@@ -64,7 +58,7 @@ def _file(network: Network) -> Lines:
         for road in network.roads:
             yield from _road(road)
         for junction in network.junctions:
-            for number, group in enumerate(junction.groups):
+            for number, group in enumerate(junction.lights):
                 yield from _controller(junction, number, group)
         for junction in network.junctions:
             yield from _junction(junction)
@@ -85,11 +79,11 @@ def _road(road: RoadRecord) -> Lines:
         yield from _tag("elevationProfile", {}, 2, _cubics("elevation", "s", road.heights, 3))
         yield from _tag("lateralProfile", {}, 2, _cubics("superelevation", "s", road.banks, 3) if road.banks else None)
         yield from _tag("lanes", {}, 2, _lanes(road))
+        if road.patches:
+            objects = (line for number, patch in enumerate(road.patches) for line in _patch(road, number, patch))
+            yield from _tag("objects", {}, 2, objects)
         if road.signals:
             yield from _tag("signals", {}, 2, (line for signal in road.signals for line in _signal(signal)))
-        for patch in road.patches:
-            value = " ".join(map(repr, (patch.start, patch.end, patch.right, patch.left, patch.friction)))
-            yield from _tag("userData", {"code": FRICTION, "value": value}, 2)
 
     head: Attributes = {
         "name": road.name,
@@ -165,6 +159,35 @@ def _mark(kind: str) -> Lines:
     return _tag("roadMark", head, 6)
 
 
+def _patch(road: RoadRecord, number: int, patch: Patch) -> Lines:
+    corners = [
+        (patch.start, patch.right),
+        (patch.end, patch.right),
+        (patch.end, patch.left),
+        (patch.start, patch.left),
+    ]
+
+    def outline() -> Lines:
+        for s, t in corners:
+            yield from _tag("cornerRoad", {"s": s, "t": t, "dz": 0.0, "height": 0.0}, 6)
+
+    def inner() -> Lines:
+        yield from _tag("outlines", {}, 4, _tag("outline", {"id": 0, "closed": "true"}, 5, outline()))
+        yield from _tag("material", {"friction": patch.friction, "roughness": 0.0, "surface": "slippery"}, 4)
+
+    middle = (patch.start + patch.end) / 2, (patch.right + patch.left) / 2
+    head: Attributes = {
+        "id": f"{road.id}_{number}",
+        "type": "patch",
+        "s": middle[0],
+        "t": middle[1],
+        "zOffset": 0.0,
+        "orientation": "none",
+        "hdg": 0.0,
+    }
+    return _tag("object", head, 3, inner())
+
+
 def _signal(signal: Signal) -> Lines:
     head: Attributes = {
         "s": signal.station,
@@ -178,18 +201,24 @@ def _signal(signal: Signal) -> Lines:
         "type": _LIGHT,
         "subtype": "-1",
     }
-    shown = " ".join(f"{colour} {time!r}" for colour, time in signal.phases)
-    return _tag("signal", head, 3, _tag("userData", {"code": PHASES, "value": f"{signal.shift!r} {shown}"}, 4))
+    return _tag("signal", head, 3)
 
 
 def _controller_id(junction: Junction, number: int) -> str:
     return f"{junction.id}{'ab'[number]}"
 
 
-def _controller(junction: Junction, number: int, group: tuple[int, ...]) -> Lines:
+def _controller(junction: Junction, number: int, group: LightGroup) -> Lines:
+    def inner() -> Lines:
+        for signal in group.signals:
+            yield from _tag("control", {"signalId": signal, "type": "0"}, 2)
+        shown = ", ".join(f"{colour} {seconds!r}" for colour, seconds in group.phases)
+        yield from _tag("userData", {"code": PHASES, "value": shown}, 2)
+        if group.shift:
+            yield from _tag("userData", {"code": SHIFT, "value": group.shift}, 2)
+
     name = _controller_id(junction, number)
-    controls = (line for signal in group for line in _tag("control", {"signalId": signal, "type": "0"}, 2))
-    return _tag("controller", {"id": name, "name": f"lights_{name}", "sequence": number}, 1, controls)
+    return _tag("controller", {"id": name, "name": f"lights_{name}", "sequence": number}, 1, inner())
 
 
 def _junction(junction: Junction) -> Lines:
@@ -202,7 +231,7 @@ def _junction(junction: Junction) -> Lines:
                 "contactPoint": "start",
             }
             yield from _tag("connection", head, 2, _tag("laneLink", {"from": connection.lane, "to": -1}, 3))
-        for number in range(len(junction.groups)):
+        for number in range(len(junction.lights)):
             yield from _tag("controller", {"id": _controller_id(junction, number), "type": "0"}, 2)
 
     return _tag("junction", {"id": junction.id, "name": junction.name}, 1, inner())
