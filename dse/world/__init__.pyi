@@ -20,3 +20,4 @@ from .tables import (
     RoadPath as RoadPath,
     RoadTables as RoadTables,
 )
+from .writing.opendrive import opendrive_of as opendrive_of
