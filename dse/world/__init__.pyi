@@ -1,3 +1,4 @@
+from .code import STRUCT as STRUCT, road_files as road_files
 from .tables import (
     LaneBand as LaneBand,
     Light as Light,
