@@ -1,3 +1,4 @@
+from .code import STRUCT as STRUCT, road_files as road_files
 from .evaluation import (
     Placed as Placed,
     lane_middle as lane_middle,
