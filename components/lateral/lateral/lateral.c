@@ -11,40 +11,64 @@ double lateral_steering(double wanted, double last, double max_angle, double max
     return lateral_clamp(lateral_clamp(wanted, -max_angle, max_angle), last - turn, last + turn);
 }
 
-/* Moves on to the first point beyond *distance*. */
-static int beyond(const lateral_in *in, double distance, int *from) {
-    while (*from < LATERAL_POINTS && in->preview[*from].distance <= distance) ++*from;
+/* A point of the path, seen from the car. The first is where the car is beside it, then come those of the preview. */
+typedef struct {
+    double distance, x, y, heading, curvature;
+} knot;
+
+static knot knot_at(const lateral_in *in, int index) {
+    if (index > 0) {
+        int i = index - 1;
+        knot ahead = {
+            in->preview[i].distance, in->preview[i].x, in->preview[i].y, in->preview[i].heading, in->preview[i].curvature,
+        };
+        return ahead;
+    }
+    double turn = in->lane.heading, offset = in->lane.offset;
+    knot beside = {0, offset * sin(turn), -offset * cos(turn), -turn, in->lane.curvature};
+    return beside;
+}
+
+/* How many points of the preview there are: each is further ahead than the one before. */
+static int count(const lateral_in *in) {
+    int n = 0;
+    for (double last = 0; n < LATERAL_POINTS && in->preview[n].distance > last; ++n) last = in->preview[n].distance;
+    return n;
+}
+
+/* Moves on to the knot behind which *distance* lies, of as many as there are. */
+static int knot_before(const lateral_in *in, double distance, int *from) {
+    int last = count(in);
+    while (*from < last && in->preview[*from].distance <= distance) ++*from;
     return *from;
 }
 
 double lateral_curvature(const lateral_in *in, double distance, int *from) {
-    int next = beyond(in, distance, from);
-    if (next == LATERAL_POINTS) return in->preview[LATERAL_POINTS - 1].curvature;
-    double start = next > 0 ? in->preview[next - 1].distance : 0; /* where the car is, if no point is there */
-    double before = next > 0 ? in->preview[next - 1].curvature : in->lane.curvature;
-    double part = fmax(distance - start, 0) / (in->preview[next].distance - start);
-    return before + part * (in->preview[next].curvature - before);
+    int index = knot_before(in, distance, from);
+    knot before = knot_at(in, index);
+    if (index == count(in)) return before.curvature;
+    knot next = knot_at(in, index + 1);
+    double part = (distance - before.distance) / (next.distance - before.distance);
+    return before.curvature + part * (next.curvature - before.curvature);
 }
 
-/* Cubic of Hermite between two points: coefficients of u, u from 0 to 1. */
+/* Cubic of Hermite between two knots: coefficients of u, u from 0 to 1. */
 typedef struct {
     double x[4], y[4];
 } segment;
 
-static segment segment_to(const lateral_in *in, int next) {
-    int last = next - 1;
-    double length = in->preview[next].distance - in->preview[last].distance;
-    double from = in->preview[last].heading, to = in->preview[next].heading;
-    double x = in->preview[next].x - in->preview[last].x, y = in->preview[next].y - in->preview[last].y;
-    double vx = length * cos(from), vy = length * sin(from), wx = length * cos(to), wy = length * sin(to);
+static segment segment_between(const knot *from, const knot *to) {
+    double length = to->distance - from->distance, x = to->x - from->x, y = to->y - from->y;
+    double vx = length * cos(from->heading), vy = length * sin(from->heading);
+    double wx = length * cos(to->heading), wy = length * sin(to->heading);
     segment found = {
-        {in->preview[last].x, vx, 3 * x - 2 * vx - wx, vx + wx - 2 * x},
-        {in->preview[last].y, vy, 3 * y - 2 * vy - wy, vy + wy - 2 * y},
+        {from->x, vx, 3 * x - 2 * vx - wx, vx + wx - 2 * x},
+        {from->y, vy, 3 * y - 2 * vy - wy, vy + wy - 2 * y},
     };
     return found;
 }
 
-static lateral_point at(const segment *s, double u) {
+static lateral_point point_at(const segment *s, double u) {
     lateral_point point = {
         s->x[0] + u * (s->x[1] + u * (s->x[2] + u * s->x[3])),
         s->y[0] + u * (s->y[1] + u * (s->y[2] + u * s->y[3])),
@@ -53,16 +77,16 @@ static lateral_point at(const segment *s, double u) {
 }
 
 lateral_point lateral_path(const lateral_in *in, double distance, int *from) {
-    int next = beyond(in, distance, from);
-    if (next == 0 || next == LATERAL_POINTS) {
-        int end = next == 0 ? 0 : LATERAL_POINTS - 1;
-        double on = distance - in->preview[end].distance, heading = in->preview[end].heading;
-        lateral_point point = {in->preview[end].x + on * cos(heading), in->preview[end].y + on * sin(heading)};
+    int index = knot_before(in, distance, from);
+    knot before = knot_at(in, index);
+    if (index == count(in)) {
+        double on = distance - before.distance;
+        lateral_point point = {before.x + on * cos(before.heading), before.y + on * sin(before.heading)};
         return point;
     }
-    segment s = segment_to(in, next);
-    double start = in->preview[next - 1].distance;
-    return at(&s, (distance - start) / (in->preview[next].distance - start));
+    knot next = knot_at(in, index + 1);
+    segment s = segment_between(&before, &next);
+    return point_at(&s, (distance - before.distance) / (next.distance - before.distance));
 }
 
 static bool is_inside(lateral_point point, double behind, double radius) {
@@ -71,23 +95,32 @@ static bool is_inside(lateral_point point, double behind, double radius) {
 }
 
 lateral_point lateral_path_on_circle(const lateral_in *in, double behind, double radius) {
-    int next = 0;
-    lateral_point point = {in->preview[0].x, in->preview[0].y};
-    while (next < LATERAL_POINTS - 1 && is_inside(point, behind, radius)) {
-        ++next;
-        point.x = in->preview[next].x;
-        point.y = in->preview[next].y;
+    int last = count(in), index = 0;
+    knot before, next = knot_at(in, 0);
+    lateral_point point = {next.x, next.y};
+    if (!is_inside(point, behind, radius)) return point;
+    while (is_inside(point, behind, radius)) {
+        if (index == last) { /* straight on from the last one: |point + u direction| = radius */
+            double cosine = cos(next.heading), sine = sin(next.heading), x = point.x + behind;
+            double along = x * cosine + point.y * sine, across = x * sine - point.y * cosine;
+            double on = sqrt(fmax(radius * radius - across * across, 0)) - along;
+            lateral_point end = {point.x + on * cosine, point.y + on * sine};
+            return end;
+        }
+        before = next;
+        next = knot_at(in, ++index);
+        point.x = next.x;
+        point.y = next.y;
     }
-    if (next == 0 || is_inside(point, behind, radius)) return point;
-    segment s = segment_to(in, next);
+    segment s = segment_between(&before, &next);
     double low = 0, high = 1;
     for (int halving = 0; halving < 50; ++halving) { /* to the last digits of a double */
         double middle = 0.5 * (low + high);
-        if (is_inside(at(&s, middle), behind, radius)) {
+        if (is_inside(point_at(&s, middle), behind, radius)) {
             low = middle;
         } else {
             high = middle;
         }
     }
-    return at(&s, low);
+    return point_at(&s, low);
 }

@@ -32,16 +32,16 @@ typedef struct {
 /* Steering within its limit, and from *last* by no more than the rate allows in one step. */
 double lateral_steering(double wanted, double last, double max_angle, double max_rate);
 
-/* Curvature of the path that far ahead along it, linear between the points; beyond the last, the last one's.
- * *from* is how many points lie before, 0 to begin with; it moves on with growing distances. */
+/* Curvature of the path that far ahead along it, linear between where the car is and the points of the preview; beyond
+ * the last one, its own. *from* is how many points lie before, 0 to begin with; it moves on with growing distances. */
 double lateral_curvature(const lateral_in *in, double distance, int *from);
 
-/* The path that far ahead along it, on cubics that have its directions; straight on before the first and beyond the
- * last point. *from* as above. */
+/* The path that far ahead along it, on cubics that have its directions, straight on beyond the last point. *from* as
+ * above. */
 lateral_point lateral_path(const lateral_in *in, double distance, int *from);
 
-/* Where the path leaves a circle of *radius* about the point *behind* m behind the centre of gravity; the last point
- * if it does not. */
+/* Where the path leaves a circle of *radius* about the point *behind* m behind the centre of gravity; the point beside
+ * the car if that is outside. */
 lateral_point lateral_path_on_circle(const lateral_in *in, double behind, double radius);
 
 double lateral_clamp(double value, double low, double high);
