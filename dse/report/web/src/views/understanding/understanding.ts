@@ -70,6 +70,6 @@ function metricName({ study }: Store, { metric }: Response): string {
   return study.metrics[metric]!.title + (judged ? " (required)" : "");
 }
 
-function noteOf({ used, runs, apart }: Part): string {
-  return `Of ${used < runs ? `${group(used)} runs drawn from ${group(runs)}` : `${group(runs)} runs`}${apart ? `; ${group(apart)} others, in which other variables were varied, are left out` : ""}.`;
+function noteOf({ runs, apart }: Part): string {
+  return `Of ${group(runs)} runs${apart ? `; ${group(apart)} others, in which other variables were varied, are left out` : ""}.`;
 }
