@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dse.errors import fail
-from dse.world.curves import Curve, Frames, Reals
+from dse.world.opendrive.curves import Curve, Frames, Reals
 from dse.world.opendrive.structure import Cubic
 from dse.world.tables import Piecewise
 
@@ -65,14 +65,20 @@ def backwards(piecewise: Piecewise, length: float, sign: float = 1.0) -> Piecewi
     return Piecewise(starts, sign * turned[::-1])
 
 
-def joined(parts: Sequence[tuple[Piecewise, float]]) -> Piecewise:
-    """One after the other, each over its length; pieces that only go on with the same constant are one."""
+def in_a_row(parts: Sequence[tuple[Piecewise, float]]) -> Piecewise:
+    """One after the other, each over its length."""
     begins = np.concatenate([np.zeros(1), np.cumsum([length for _, length in parts])])
     starts = np.concatenate([part.starts + begin for (part, _), begin in zip(parts, begins[:-1], strict=True)])
-    coefficients = np.concatenate([part.coefficients for part, _ in parts])
+    return Piecewise(starts, np.concatenate([part.coefficients for part, _ in parts]))
+
+
+def joined(parts: Sequence[tuple[Piecewise, float]]) -> Piecewise:
+    """One after the other, each over its length; pieces that only go on with the same constant are one."""
+    row = in_a_row(parts)
+    coefficients = row.coefficients
     same = np.all(coefficients[1:] == coefficients[:-1], axis=1) & np.all(coefficients[1:, 1:] == 0.0, axis=1)
     kept = np.append(True, ~same)
-    return Piecewise(starts[kept], coefficients[kept])
+    return Piecewise(row.starts[kept], coefficients[kept])
 
 
 def quintics(curve: Curve, length: float) -> tuple[Piecewise, Piecewise]:
@@ -84,13 +90,11 @@ def quintics(curve: Curve, length: float) -> tuple[Piecewise, Piecewise]:
     pieces = 1
     while True:
         frames = curve.at(np.linspace(0.0, length, 8 * pieces + 1))
-        nodes = Frames(*(a[::8] for a in (frames.x, frames.y, frames.heading, frames.curvature)), frames.pace)
+        nodes = Frames(frames.x[::8], frames.y[::8], frames.heading[::8], frames.curvature[::8], frames.pace)
         x, y = _hermite(nodes, length / pieces)
         ds = length / pieces * np.arange(8) / 8
         powers = ds[:, None] ** np.arange(6)
-        off = np.hypot(
-            (x @ powers.T).ravel() - frames.x[:-1], (y @ powers.T).ravel() - frames.y[:-1]
-        )
+        off = np.hypot((x @ powers.T).ravel() - frames.x[:-1], (y @ powers.T).ravel() - frames.y[:-1])
         # The largest distance from a quintic between its ends falls with the sixth power of its length.
         worst = float(np.max(off))
         if worst <= CLOSE:

@@ -10,7 +10,7 @@ import numpy as np
 
 from dse.errors import Problem, closest
 from dse.formats import shortened
-from dse.world.curves import curve_of
+from dse.world.opendrive.curves import curve_of
 from dse.world.opendrive.structure import End, Geometry, Network, Road
 
 GAP = 0.01

@@ -6,6 +6,7 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cache
+from typing import TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,8 +14,10 @@ from numpy.typing import NDArray
 from dse.errors import fail
 from dse.world.opendrive.structure import Arc, Geometry, Line, Parametric, Polynomial, Spiral
 
-Reals = NDArray[np.float64]
-Numbers = NDArray[np.float64] | NDArray[np.complex128]
+Reals: TypeAlias = NDArray[np.float64]
+Points: TypeAlias = NDArray[np.complex128]
+Local: TypeAlias = Callable[[Reals], tuple[Points, Reals, Reals]]
+"""From stations to places in axes along and across the heading at the start, angles turned and curvatures."""
 
 _MOST_CELLS = 2**14
 _LEAST_PACE = 1e-6
@@ -40,7 +43,7 @@ class Curve:
 
     geometry: Geometry
     length: float
-    local: Callable[[Reals], tuple[NDArray[np.complex128], Reals, Reals]]
+    local: Local
 
     def at(self, stations: Reals) -> Frames:
         """The frames at *stations*, in m from the start of the piece."""
@@ -78,49 +81,47 @@ def _gauss() -> tuple[Reals, Reals]:
 class _Antiderivative:
     """The integral of *f* from the first of *edges* on, by sixteen points a cell (Gauss and Legendre)."""
 
-    def __init__(self, f: Callable[[Reals], Numbers], edges: Reals) -> None:
+    def __init__(self, f: Callable[[Reals], Points], edges: Reals) -> None:
         self.f, self.edges = f, edges
-        cells = self._between(edges[:-1], edges[1:])
-        self.sums = np.concatenate([np.zeros(1), np.cumsum(cells)])
+        self.sums = np.concatenate([np.zeros(1), np.cumsum(self._between(edges[:-1], edges[1:]))])
 
-    def __call__(self, p: Reals) -> Numbers:
+    def __call__(self, p: Reals) -> Points:
         cell = np.clip(np.searchsorted(self.edges, p, side="right") - 1, 0, len(self.edges) - 2)
-        return self.sums[cell] + self._between(self.edges[cell], p)
+        return np.asarray(self.sums[cell] + self._between(self.edges[cell], p))
 
     def inverse(self, values: Reals) -> Reals:
-        """Where the integral of a positive real *f* has *values*, by Newton's method."""
+        """Where the integral of a positive *f* has *values*, by Newton's method."""
         p = np.interp(values, self.sums.real, self.edges)
         for _ in range(60):
-            change = (np.real(self(p)) - values) / np.real(self.f(p))
+            change = (self(p).real - values) / self.f(p).real
             p = p - change
             if np.max(np.abs(change), initial=0.0) <= 1e-14 * abs(self.edges[-1]):
                 break
-            p = np.clip(p, self.edges[0], None)
         return p
 
-    def _between(self, a: Reals, b: Reals) -> Numbers:
+    def _between(self, a: Reals, b: Reals) -> Points:
         nodes, weights = _gauss()
-        return (b - a) * (self.f(a[:, None] + (b - a)[:, None] * nodes) @ weights)
+        return np.asarray((b - a) * (self.f(a[:, None] + (b - a)[:, None] * nodes) @ weights))
 
 
-def _line(s: Reals) -> tuple[NDArray[np.complex128], Reals, Reals]:
-    return s + 0j, np.zeros_like(s), np.zeros_like(s)
+def _line(s: Reals) -> tuple[Points, Reals, Reals]:
+    return np.asarray(s, dtype=np.complex128), np.zeros_like(s), np.zeros_like(s)
 
 
-def _arc(curvature: float, s: Reals) -> tuple[NDArray[np.complex128], Reals, Reals]:
+def _arc(curvature: float, s: Reals) -> tuple[Points, Reals, Reals]:
     # By its chord, which stays exact for circles of any size.
     half = curvature * s / 2
-    return s * np.sinc(half / np.pi) * np.exp(1j * half), 2 * half, np.full_like(s, curvature)
+    return np.asarray(s * np.sinc(half / np.pi) * np.exp(1j * half)), 2 * half, np.full_like(s, curvature)
 
 
-def _spiral(start: float, end: float, length: float) -> Callable[[Reals], tuple[NDArray[np.complex128], Reals, Reals]]:
+def _spiral(start: float, end: float, length: float) -> Local:
     # Not by Fresnel integrals, which lose their digits where the curvature hardly changes.
     rate = (end - start) / length
     cells = 1 + int(max(abs(start), abs(end)) * length)
     along = _Antiderivative(lambda s: np.exp(1j * s * (start + rate * s / 2)), np.linspace(0, length, cells + 1))
 
-    def at(s: Reals) -> tuple[NDArray[np.complex128], Reals, Reals]:
-        return along(s) + 0j, s * (start + rate * s / 2), start + rate * s
+    def at(s: Reals) -> tuple[Points, Reals, Reals]:
+        return along(s), s * (start + rate * s / 2), start + rate * s
 
     return at
 
@@ -132,30 +133,28 @@ def _lengths(geometry: Geometry, u: Coefficients, v: Coefficients, last: float) 
     """Length over parameter, from 0 to *last*; with cells so many that twice as many change nothing."""
     slope = _derivative(u, v, 1)
 
-    def pace(p: Reals) -> Reals:
-        return np.abs(slope(p))
+    def pace(p: Reals) -> Points:
+        return np.abs(slope(p)) + 0j
 
     cells = 4
     made = _Antiderivative(pace, np.linspace(0, last, cells + 1))
     while True:
         finer = _Antiderivative(pace, np.linspace(0, last, 2 * cells + 1))
-        total = float(finer.sums[-1])
-        slowest = float(np.min(pace(np.linspace(0, last, 8 * cells + 1))))
+        total = float(finer.sums[-1].real)
+        slowest = float(np.min(pace(np.linspace(0, last, 8 * cells + 1)).real))
         if not slowest * last > _LEAST_PACE * total:
             raise fail("the curve stands still somewhere, where it has no direction", geometry.where)
-        if abs(total - made.sums[-1]) <= 1e-11 * total + 1e-12:
+        if abs(total - made.sums[-1].real) <= 1e-11 * total + 1e-12:
             return finer
         cells, made = 2 * cells, finer
         if cells > _MOST_CELLS:
             raise fail("the length of this curve cannot be found", geometry.where)
 
 
-def _parametric(
-    u: Coefficients, v: Coefficients, lengths: _Antiderivative
-) -> Callable[[Reals], tuple[NDArray[np.complex128], Reals, Reals]]:
+def _parametric(u: Coefficients, v: Coefficients, lengths: _Antiderivative) -> Local:
     place, slope, bend = (_derivative(u, v, order) for order in range(3))
 
-    def at(s: Reals) -> tuple[NDArray[np.complex128], Reals, Reals]:
+    def at(s: Reals) -> tuple[Points, Reals, Reals]:
         p = lengths.inverse(s)
         first = slope(p)
         return place(p), np.angle(first), (first.conj() * bend(p)).imag / np.abs(first) ** 3
@@ -163,6 +162,6 @@ def _parametric(
     return at
 
 
-def _derivative(u: Coefficients, v: Coefficients, order: int) -> Callable[[Reals], NDArray[np.complex128]]:
-    polynomial = np.polynomial.Polynomial(np.array(u) + 1j * np.array(v))
-    return polynomial.deriv(order) if order else polynomial
+def _derivative(u: Coefficients, v: Coefficients, order: int) -> Callable[[Reals], Points]:
+    coefficients = np.polynomial.polynomial.polyder(np.array(u) + 1j * np.array(v), order)
+    return lambda p: np.asarray(np.polynomial.polynomial.polyval(p, coefficients))
