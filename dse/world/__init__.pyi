@@ -7,14 +7,9 @@ from .evaluation import (
     wrapped as wrapped,
 )
 from .flatten import path_along as path_along, read_road_tables as read_road_tables, road_tables as road_tables
-from .lane_graph import (
-    DRIVEN as DRIVEN,
-    LaneGraph as LaneGraph,
-    LanePlace as LanePlace,
-    lane_graph as lane_graph,
-    runs_along as runs_along,
-)
+from .lane_graph import LaneGraph as LaneGraph, LanePlace as LanePlace, lane_graph as lane_graph
 from .opendrive.curves import Curve as Curve, curve_of as curve_of
+from .opendrive.driving import DRIVEN as DRIVEN, runs_along as runs_along
 from .opendrive.reading import read_network as read_network
 from .opendrive.roadside import COLOURS as COLOURS, PHASES as PHASES, SHIFT as SHIFT
 from .opendrive.structure import Network as Network, Road as Road
