@@ -64,11 +64,12 @@ class Light:
 class RoadPath:
     """A way through a road network in its direction of travel: a reference line, and all that lies along it.
 
-    *x*, *y* (degree 5, m) are the reference line in the plane, within 1e-7 m of the road's; its stations are lengths
-    as far as the road's are. Where a path goes from one road to the next the line may jump to its side, and the
-    borders of the lanes with it, so that the lanes go on without a jump. *height* in m, *bank* in rad (> 0: left side
-    higher) belong to the reference line; a point at t to its left is t tan(bank) above it. *speed_limit* in m/s, 0
-    where there is none, is constant in pieces. *lanes* has the path's own lane first.
+    *x*, *y* (degree 5, m, with the same pieces) are the reference line in the plane, within 1e-7 m of the road's; its
+    stations are lengths as far as the road's are. Where a path goes from one road to the next the line may jump to its
+    side, and the borders of the lanes with it, so that the lanes go on without a jump. *height* in m, *bank* in rad
+    (> 0: left side higher) belong to the reference line; a point at t to its left is t tan(bank) above it, and t is
+    measured in the plane. *speed_limit* in m/s, 0 where there is none, is constant in pieces. *lanes* has the path's
+    own lane first.
     """
 
     name: str
