@@ -7,7 +7,8 @@ from .evaluation import (
     wrapped as wrapped,
 )
 from .flatten import path_along as path_along, read_road_tables as read_road_tables, road_tables as road_tables
-from .lane_graph import DRIVEN as DRIVEN, LaneGraph as LaneGraph, LanePlace as LanePlace, lane_graph as lane_graph
+from .lane_graph import LaneGraph as LaneGraph, LanePlace as LanePlace, lane_graph as lane_graph
+from .opendrive.driving import DRIVEN as DRIVEN
 from .opendrive.reading import read_network as read_network
 from .opendrive.roadside import COLOURS as COLOURS, PHASES as PHASES, SHIFT as SHIFT
 from .opendrive.structure import Network as Network, Road as Road

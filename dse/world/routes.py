@@ -11,8 +11,9 @@ import numpy as np
 
 from dse.errors import DseError, Location, closest, fail, some_of
 from dse.formats import shortened
-from dse.world.lane_graph import LaneGraph, LanePlace, entries, lane_at, next_places, runs_along
+from dse.world.lane_graph import LaneGraph, LanePlace, entries, lane_at, next_places
 from dse.world.opendrive.curves import curve_of
+from dse.world.opendrive.driving import runs_along
 from dse.world.opendrive.structure import Network, Road
 
 _LOOK = 50.0

@@ -121,9 +121,10 @@ def _links(road: XmlElement) -> Iterator[tuple[End, RoadLink]]:
             kind = element.get("elementType", "road")
             if kind not in {"road", "junction"}:
                 raise fail(f"<{tag}>: 'elementType' cannot be '{shortened(kind)}'", element.where, "road or junction")
-            # A link into the middle of a road belongs to a virtual junction and has no contact at an end.
-            contact = End.START if kind == "junction" or "elementS" in element.attributes else _contact(element)
-            yield end, RoadLink(kind, text(element, "elementId"), contact, element.where)
+            # A link into the middle of a road belongs to a virtual junction, which is not followed.
+            if "elementS" not in element.attributes:
+                contact = End.START if kind == "junction" else _contact(element)
+                yield end, RoadLink(kind, text(element, "elementId"), contact, element.where)
 
 
 def _contact(element: XmlElement) -> End:
