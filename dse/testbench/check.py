@@ -23,6 +23,7 @@ from dse.testbench.prepared import Setting
 from dse.testbench.select import one_configuration, proposing, selected
 from dse.testbench.study import require_variables
 from dse.testbench.wired import wire_bench
+from dse.world import opendrive_of
 
 P = ParamSpec("P")
 
@@ -42,6 +43,8 @@ def check_workspace(
     found = _of(_survey, workspace, counts)
     # What cannot be read is told once more by whatever needs it; all else is told besides.
     found += _components(workspace, tell, [] if ignored is None else ignored)
+    for path in workspace.files("roads"):
+        found += _of(_road, workspace, str(path))
     for what, folder in (("design spaces", "designs"), ("test benches and studies", "testbenches")):
         paths = list(workspace.files(folder))
         for number, path in enumerate(paths, 1):
@@ -89,6 +92,7 @@ def _survey(workspace: Workspace, counts: dict[str, int]) -> None:
         "interface": len(workspace.interfaces),
         "component": len(workspace.component_files),
         "design space": len(list(workspace.files("designs"))),
+        **({"road": roads} if (roads := len(list(workspace.files("roads")))) else {}),
         "test bench": len(benches) - studies,
         "study": studies,
     }
@@ -96,6 +100,10 @@ def _survey(workspace: Workspace, counts: dict[str, int]) -> None:
 
 def _design(workspace: Workspace, path: str) -> None:
     _first(workspace.design(path))
+
+
+def _road(workspace: Workspace, path: str) -> None:
+    opendrive_of(workspace.road(path))
 
 
 def _first(space: DesignSpace) -> Configuration:

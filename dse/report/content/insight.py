@@ -135,11 +135,10 @@ class Response:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Part:
-    """*used* of *runs* runs that may be compared, *apart* others that may not; *centres* are (n, features) each."""
+    """*runs* runs that may be compared, *apart* others that may not; *centres* are (n, features) each."""
 
     plane: Plane
     factors: tuple[FactorAxis, ...]
-    used: int
     runs: int
     apart: int
     centres: tuple[NDArray[np.float32], ...]

@@ -57,15 +57,16 @@ def centres_of(points: Floats) -> Floats:
 def formulas(points: Floats, values: Floats, centres: Floats) -> list[Formula]:
     """A formula through *values*, (n, responses), at *points*, (n, features), for each response."""
     fold = np.random.default_rng(_SEED).permutation(len(points)) % _FOLDS
+    predicted = {power: np.empty_like(values) for power in POWERS}
+    for number in range(_FOLDS):
+        train = fold != number
+        near = centres_of(points[train])
+        for power in POWERS:
+            weights = _fitted(points[train], values[train], near, power)
+            predicted[power][~train] = evaluated(points[~train], near, weights, power)
     best: list[Formula] = []
     for power in POWERS:
-        predicted = np.empty_like(values)
-        for number in range(_FOLDS):
-            train = fold != number
-            near = centres_of(points[train])
-            weights = _fitted(points[train], values[train], near, power)
-            predicted[~train] = evaluated(points[~train], near, weights, power)
-        square = ((predicted - values) ** 2).mean(axis=0)
+        square = ((predicted[power] - values) ** 2).mean(axis=0)
         whole = _fitted(points, values, centres, power)
         variance = values.var(axis=0)
         found = [

@@ -54,7 +54,7 @@ def _insight(table: RunTable) -> Insight:
     every = np.arange(len(table))
     looked = table if len(table) <= MOST_RUNS else part_of_table(table, drawn(every, MOST_RUNS))
     parts = planes(looked)
-    findings = essentials(looked)
+    findings = essentials(looked, parts)
     chances, withheld = chances_of(looked, parts, naming)
     search, reasons = search_of(table, naming)
     return Insight(

@@ -20,9 +20,6 @@ from dse.units import Unit, parse_unit
 MOST_METRICS = 16
 """Those behind requirements and objectives first."""
 
-MOST_COMPARED = 5000
-"""Runs of which shares of the variance and means are told."""
-
 _STEPS = 33
 _LEAST = 12
 
@@ -30,9 +27,8 @@ T = TypeVar("T")
 
 
 def part_of(data: StudyData, naming: Naming) -> Part:
-    """Of the runs *data*, which may be compared with each other: of 5,000 drawn at most, formulas of 2,000."""
-    definition, runs = data.definition, len(data)
-    data = data.part(drawn(np.arange(runs), MOST_COMPARED))
+    """Of the runs *data*, which may be compared with each other; formulas of 2,000 drawn at most."""
+    definition = data.definition
     wanted = [entry.metric for entry in definition.requirements]
     wanted += [each.name for each in definition.objectives if each.name in data.metrics]
     names = [*dict.fromkeys([*wanted, *data.metrics])][:MOST_METRICS]
@@ -42,7 +38,6 @@ def part_of(data: StudyData, naming: Naming) -> Part:
         naming.plane(data.plane),
         tuple(_axis(factor, naming) for factor in data.factors),
         len(data),
-        runs,
         data.apart,
         tuple(centres.astype(np.float32) for centres in fits.centres),
         tuple(_response(data, name, fits, naming) for name in names),

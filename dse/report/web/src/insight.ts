@@ -84,8 +84,6 @@ export interface Response {
 export interface Part {
   plane: number[];
   factors: FactorAxis[];
-  /** So many of the runs were looked at. */
-  used: number;
   runs: number;
   apart: number;
   centres: Float32Array[];

@@ -4,6 +4,7 @@ import type { Zoom } from "../store";
 import { axisLabel } from "../study";
 import { number } from "../format";
 import type { Palette } from "../theme";
+import type { Pen } from "./pen";
 
 export type Scale = ScaleContinuousNumeric<number, number>;
 
@@ -30,14 +31,14 @@ export function frameOf(width: number, height: number, { x, y }: Zoom, bar: bool
   return { ...frame, x: scaleLinear(x, [frame.left, frame.right]), y: scaleLinear(y, [frame.bottom, frame.top]) };
 }
 
-export function clipTo(pen: CanvasRenderingContext2D, { left, right, top, bottom }: Frame): void {
+export function clipTo(pen: Pen, { left, right, top, bottom }: Frame): void {
   pen.beginPath();
   pen.rect(left, top, right - left, bottom - top);
   pen.clip();
 }
 
 export function drawAxes(
-  pen: CanvasRenderingContext2D,
+  pen: Pen,
   frame: Frame,
   horizontal: AxisText,
   vertical: AxisText,
@@ -75,7 +76,7 @@ export function drawAxes(
   sideways(pen, 16, (top + bottom) / 2, () => pen.fillText(fitted(pen, axisText(vertical), bottom - top), 0, 0));
 }
 
-export function drawGrid(pen: CanvasRenderingContext2D, frame: Frame, horizontal: AxisText, vertical: AxisText, colours: Palette): void {
+export function drawGrid(pen: Pen, frame: Frame, horizontal: AxisText, vertical: AxisText, colours: Palette): void {
   const { left, right, top, bottom, x, y } = frame;
   pen.strokeStyle = colours.line;
   pen.lineWidth = 1;
@@ -96,7 +97,7 @@ export function axisText(axis: AxisText): string {
 }
 
 /** *text*, with an ellipsis where it would be wider than *room*. */
-export function fitted(pen: CanvasRenderingContext2D, text: string, room: number): string {
+export function fitted(pen: Pen, text: string, room: number): string {
   if (pen.measureText(text).width <= room) return text;
   let [fits, many] = [0, text.length];
   while (many - fits > 1) {
@@ -118,7 +119,7 @@ function ticksOf(scale: Scale, { log, names }: AxisText, count: number): [number
   return (log && decades.length > 2 ? decades : ticks).map((tick) => [tick, number(tick, 6)]);
 }
 
-export function sideways(pen: CanvasRenderingContext2D, x: number, y: number, draw: () => void): void {
+export function sideways(pen: Pen, x: number, y: number, draw: () => void): void {
   pen.save();
   pen.translate(x, y);
   pen.rotate(-Math.PI / 2);

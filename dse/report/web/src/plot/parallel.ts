@@ -1,13 +1,14 @@
 // Axes beside each other, and runs as lines across them.
 import { scaleLinear, type ScaleLinear } from "d3-scale";
 import { columnsOf } from "../columns";
-import { fit } from "../dom";
 import { number } from "../format";
 import type { Store } from "../store";
 import { axisLabel, type Study } from "../study";
 import { palette, type Palette } from "../theme";
 import { PASS } from "../verdicts";
 import { colourOf } from "./regions";
+import type { Pen } from "./pen";
+import type { Sheet } from "./sheet";
 
 export const TOP = 22;
 export const FOOT = 22;
@@ -45,9 +46,7 @@ export function placeOf(axes: number, width: number, index: number): number {
 }
 
 /** Lines *inside* of the brushes in the colours of their verdicts, those *outside* set back behind them. */
-export function paintLines(canvas: HTMLCanvasElement, store: Store, axes: Axis[], { inside, outside }: { inside: number[]; outside: number[] }): void {
-  const { pen, width, height } = fit(canvas);
-  if (!width) return;
+export function paintLines({ pen, width, height }: Sheet, store: Store, axes: Axis[], { inside, outside }: { inside: number[]; outside: number[] }): void {
   const colours = palette();
   const { study, state } = store;
   const { overall } = store.judgement();
@@ -100,7 +99,7 @@ export function paintLines(canvas: HTMLCanvasElement, store: Store, axes: Axis[]
   axes.forEach((axis, index) => drawAxis(pen, store, axis, xs[index]!, height, colours));
 }
 
-function drawAxis(pen: CanvasRenderingContext2D, { study, state }: Store, axis: Axis, x: number, height: number, colours: Palette): void {
+function drawAxis(pen: Pen, { study, state }: Store, axis: Axis, x: number, height: number, colours: Palette): void {
   const scale = heightsOf([axis], height)[0]!;
   pen.strokeStyle = colours.muted;
   pen.lineWidth = 1;
@@ -137,7 +136,7 @@ function drawAxis(pen: CanvasRenderingContext2D, { study, state }: Store, axis: 
   });
 }
 
-function segment(pen: CanvasRenderingContext2D, x0: number, y0: number, x1: number, y1: number): void {
+function segment(pen: Pen, x0: number, y0: number, x1: number, y1: number): void {
   pen.beginPath();
   pen.moveTo(x0, y0);
   pen.lineTo(x1, y1);

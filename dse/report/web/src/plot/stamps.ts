@@ -1,5 +1,6 @@
 // Beyond some thousand points a path per point is slow; squares set straight into pixels take milliseconds.
 import { channels } from "../theme";
+import type { Pen } from "./pen";
 
 export interface Stamps {
   /** Device pixels of a CSS pixel. */
@@ -13,7 +14,7 @@ export interface Stamps {
 }
 
 /** For *count* points; null where the canvas has no size, as its view is not shown. */
-export function createStamps(pen: CanvasRenderingContext2D, count: number): Stamps | null {
+export function createStamps(pen: Pen, count: number): Stamps | null {
   const ratio = pen.getTransform().a;
   const { width, height } = pen.canvas;
   if (!width || !height) return null;

@@ -6,7 +6,7 @@ import type { Study } from "../../study";
 import { CLASSES, FAIL, FAILED, NOT_EXERCISED, PASS, SIGNS, WORDS } from "../../verdicts";
 import { openRun } from "../shared/runs";
 import { cellsOf, markOf, type Cell } from "./cells";
-import type { Chosen } from "./conditions";
+import type { Chosen } from "./chosen";
 import { designsOf } from "./designs";
 import { createSmall } from "./small";
 import { levelsOf, oneLevel } from "./levels";

@@ -8,6 +8,7 @@ import type { Palette } from "../../theme";
 import { FAIL, FAILED, NOT_EXERCISED, PASS } from "../../verdicts";
 import type { Colouring } from "./colouring";
 import type { Model } from "./model";
+import type { Pen } from "../../plot/pen";
 
 /** What is drawn: values on both axes, verdicts, and which lie within the brushes (null: all). */
 export interface Cloud {
@@ -67,7 +68,7 @@ export function placesOf({ x, y }: Cloud, frame: Frame): { a: Float32Array; b: F
   return { a: line(frame.x, x.values), b: line(frame.y, y.values) };
 }
 
-export function paintCloud(pen: CanvasRenderingContext2D, frame: Frame, cloud: Cloud, places: { a: Float32Array; b: Float32Array }, colouring: Colouring, colours: Palette): void {
+export function paintCloud(pen: Pen, frame: Frame, cloud: Cloud, places: { a: Float32Array; b: Float32Array }, colouring: Colouring, colours: Palette): void {
   pen.save();
   clipTo(pen, frame);
   if (cloud.marks.length > MOST_SHAPES) stamp(pen, cloud, places, colouring, colours);
@@ -75,7 +76,7 @@ export function paintCloud(pen: CanvasRenderingContext2D, frame: Frame, cloud: C
   pen.restore();
 }
 
-function shapes(pen: CanvasRenderingContext2D, frame: Frame, { marks, within }: Cloud, { a, b }: { a: Float32Array; b: Float32Array }, { codes, colours: own }: Colouring, colours: Palette): void {
+function shapes(pen: Pen, frame: Frame, { marks, within }: Cloud, { a, b }: { a: Float32Array; b: Float32Array }, { codes, colours: own }: Colouring, colours: Palette): void {
   const spacing = Math.sqrt(((frame.right - frame.left) * (frame.bottom - frame.top)) / Math.max(1, marks.length));
   const size = Math.min(1.25, Math.max(0.5, spacing / 18));
   for (const inside of [0, 1]) {
@@ -103,7 +104,7 @@ function shapes(pen: CanvasRenderingContext2D, frame: Frame, { marks, within }: 
   pen.globalAlpha = 1;
 }
 
-function stamp(pen: CanvasRenderingContext2D, { marks, within }: Cloud, { a, b }: { a: Float32Array; b: Float32Array }, { codes, colours: own }: Colouring, colours: Palette): void {
+function stamp(pen: Pen, { marks, within }: Cloud, { a, b }: { a: Float32Array; b: Float32Array }, { codes, colours: own }: Colouring, colours: Palette): void {
   const stamps = createStamps(pen, marks.length);
   if (!stamps) return;
   const { ratio, side } = stamps;
@@ -123,7 +124,7 @@ function stamp(pen: CanvasRenderingContext2D, { marks, within }: Cloud, { a, b }
 }
 
 /** The front: its points ringed, and if there are two aims and these are the axes, the edge of what it dominates. */
-export function paintFront(pen: CanvasRenderingContext2D, frame: Frame, model: Model, front: Uint8Array, { a, b }: { a: Float32Array; b: Float32Array }, colours: Palette): void {
+export function paintFront(pen: Pen, frame: Frame, model: Model, front: Uint8Array, { a, b }: { a: Float32Array; b: Float32Array }, colours: Palette): void {
   const { choices } = model;
   const on: number[] = [];
   for (let point = 0; point < front.length; point++) if (front[point] && !Number.isNaN(a[point]! + b[point]!)) on.push(point);

@@ -68,7 +68,7 @@ function mini(store: Store, part: Part, response: Response, { factor, places, me
     ],
   };
   const values = means.map((mean, index) => `${mean[0]} at ${isChoice ? axis.labels[index] : at[index]}`).join(", ");
-  return createPainted(store, "mini", `Mean of ${metric.title} along ${axis.label}: ${values}`, (canvas) => paintChart(canvas, chart, palette())).element;
+  return createPainted(store, "mini", `Mean of ${metric.title} along ${axis.label}: ${values}`, (sheet) => paintChart(sheet, chart, palette())).element;
 }
 
 /** Levels have no order: nothing is drawn between them. */

@@ -1,0 +1,80 @@
+"""What in a network contradicts itself, or names what is not there."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from itertools import pairwise
+
+import numpy as np
+
+from dse.errors import Problem, closest
+from dse.formats import shortened
+from dse.world.opendrive.curves import curve_of
+from dse.world.opendrive.structure import End, Geometry, Network, Road
+
+GAP = 0.01
+"""How far apart pieces of a line may be, in m; and how far lengths may contradict each other, beside 1e-4 of them."""
+KINK = 0.02
+"""How much pieces of a line may turn where they meet, in rad."""
+
+
+def road_problems(road: Road) -> Iterator[Problem]:
+    """Lengths that contradict and gaps in the reference line; raises DseError where it cannot be followed at all."""
+    if not road.length > 0.0:
+        yield Problem(f"road '{shortened(road.id)}' has no length", road.where)
+        return
+    pieces = road.geometries
+    if pieces[0].s > GAP:
+        yield Problem(f"the first <geometry> begins at {pieces[0].s:g} m, not at 0", pieces[0].where)
+    ends = [piece.s for piece in pieces[1:]] + [road.length]
+    for piece, end in zip(pieces, ends, strict=True):
+        if not _agree(piece.s + piece.length, end):
+            what = f"the <geometry> from {piece.s:g} m on is {piece.length:g} m long, but the next begins"
+            what = what if end is not road.length else what.replace("the next begins", "the road ends")
+            yield Problem(f"{what} at {end:g} m", piece.where)
+    for piece in pieces:
+        length = curve_of(piece).length
+        if not _agree(length, piece.length):
+            yield Problem(f"the curve is {length:g} m long, its <geometry> says {piece.length:g} m", piece.where)
+    for one, other in pairwise(pieces):
+        yield from _apart(one, other)
+
+
+def _apart(one: Geometry, other: Geometry) -> Iterator[Problem]:
+    frames = curve_of(one).at(np.array([one.length]))
+    begin = curve_of(other).at(np.zeros(1))
+    dx = one.x + frames.x[0] - other.x - begin.x[0]
+    dy = one.y + frames.y[0] - other.y - begin.y[0]
+    if not math.hypot(dx, dy) <= GAP:
+        yield Problem(f"this <geometry> begins {math.hypot(dx, dy):.3g} m off the end of the one before", other.where)
+    kink = math.remainder(frames.heading[0] - begin.heading[0], math.tau)
+    if not abs(kink) <= KINK:
+        yield Problem(f"this <geometry> begins with a kink of {kink:.3g} rad", other.where)
+
+
+def network_problems(network: Network) -> Iterator[Problem]:
+    """Links to what is not there."""
+    for road in network.roads.values():
+        if road.junction and road.junction not in network.junctions:
+            what = f"road '{shortened(road.id)}' is in junction '{shortened(road.junction)}', which is not there"
+            yield Problem(what, road.where, closest(road.junction, network.junctions))
+        for end, link in road.links.items():
+            there = network.roads if link.element == "road" else network.junctions
+            if link.id not in there:
+                what = f"there is no {link.element} '{shortened(link.id)}' for road '{shortened(road.id)}' to meet"
+                yield Problem(f"{what} at its {end.value}", link.where, closest(link.id, there))
+    for junction in network.junctions.values():
+        for connection in junction.connections:
+            for id_ in (connection.incoming, connection.road):
+                if id_ not in network.roads:
+                    yield Problem(f"there is no road '{shortened(id_)}'", connection.where, closest(id_, network.roads))
+
+
+def end_of(road: Road, end: End) -> float:
+    """The station of an end of a road."""
+    return 0.0 if end is End.START else road.length
+
+
+def _agree(one: float, other: float) -> bool:
+    return abs(one - other) <= GAP + 1e-4 * max(abs(one), abs(other))
