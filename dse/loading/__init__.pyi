@@ -19,7 +19,6 @@ from .extensions import (
 from .include import read_document as read_document
 from .names import check_choice as check_choice, is_identifier as is_identifier
 from .paths import find_root as find_root, is_file as is_file, named_file as named_file
-from .road.road import read_road as read_road
 from .schema import FILE_KINDS as FILE_KINDS, file_schema as file_schema
 from .sections import Plain as Plain
 from .uvl.reading import read_uvl as read_uvl

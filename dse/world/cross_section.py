@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from dse.world.lane_graph import DRIVEN, LanePlace
+from dse.world.lane_graph import LanePlace
+from dse.world.opendrive.driving import DRIVEN
 from dse.world.opendrive.structure import Cubic, Lane, Road, Section
 from dse.world.pieces import backwards, from_cubics, steps, total
 from dse.world.tables import Piecewise

@@ -11,8 +11,9 @@ import numpy as np
 from dse.errors import Problem, raise_if_any
 from dse.world.continuity import broken
 from dse.world.cross_section import Band, bands_of
-from dse.world.lane_graph import LaneGraph, LanePlace, lane_at, lane_graph, runs_along
+from dse.world.lane_graph import LaneGraph, LanePlace, lane_at, lane_graph
 from dse.world.opendrive.curves import curve_of
+from dse.world.opendrive.driving import runs_along
 from dse.world.opendrive.reading import read_network
 from dse.world.opendrive.structure import Network, Road
 from dse.world.pieces import backwards, from_cubics, in_a_row, joined, quintics, steps

@@ -11,8 +11,9 @@ import numpy as np
 
 from dse.errors import DseError, Location, closest, fail, some_of
 from dse.formats import shortened
-from dse.world.lane_graph import LaneGraph, LanePlace, entries, lane_at, next_places, runs_along
+from dse.world.lane_graph import LaneGraph, LanePlace, entries, lane_at, next_places
 from dse.world.opendrive.curves import curve_of
+from dse.world.opendrive.driving import runs_along
 from dse.world.opendrive.structure import Network, Road
 
 _LOOK = 50.0
@@ -73,8 +74,12 @@ def way_of(graph: LaneGraph, route: Route) -> Way:
 
 
 def way_length(network: Network, way: Way) -> float:
-    """How long a way is, in m along the reference lines of its roads."""
-    return sum(network.roads[id_].length for id_ in way.roads)
+    """How long a way is, in m along the reference lines of its roads, to where its last lane ends."""
+    last = way.passages[-1][-1]
+    road = network.roads[last.road]
+    section = road.sections[last.section]
+    beyond = road.length - section.end if runs_along(road, section.lanes[last.lane]) else section.s
+    return sum(network.roads[id_].length for id_ in way.roads) - beyond
 
 
 def list_ways(graph: LaneGraph, most: int = 200) -> tuple[Way, ...]:

@@ -23,7 +23,11 @@ def read_network(path: Path, file: str) -> Network:
     Raises DseError with everything in it that is wrong, or is not understood and would change where a road lies; what
     cannot be followed only along some roads is told when a path uses them.
     """
-    root = read_xml_file(path, file)
+    return network_in(read_xml_file(path, file))
+
+
+def network_in(root: XmlElement) -> Network:
+    """The roads and junctions of an OpenDRIVE document. Raises DseError as `read_network`."""
     if root.tag != "OpenDRIVE":
         raise fail(f"an OpenDRIVE file begins with <OpenDRIVE>, not with <{shortened(root.tag)}>", root.where)
     problems = Problems()
@@ -121,9 +125,10 @@ def _links(road: XmlElement) -> Iterator[tuple[End, RoadLink]]:
             kind = element.get("elementType", "road")
             if kind not in {"road", "junction"}:
                 raise fail(f"<{tag}>: 'elementType' cannot be '{shortened(kind)}'", element.where, "road or junction")
-            # A link into the middle of a road belongs to a virtual junction and has no contact at an end.
-            contact = End.START if kind == "junction" or "elementS" in element.attributes else _contact(element)
-            yield end, RoadLink(kind, text(element, "elementId"), contact, element.where)
+            # A link into the middle of a road belongs to a virtual junction, which is not followed.
+            if "elementS" not in element.attributes:
+                contact = End.START if kind == "junction" else _contact(element)
+                yield end, RoadLink(kind, text(element, "elementId"), contact, element.where)
 
 
 def _contact(element: XmlElement) -> End:
