@@ -72,10 +72,10 @@ wheel_result wheel_turn(const wheel_stage *s, const tyre *t) {
         result.end.spin = turned(s, t, flat, result.x_by_spin, &result.yields);
         double moved = s->slip + s->slip_by_spin * result.end.spin - slip;
         result.x = s->load * grip.x + steep * moved;
-        result.y = s->load * grip.y;
+        result.y = s->load * (grip.y + grip.y_by_slip * moved);
         slip += moved;
         /* The tangent is off by the square of this. Values that are no numbers end here too. */
-        if (!(fabs(moved) * s->tyre.slip_stiffness > 0.02 * s->tyre.friction) || iteration == 7) break;
+        if (!(fabs(moved) * s->tyre.slip_stiffness > 1e-3 * s->tyre.friction) || iteration == 7) break;
     }
     result.end.slip = s->held + s->held_by_spin * result.end.spin;
     result.end.side = s->guess.side;
