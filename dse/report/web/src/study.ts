@@ -2,6 +2,7 @@
 import { readCharted, type Charted } from "./chart";
 import { columnText, number, shortened, straight, withUnit } from "./format";
 import { readInsight, type Insight } from "./insight";
+import { readNotes, readRetried, type Notes, type Retried } from "./notes";
 import { unpack, type Entry, type Numbers } from "./packing";
 
 export interface Column {
@@ -122,6 +123,8 @@ export interface Study {
   insight: Insight | null;
   /** What of the study could not be read. */
   missing: string[];
+  notes: Notes | null;
+  retried: Retried[];
   waveforms: () => Promise<Map<string, Numbers>>;
 }
 
@@ -152,6 +155,8 @@ interface Document {
   radial?: boolean[];
   insight?: unknown;
   missing?: string[];
+  notes?: Notes | null;
+  retried?: Retried[];
   columns: Entry[];
   waveforms: Entry[];
 }
@@ -224,6 +229,8 @@ export async function readStudy(): Promise<Study> {
     facts: source.facts,
     insight: readInsight(source.insight, arrays),
     missing: source.missing ?? [],
+    notes: readNotes(source.notes),
+    retried: readRetried(source.retried),
     waveforms: () => (waveforms ??= unpack(source.waveforms, block("waveforms"))),
   };
 }
