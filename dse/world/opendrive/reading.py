@@ -24,7 +24,11 @@ def read_network(path: Path, file: str) -> Network:
     Raises DseError with everything in it that is wrong, or is not understood and would change where a road lies; what
     cannot be followed only along some roads is told when a path uses them.
     """
-    root = read_xml_file(path, file)
+    return network_in(read_xml_file(path, file))
+
+
+def network_in(root: XmlElement) -> Network:
+    """The roads and junctions of an OpenDRIVE document. Raises DseError as `read_network`."""
     if root.tag != "OpenDRIVE":
         raise fail(f"an OpenDRIVE file begins with <OpenDRIVE>, not with <{shortened(root.tag)}>", root.where)
     problems = Problems()
