@@ -1,3 +1,4 @@
+from .code import STRUCT as STRUCT, road_files as road_files
 from .cross_section import borders_of as borders_of
 from .evaluation import (
     Placed as Placed,

@@ -12,8 +12,8 @@
 
 /* The data in the shape the equations want them. */
 typedef struct {
-    double per_mass, per_inertia[2], radius, transfer, friction, stiffness, bend, weight[2];
-    double drag, downhill, rolling, drive[2], brake[2];
+    double per_mass, per_inertia[2], radius, transfer, friction[2], stiffness, bend[2], weight[2];
+    double drag, wind, downhill, rolling, drive[2], brake[2];
 } model;
 
 static model prepare(const host_data *data) {
@@ -23,11 +23,12 @@ static model prepare(const host_data *data) {
         .per_inertia = {1 / data->inertia_front, 1 / data->inertia_rear},
         .radius = data->wheel_radius,
         .transfer = data->cg_height / data->wheelbase,
-        .friction = data->friction,
+        .friction = {data->friction_front, data->friction_rear},
         .stiffness = data->slip_stiffness,
-        .bend = data->slip_stiffness / data->friction,
+        .bend = {data->slip_stiffness / data->friction_front, data->slip_stiffness / data->friction_rear},
         .weight = {data->front_load_share * weight, (1 - data->front_load_share) * weight},
         .drag = 0.5 * data->air_density * data->drag_area,
+        .wind = data->wind,
         .downhill = weight * data->grade,
         .rolling = data->rolling_resistance * data->wheel_radius,
         .drive = {data->drive_front, data->drive_rear},
@@ -42,9 +43,9 @@ static void derivatives(const model *m, const double y[3], double f[3], double j
     double grip[2], by_spin[2], by_speed[2]; /* force per load, and its derivatives */
     for (int i = 0; i < 2; ++i) {
         double slip = (m->radius * y[FRONT + i] - v) * per_speed;
-        double x = m->bend * slip, root = 1 / sqrt(1 + x * x);
+        double x = m->bend[i] * slip, root = 1 / sqrt(1 + x * x);
         double stiffness = m->stiffness * root * root * root;
-        grip[i] = m->friction * x * root;
+        grip[i] = m->friction[i] * x * root;
         by_spin[i] = stiffness * m->radius * per_speed;
         by_speed[i] = -stiffness * per_speed * (1 + slip * v * per_speed);
     }
@@ -56,8 +57,9 @@ static void derivatives(const model *m, const double y[3], double f[3], double j
         load[0] * by_spin[0] * per_total,
         load[1] * by_spin[1] * per_total,
     };
-    f[SPEED] = (total - m->drag * v * fabs(v) - m->downhill) * m->per_mass;
-    j[SPEED][SPEED] = (total_by[SPEED] - 2 * m->drag * fabs(v)) * m->per_mass;
+    double air = v - m->wind;
+    f[SPEED] = (total - m->drag * air * fabs(air) - m->downhill) * m->per_mass;
+    j[SPEED][SPEED] = (total_by[SPEED] - 2 * m->drag * fabs(air)) * m->per_mass;
     j[SPEED][FRONT] = total_by[FRONT] * m->per_mass;
     j[SPEED][REAR] = total_by[REAR] * m->per_mass;
     for (int i = 0; i < 2; ++i) {

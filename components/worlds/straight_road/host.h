@@ -1,9 +1,9 @@
 /* Longitudinal motion of a car on two axles: spin, slip, load transfer, drag, grade, rolling resistance, brakes.
  *
  * State (v, w_front, w_rear):
- *   m v'   = X - 1/2 rho cdA v|v| - m g sin(slope),   X = Fx_front + Fx_rear
+ *   m v'   = X - 1/2 rho cdA (v - wind)|v - wind| - m g sin(slope),   X = Fx_front + Fx_rear
  *   I_i w_i' = T_i - (B_i + crr R Fz_i) dir(w_i) - R Fx_i
- *   Fx_i   = Fz_i mu sat(c k_i / mu),  k_i = (R w_i - v) / sqrt(v^2 + vs^2)
+ *   Fx_i   = Fz_i mu_i sat(c k_i / mu_i),  k_i = (R w_i - v) / sqrt(v^2 + vs^2)
  *   Fz_front = W_front - X h/L,  Fz_rear = W_rear + X h/L  (moments about the centre of gravity, drag acting there)
  * with sat(x) = x / sqrt(1 + x^2) and dir(w) = sat(w / ws): brakes and rolling resistance hold a standing car
  * down to a creep far below 1 mm/s, and nothing switches.
@@ -15,7 +15,8 @@ typedef struct {
     double mass, front_load_share, cg_height, wheelbase;
     double wheel_radius, inertia_front, inertia_rear;
     double drag_area, air_density, rolling_resistance, grade;
-    double friction, slip_stiffness;
+    double wind; /* along the car, from behind */
+    double friction_front, friction_rear, slip_stiffness;
     double drive_front, drive_rear, brake_front, brake_rear;
 } host_data;
 

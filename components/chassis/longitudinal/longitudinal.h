@@ -1,0 +1,32 @@
+/* A car that keeps its tyres' sideways grip whatever happens: host.h along a path that steering draws.
+ *
+ * No wheel slips sideways, so the middle of the rear axle moves along the car with a curvature of tan(steering) / wheelbase
+ * (the kinematic single track). Steering is held over a step, so the path is an arc, and exact. Whatever controls the steering of other chassis
+ * controls this one; without steering it runs straight. Bends take nothing from its speed, banks and side wind do not move it.
+ */
+#ifndef LONGITUDINAL_H
+#define LONGITUDINAL_H
+
+#include <stdint.h>
+
+#include "../../worlds/straight_road/host.h"
+#include "../shared/ports.h"
+
+typedef struct {
+    chassis_inputs in;
+    chassis_outputs out;
+    struct {
+        double initial_speed;
+        double mass, front_load_share, cg_height, wheelbase, track;
+        double wheel_radius, inertia_front, inertia_rear;
+        double drag_area, rolling_resistance, friction, slip_stiffness, steering_limit;
+        int32_t substeps;
+    } par;
+    host_state host;
+    double x, y, heading, position; /* of the centre of gravity */
+} longitudinal;
+
+void longitudinal_init(longitudinal *self);
+void longitudinal_step(longitudinal *self, double h);
+
+#endif

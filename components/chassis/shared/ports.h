@@ -1,0 +1,49 @@
+/* The ports of every chassis (interface `chassis`), with the order of wheels: front left, front right, rear left, rear right. */
+#ifndef CHASSIS_PORTS_H
+#define CHASSIS_PORTS_H
+
+typedef struct {
+    double front, rear;
+} chassis_axles;
+
+typedef struct {
+    double height, slope_x, slope_y, friction;
+} chassis_ground;
+
+typedef struct {
+    double x, y, heading;
+} chassis_pose;
+
+typedef struct {
+    double density, wind_x, wind_y;
+} chassis_air;
+
+typedef struct {
+    double x, y;
+} chassis_contact;
+
+typedef struct {
+    chassis_axles wheels, brake;
+    double wheel_torque[4], wheel_brake[4], steering;
+    chassis_ground ground[4];
+    chassis_pose start;
+    chassis_air air;
+} chassis_inputs;
+
+typedef struct {
+    struct {
+        double x, y, heading, speed, lateral_speed, yaw_rate, acceleration, lateral_acceleration;
+    } motion;
+    chassis_contact contacts[4];
+    chassis_axles wheel_speed;
+    double wheel_speeds[4], load[4];
+    double roll, pitch, speed, position, acceleration;
+} chassis_outputs;
+
+/* Finite numbers that are no car's, cut to the widest that could be: 100 kN.m at an axle, slopes of 2, wind of 100 m/s,
+ * friction of 0.001 to 2; air that does not tell its density has 1.2 kg/m3. */
+chassis_inputs chassis_within_reason(const chassis_inputs *in, double steering_limit);
+
+double chassis_limited(double value, double low, double high);
+
+#endif
