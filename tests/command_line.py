@@ -7,12 +7,15 @@ process imports, and how it starts, are tested with fresh ones. Where there is n
 from __future__ import annotations
 
 import atexit
+import gc
 import json
 import os
 import subprocess
 import sys
+import threading
 from functools import cache
 from pathlib import Path
+from typing import NoReturn
 
 _LONGEST = 300
 _START = {"PYTHONUTF8": "0", "LC_ALL": "C", "COLUMNS": "100"}
@@ -61,7 +64,7 @@ def _stop(server: subprocess.Popen[str]) -> None:
 
 
 def _serve() -> None:
-    """Fork for each job; the child returns from here and ends as every Python does."""
+    """Fork for each job."""
     from dse.units import parse_unit
 
     sys.path.pop(0)  # this folder
@@ -69,17 +72,17 @@ def _serve() -> None:
     jobs, answers = os.fdopen(os.dup(0), encoding="utf-8"), os.fdopen(os.dup(1), "w", encoding="utf-8")
     while line := jobs.readline():
         job = json.loads(line)
+        gc.freeze()  # a command need not look through what it did not make, which would copy it
         child = os.fork()
         if child == 0:
             _be_dse(**job)
-            return
         code = os.waitstatus_to_exitcode(os.waitpid(child, 0)[1])
         _import_what_was_needed(Path(job["scratch"], "modules"))
         answers.write(f"{code}\n")
         answers.flush()
 
 
-def _be_dse(folder: str, arguments: list[str], environment: dict[str, str], scratch: str, longest: int) -> None:
+def _be_dse(folder: str, arguments: list[str], environment: dict[str, str], scratch: str, longest: int) -> NoReturn:
     import ctypes
     import signal
     from importlib import import_module
@@ -97,15 +100,31 @@ def _be_dse(folder: str, arguments: list[str], environment: dict[str, str], scra
     # Workers of a study import the main module again, by its name.
     sys.modules["__main__"] = module = import_module("dse.__main__")
     faults = environment.get("DSE_TESTS_FAULTS", "")
+    code: object = None
     try:
         if faults:
             ctypes.CDLL(None).faults_arm(faults.encode())
         module.main()
+    except SystemExit as end:
+        code = end.code
     finally:
         if faults:
             ctypes.CDLL(None).faults_disarm()
         needed = [name for name in sys.modules if name not in before and name != "dse.__main__"]
         Path(scratch, "modules").write_text("\n".join(needed), encoding="utf-8")
+    if faults:
+        sys.exit(code)
+    _end(code)
+
+
+def _end(code: object) -> NoReturn:
+    """End as every Python does, but do not tear down module by module what was imported for all commands."""
+    assert code is None or isinstance(code, int)
+    threading._shutdown()
+    atexit._run_exitfuncs()
+    sys.stdout.flush()
+    sys.stderr.flush()
+    os._exit(code or 0)
 
 
 def _import_what_was_needed(listed: Path) -> None:

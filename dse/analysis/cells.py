@@ -15,6 +15,7 @@ _PROBES = 2**12
 _PROBES_A_POINT = 16
 _MOST_PROBES = 2**20
 _CROWDED = 0.8
+_MOST_EVEN = 2000
 _SEED = 0
 
 
@@ -41,8 +42,9 @@ def space_weights(places: Floats, groups: NDArray[np.intp], on_grid: bool) -> Fl
             weights[rows] = _grid_cells(points)
             continue
         cells = _cells(points)
-        even = _cells(np.random.default_rng(_SEED).random(points.shape))
-        if effective(cells) < _CROWDED * effective(even):
+        count = min(len(points), _MOST_EVEN)
+        even = _cells(np.random.default_rng(_SEED).random((count, points.shape[1])))
+        if effective(cells) / len(points) < _CROWDED * effective(even) / count:
             weights[rows] = cells
     return weights
 

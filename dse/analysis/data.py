@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from collections.abc import Hashable, Mapping
+from dataclasses import dataclass, field, replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -74,7 +75,7 @@ class StudyData:
     count: how much of the space there is to a run, 1 on average. So many runs are *different*: of those that share
     their values with others, as blocks of a design do, each tells little that is new; not so *on_grid*. *plane* are the
     variables that are varied where all others are held; () if none is. *apart* is how many runs of the study are not
-    among them.
+    among them. *known* is what was computed of it already (`dse.analysis.once`).
     """
 
     definition: StudyDefinition
@@ -91,6 +92,7 @@ class StudyData:
     on_grid: bool = False
     plane: tuple[str, ...] = ()
     apart: int = 0
+    known: dict[Hashable, Any] = field(default_factory=dict, init=False, repr=False)
 
     def __len__(self) -> int:
         return len(self.numbers)
@@ -145,7 +147,12 @@ class StudyData:
             raise withheld(metric, f"it is defined in {count} of {len(self)} runs, and {least} are needed")
         if np.ptp(values[there]) <= _NOISE * np.abs(values[there]).max():
             raise withheld(metric, "it is the same in every run in which it is defined")
-        return self.part(there), values[there]
+        if count == len(self):
+            return self, values
+        key = ("response", there.tobytes())
+        if key not in self.known:
+            self.known[key] = self.part(there)
+        return self.known[key], values[there]
 
 
 def withheld(about: str, why: str, hint: str = "") -> DseError:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import asdict, replace
 from functools import partial
 
@@ -18,19 +18,22 @@ from dse.analysis.said import Account, Finding, Topic
 from dse.storage import RunTable
 
 
-def essentials(table: RunTable) -> tuple[Finding, ...]:
-    """What the runs say about the requirements and what these depend on; and what they do not say, and why."""
-    return _told(table, _of_requirements)
+def essentials(table: RunTable, parts: Sequence[StudyData] = ()) -> tuple[Finding, ...]:
+    """What the runs say about the requirements and what these depend on; and what they do not say, and why.
+
+    *parts* are the `planes` of the table, if they are there already.
+    """
+    return _told(parts or planes(table), _of_requirements)
 
 
 def findings(table: RunTable) -> tuple[Finding, ...]:
     """All that is known how to be said: also of other metrics, and of what matters together with others."""
-    return _told(table, _of_everything)
+    return _told(planes(table), _of_everything)
 
 
-def _told(table: RunTable, part: _Part) -> tuple[Finding, ...]:
+def _told(parts: Sequence[StudyData], part: _Part) -> tuple[Finding, ...]:
     found: list[Finding] = []
-    for data in planes(table):
+    for data in parts:
         account = Account()
         if len(data):
             part(account, data)

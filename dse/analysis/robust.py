@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from dse.analysis.data import ALL, StudyData, withheld
+from dse.analysis.once import once
 from dse.analysis.reading import groups
 
 _DIGITS = 9
@@ -27,6 +28,7 @@ class Centre:
     limit: int
 
 
+@once
 def robust_centre(data: StudyData, requirement: str = ALL) -> Centre:
     """The passing run with the largest margin: the distance, in the factor that differs most and as a part of its
     range, to the nearest run with the same choices that does not pass, or to the end of a range.

@@ -60,6 +60,21 @@ def shapes(labels: Iterable[str]) -> dict[str, Shape]:
 _PIECES = re.compile(r"((?:^|\.)[^.\[]*)(?:\[(\d+(?:,\d+)*)\])?", re.ASCII)
 
 
+def folded(labels: Iterable[str]) -> dict[str, str]:
+    """What each label says with the sizes of arrays for its indices: all of ``objects[3].pose[1,2]`` share a text."""
+    names = tuple(labels)
+    sizes = shapes(names)
+    found = {}
+    for label in names:
+        text = name = ""
+        for piece, written in _PIECES.findall(label):
+            text, name = text + piece, name + piece
+            if written:
+                text, name = f"{text}[{','.join(map(str, sizes[name]))}]", f"{name}[]"
+        found[label] = text
+    return found
+
+
 def c_member(label: str) -> str:
     """*label* as C spells it: ``objects[3].pose[1,2]`` is ``objects[2].pose[0][1]``."""
     return _INDICES.sub(lambda found: "".join(f"[{int(index) - 1}]" for index in found[1].split(",")), label)

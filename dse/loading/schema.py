@@ -18,6 +18,8 @@ from dse.loading.component.kind import KINDS
 from dse.loading.design.design import DesignFile
 from dse.loading.design.forms import FORMS, ConstraintSection
 from dse.loading.extensions import EXECUTORS, SAMPLERS, Extension
+from dse.loading.road.road import RoadFile
+from dse.loading.road.shapes import SHAPES
 from dse.loading.sections import Section
 from dse.registry import Registry
 
@@ -117,6 +119,10 @@ def _study(schema: Schema) -> None:
         properties[key] = {"enum": [str(word) for word in words], "default": properties[key]["default"]}
 
 
+def _road(schema: Schema) -> None:
+    schema["$defs"]["SegmentSection"]["oneOf"] = [{"required": [shape]} for shape in SHAPES]
+
+
 def _extension(schema: Schema, registry: Registry[type[Any]], field: Schema) -> Schema:
     """``NAME`` where that needs no options, or ``{NAME: {option: …}}``."""
     options: dict[str, Schema] = {}
@@ -145,6 +151,7 @@ _FILES: Mapping[str, tuple[type[Section], str, Callable[[Schema], None]]] = {
     "components": (CollectionFile, "Components without a source (components/*.yaml)", lambda _: None),
     "design": (DesignFile, "A design space (designs/*.yaml)", _design),
     "bench": (BenchFile, "A test bench (testbenches/*.yaml)", lambda _: None),
+    "road": (RoadFile, "A road (roads/*.yaml)", _road),
     "study": (StudyFile, "A study (testbenches/*.pet.yaml)", _study),
 }
 

@@ -1,4 +1,4 @@
-"""A workspace: the folder that holds ``components/``, ``designs/`` and ``testbenches/``."""
+"""A workspace: the folder that holds ``components/``, ``designs/``, ``roads/`` and ``testbenches/``."""
 
 from __future__ import annotations
 
@@ -18,6 +18,7 @@ from dse.loading.paths import find_root
 if TYPE_CHECKING:
     from dse.domain.bench import TestBench
     from dse.domain.design import DesignSpace
+    from dse.domain.road import Road
     from dse.domain.study import Study
 
 _FOLDERS = ("components", "designs", "testbenches")
@@ -152,6 +153,15 @@ class Workspace:
         _require_name(study.name, path, _STUDY, study.where)
         return study
 
+    def road(self, name: str, where: Location | None = None) -> Road:
+        """The road called *name*, or in the file *name*. Raises DseError."""
+        from dse.loading.road.road import read_road
+
+        path = self._file(name, "roads", ".yaml", where)
+        road = read_road(path, self.root)
+        _require_name(road.name, path, ".yaml", road.where)
+        return road
+
     def files(self, folder: str) -> Iterator[Path]:
         """The YAML files of a folder of the workspace; a name that starts with ``_`` is only for including."""
         for path in _yaml_below(self.root / folder):
@@ -182,7 +192,8 @@ class Workspace:
                 raise fail(what, Location(shown(path)), f"the other is {shown(found[stem])}; rename one")
             found[stem] = path
         if name not in found:
-            kind = {"designs": "design", "testbenches": "study" if suffix == _STUDY else "test bench"}[folder]
+            bench = "study" if suffix == _STUDY else "test bench"
+            kind = {"designs": "design", "roads": "road", "testbenches": bench}[folder]
             raise fail(f"unknown {kind} '{name}'", where, closest(name, found) or f"there is none in {folder}/")
         return found[name]
 

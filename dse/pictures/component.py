@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator, Mapping
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from xml.sax.saxutils import escape
 
 from dse.domain.component import Causality, Component, Port
 from dse.domain.diagram import Diagram
+from dse.domain.labels import folded
 from dse.loading import kind_of
 from dse.pictures.component_layout import ComponentLayout, lay_out
 from dse.pictures.svg import Box, curve, labelled, rectangle, sheet
@@ -37,12 +38,13 @@ def pictured(component: Component) -> Diagram:
 def draw_component(component: Component, diagram: Diagram) -> str:
     """The picture as SVG; *diagram* has no parts where nothing is known of them."""
     ports = component.interface.ports
+    labels = _labels(ports)
     inputs, outputs = (
-        [_label(port) for port in ports if port.causality is causality]
+        list(dict.fromkeys(labels[port.name] for port in ports if port.causality is causality))
         for causality in (Causality.INPUT, Causality.OUTPUT)
     )
     layout = lay_out(diagram, inputs, outputs, component.title or component.name)
-    ends = {component.variable(port.name): Box(*layout.ports[_label(port)], 0.0, 0.0) for port in ports}
+    ends = {component.variable(port.name): Box(*layout.ports[labels[port.name]], 0.0, 0.0) for port in ports}
     width, height = layout.width + 2 * _MARGIN, layout.height + 2 * _MARGIN
     content = [
         f'<g transform="translate({_MARGIN:.0f} {_MARGIN:.0f})">',
@@ -57,9 +59,11 @@ def draw_component(component: Component, diagram: Diagram) -> str:
     return sheet(width, height, component.name, _STYLE, content)
 
 
-def _label(port: Port) -> str:
-    unit = str(port.type)
-    return f"{port.name} [{unit}]" if unit != "1" else port.name
+def _labels(ports: Sequence[Port]) -> dict[str, str]:
+    """By port; those of an array share one."""
+    names = folded(port.name for port in ports)
+    units = {port.name: str(port.type) for port in ports}
+    return {name: f"{names[name]} [{unit}]" if unit != "1" else names[name] for name, unit in units.items()}
 
 
 def _heading(component: Component, frame: Box) -> Iterator[str]:

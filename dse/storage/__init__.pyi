@@ -38,6 +38,7 @@ from .waveform_check import FileFacts as FileFacts, checked as checked
 from .waveforms import (
     gather_waveforms as gather_waveforms,
     read_all_waveforms as read_all_waveforms,
+    read_chosen_waveforms as read_chosen_waveforms,
     read_waveforms as read_waveforms,
     waveform_file as waveform_file,
     write_waveforms as write_waveforms,

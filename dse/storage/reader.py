@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 from types import TracebackType
-from typing import Self
+from typing import Any, Self
 
 from dse.domain.address import Address
 from dse.domain.definition import StudyDefinition
@@ -21,7 +21,7 @@ from dse.storage.database.connection import connect, damaged_study, located, rea
 from dse.storage.database.definition import unit_flaws
 from dse.storage.database.files import read_files
 from dse.storage.database.header import StudyHeader
-from dse.storage.database.seal import kept_seal
+from dse.storage.database.seal import seals
 from dse.storage.database.table import RunTable, read_table, read_verdicts
 from dse.storage.database.tally import Tally, read_tally
 from dse.storage.spool import read_spool
@@ -79,7 +79,7 @@ class StudyReader:
         """Waveform file by number for the runs whose waveforms were asked for; "" where there are none to store."""
         with located(self.path):
             rows = self._connection.execute("SELECT * FROM kept ORDER BY number").fetchall()
-        return {row[0]: self._checked(*row) for row in rows}
+        return self._checked(rows)
 
     def lost(self) -> set[int]:
         """Numbers of the runs whose waveforms were kept in a file that is gone or has another size."""
@@ -122,8 +122,9 @@ class StudyReader:
     def waveforms(self, number: int) -> Waveforms | None:
         """The waveforms of run *number*, None if they were not kept; DseError if their file is gone or damaged."""
         with located(self.path):
-            row = self._connection.execute("SELECT * FROM kept WHERE number = ?", (number,)).fetchone()
-        return read_waveforms(self.waveform_folder / self._checked(*row), number) if row and row[1] else None
+            rows = self._connection.execute("SELECT * FROM kept WHERE number = ?", (number,)).fetchall()
+        file = self._checked(rows).get(number)
+        return read_waveforms(self.waveform_folder / file, number) if file else None
 
     def addresses(self) -> dict[str, Address]:
         """What names the runs of each configuration, as far as it is known."""
@@ -186,13 +187,19 @@ class StudyReader:
         with located(self.path):
             return read_files(self._connection)
 
-    def _checked(self, number: int, file: str | None, seal: int | None = None) -> str:
+    def _checked(self, rows: Sequence[tuple[Any, ...]]) -> dict[int, str]:
+        """Files by number of rows (number, file, and a seal if the database has such)."""
+        files = [row[1] or "" for row in rows]
         # The database may come from anywhere: what it names must lie in the folder of waveforms.
-        if file and not (isinstance(file, str) and is_file_name(file)):
-            raise damaged_study(self.path, f"'{file}' is no file of waveforms")
-        if seal not in (None, kept_seal(number, file)):
-            raise damaged_study(self.path, f"where the waveforms of run {number} are is not what was written")
-        return file or ""
+        for file in {*files} - {""}:
+            if not (isinstance(file, str) and is_file_name(file)):
+                raise damaged_study(self.path, f"'{file}' is no file of waveforms")
+        numbers = [row[0] for row in rows]
+        wanted = seals([numbers, files]).tolist() if rows else []
+        for row, seal in zip(rows, wanted, strict=True):
+            if row[2:] and row[2] not in (None, seal):
+                raise damaged_study(self.path, f"where the waveforms of run {row[0]} are is not what was written")
+        return dict(zip(numbers, files, strict=True))
 
     def _numbers(self, query: str) -> set[int]:
         with located(self.path):

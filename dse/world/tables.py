@@ -24,19 +24,20 @@ class LaneBand:
     """A lane beside a path: *number* 0 is the path's own, 1 the next to the left, -1 the next to the right.
 
     *left* and *right* are its borders, in m to the left of the reference line; where the lane is not there they are
-    equal.
+    equal. *friction*, against dry asphalt, is constant in pieces. Only lanes that vehicles use are counted.
     """
 
     number: int
     left: Piecewise
     right: Piecewise
+    friction: Piecewise
 
 
 @dataclass(frozen=True)
 class Patch:
-    """A part of the road with a *friction* of its own, against dry asphalt.
+    """A part of the road with a *friction* of its own, against dry asphalt; it goes before that of the lanes.
 
-    *start* and *end* are m along the path, *right* and *left* m to the left of the middle of its own lane.
+    *start* and *end* are m along the path, *right* and *left* m to the left of its reference line.
     """
 
     start: float
@@ -48,7 +49,10 @@ class Patch:
 
 @dataclass(frozen=True)
 class Light:
-    """A traffic light at a *station* of a path: *phases* are colours and s each is shown, from *shift* s on."""
+    """A traffic light at a *station* of a path: *phases* are colours and s each is shown, from *shift* s on.
+
+    Without phases nobody has said what it shows.
+    """
 
     id: str
     station: float
@@ -60,9 +64,12 @@ class Light:
 class RoadPath:
     """A way through a road network in its direction of travel: a reference line, and all that lies along it.
 
-    *x*, *y* (degree 5, m) are the reference line in the plane, within 1e-7 m of the road's; its stations are lengths
-    to 1e-7. *height* in m, *bank* in rad (> 0: left side higher) belong to the reference line; *speed_limit* in m/s,
-    0 where there is none, is constant in pieces. *lanes* has the path's own lane first.
+    *x*, *y* (degree 5, m, with the same pieces) are the reference line in the plane, within 1e-7 m of the road's; its
+    stations are lengths as far as the road's are. Where a path goes from one road to the next the line may jump to its
+    side, and the borders of the lanes with it, so that the lanes go on without a jump. *height* in m, *bank* in rad
+    (> 0: left side higher) belong to the reference line; a point at t to its left is t tan(bank) above it, and t is
+    measured in the plane. *speed_limit* in m/s, 0 where there is none, is constant in pieces. *lanes* has the path's
+    own lane first.
     """
 
     name: str

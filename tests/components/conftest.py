@@ -58,8 +58,12 @@ class Shelf:
     libraries: dict[str, ctypes.CDLL] = field(default_factory=dict)
 
     def part(self, name: str, **parameters: Value) -> Part:
+        """A fresh instance of what the library calls *name*."""
+        return self.instance(self.workspace.component(name), **parameters)
+
+    def instance(self, component: Component, **parameters: Value) -> Part:
         """A fresh instance with the component's own start values but for *parameters*; not initialised."""
-        component = self.workspace.component(name)
+        name = component.name
         library = self.libraries.get(name) or self.libraries.setdefault(name, self.compile(component))
         memory = (ctypes.c_uint64 * (library.shim_size() // 8 + 1))()
         address = ctypes.addressof(memory)

@@ -95,3 +95,9 @@ def test_the_library_names_every_component_and_shows_pictures_as_they_are_drawn_
             f"dse components --graph components/pictures: {file.stem} has changed"
         )
         assert f"(pictures/{file.name})" in shown
+
+
+def test_the_values_of_an_array_share_a_row() -> None:
+    text = draw_component(component("pure_pursuit"), Diagram(()))
+    assert text.count("preview[24].x [m]") == 1
+    assert "preview[1]" not in text

@@ -9,11 +9,21 @@ import numpy as np
 import pytest
 from known_functions import even, study, variable
 
-from dse.analysis import best_boxes, essentials, first_order_shares, main_effects, planes, robust_centre
+from dse.analysis import (
+    best_boxes,
+    centres_of,
+    essentials,
+    evaluated,
+    features,
+    first_order_shares,
+    formulas,
+    main_effects,
+    planes,
+    robust_centre,
+)
 from dse.domain.definition import DefinedObjective, DefinedSampler
 from dse.exploration import Band
 from dse.report import insight_of
-from dse.report.insight.profiles import centres_of, evaluated, features, formulas
 from dse.report.page.insight import insight_json
 from dse.report.page.packing import Block
 
@@ -58,6 +68,30 @@ def test_bars_and_effects_are_those_of_the_analysis():
         assert effect.means == tuple((mean.value, mean.low, mean.high) for mean in expected.means)
 
 
+def test_totals_are_what_factors_do_with_others_included():
+    """y = x1 x2 on a unit square has totals of 4/7 each and 1/7 that depends on both (by hand)."""
+    points = even(600, 2, 0)
+    table = study(points, {"y": points[:, 0] * points[:, 1], "z": np.random.default_rng(0).random(600)}, {"y": 0.3})
+    known, noise = insight_of(table).parts[0].responses
+    assert known.together is not None
+    assert [bar.share[0] for bar in known.together.totals] == pytest.approx([4 / 7, 4 / 7], abs=0.06)
+    (pair,) = known.together.pairs
+    assert pair.share[0] == pytest.approx(1 / 7, abs=0.05)
+    assert noise.together is None
+    assert any("too little" in why for why in noise.withheld)
+
+
+def test_the_ellipse_lies_around_the_robust_centre_where_all_is_met():
+    insight = insight_of(plane(120))
+    (around,) = insight.around
+    assert around.run == insight.centres[0].run
+    assert around.map.requirement == -1
+    assert (around.map.passing == insight.chances[0].passing).all()
+    outline = np.array(around.outline)
+    assert (outline[:, 0] + outline[:, 1] / 4 < 0.55).all()
+    assert np.ptp(outline[:, 1]) > 0.45
+
+
 def test_boxes_and_the_robust_centre_are_those_of_the_analysis():
     table = plane()
     (data,) = planes(table)
@@ -81,7 +115,7 @@ def test_a_formula_of_a_plane_is_that_plane_and_says_that_it_errs_by_nothing():
     points = features(even(200, 2, 0), planes(plane(200))[0].factors)
     values = (3 + points @ np.array([1.0, -2.0]))[:, None]
     centres = centres_of(points)
-    (formula,) = formulas(points, values, centres)
+    (formula,) = formulas(points, values, centres, np.ones(200), [[0], [1]])
     there = np.array([[0.3, -0.9], [0.0, 0.0]])
     assert evaluated(there, centres, formula.weights[:, None], formula.power)[:, 0] == pytest.approx(
         [5.1, 3.0], abs=1e-3
@@ -94,7 +128,7 @@ def test_the_error_of_a_formula_is_what_it_errs_by_in_runs_it_has_never_seen():
     points = even(300, 2, 0)
     values = np.sin(7 * points[:, :1]) * points[:, 1:]
     centres = centres_of(points)
-    (formula,) = formulas(points, values, centres)
+    (formula,) = formulas(points, values, centres, np.ones(300), [[0], [1]])
     fresh = even(2000, 2, 5)
     wrong = evaluated(fresh, centres, formula.weights[:, None], formula.power) - np.sin(7 * fresh[:, :1]) * fresh[:, 1:]
     # It is made from a quarter more runs than those whose error is told, and errs more at the rim, beyond the last run.

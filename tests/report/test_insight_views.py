@@ -11,7 +11,7 @@ import pytest
 from known_functions import even, study, variable
 from playwright.sync_api import Page
 
-from dse.analysis import planes
+from dse.analysis import evaluated, features, planes
 from dse.domain.definition import DefinedObjective
 from dse.report import insight_of
 from dse.report.content.nouns import (
@@ -23,7 +23,6 @@ from dse.report.content.nouns import (
     SamplerKind,
     Variable,
 )
-from dse.report.insight.profiles import evaluated, features
 from dse.storage import RunTable
 
 pytestmark = pytest.mark.browser
@@ -329,3 +328,69 @@ def test_an_enumeration_is_a_choice_with_labels_in_every_view(open_report: Open)
     page.click("#profile-nearest")
     settle(page)
     assert page.input_value(".profile-control select") == "2"
+
+
+@pytest.mark.thorough
+def test_what_is_chosen_in_understanding_and_conditions_comes_back_with_the_address(open_report: Open) -> None:
+    base = conditions()
+    y, points = base.metric("y"), np.stack([base.points[name] for name in ("x1", "speed", "grip")], axis=1)
+    variables = (
+        variable("x1"),
+        variable("speed", role="condition", values=(0.0, 1.0)),
+        variable("grip", role="condition", values=(0.0, 0.5, 1.0)),
+    )
+    table = study(points, {"y": y, "z": points[:, 0] * points[:, 2]}, {"y": 0.5, "z": 0.4}, variables=variables)
+    page = opened(open_report(content_of(table)), "conditions")
+    page.select_option("#conditions-across", label="grip")
+    settle(page)
+    assert page.input_value("#conditions-down") == "1"
+    page.select_option("#conditions-requirement", "1")
+    page.select_option("#conditions-of", "all")
+    opened(page, "understanding")
+    page.select_option("#understood-metric", "1")
+    settle(page)
+    page.locator(".profile-control input").first.evaluate(
+        "e => { e.value = 0.25; e.dispatchEvent(new Event('input')) }"
+    )
+    settle(page)
+
+    def told() -> list[str]:
+        opened(page, "conditions")
+        matrix = page.inner_text("#view")
+        chosen = [page.input_value(f"#conditions-{name}") for name in ("across", "down", "requirement", "of")]
+        opened(page, "understanding")
+        return [matrix, *chosen, page.input_value("#understood-metric"), page.inner_text("#prediction")]
+
+    before = told()
+    assert before[1:6] == ["2", "1", "1", "all", "1"]
+    page.wait_for_function(
+        "() => location.hash.includes('conditions.of=all') && location.hash.includes('understanding.at')"
+    )
+    page.reload()
+    page.wait_for_selector("html[data-ready]")
+    assert told() == before
+    # What fits no study is left out.
+    page.evaluate("""() => { location.hash = 'conditions.across=7&conditions.down=x&conditions.requirement=-3'
+        + '&conditions.of=1&understanding.metric=9&understanding.part=-1'
+        + '&understanding.at=0:9:NaN&understanding.planes=1,1,77' }""")
+    settle(page)
+    assert told()[1:6] == ["1", "2", "-1", "design", "0"]
+
+
+@pytest.mark.thorough
+def test_choosing_another_metric_leaves_nothing_behind(open_report: Open) -> None:
+    points = even(60, 2, 0)
+    table = study(points, {"y": points[:, 0], "z": points[:, 1] ** 2}, {"y": 0.5, "z": 0.4})
+    page = opened(open_report(content_of(table)), "understanding")
+    session = page.context.new_cdp_session(page)
+
+    def nodes(turns: int) -> int:
+        for turn in range(turns):
+            page.select_option("#understood-metric", str((turn + 1) % 2))
+            settle(page)
+        session.send("HeapProfiler.collectGarbage")
+        return int(session.send("Memory.getDOMCounters")["nodes"])
+
+    few = nodes(2)
+    # What still listens to the page is kept, with all the elements it would draw.
+    assert nodes(8) < few + 20

@@ -123,6 +123,27 @@ class Profile:
 
 
 @dataclass(frozen=True, slots=True)
+class Pair:
+    """The share of a metric's variance that depends on both of the factors at two positions, and perhaps on more."""
+
+    one: int
+    other: int
+    share: Estimate
+
+
+@dataclass(frozen=True, slots=True)
+class Together:
+    """What each factor has to do with of a metric's variance, what it does together with others included.
+
+    *source* says in words how it was found out.
+    """
+
+    source: str
+    totals: tuple[Bar, ...]
+    pairs: tuple[Pair, ...]
+
+
+@dataclass(frozen=True, slots=True)
 class Response:
     """What the metric at a position depends on; *withheld* is what cannot be told, and why."""
 
@@ -131,15 +152,15 @@ class Response:
     effects: tuple[Effect, ...]
     profile: Profile | None
     withheld: tuple[str, ...]
+    together: Together | None = None
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Part:
-    """*used* of *runs* runs that may be compared, *apart* others that may not; *centres* are (n, features) each."""
+    """*runs* runs that may be compared, *apart* others that may not; *centres* are (n, features) each."""
 
     plane: Plane
     factors: tuple[FactorAxis, ...]
-    used: int
     runs: int
     apart: int
     centres: tuple[NDArray[np.float32], ...]
@@ -164,6 +185,19 @@ class ChanceMap:
     held: tuple[tuple[int, float], ...]
     used: int
     runs: int
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Around:
+    """The robust centre's plane: *passing* of the *map* is how probable at least all requirements (-1) are met.
+
+    *outline* is the largest ellipse around the *run*, by places (0 … 1), without a place where that is less than 95 %;
+    () if that is so beside the run already.
+    """
+
+    run: int
+    map: ChanceMap
+    outline: tuple[tuple[float, float], ...]
 
 
 @dataclass(frozen=True, slots=True)
@@ -209,6 +243,7 @@ class Insight:
     centres: tuple[Centre, ...] = ()
     parts: tuple[Part, ...] = ()
     chances: tuple[ChanceMap, ...] = ()
+    around: tuple[Around, ...] = ()
     search: Search | None = None
     withheld: tuple[str, ...] = ()
     drawn: int = 0

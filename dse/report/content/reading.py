@@ -45,7 +45,7 @@ from dse.storage import (
     StudyFolder,
     StudyHeader,
     damaged_study,
-    read_all_waveforms,
+    read_chosen_waveforms,
 )
 from dse.units import Unit, parse_unit
 
@@ -86,12 +86,13 @@ def _read(folder: StudyFolder, most: int) -> ReportContent:
     folder.require_definition()
     table = folder.table()
     lost = folder.lost()
-    kept = sorted(number for number, file in folder.kept().items() if file and number not in lost)
+    files = folder.kept()
+    kept = sorted(number for number, file in files.items() if file and number not in lost)
     chosen = kept if len(kept) <= most else [kept[i] for i in np.linspace(0, len(kept) - 1, most).astype(int)]
     strangers = set(kept) - set(table.numbers.tolist())
     if strangers:
         raise damaged_study(folder.path, f"waveforms were kept of run {min(strangers)}, which is not there")
-    waveforms = _waveforms(folder, chosen) if folder.header.definition.figures else None
+    waveforms = _waveforms(folder, files, chosen) if folder.header.definition.figures else None
     missing = len(lost) + (len(chosen) - len(waveforms) if waveforms is not None else 0)
     told = _waveform_facts(len(kept), len(chosen), missing)
     try:
@@ -251,16 +252,20 @@ def _target(
 
 def _padded(values: Floats, length: int) -> Floats:
     """*values* with NaN behind them."""
+    if len(values) == length:
+        return values
     return np.pad(values, (0, length - len(values)), constant_values=np.nan)
 
 
-def _waveforms(folder: StudyFolder, chosen: list[int]) -> dict[int, Waveforms]:
-    """The waveforms of the runs *chosen* that can be read."""
-    wanted, kept = set(chosen), folder.kept()
+def _waveforms(folder: StudyFolder, kept: Mapping[int, str], chosen: list[int]) -> dict[int, Waveforms]:
+    """The waveforms of the runs *chosen* that can be read, as far as figures show them."""
+    figures = folder.header.definition.figures
+    names = {name for entry in figures for name in (entry.current, entry.target) if name}
+    numbers = frozenset(chosen)
     found: dict[int, Waveforms] = {}
     for file in sorted({kept[number] for number in chosen}):
         with suppress(DseError):  # the others can be shown all the same
-            found.update(entry for entry in read_all_waveforms(folder.waveform_folder / file) if entry[0] in wanted)
+            found.update(read_chosen_waveforms(folder.waveform_folder / file, numbers, names))
     return dict(sorted(found.items()))
 
 

@@ -7,13 +7,13 @@ from pathlib import Path
 
 import numpy as np
 
-from dse.analysis import essentials, planes
+from dse.analysis import drawn, essentials, planes
 from dse.report.content.insight import Insight
 from dse.report.content.nouns import ReportContent
 from dse.report.content.reading import MAX_WAVEFORMS, read_content
 from dse.report.insight.asked import asked_of
 from dse.report.insight.chances import chances_of
-from dse.report.insight.drawing import drawn, part_of_table
+from dse.report.insight.drawing import part_of_table
 from dse.report.insight.naming import Naming
 from dse.report.insight.responses import part_of
 from dse.report.insight.search import search_of
@@ -54,8 +54,8 @@ def _insight(table: RunTable) -> Insight:
     every = np.arange(len(table))
     looked = table if len(table) <= MOST_RUNS else part_of_table(table, drawn(every, MOST_RUNS))
     parts = planes(looked)
-    findings = essentials(looked)
-    chances, withheld = chances_of(looked, parts, naming)
+    findings = essentials(looked, parts)
+    chances, around, withheld = chances_of(looked, parts, naming)
     search, reasons = search_of(table, naming)
     return Insight(
         asked,
@@ -64,6 +64,7 @@ def _insight(table: RunTable) -> Insight:
         tuple(centre for data in parts for centre in centres_of(data, naming)),
         tuple(part_of(data, naming) for data in parts if len(data)),
         chances,
+        around,
         search,
         (*withheld, *reasons),
         len(looked) if looked is not table else 0,

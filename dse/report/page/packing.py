@@ -15,6 +15,9 @@ STEPS = 65534
 """Steps between a waveform's smallest and largest value; code 65535 is a missing value."""
 MISSING = 65535
 
+_EFFORT = 7
+"""Of zlib. 9 makes waveforms smaller by 3 % and takes four times as long."""
+
 _TYPES = {"f8": "<f8", "f4": "<f4", "i4": "<i4", "u2": "<u2", "u1": "|u1"}
 
 
@@ -37,7 +40,7 @@ class Block:
 
     def text(self) -> str:
         """Everything added, as zlib data in base64; the same arrays give the same text (no clock, no name inside)."""
-        return base64.b64encode(zlib.compress(b"".join(self.parts), 9)).decode("ascii")
+        return base64.b64encode(zlib.compress(b"".join(self.parts), _EFFORT)).decode("ascii")
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -69,6 +72,10 @@ def quantise(waveforms: NDArray[np.floating]) -> Quantised:
 
 
 def second_differences(codes: NDArray[np.uint16]) -> NDArray[np.uint16]:
-    """Second differences along each row, modulo 2^16: smooth waveforms become small numbers, which compress."""
+    """Second differences along each row, modulo 2^16, as 0, -1, 1, -2, 2, …: smooth waveforms become small numbers.
+
+    Their first bytes are all 0 then, which compresses.
+    """
     first = np.diff(codes, axis=1, prepend=np.uint16(0)).astype(np.uint16)
-    return np.diff(first, axis=1, prepend=np.uint16(0)).astype(np.uint16)
+    signed = np.diff(first, axis=1, prepend=np.uint16(0)).astype(np.int16)
+    return ((signed << 1) ^ (signed >> 15)).view(np.uint16)

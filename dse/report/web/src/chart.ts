@@ -17,6 +17,8 @@ interface Curve {
   label: string;
   x: Float64Array;
   y: Float64Array;
+  /** Where it has a look of its own. */
+  look?: { colour: string; width: number; dash: number[] };
 }
 
 interface Points {

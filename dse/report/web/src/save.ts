@@ -51,29 +51,6 @@ export function csvOf(store: Store): string {
   return rows.join("\r\n") + "\r\n";
 }
 
-/** Canvases below each other on one sheet, each under its title, in the colours of the page. */
-export function pictureOf(parts: [string, HTMLCanvasElement[]][]): Promise<Blob> {
-  const ratio = window.devicePixelRatio || 1;
-  const head = (title: string): number => (title ? Math.round(30 * ratio) : 0);
-  const sheet = el("canvas");
-  sheet.width = Math.max(...parts.map(([, [first]]) => first!.width));
-  sheet.height = parts.reduce((sum, [title, [first]]) => sum + head(title) + first!.height, 0);
-  const pen = sheet.getContext("2d")!;
-  const style = getComputedStyle(document.documentElement);
-  pen.fillStyle = style.getPropertyValue("--card").trim();
-  pen.fillRect(0, 0, sheet.width, sheet.height);
-  pen.fillStyle = style.getPropertyValue("--ink").trim();
-  pen.font = `600 ${14 * ratio}px ${getComputedStyle(document.body).fontFamily}`;
-  let top = 0;
-  for (const [title, layers] of parts) {
-    pen.fillText(title, 8 * ratio, top + 20 * ratio);
-    top += head(title);
-    for (const layer of layers) pen.drawImage(layer, 0, top);
-    top += layers[0]!.height;
-  }
-  return new Promise((done, failed) => sheet.toBlob((blob) => (blob ? done(blob) : failed(new Error("the picture is too large for this browser")))));
-}
-
 /** *text* as a field of a CSV file; one that begins like a formula would be run by a spreadsheet. */
 export function cell(text: string): string {
   const safe = /^[=+\-@\t\r]/.test(text) ? `'${text}` : text;

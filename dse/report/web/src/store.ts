@@ -46,7 +46,8 @@ export interface Store {
   readonly study: Study;
   readonly state: State;
   set(patch: Partial<State>): void;
-  subscribe(listener: Listener): void;
+  /** Gives back what takes the listener away again. */
+  subscribe(listener: Listener): () => void;
   /** Tells the listeners now what they would hear with the next frame. */
   flush(): void;
   judgement(): Judgement;
@@ -63,14 +64,14 @@ export function createStore(study: Study, initial: State): Store {
   let brushed: { brushes: readonly Brush[]; mask: Uint8Array | null } | null = null;
   const planes = createPlanes(study);
   let pending: Set<keyof State> | null = null;
-  const listeners: Listener[] = [];
+  const { subscribe, tell } = createListeners();
 
   const flush = (): void => {
     if (!pending) return;
     const changed = pending;
     pending = null;
     const started = performance.now();
-    for (const listener of listeners) listener(state, changed);
+    tell(state, changed);
     performance.measure("update", { start: started, end: performance.now() });
   };
 
@@ -94,9 +95,7 @@ export function createStore(study: Study, initial: State): Store {
       }
       for (const key of keys) pending.add(key);
     },
-    subscribe(listener) {
-      listeners.push(listener);
-    },
+    subscribe,
     flush,
     judgement() {
       if (judged?.thresholds !== state.thresholds) {
@@ -114,15 +113,15 @@ export function createStore(study: Study, initial: State): Store {
 
 /** The store as a view sees it: while the view is not shown it hears nothing, and all at once when it is shown again. */
 export function whileShown(store: Store): { store: Store; show: () => void; hide: () => void } {
-  const listeners: Listener[] = [];
+  const { subscribe, tell } = createListeners();
   const missed = new Set<keyof State>();
   let shown = true;
   store.subscribe((state, changed) => {
-    if (shown) for (const listener of listeners) listener(state, changed);
+    if (shown) tell(state, changed);
     else for (const key of changed) missed.add(key);
   });
   // Getters stay getters: a copy would freeze the state.
-  const quiet = Object.create(store, { subscribe: { value: (listener: Listener) => listeners.push(listener) } }) as Store;
+  const quiet = Object.create(store, { subscribe: { value: subscribe } }) as Store;
   return {
     store: quiet,
     show: () => {
@@ -130,10 +129,31 @@ export function whileShown(store: Store): { store: Store; show: () => void; hide
       if (!missed.size) return;
       const changed = new Set(missed);
       missed.clear();
-      for (const listener of listeners) listener(store.state, changed);
+      tell(store.state, changed);
     },
     hide: () => {
       shown = false;
+    },
+  };
+}
+
+/** The store as a part of a view sees it that is made anew at times: *drop* takes all its listeners away. */
+export function untilDropped(store: Store): { store: Store; drop: () => void } {
+  const { subscribe, tell } = createListeners();
+  const drop = store.subscribe(tell);
+  return { store: Object.create(store, { subscribe: { value: subscribe } }) as Store, drop };
+}
+
+function createListeners(): { subscribe: Store["subscribe"]; tell: Listener } {
+  const listeners = new Set<Listener>();
+  return {
+    subscribe(listener) {
+      listeners.add(listener);
+      return () => listeners.delete(listener);
+    },
+    tell(state, changed) {
+      // Those that one of them takes away hear nothing any more, those that it adds not yet.
+      for (const listener of [...listeners]) if (listeners.has(listener)) listener(state, changed);
     },
   };
 }

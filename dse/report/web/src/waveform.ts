@@ -26,7 +26,8 @@ export function decode(
   let step = 0;
   let code = 0;
   for (let i = 0; i < size; i++) {
-    step = (step + codes[row * size + i]!) & 0xffff;
+    const packed = codes[row * size + i]!;
+    step = (step + ((packed >> 1) ^ -(packed & 1))) & 0xffff;
     code = (code + step) & 0xffff;
     values[i] = code === MISSING ? null : low + span * (code / STEPS);
   }

@@ -1,10 +1,13 @@
 // The study's figures: every chart with a read-out; a click or the arrow keys select the run of a point.
 import { selectRun } from "../actions";
 import type { Chart, Charted, ChartAxis } from "../chart";
-import { append, el, fit } from "../dom";
+import { append, el } from "../dom";
 import { number, withUnit } from "../format";
 import { insideAxes, paintChart, paintKey } from "../plot/chart";
 import { axisText, type Frame } from "../plot/frame";
+import { SIGN } from "../plot/legend";
+import type { Pen } from "../plot/pen";
+import { fit, paintedBy, type Sheet } from "../plot/sheet";
 import type { Store } from "../store";
 import { palette } from "../theme";
 
@@ -46,14 +49,20 @@ function createChart(store: Store, chart: Chart, rows: Map<number, number>): HTM
   let cursor = -1;
 
   const here = (): number => (cursor >= 0 ? cursor : selects && store.state.selected >= 0 ? places.run.indexOf(store.state.selected) : -1);
+  const paintGround = paintedBy(ground, (sheet) => {
+    frame = paintChart(sheet, chart, palette());
+  }, { title: () => chart.title, legend: () => keys.map(({ label, index }) => ({ text: label, draw: (pen, x, y) => keyAt(pen, x, y, chart, index) })) });
+  const paintPoint = paintedBy(overlay, (sheet) => {
+    if (frame) paintOverlay(sheet, frame, places, places.run.indexOf(store.state.selected), cursor);
+  });
   const point = (): void => {
-    if (frame) paintOverlay(overlay, frame, places, places.run.indexOf(store.state.selected), cursor);
+    paintPoint();
     reading.textContent = here() < 0 ? "\u00a0" : read(store, chart, places, here());
   };
   const repaint = (): void => {
     const colours = palette();
-    frame = paintChart(ground, chart, colours);
-    for (const { canvas, index } of keys) paintKey(canvas, chart, index, colours);
+    paintGround();
+    for (const { canvas, index } of keys) paintKey(fit(canvas), chart, index, colours);
     point();
   };
   const move = (index: number): void => {
@@ -155,8 +164,13 @@ function description(chart: Chart, places: Places, selects: boolean): string {
   return [`${chart.title}: ${axisText(chart.y)} over ${axisText(chart.x)}, ${places.x.length} points`, ...(labels.length ? [labels.join(", ")] : []), keys].join(". ");
 }
 
-function paintOverlay(canvas: HTMLCanvasElement, frame: Frame, places: Places, selected: number, hovered: number): void {
-  const { pen } = fit(canvas);
+function keyAt(pen: Pen, x: number, y: number, chart: Chart, index: number): void {
+  const [width, height] = [SIGN, 10];
+  pen.translate(x - width / 2, y - height / 2);
+  paintKey({ pen, width, height }, chart, index, palette());
+}
+
+function paintOverlay({ pen }: Sheet, frame: Frame, places: Places, selected: number, hovered: number): void {
   const colours = palette();
   for (const [index, width] of [[hovered, 1.2], [selected, 2.2]] as const) {
     if (index < 0) continue;

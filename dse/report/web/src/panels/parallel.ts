@@ -5,17 +5,22 @@ import { el } from "../dom";
 import { group } from "../format";
 import { createMenu } from "../menu";
 import { axesOf, FOOT, heightsOf, nearestLine, paintLines, placeOf, SIDE, TOP, type Axis } from "../plot/parallel";
+import { fitted } from "../plot/frame";
+import { paintedBy, type Part, type Sheet } from "../plot/sheet";
 import type { State, Store } from "../store";
+import { palette } from "../theme";
 
 const MOST_LINES = 1200;
 const LEAST_ROOM = 104;
+const TITLE = 36;
 const REACH = 16;
 const STILL = 3;
 const ORDER = "runs.axes";
 const GROUPS: [string, string][] = [["variable", "Design variables"], ["metric", "Metrics"], ["property", "Properties"]];
 const REPAINTED: (keyof State)[] = ["thresholds", "selected", "theme", "brushes", "pins", "hovered"];
 
-export function createParallel(store: Store): HTMLElement {
+/** The axes, and their picture as they are shown. */
+export function createParallel(store: Store): { box: HTMLElement; picture: () => Part[] } {
   const { study } = store;
   const all = axesOf(study);
   const canvas = el("canvas", { class: "parallel", tabindex: 0, role: "img", "aria-label": "Every run as a line across the chosen axes; the table below has the same numbers" });
@@ -26,7 +31,7 @@ export function createParallel(store: Store): HTMLElement {
   let axes: Axis[] = [];
   let lines: { inside: number[]; outside: number[] } = { inside: [], outside: [] };
 
-  const paint = (): void => paintLines(canvas, store, axes, lines);
+  const paint = paintedBy(canvas, (sheet) => paintLines(sheet, store, axes, lines));
   const sample = (): void => {
     const within = store.within();
     const done = Array.from(study.number.keys()).filter((run) => study.done[run]);
@@ -53,12 +58,24 @@ export function createParallel(store: Store): HTMLElement {
   });
   new ResizeObserver(layout).observe(scroll);
   sample();
-  return el("div", {}, chooser(store, all), scroll, note);
-}
-
-/** The picture of the axes as they are. */
-export function parallelCanvas(box: HTMLElement): HTMLCanvasElement {
-  return box.querySelector("canvas")!;
+  const titled = ({ pen, width, height }: Sheet): void => {
+    const colours = palette();
+    pen.save();
+    pen.fillStyle = colours.ink;
+    pen.font = `600 12px ${colours.font}`;
+    pen.textAlign = "center";
+    pen.textBaseline = "middle";
+    const room = Math.min((width - 2 * SIDE) / Math.max(1, axes.length - 1), 2 * SIDE) - 6;
+    axes.forEach(({ title }, index) => {
+      const unit = title.lastIndexOf(" [");
+      [title.slice(0, unit), title.slice(unit + 1)].forEach((text, line) => pen.fillText(fitted(pen, text, room), placeOf(axes.length, width, index), (line + 0.7) * (TITLE / 2)));
+    });
+    pen.restore();
+    pen.translate(0, TITLE);
+    paintLines({ pen, width, height: height - TITLE }, store, axes, lines);
+  };
+  const picture = (): Part[] => [{ title: "", width: canvas.clientWidth, height: canvas.clientHeight + TITLE, paint: titled }];
+  return { box: el("div", {}, chooser(store, all), scroll, note), picture };
 }
 
 function thinned(runs: number[]): number[] {

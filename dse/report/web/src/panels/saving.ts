@@ -1,17 +1,18 @@
 // A small menu in a panel's heading: what can be taken out of it, and the command that makes the same.
-import { el } from "../dom";
+import { addTools, el } from "../dom";
 import { createMenu } from "../menu";
-import { copyText, csvOf, download, pictureOf } from "../save";
+import { copyText, csvOf, download } from "../save";
+import { partsIn, pngOf, svgOf, type Part } from "../plot/sheet";
 import type { Store } from "../store";
 
 export interface Saved {
   /** Of the files, without an ending. */
   name: string;
-  /** Titles and layers of the picture; empty if there is none. */
-  picture: () => [string, HTMLCanvasElement[]][];
+  /** Parts of the picture, below each other; empty if there is none. */
+  picture: () => Part[];
   /** What the command is for. */
   purpose: string;
-  /** What makes the same outside of the page; DIR is the study's folder. */
+  /** What makes the same outside of the page; DIR is the study's folder. Empty where nothing does. */
   command: () => string;
 }
 
@@ -19,22 +20,29 @@ export function savingMenu(store: Store, { name, picture, purpose, command }: Sa
   const said = el("span", { class: "muted", role: "status" });
   const shown = el("code", { tabindex: 0 }, command());
   const item = (text: string, title: string, click: () => void): HTMLElement => el("button", { type: "button", title, click }, text);
-  const savePicture = (): void => {
-    const parts = picture().filter(([, layers]) => layers[0]?.width);
+  const savePicture = (ending: string, made: (parts: Part[], room: number) => Blob | Promise<Blob>): void => {
+    const parts = picture().filter(({ width, height }) => width && height);
     if (!parts.length) return void (said.textContent = "There is nothing to draw.");
-    void pictureOf(parts).then((blob) => download(`${name}.png`, blob));
+    void Promise.resolve(made(parts, menu.closest(".card")?.clientWidth ?? 0)).then((blob) => download(`${name}.${ending}`, blob));
   };
   const sheet = el(
     "div",
     {},
-    item("Picture (PNG)", "As it is shown now", savePicture),
+    item("Picture (PNG)", "As it is shown now", () => savePicture("png", pngOf)),
+    item("Picture (SVG)", "As it is shown now, as lines and text", () => savePicture("svg", svgOf)),
     item("Runs (CSV)", "Every run within the brushes, with verdicts at the thresholds shown", () => download(`${name}.csv`, new Blob([csvOf(store)], { type: "text/csv" }))),
-    el("p", { class: "muted" }, purpose),
-    shown,
-    item("Copy the command", "To the clipboard", () => void copyText(command(), shown).then((done) => (said.textContent = done ? "copied" : "selected: press Ctrl+C"))),
+    ...(command() ? [el("p", { class: "muted" }, purpose), shown, item("Copy the command", "To the clipboard", () => void copyText(command(), shown).then((done) => (said.textContent = done ? "copied" : "selected: press Ctrl+C")))] : []),
     said,
   );
-  return createMenu(`save-${name}`, "Save", `Save or copy: ${name}`, sheet, () => (shown.textContent = command()));
+  const menu = createMenu(`save-${name}`, "Save", `Save or copy: ${name}`, sheet, () => (shown.textContent = command()));
+  return menu;
+}
+
+export const IN_PRINT = "In print, as SVG or PDF, with DIR the study\u2019s folder:";
+
+/** *panel* with a menu that saves all that is painted in it; *figure* draws the same in print, "" if none does. */
+export function withSaving(store: Store, panel: HTMLElement, name: string, figure: string): HTMLElement {
+  return addTools(panel, savingMenu(store, { name, picture: () => partsIn(panel), purpose: IN_PRINT, command: () => figure && `dse figure DIR --only ${figure} --format svg` }));
 }
 
 /** *text* as one word of a shell's command line. */

@@ -1,9 +1,10 @@
 // How many runs meet the requirements; the counts double as the legend of the plot.
 import { countMarks, requirementsInWords, shownRuns, switchedOn } from "../counts";
-import { el, fit } from "../dom";
+import { el } from "../dom";
 import { group, percent } from "../format";
 import { plotted } from "../plane/plane";
 import { drawShape, paintShape } from "../plot/points";
+import { fit } from "../plot/sheet";
 import type { State, Store } from "../store";
 import { palette } from "../theme";
 import { CLASSES, FAIL, PASS, WORDS, type Mark } from "../verdicts";

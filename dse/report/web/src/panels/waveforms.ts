@@ -2,9 +2,13 @@
 // dashed, current blue), with the pinned runs over them.
 import uPlot from "uplot";
 import { togglePin } from "../actions";
+import type { Chart as DrawnChart } from "../chart";
 import { el } from "../dom";
 import { number, withUnit } from "../format";
 import type { Numbers } from "../packing";
+import { paintChart } from "../plot/chart";
+import { lineEntry } from "../plot/legend";
+import type { Part } from "../plot/sheet";
 import { MOST_PINS, type State, type Store } from "../store";
 import { axisLabel, type Figure } from "../study";
 import { palette } from "../theme";
@@ -23,7 +27,7 @@ interface Chart {
 const SHOWN: (keyof State)[] = ["selected", "hovered", "pins"];
 
 /** The charts, and the button that pins the selected run. */
-export function createWaveforms(store: Store): { box: HTMLElement; pin: HTMLElement } {
+export function createWaveforms(store: Store): { box: HTMLElement; pin: HTMLElement; picture: () => Part[] } {
   const notice = el("div", { class: "missing" });
   const legend = el("div", { class: "curves" });
   const figures = el("div", { class: "figures" });
@@ -56,12 +60,36 @@ export function createWaveforms(store: Store): { box: HTMLElement; pin: HTMLElem
     blocks = unpacked;
     show();
   });
-  return { box, pin };
+  return { box, pin, picture: () => (figures.hidden ? [] : charts.map((chart) => partOfChart(store, chart))) };
 }
 
-/** The figures' canvases, for a picture. */
-export function waveformCanvases(box: HTMLElement): [string, HTMLCanvasElement[]][] {
-  return Array.from(box.querySelectorAll("figure"), (figure) => [figure.querySelector("b")!.textContent!, [figure.querySelector("canvas")!]]);
+/** A chart as it is shown, for a picture that is saved. */
+function partOfChart(store: Store, { plot, holder, figure }: Chart): Part {
+  const { study, state } = store;
+  const axis = (key: string): [number, number] => [plot.scales[key]!.min ?? 0, plot.scales[key]!.max ?? 1];
+  const [[left, right], [low, high]] = [axis("x"), axis("y")];
+  const looks = linesOf(plot);
+  const run = runShown(store);
+  const names = [...Array.from({ length: MOST_PINS }, (_, pin) => `Run ${study.number[state.pins[pin] ?? -1]}`), `Run ${study.number[run]}`];
+  const known = looks.map(({ values }) => Array.from(values).some((value) => value !== null));
+  const legend = names.flatMap((name, index) => (known[2 * index] ? [lineEntry(name, looks[2 * index]!.look.colour)] : []));
+  if (known.at(-1)) legend.push(lineEntry(figure.target || "target", looks.at(-1)!.look.colour, looks.at(-1)!.look.dash));
+  const chart: DrawnChart = {
+    name: figure.name,
+    title: figure.title,
+    note: "",
+    x: { title: "time", unit: "s", log: false, low: left, high: right, names: [] },
+    y: { title: figure.current || figure.title, unit: figure.unit, log: false, low, high, names: [] },
+    drawn: looks.filter((_, index) => known[index]).map(({ values, look }) => ({ kind: "line", label: "", x: figure.time, y: Float64Array.from(values, (value) => value ?? NaN), look })),
+  };
+  return { title: figure.title, width: holder.clientWidth, height: holder.clientHeight, legend, paint: (sheet) => void paintChart(sheet, chart, palette()) };
+}
+
+function linesOf({ data, series }: uPlot): { values: ArrayLike<number | null | undefined>; look: { colour: string; width: number; dash: number[] } }[] {
+  return data.slice(1).map((values, index) => {
+    const { stroke, width, dash } = series[index + 1]!;
+    return { values, look: { colour: String(typeof stroke === "function" ? stroke(null as never, index + 1) : stroke), width: width ?? 1, dash: dash ?? [] } };
+  });
 }
 
 function runShown(store: Store): number {

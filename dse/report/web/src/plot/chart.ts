@@ -1,18 +1,18 @@
 // Paints any chart on a canvas, as dse/report/drawing/chart.py does in print.
 import { scaleLinear, scaleLog } from "d3-scale";
 import type { Chart, ChartAxis, Drawn } from "../chart";
-import { fit } from "../dom";
 import type { Palette } from "../theme";
 import { PASS } from "../verdicts";
 import { clipTo, drawAxes, drawGrid, type Frame, type Scale } from "./frame";
 import { drawShape, paintShape } from "./points";
 import { colourOf } from "./regions";
+import type { Pen } from "./pen";
+import type { Sheet } from "./sheet";
 
 // Beyond some thousand points a path of circles is slow, and no shape can be told any more.
 const MOST_SHAPES = 4000;
 
-export function paintChart(canvas: HTMLCanvasElement, chart: Chart, colours: Palette): Frame {
-  const { pen, width, height } = fit(canvas);
+export function paintChart({ pen, width, height }: Sheet, chart: Chart, colours: Palette): Frame {
   const frame = chartFrame(chart, width, height);
   pen.fillStyle = colours.plot;
   pen.fillRect(frame.left, frame.top, frame.right - frame.left, frame.bottom - frame.top);
@@ -28,8 +28,7 @@ export function paintChart(canvas: HTMLCanvasElement, chart: Chart, colours: Pal
 }
 
 /** A small picture of how one entry of the chart is drawn, for its legend. */
-export function paintKey(canvas: HTMLCanvasElement, chart: Chart, index: number, colours: Palette): void {
-  const { pen, width, height } = fit(canvas);
+export function paintKey({ pen, width, height }: Sheet, chart: Chart, index: number, colours: Palette): void {
   const drawn = chart.drawn[index]!;
   const colour = colourOf(colours, series(chart, index));
   if (drawn.kind === "points") {
@@ -66,14 +65,15 @@ function scaleOf({ log, low, high }: ChartAxis, from: number, to: number): Scale
   return log ? scaleLog([low, high], [from, to]) : scaleLinear([low, high], [from, to]);
 }
 
-function paintDrawn(pen: CanvasRenderingContext2D, frame: Frame, drawn: Drawn, colour: string, colours: Palette): void {
+function paintDrawn(pen: Pen, frame: Frame, drawn: Drawn, colour: string, colours: Palette): void {
   const { x, y, left, right, top, bottom } = frame;
   pen.beginPath();
   switch (drawn.kind) {
     case "line":
     case "steps":
       trace(pen, frame, drawn.x, drawn.y, drawn.kind === "steps");
-      return stroke(pen, false, colour, colours);
+      stroke(pen, false, colour, colours, drawn.look);
+      return;
     case "rule":
       if (drawn.axis === "x") {
         pen.moveTo(x(drawn.value), top);
@@ -121,22 +121,22 @@ function paintDrawn(pen: CanvasRenderingContext2D, frame: Frame, drawn: Drawn, c
   }
 }
 
-function paintPoints(pen: CanvasRenderingContext2D, verdict: number | null, size: number, colour: string, colours: Palette): void {
+function paintPoints(pen: Pen, verdict: number | null, size: number, colour: string, colours: Palette): void {
   // A rim, as in the constraint plot, would wipe out neighbours that lie close.
   if (verdict !== null && verdict !== PASS) return paintShape(pen, verdict, size, colours);
   pen.fillStyle = verdict === PASS ? colours.pass : colour;
   pen.fill();
 }
 
-function stroke(pen: CanvasRenderingContext2D, bound: boolean, colour: string, colours: Palette): void {
-  pen.setLineDash(bound ? [7, 5] : []);
-  pen.lineWidth = 1.6;
+function stroke(pen: Pen, bound: boolean, colour: string, colours: Palette, look = { colour: bound ? colours.target : colour, width: 1.6, dash: bound ? [7, 5] : [] }): void {
+  pen.setLineDash(look.dash);
+  pen.lineWidth = look.width;
   pen.lineJoin = "round";
-  pen.strokeStyle = bound ? colours.target : colour;
+  pen.strokeStyle = look.colour;
   pen.stroke();
 }
 
-function trace(pen: CanvasRenderingContext2D, { x, y }: Frame, xs: Float64Array, ys: Float64Array, steps: boolean): void {
+function trace(pen: Pen, { x, y }: Frame, xs: Float64Array, ys: Float64Array, steps: boolean): void {
   for (const [start, end] of stretches(xs, ys, ys)) {
     pen.moveTo(x(xs[start]!), y(ys[start]!));
     for (let i = start + 1; i < end; i++) {

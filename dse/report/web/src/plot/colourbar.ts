@@ -4,11 +4,12 @@ import { axisLabel, type Column } from "../study";
 import type { Palette } from "../theme";
 import { sideways, type Frame } from "./frame";
 import { bandColour, type Scale } from "./regions";
+import type { Pen } from "./pen";
 
 const WIDTH = 14;
 
 export function drawColourBar(
-  pen: CanvasRenderingContext2D,
+  pen: Pen,
   frame: Frame,
   width: number,
   metric: Column,

@@ -2,8 +2,9 @@
 import { contours } from "d3-contour";
 import type { Grid } from "../plane/fields";
 import type { Frame } from "./frame";
+import { Shape, type Ring } from "./pen";
 
-export type Ring = [number, number][];
+export type { Ring };
 
 /** Where the field is greater than `level`. */
 export function above(field: Float64Array, grid: Grid, frame: Frame, level: number): Ring[] {
@@ -21,21 +22,14 @@ export function below(field: Float64Array, grid: Grid, frame: Frame, level: numb
   );
 }
 
-export function path(rings: Ring[]): Path2D {
-  const traced = new Path2D();
-  for (const ring of rings) {
-    traced.moveTo(ring[0]![0], ring[0]![1]);
-    for (let i = 1; i < ring.length; i++) traced.lineTo(ring[i]![0], ring[i]![1]);
-    traced.closePath();
-  }
-  return traced;
+export function path(rings: Ring[]): Shape {
+  return new Shape(rings);
 }
 
 /** Everything but the rings, for clipping with the even-odd rule. */
-export function outside(rings: Ring[]): Path2D {
-  const traced = path(rings);
-  traced.rect(-1e5, -1e5, 2e5, 2e5);
-  return traced;
+export function outside(rings: Ring[]): Shape {
+  const far = 1e5;
+  return path([...rings, [[-far, -far], [far, -far], [far, far], [-far, far]]]);
 }
 
 function outline(field: Float64Array, grid: Grid, frame: Frame, level: number): Ring[] {

@@ -4,6 +4,7 @@ import type { Zoom } from "../store";
 import { axisLabel } from "../study";
 import { number } from "../format";
 import type { Palette } from "../theme";
+import type { Pen } from "./pen";
 
 export type Scale = ScaleContinuousNumeric<number, number>;
 
@@ -24,20 +25,24 @@ export interface Frame {
   y: Scale;
 }
 
+/** What every frame has beside the axes at least. */
+const LEFT = 60;
+const RIGHT = 14;
+
 /** A frame that leaves room for the axes' texts, and for the colour *bar* if there is one. */
 export function frameOf(width: number, height: number, { x, y }: Zoom, bar: boolean): Frame {
   const frame = { left: 66, right: width - (bar ? 96 : 16), top: 14, bottom: height - 50 };
   return { ...frame, x: scaleLinear(x, [frame.left, frame.right]), y: scaleLinear(y, [frame.bottom, frame.top]) };
 }
 
-export function clipTo(pen: CanvasRenderingContext2D, { left, right, top, bottom }: Frame): void {
+export function clipTo(pen: Pen, { left, right, top, bottom }: Frame): void {
   pen.beginPath();
   pen.rect(left, top, right - left, bottom - top);
   pen.clip();
 }
 
 export function drawAxes(
-  pen: CanvasRenderingContext2D,
+  pen: Pen,
   frame: Frame,
   horizontal: AxisText,
   vertical: AxisText,
@@ -57,7 +62,10 @@ export function drawAxes(
     const place = Math.round(x(tick)) + 0.5;
     pen.moveTo(place, bottom);
     pen.lineTo(place, bottom + 5);
-    pen.fillText(text, place, bottom + 19, (right - left) / across.length);
+    const shown = fitted(pen, text, (right - left) / across.length - 4);
+    // At the ends a text stands a little inwards, lest the picture's edge cuts it.
+    const half = pen.measureText(shown).width / 2;
+    pen.fillText(shown, Math.max(left - LEFT + half, Math.min(right + RIGHT - half, place)), bottom + 19);
   }
   pen.textAlign = "right";
   pen.textBaseline = "middle";
@@ -75,7 +83,7 @@ export function drawAxes(
   sideways(pen, 16, (top + bottom) / 2, () => pen.fillText(fitted(pen, axisText(vertical), bottom - top), 0, 0));
 }
 
-export function drawGrid(pen: CanvasRenderingContext2D, frame: Frame, horizontal: AxisText, vertical: AxisText, colours: Palette): void {
+export function drawGrid(pen: Pen, frame: Frame, horizontal: AxisText, vertical: AxisText, colours: Palette): void {
   const { left, right, top, bottom, x, y } = frame;
   pen.strokeStyle = colours.line;
   pen.lineWidth = 1;
@@ -96,7 +104,7 @@ export function axisText(axis: AxisText): string {
 }
 
 /** *text*, with an ellipsis where it would be wider than *room*. */
-export function fitted(pen: CanvasRenderingContext2D, text: string, room: number): string {
+export function fitted(pen: Pen, text: string, room: number): string {
   if (pen.measureText(text).width <= room) return text;
   let [fits, many] = [0, text.length];
   while (many - fits > 1) {
@@ -118,7 +126,7 @@ function ticksOf(scale: Scale, { log, names }: AxisText, count: number): [number
   return (log && decades.length > 2 ? decades : ticks).map((tick) => [tick, number(tick, 6)]);
 }
 
-export function sideways(pen: CanvasRenderingContext2D, x: number, y: number, draw: () => void): void {
+export function sideways(pen: Pen, x: number, y: number, draw: () => void): void {
   pen.save();
   pen.translate(x, y);
   pen.rotate(-Math.PI / 2);

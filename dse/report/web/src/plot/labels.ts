@@ -3,6 +3,7 @@ import type { Grid } from "../plane/fields";
 import type { Palette } from "../theme";
 import type { Ring } from "./contour";
 import type { Frame } from "./frame";
+import type { Pen } from "./pen";
 
 interface Spot {
   x: number;
@@ -12,7 +13,7 @@ interface Spot {
 
 /** Writes `text` along the straightest long stretch of the rings that is free; returns the places taken. */
 export function labelBoundary(
-  pen: CanvasRenderingContext2D,
+  pen: Pen,
   frame: Frame,
   rings: Ring[],
   text: string,
@@ -59,7 +60,7 @@ export function labelBoundary(
 
 /** Writes lines of text at the innermost place of a region, if it is wide enough there. */
 export function labelRegion(
-  pen: CanvasRenderingContext2D,
+  pen: Pen,
   frame: Frame,
   grid: Grid,
   inside: (node: number) => boolean,
@@ -100,7 +101,7 @@ export function labelRegion(
   }
 }
 
-function write(pen: CanvasRenderingContext2D, text: string, colour: string, halo: string): void {
+function write(pen: Pen, text: string, colour: string, halo: string): void {
   pen.textAlign = "center";
   pen.textBaseline = "middle";
   pen.lineJoin = "round";

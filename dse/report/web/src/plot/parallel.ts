@@ -1,13 +1,14 @@
 // Axes beside each other, and runs as lines across them.
 import { scaleLinear, type ScaleLinear } from "d3-scale";
-import { columnsOf } from "../columns";
-import { fit } from "../dom";
+import { columnOf, columnsOf, type Keyed } from "../columns";
 import { number } from "../format";
 import type { Store } from "../store";
 import { axisLabel, type Study } from "../study";
 import { palette, type Palette } from "../theme";
 import { PASS } from "../verdicts";
 import { colourOf } from "./regions";
+import type { Pen } from "./pen";
+import type { Sheet } from "./sheet";
 
 export const TOP = 22;
 export const FOOT = 22;
@@ -26,14 +27,27 @@ export interface Axis {
   most: number;
 }
 
+const known = new WeakMap<Study, Map<string, Axis>>();
+
 export function axesOf(study: Study): Axis[] {
-  return columnsOf(study).map((column) => {
-    const sorted = column.values.filter((value, run) => Number.isFinite(value) && study.done[run] === 1).sort();
-    const at = (part: number): number => sorted[Math.round(part * (sorted.length - 1))] ?? 0;
-    const variable = column.key.startsWith("variable.") ? study.variables[Number(column.key.slice(9))] : undefined;
-    const [low, high] = variable ? [variable.low, variable.high] : [at(0.01), at(0.99)];
-    return { key: column.key, title: axisLabel(column), values: column.values, low, high: high > low ? high : low + 1, least: Math.min(at(0), low), most: Math.max(at(1), high) };
-  });
+  return columnsOf(study).map(({ key }) => axisOf(study, key));
+}
+
+/** The axis of the column with *key*, which the study must have. */
+export function axisOf(study: Study, key: string): Axis {
+  const axes = known.get(study) ?? new Map<string, Axis>();
+  known.set(study, axes);
+  const axis = axes.get(key) ?? axisFor(study, columnOf(study, key)!);
+  axes.set(key, axis);
+  return axis;
+}
+
+function axisFor(study: Study, column: Keyed): Axis {
+  const sorted = column.values.filter((value, run) => Number.isFinite(value) && study.done[run] === 1).sort();
+  const at = (part: number): number => sorted[Math.round(part * (sorted.length - 1))] ?? 0;
+  const variable = column.key.startsWith("variable.") ? study.variables[Number(column.key.slice(9))] : undefined;
+  const [low, high] = variable ? [variable.low, variable.high] : [at(0.01), at(0.99)];
+  return { key: column.key, title: axisLabel(column), values: column.values, low, high: high > low ? high : low + 1, least: Math.min(at(0), low), most: Math.max(at(1), high) };
 }
 
 export function heightsOf(axes: Axis[], height: number): ScaleLinear<number, number>[] {
@@ -45,9 +59,7 @@ export function placeOf(axes: number, width: number, index: number): number {
 }
 
 /** Lines *inside* of the brushes in the colours of their verdicts, those *outside* set back behind them. */
-export function paintLines(canvas: HTMLCanvasElement, store: Store, axes: Axis[], { inside, outside }: { inside: number[]; outside: number[] }): void {
-  const { pen, width, height } = fit(canvas);
-  if (!width) return;
+export function paintLines({ pen, width, height }: Sheet, store: Store, axes: Axis[], { inside, outside }: { inside: number[]; outside: number[] }): void {
   const colours = palette();
   const { study, state } = store;
   const { overall } = store.judgement();
@@ -100,7 +112,7 @@ export function paintLines(canvas: HTMLCanvasElement, store: Store, axes: Axis[]
   axes.forEach((axis, index) => drawAxis(pen, store, axis, xs[index]!, height, colours));
 }
 
-function drawAxis(pen: CanvasRenderingContext2D, { study, state }: Store, axis: Axis, x: number, height: number, colours: Palette): void {
+function drawAxis(pen: Pen, { study, state }: Store, axis: Axis, x: number, height: number, colours: Palette): void {
   const scale = heightsOf([axis], height)[0]!;
   pen.strokeStyle = colours.muted;
   pen.lineWidth = 1;
@@ -137,7 +149,7 @@ function drawAxis(pen: CanvasRenderingContext2D, { study, state }: Store, axis: 
   });
 }
 
-function segment(pen: CanvasRenderingContext2D, x0: number, y0: number, x1: number, y1: number): void {
+function segment(pen: Pen, x0: number, y0: number, x1: number, y1: number): void {
   pen.beginPath();
   pen.moveTo(x0, y0);
   pen.lineTo(x1, y1);

@@ -1,5 +1,5 @@
 // The constraint plot: regions, runs and labels on one canvas, hover and selection on a second above it.
-import { el, fit } from "../dom";
+import { el } from "../dom";
 import { number, withUnit } from "../format";
 import type { Plane } from "../plane/plane";
 import type { Changed, State, Store } from "../store";
@@ -9,10 +9,13 @@ import type { Threshold } from "../verdicts";
 import { drawColourBar } from "./colourbar";
 import { path, type Ring } from "./contour";
 import { drawAxes, frameOf, type Frame } from "./frame";
+import { plotLegend } from "./key";
 import { labelBoundary, labelRegion, type Spot } from "./labels";
 import { paintPoints, placeOf } from "./points";
 import { wholeOf } from "./zoom";
 import { colourOf, paintRegions, regionsOf, sameOpen, scaleOf, type Regions } from "./regions";
+import type { Pen, Shape } from "./pen";
+import { paintedBy, type Sheet } from "./sheet";
 
 export interface Plot {
   element: HTMLElement;
@@ -40,13 +43,16 @@ export function createPlot(store: Store): Plot {
 
   const repaint = (): void => {
     const started = performance.now();
-    frame = paintGround(ground, store, plane());
+    paintGroundAgain();
     performance.measure("paint", { start: started, end: performance.now() });
     drawOverlay();
   };
-  const drawOverlay = (): void => {
-    if (frame) paintOverlay(overlay, frame, store, plane());
-  };
+  const paintGroundAgain = paintedBy(ground, (sheet) => {
+    frame = paintGround(sheet, store, plane());
+  }, { legend: () => (frame ? plotLegend(store, frame) : []) });
+  const drawOverlay = paintedBy(overlay, (sheet) => {
+    if (frame) paintOverlay(sheet, frame, store, plane());
+  });
 
   store.subscribe((_, changed: Changed) => {
     if (REPAINTED.some((key) => changed.has(key))) repaint();
@@ -61,9 +67,8 @@ export function createPlot(store: Store): Plot {
   };
 }
 
-function paintGround(canvas: HTMLCanvasElement, store: Store, plane: Plane): Frame {
+function paintGround({ pen, width, height }: Sheet, store: Store, plane: Plane): Frame {
   const { study, state } = store;
-  const { pen, width, height } = fit(canvas);
   const colours = palette();
   const [horizontal, vertical] = [study.variables[plane.x]!, study.variables[plane.y]!];
   const metric = state.fill >= 0 && plane.fields ? study.metrics[state.fill]! : null;
@@ -87,7 +92,7 @@ function paintGround(canvas: HTMLCanvasElement, store: Store, plane: Plane): Fra
 }
 
 function writeLabels(
-  pen: CanvasRenderingContext2D,
+  pen: Pen,
   frame: Frame,
   study: Study,
   fields: NonNullable<Plane["fields"]>,
@@ -98,9 +103,9 @@ function writeLabels(
 ): void {
   const on = study.requirements.map((_, index) => index).filter((index) => !thresholds[index]!.off);
   const taken: Spot[] = [];
-  const ratio = pen.getTransform().a;
+  const { a, e, f } = pen.getTransform();
   const failing = path(regions.sides.flatMap(({ rings }) => rings));
-  const inside = (shape: Path2D, x: number, y: number): boolean => pen.isPointInPath(shape, x * ratio, y * ratio);
+  const inside = (shape: Shape, x: number, y: number): boolean => pen.isPointInPath(shape, a * x + e, a * y + f);
   for (const { requirement, limit, rings } of regions.sides) {
     const { title, unit } = study.metrics[study.requirements[requirement]!.metric]!;
     const blank = path([...regions.open[requirement]!, ...regions.unknown]);
@@ -143,9 +148,8 @@ function meetsAll(study: Study, fields: NonNullable<Plane["fields"]>, thresholds
     );
 }
 
-function paintOverlay(canvas: HTMLCanvasElement, frame: Frame, store: Store, plane: Plane): void {
+function paintOverlay({ pen }: Sheet, frame: Frame, store: Store, plane: Plane): void {
   const { study, state } = store;
-  const { pen } = fit(canvas);
   const colours = palette();
   const shown = (run: number): [number, number] | null => {
     if (run < 0 || (!plane.on.includes(run) && !plane.beside.includes(run))) return null;
@@ -198,7 +202,7 @@ function paintOverlay(canvas: HTMLCanvasElement, frame: Frame, store: Store, pla
 }
 
 // Brushes of the two variables shown: a bar along the axis, and faint lines across the plane.
-function drawBrushes(pen: CanvasRenderingContext2D, { left, right, top, bottom, x, y }: Frame, { state }: Store, plane: Plane, colours: Palette): void {
+function drawBrushes(pen: Pen, { left, right, top, bottom, x, y }: Frame, { state }: Store, plane: Plane, colours: Palette): void {
   pen.strokeStyle = colours.accent;
   for (const { column, low, high } of state.brushes) {
     const [isX, isY] = [column === `variable.${plane.x}`, column === `variable.${plane.y}`];

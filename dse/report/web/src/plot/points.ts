@@ -4,7 +4,8 @@ import type { Study } from "../study";
 import type { Palette } from "../theme";
 import { FAIL, FAILED, NOT_EXERCISED, PASS, type Judgement } from "../verdicts";
 import { clipTo, type Frame } from "./frame";
-import { createStamps, packed } from "./stamps";
+import { createStamps, packed, sorted } from "./stamps";
+import type { Pen } from "./pen";
 
 const MOST_DRAWN = 6000;
 const ORDER = [FAIL, NOT_EXERCISED, PASS, FAILED];
@@ -15,7 +16,7 @@ const EDGE = 9;
 
 /** Draws the runs of the plane; those that lie not *within* the brushes (null: there are none) are set back. */
 export function paintPoints(
-  pen: CanvasRenderingContext2D,
+  pen: Pen,
   frame: Frame,
   study: Study,
   plane: Plane,
@@ -64,7 +65,7 @@ function rimmed(frame: Frame, study: Study, { x, y }: Plane): Frame {
 
 /** A ring around runs with a verdict that finer numerics may change. */
 function paintRings(
-  pen: CanvasRenderingContext2D,
+  pen: Pen,
   frame: Frame,
   study: Study,
   plane: Plane,
@@ -89,7 +90,7 @@ function paintRings(
 }
 
 function drawMark(
-  pen: CanvasRenderingContext2D,
+  pen: Pen,
   frame: Frame,
   study: Study,
   plane: Plane,
@@ -106,7 +107,7 @@ function drawMark(
 }
 
 /** Adds one mark's outline to the current path. */
-export function drawShape(pen: CanvasRenderingContext2D, x: number, y: number, mark: number, size: number): void {
+export function drawShape(pen: Pen, x: number, y: number, mark: number, size: number): void {
   if (mark === FAILED) {
     const arm = 4.2 * Math.max(0.7, size);
     pen.moveTo(x - arm, y - arm);
@@ -121,7 +122,7 @@ export function drawShape(pen: CanvasRenderingContext2D, x: number, y: number, m
 }
 
 /** Paints the marks of the current path. */
-export function paintShape(pen: CanvasRenderingContext2D, mark: number, size: number, colours: Palette): void {
+export function paintShape(pen: Pen, mark: number, size: number, colours: Palette): void {
   if (mark === FAILED) {
     pen.strokeStyle = colours.plot;
     pen.lineWidth = 4.5;
@@ -151,7 +152,7 @@ export function placeOf(frame: Frame, study: Study, { x, y }: Plane, run: number
 }
 
 function stampPoints(
-  pen: CanvasRenderingContext2D,
+  pen: Pen,
   frame: Frame,
   study: Study,
   plane: Plane,
@@ -170,13 +171,9 @@ function stampPoints(
   const ys = study.variables[plane.y]!.values;
   const [x0, x1] = [frame.x(0), frame.x(1) - frame.x(0)];
   const [y0, y1] = [frame.y(0), frame.y(1) - frame.y(0)];
-  for (const mark of within ? [OUTSIDE, ...ORDER] : ORDER) {
-    for (let i = 0; i < runs.length; i++) {
-      const run = runs[i]!;
-      if ((within && !within[run] ? OUTSIDE : marks[run]) !== mark) continue;
-      stamps.put(x0 + x1 * xs[run]!, y0 + y1 * ys[run]!, sides[mark]!, ink[mark]!);
-    }
-  }
+  const places = { a: Float32Array.from(runs, (run) => x0 + x1 * xs[run]!), b: Float32Array.from(runs, (run) => y0 + y1 * ys[run]!) };
+  const groups = sorted(Uint8Array.from(runs, (run) => (within && !within[run] ? OUTSIDE : marks[run]!)), OUTSIDE + 1);
+  for (const mark of [OUTSIDE, ...ORDER]) stamps.put(places, groups[mark]!, sides[mark]!, [ink[mark]!]);
   stamps.draw();
 }
 

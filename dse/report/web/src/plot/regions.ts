@@ -7,6 +7,7 @@ import { shade, type Palette } from "../theme";
 import { above, below, outside, path, type Ring } from "./contour";
 import { clipTo, type Frame } from "./frame";
 import { hatch } from "./hatch";
+import type { Pen } from "./pen";
 
 /** Where a requirement's metric is beyond one of its bounds. */
 export interface Side {
@@ -64,7 +65,7 @@ export function scaleOf(values: Float64Array, runs: Int32Array): Scale {
 }
 
 export function paintRegions(
-  pen: CanvasRenderingContext2D,
+  pen: Pen,
   frame: Frame,
   fields: Fields,
   regions: Regions,
@@ -129,7 +130,7 @@ function merged(open: Ring[][]): Ring[][] {
 }
 
 function paintBands(
-  pen: CanvasRenderingContext2D,
+  pen: Pen,
   frame: Frame,
   fields: Fields,
   values: Float64Array,
@@ -148,7 +149,7 @@ export function bandColour(colours: Palette, index: number, steps: number): stri
   return shade(colours.ramp, index / Math.max(1, steps - 1));
 }
 
-function paintAll(pen: CanvasRenderingContext2D, { left, right, top, bottom }: Frame, colour: string): void {
+function paintAll(pen: Pen, { left, right, top, bottom }: Frame, colour: string): void {
   pen.fillStyle = colour;
   pen.fillRect(left, top, right - left, bottom - top);
 }

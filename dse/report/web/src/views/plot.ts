@@ -6,11 +6,12 @@ import { createSelected } from "../panels/selected";
 import { createSummary } from "../panels/summary";
 import { createTable } from "../panels/table";
 import { createThresholds } from "../panels/thresholds";
-import { quoted, savingMenu } from "../panels/saving";
-import { createWaveforms, isKept, waveformCanvases } from "../panels/waveforms";
+import { IN_PRINT, quoted, savingMenu } from "../panels/saving";
+import { createWaveforms, isKept } from "../panels/waveforms";
 import { plotted } from "../plane/plane";
 import { attachInteraction } from "../plot/interact";
 import { createPlot } from "../plot/plot";
+import { partsIn } from "../plot/sheet";
 import type { State, Store } from "../store";
 import type { View } from "./view";
 
@@ -35,14 +36,12 @@ export const plotView: View = {
   },
 };
 
-const IN_PRINT = "In print, as SVG or PDF, with DIR the study\u2019s folder:";
-
 function wavesCard(store: Store): HTMLElement {
-  const { box: waveforms, pin } = createWaveforms(store);
+  const { box: waveforms, pin, picture } = createWaveforms(store);
   const saved = {
     name: "waveforms",
     purpose: IN_PRINT,
-    picture: () => waveformCanvases(waveforms),
+    picture,
     command: () => {
       const run = store.state.selected;
       const number = run < 0 ? "RUN" : store.study.number[run]!;
@@ -68,7 +67,7 @@ function plotCard(store: Store): HTMLElement {
   const saved = {
     name: "constraint-plot",
     purpose: IN_PRINT,
-    picture: (): [string, HTMLCanvasElement[]][] => [["", [...plot.surface.querySelectorAll("canvas")]]],
+    picture: () => partsIn(plot.surface),
     command: () => {
       const { study, state } = store;
       const configuration = study.configurations.length > 1 ? ` --configuration ${quoted(study.configurations[state.configuration]!.id)}` : "";

@@ -1,7 +1,7 @@
 // Every run and every configuration: parallel coordinates and tables.
 import { addTools, card, el } from "../dom";
 import { createConfigurations } from "../panels/configurations";
-import { createParallel, parallelCanvas } from "../panels/parallel";
+import { createParallel } from "../panels/parallel";
 import { savingMenu } from "../panels/saving";
 import { createTable } from "../panels/table";
 import { plotted } from "../plane/plane";
@@ -14,8 +14,8 @@ export const runsView: View = {
   create(store) {
     const configurations = store.study.configurations.length > 1 && plotted(store.study) ? [card("overview", "Configurations", createConfigurations(store))] : [];
     const parallel = createParallel(store);
-    const saved = { name: "runs", picture: (): [string, HTMLCanvasElement[]][] => [["", [parallelCanvas(parallel)]]], purpose: "Every run in SI units, with DIR the study\u2019s folder:", command: () => "dse results DIR --format csv -o runs.csv" };
-    const lines = addTools(card("lines", "Parallel coordinates", parallel), savingMenu(store, saved));
+    const saved = { name: "runs", picture: parallel.picture, purpose: "Every run in SI units, with DIR the study\u2019s folder:", command: () => "dse results DIR --format csv -o runs.csv" };
+    const lines = addTools(card("lines", "Parallel coordinates", parallel.box), savingMenu(store, saved));
     return el("div", { class: "wide" }, lines, ...configurations, card("all", "All runs", createTable(store)));
   },
 };

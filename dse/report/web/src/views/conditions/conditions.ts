@@ -5,16 +5,8 @@ import { studyThresholds } from "../../store";
 import type { Study } from "../../study";
 import type { View } from "../view";
 import { isAsStudied } from "../shared/thresholds";
+import { chosenOf, setChosen, type Chosen } from "./chosen";
 import { createMatrix } from "./matrix";
-
-export interface Chosen {
-  x: number;
-  /** -1 where there is one condition only. */
-  y: number;
-  /** -1 for all together. */
-  requirement: number;
-  whole: boolean;
-}
 
 export const conditionsView: View = {
   name: "conditions",
@@ -23,18 +15,19 @@ export const conditionsView: View = {
   create(store) {
     const { study } = store;
     const conditions = conditionsOf(study);
-    const chosen: Chosen = { x: conditions[0]!, y: conditions[1] ?? -1, requirement: -1, whole: false };
+    let chosen = chosenOf(store, conditions);
     const box = el("div", { class: "matrix-box" });
     const draw = (): void => box.replaceChildren(createMatrix(store, chosen));
-    const set = (patch: Partial<Chosen>): void => {
-      Object.assign(chosen, patch);
-      draw();
-    };
     draw();
+    const { element, show } = controls(store, conditions);
     store.subscribe((_, changed) => {
-      if (["thresholds", "selected", "configuration", "theme"].some((key) => changed.has(key as never))) draw();
+      const now = changed.has("settings") ? chosenOf(store, conditions) : chosen;
+      const isOther = JSON.stringify(now) !== JSON.stringify(chosen);
+      chosen = now;
+      if (isOther) show(chosen);
+      if (isOther || ["thresholds", "selected", "configuration", "theme"].some((key) => changed.has(key as never))) draw();
     });
-    return el("div", { class: "conditions" }, card("verdicts", "Verdicts over the conditions", controls(store, conditions, chosen, set), box));
+    return el("div", { class: "conditions" }, card("verdicts", "Verdicts over the conditions", element, box));
   },
 };
 
@@ -46,31 +39,29 @@ export function conditionsOf(study: Study): number[] {
   return conditions.length ? [...conditions, ...of("uncertain")] : [];
 }
 
-function controls(store: Store, conditions: number[], chosen: Chosen, set: (patch: Partial<Chosen>) => void): HTMLElement {
+function controls(store: Store, conditions: readonly number[]): { element: HTMLElement; show: (chosen: Chosen) => void } {
   const { study } = store;
   const options = conditions.map((index): [string, string] => [String(index), study.variables[index]!.title]);
-  const axis = (key: "x" | "y", text: string): HTMLElement =>
-    field(
-      text,
-      choose(options, String(chosen[key]), (value) => {
-        const other = key === "x" ? "y" : "x";
-        // The same condition on both axes would be a diagonal: the axes change places instead.
-        set(Number(value) === chosen[other] ? { [key]: Number(value), [other]: chosen[key] } : { [key]: Number(value) });
-        for (const each of ["x", "y"] as const) (row.querySelector(`[data-axis="${each}"] select`) as HTMLSelectElement | null)!.value = String(chosen[each]);
-      }),
-    );
-  const marked = (element: HTMLElement, key: string): HTMLElement => {
-    element.dataset["axis"] = key;
-    return element;
-  };
   const about: [string, string][] = [["-1", "all requirements"], ...study.requirements.map(({ title }, index): [string, string] => [String(index), title])];
-  const row = el(
-    "div",
-    { class: "row" },
-    ...(chosen.y < 0 ? [] : [marked(axis("x", "Across"), "x"), marked(axis("y", "Down"), "y")]),
-    field("Requirement", choose(about, "-1", (value) => set({ requirement: Number(value) }))),
-    field("Of", choose([["design", "the selected design"], ["all", "all designs"]], "design", (value) => set({ whole: value === "all" }))),
-  );
+  const set = (patch: Partial<Chosen>): void => setChosen(store, conditions, patch);
+  const start = chosenOf(store, conditions);
+  const x = choose(options, "", (value) => set({ x: Number(value) }));
+  const y = choose(options, "", (value) => set({ y: Number(value) }));
+  const requirement = choose(about, "", (value) => set({ requirement: Number(value) }));
+  const whole = choose([["design", "the selected design"], ["all", "all designs"]], "", (value) => set({ whole: value === "all" }));
+  x.id = "conditions-across";
+  y.id = "conditions-down";
+  requirement.id = "conditions-requirement";
+  whole.id = "conditions-of";
+  const show = (chosen: Chosen): void => {
+    x.value = String(chosen.x);
+    y.value = String(chosen.y);
+    requirement.value = String(chosen.requirement);
+    whole.value = chosen.whole ? "all" : "design";
+  };
+  show(start);
+  const axes = start.y < 0 ? [] : [field("Across", x), field("Down", y)];
+  const row = el("div", { class: "row" }, ...axes, field("Requirement", requirement), field("Of", whole));
   const note = el("p", { class: "hint" });
   const explain = (): void => {
     note.textContent = isAsStudied(store.state.thresholds, studyThresholds(study)) ? "" : "At the thresholds you have set.";
@@ -79,5 +70,5 @@ function controls(store: Store, conditions: number[], chosen: Chosen, set: (patc
   store.subscribe((_, changed) => {
     if (changed.has("thresholds")) explain();
   });
-  return el("div", { class: "controls" }, row, note);
+  return { element: el("div", { class: "controls" }, row, note), show };
 }

@@ -25,7 +25,7 @@ export const designsView: View = {
     const boxes = differingPlaces(store).length ? [card("buys", "What an alternative buys", createAlternatives(model))] : [];
     const falls = several && store.study.requirements.length ? [card("falls", "What requirements leave", createWaterfall(model))] : [];
     root.append(
-      el("div", { class: "left" }, addTools(card("scatter", "Any over any", scatter), scatterMenu(model, scatter.querySelector<HTMLElement>(".cloud")!))),
+      el("div", { class: "left" }, addTools(card("scatter", "Any over any", scatter.box), scatterMenu(model, scatter.picture))),
       el("div", { class: "right" }, card("asked", "What is asked of a design", createCriteria(model)), card("why", "The selected design", createReasons(model))),
       el("div", { class: "wide" }, addTools(card("board", "Leader board", createLeaderboard(model)), boardButton(model)), ...(several ? [card("side", "Side by side", createCompare(model))] : []), ...falls, ...boxes),
     );

@@ -2,13 +2,13 @@
 import { quoted, savingMenu } from "../../panels/saving";
 import { el } from "../../dom";
 import { cell, download } from "../../save";
+import type { Part } from "../../plot/sheet";
 import { axisLabel } from "../../study";
 import { WORDS } from "../../verdicts";
 import { choiceAt, configurationOf, hasVariable, type Model } from "./model";
 import { designColumns, place } from "./values";
 
-export function scatterMenu(model: Model, surface: HTMLElement): HTMLElement {
-  const picture = (): [string, HTMLCanvasElement[]][] => [["", [...surface.querySelectorAll("canvas")]]];
+export function scatterMenu(model: Model, picture: () => Part[]): HTMLElement {
   return savingMenu(model.store, { name: "designs", picture, purpose: "The designs ranked in the terminal, at the bounds of the study, with DIR the study\u2019s folder:", command: () => rankingCommand(model) });
 }
 

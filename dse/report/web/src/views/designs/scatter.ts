@@ -2,11 +2,15 @@
 import { selectRun } from "../../actions";
 import { rebrushed } from "../../brushing";
 import { columnsOf } from "../../columns";
-import { choose, el, field, fit } from "../../dom";
+import { choose, el, field } from "../../dom";
 import { count, group, number, withUnit } from "../../format";
 import { badge } from "../../panels/selected";
 import { drawAxes, drawGrid, type Frame } from "../../plot/frame";
+import { dotEntry, markEntry, type Entry } from "../../plot/legend";
+import { paintedBy, partsIn, type Part, type Sheet } from "../../plot/sheet";
+import type { Places } from "../../plot/stamps";
 import { axisLabel } from "../../study";
+import type { Mark } from "../../verdicts";
 import { palette } from "../../theme";
 import { cloudFrame, cloudOf, paintCloud, paintFront, placesOf, type Cloud } from "./cloud";
 import { colouringOf, colourOptions, type Colouring } from "./colouring";
@@ -15,14 +19,19 @@ import { designColumns } from "./values";
 
 const REACH = 22;
 const DRAG = 5;
+/** What a point's sign says, by its mark. */
+const MARKS = ["feasible", "misses a requirement", "not exercised", "failed to run"];
+const FILLED = "filled: feasible; rings: not";
 
 interface Drawn {
   cloud: Cloud;
   frame: Frame;
-  places: { a: Float32Array; b: Float32Array };
+  places: Places;
+  colouring: Colouring;
 }
 
-export function createScatter(model: Model): HTMLElement {
+/** The scatter, and its picture as it is shown. */
+export function createScatter(model: Model): { box: HTMLElement; picture: () => Part[] } {
   const { store } = model;
   const ground = el("canvas", { "aria-hidden": "true" });
   const overlay = el("canvas", { "aria-hidden": "true" });
@@ -37,29 +46,32 @@ export function createScatter(model: Model): HTMLElement {
   let hovered = -1;
   let dragged: [number, number, number, number] | null = null;
 
-  const paint = (): void => {
-    if (!surface.clientWidth) return;
+  const paintGround = paintedBy(ground, ({ pen, width, height }) => {
     const colours = palette();
-    const { pen, width, height } = fit(ground);
     const cloud = cloudOf(model);
     const frame = cloudFrame(width, height, cloud);
-    const places = placesOf(cloud, frame);
-    drawn = { cloud, frame, places };
+    const places = samePlaces(drawn, cloud, frame) ?? placesOf(cloud, frame);
+    const colouring = colouringOf(model, colours);
+    drawn = { cloud, frame, places, colouring };
     pen.fillStyle = colours.plot;
     pen.fillRect(frame.left, frame.top, frame.right - frame.left, frame.bottom - frame.top);
     drawGrid(pen, frame, cloud.x, cloud.y, colours);
-    const colouring = colouringOf(model, colours);
     paintCloud(pen, frame, cloud, places, colouring, colours);
     if (resting && model.choices.points === "designs" && model.choices.criteria.length > 1) paintFront(pen, frame, model, model.front(), places, colours);
     drawAxes(pen, frame, cloud.x, cloud.y, colours);
+  }, { legend: () => (drawn ? keyOf(drawn.colouring) : []) });
+  const paint = (): void => {
+    paintGround();
+    if (!surface.clientWidth || !drawn) return;
+    const { cloud, colouring } = drawn;
     legend.replaceChildren(...legendOf(colouring));
     note.textContent = noteOf(model, drawn, resting);
     surface.setAttribute("aria-label", `${axisLabel(cloud.y)} over ${axisLabel(cloud.x)}. ${note.textContent} Arrow keys select the next point.`);
     mark();
   };
-  const mark = (): void => {
-    if (drawn) paintOverlay(overlay, model, drawn, hovered, dragged);
-  };
+  const mark = paintedBy(overlay, (sheet) => {
+    if (drawn) paintOverlay(sheet, model, drawn, hovered, dragged);
+  });
   const at = (event: PointerEvent): [number, number] => {
     const box = surface.getBoundingClientRect();
     return [event.clientX - box.left, event.clientY - box.top];
@@ -132,7 +144,13 @@ export function createScatter(model: Model): HTMLElement {
   });
   new ResizeObserver(paint).observe(surface);
   drawControls();
-  return el("div", {}, el("div", { class: "controls" }, controls), surface, legend, note);
+  return { box: el("div", {}, el("div", { class: "controls" }, controls), surface, legend, note), picture: () => partsIn(surface) };
+}
+
+// A slider that moves verdicts moves no point.
+function samePlaces(last: Drawn | null, { x, y }: Cloud, frame: Frame): Places | null {
+  if (last?.cloud.x.values !== x.values || last.cloud.y.values !== y.values) return null;
+  return (["left", "right", "top", "bottom"] as const).every((side) => last.frame[side] === frame[side]) ? last.places : null;
 }
 
 function controlsOf(model: Model): HTMLElement[] {
@@ -198,8 +216,7 @@ function neighbour({ cloud }: Drawn, from: number, axis: "x" | "y", step: number
   return best;
 }
 
-function paintOverlay(canvas: HTMLCanvasElement, model: Model, { cloud, frame, places }: Drawn, hovered: number, dragged: [number, number, number, number] | null): void {
-  const { pen } = fit(canvas);
+function paintOverlay({ pen }: Sheet, model: Model, { cloud, frame, places }: Drawn, hovered: number, dragged: [number, number, number, number] | null): void {
   const colours = palette();
   const { state } = model.store;
   const ring = (point: number, colour: string, width: number): void => {
@@ -259,17 +276,27 @@ function showTip(tip: HTMLElement, surface: HTMLElement, model: Model, { cloud, 
 }
 
 function legendOf({ codes, colours, names, range, column }: Colouring): HTMLElement[] {
-  if (!codes) return ["feasible", "misses a requirement", "not exercised", "failed to run"].map((text, mark) => el("li", {}, el("span", { class: `sign ${["pass", "fail", "open", "broken"][mark]}` }), text));
+  if (!codes) return MARKS.map((text, mark) => el("li", {}, el("span", { class: `sign ${["pass", "fail", "open", "broken"][mark]}` }), text));
   const swatch = (colour: string): HTMLElement => {
     const box = el("span", { class: "dot" });
     box.style.background = colour;
     return box;
   };
-  const filled = el("li", {}, "filled: feasible; rings: not");
+  const filled = el("li", {}, FILLED);
   if (!column) return [...names.map((name, code) => el("li", {}, swatch(colours[code]!), name)), filled];
   const ramp = el("span", { class: "ramp" });
   ramp.style.background = `linear-gradient(to right, ${colours.slice(0, -1).join(", ")})`;
   return range ? [el("li", {}, withUnit(number(range[0]), column.unit), ramp, withUnit(number(range[1]), column.unit)), filled] : [el("li", {}, "no values")];
+}
+
+// The same for a picture that is saved.
+function keyOf({ codes, colours, names, range, column }: Colouring): Entry[] {
+  if (!codes) return MARKS.map((text, mark) => markEntry(mark as Mark, text));
+  const filled = { text: FILLED, draw: () => undefined };
+  if (!column) return [...names.map((name, code) => dotEntry(name, colours[code]!)), filled];
+  if (!range) return [];
+  const [low, high] = range;
+  return [dotEntry(withUnit(number(low), column.unit), colours[0]!), dotEntry(withUnit(number((low + high) / 2), column.unit), colours[(colours.length - 1) >> 1]!), dotEntry(`${withUnit(number(high), column.unit)} (${column.title})`, colours.at(-2)!), filled];
 }
 
 function noteOf(model: Model, { cloud, places: { a, b } }: Drawn, resting: boolean): string {

@@ -1,10 +1,11 @@
 // How probable it is between the runs that a requirement is met: one heat map each, with the band of doubt.
 import { contours } from "d3-contour";
 import { scaleLinear } from "d3-scale";
-import { el, fit } from "../../dom";
+import { el } from "../../dom";
 import { group, number, percent, withUnit } from "../../format";
 import type { ChanceMap } from "../../insight";
 import { clipTo, drawAxes, type Frame } from "../../plot/frame";
+import type { Sheet } from "../../plot/sheet";
 import type { Store } from "../../store";
 import { liesIn } from "../../plane/plane";
 import { palette, shade, type Palette } from "../../theme";
@@ -12,6 +13,7 @@ import { createPainted } from "../shared/painting";
 import { placeAt } from "../shared/places";
 import { planeName } from "../shared/planes";
 import { positionOf } from "../shared/runs";
+import type { Pen } from "../../plot/pen";
 
 const DOUBTFUL = 5;
 const TICKS = 5;
@@ -22,20 +24,22 @@ export function createChances(store: Store): HTMLElement {
     "div",
     {},
     el("p", { class: "hint" }, "Colour is the probability that the requirement is met, as a Gaussian process tells it from the runs at the study\u2019s own thresholds. Thick: where it is one half. Dashed: the band in which the verdict is another than the likeliest with more than 5 %. The frame is what may change at once around the robust centre."),
-    el("div", { class: "minis maps" }, ...chances.map((map, index) => figure(store, map, index))),
+    el("div", { class: "minis maps" }, ...chances.map((map, index) => chanceFigure(store, map, `chances-${index}`, store.study.requirements[map.requirement]!.title))),
     ...withheld.filter((text) => text.startsWith("chances of ")).map((text) => el("p", { class: "hint withheld" }, `Not told: ${text}.`)),
   );
 }
 
-function figure(store: Store, map: ChanceMap, index: number): HTMLElement {
+/** What is drawn over a map: *at* is where a place (0 … 1) of both variables is. */
+export type Over = (pen: Pen, at: (across: number, up: number) => [number, number], colours: Palette) => void;
+
+export function chanceFigure(store: Store, map: ChanceMap, id: string, title: string, over?: Over): HTMLElement {
   const { study } = store;
-  const { title } = study.requirements[map.requirement]!;
   const reading = el("p", { class: "reading" }, "\u00a0");
   const label = `Probability that ${title} is met over ${planeName(study, map.plane)}; the verdict is in doubt on ${percent(map.uncertain, 1)} of it`;
-  const painted = createPainted(store, "mini map", label, (canvas) => paint(canvas, store, map));
-  painted.element.id = `chances-${index}`;
+  const painted = createPainted(store, "mini map", label, (sheet) => paint(sheet, store, map, over), () => title);
+  painted.element.id = id;
   painted.element.addEventListener("pointermove", (event) => {
-    const frame = frameOf(painted.canvas);
+    const frame = frameOf(painted.canvas.clientWidth, painted.canvas.clientHeight);
     const box = painted.canvas.getBoundingClientRect();
     reading.textContent = read(map, frame.x.invert(event.clientX - box.left) / (TICKS - 1), frame.y.invert(event.clientY - box.top) / (TICKS - 1));
   });
@@ -56,17 +60,15 @@ function figure(store: Store, map: ChanceMap, index: number): HTMLElement {
   );
 }
 
-function frameOf(canvas: HTMLCanvasElement): Frame {
-  const { clientWidth: width, clientHeight: height } = canvas;
+function frameOf(width: number, height: number): Frame {
   const frame = { left: 66, right: width - 54, top: 10, bottom: height - 50 };
   // The axes count ticks: even places, whatever the scale of the variable is.
   return { ...frame, x: scaleLinear([0, TICKS - 1], [frame.left, frame.right]), y: scaleLinear([0, TICKS - 1], [frame.bottom, frame.top]) };
 }
 
-function paint(canvas: HTMLCanvasElement, store: Store, map: ChanceMap): void {
-  const { pen } = fit(canvas);
+function paint({ pen, width, height }: Sheet, store: Store, map: ChanceMap, over?: Over): void {
   const colours = palette();
-  const frame = frameOf(canvas);
+  const frame = frameOf(width, height);
   const { left, right, top, bottom } = frame;
   const { size } = map;
   const [across, up] = [(right - left) / (size - 1), (bottom - top) / (size - 1)];
@@ -83,13 +85,14 @@ function paint(canvas: HTMLCanvasElement, store: Store, map: ChanceMap): void {
   line(pen, map.misjudged, size, DOUBTFUL, at, colours, [4, 3], 1.4);
   line(pen, map.passing, size, 50, at, colours, [], 2.4);
   frameOfCentre(pen, store, map, frame, colours);
+  over?.(pen, (a, b) => [frame.x(a * (TICKS - 1)), frame.y(b * (TICKS - 1))], colours);
   cross(pen, store, map, frame, colours);
   pen.restore();
   drawAxes(pen, frame, ticks(store, map, 0), ticks(store, map, 1), colours);
   key(pen, frame, colours);
 }
 
-function line(pen: CanvasRenderingContext2D, values: Uint8Array, size: number, level: number, at: (i: number, j: number) => [number, number], colours: Palette, dash: number[], width: number): void {
+function line(pen: Pen, values: Uint8Array, size: number, level: number, at: (i: number, j: number) => [number, number], colours: Palette, dash: number[], width: number): void {
   pen.beginPath();
   for (const polygon of contours().size([size, size]).contour(Array.from(values), level).coordinates) {
     for (const ring of polygon) {
@@ -109,7 +112,7 @@ function line(pen: CanvasRenderingContext2D, values: Uint8Array, size: number, l
   pen.setLineDash([]);
 }
 
-function frameOfCentre(pen: CanvasRenderingContext2D, store: Store, map: ChanceMap, { x, y }: Frame, colours: Palette): void {
+function frameOfCentre(pen: Pen, store: Store, map: ChanceMap, { x, y }: Frame, colours: Palette): void {
   const { study } = store;
   for (const centre of study.insight!.centres) {
     const ranges = map.plane.map((variable) => centre.ranges.find((range) => range.variable === variable));
@@ -125,7 +128,7 @@ function frameOfCentre(pen: CanvasRenderingContext2D, store: Store, map: ChanceM
   }
 }
 
-function cross(pen: CanvasRenderingContext2D, store: Store, map: ChanceMap, { x, y, left, right, top, bottom }: Frame, colours: Palette): void {
+function cross(pen: Pen, store: Store, map: ChanceMap, { x, y, left, right, top, bottom }: Frame, colours: Palette): void {
   const run = store.state.selected;
   if (run < 0 || !inPlane(store, map, run)) return;
   const [a, b] = map.plane.map((variable) => placeOf(store, variable, store.study.variables[variable]!.values[run]!)) as [number, number];
@@ -166,7 +169,7 @@ function ticks(store: Store, map: ChanceMap, axis: 0 | 1): { title: string; unit
   return { title: `${variable.title} [${variable.unit || "\u2013"}]`, unit: "", names };
 }
 
-function key(pen: CanvasRenderingContext2D, { right, top, bottom }: Frame, colours: Palette): void {
+function key(pen: Pen, { right, top, bottom }: Frame, colours: Palette): void {
   const steps = 40;
   const height = (bottom - top) / steps;
   for (let step = 0; step < steps; step++) {

@@ -1,31 +1,36 @@
 // All planes of two design variables as small pictures, with cross-hairs at the selected run; a click opens one.
-import { el, fit } from "../../dom";
+import { el } from "../../dom";
 import { count, group } from "../../format";
 import { liesIn, startingPoint } from "../../plane/plane";
+import { paintedBy, type Sheet } from "../../plot/sheet";
 import type { State, Store } from "../../store";
 import type { Study } from "../../study";
 import { palette } from "../../theme";
 import { FAIL, FAILED, NOT_EXERCISED, PASS } from "../../verdicts";
+import { chooseMatrixVariables, matrixVariables, MOST_VARIABLES } from "./chosen";
 
-const MOST_VARIABLES = 6;
 const MOST_POINTS = 4000;
 const RIM = 6;
 
 interface Cell {
   x: number;
   y: number;
-  canvas: HTMLCanvasElement;
+  runs: number[];
   button: HTMLElement;
   told: HTMLElement;
+  repaint: () => void;
 }
 
 export function createMatrix(store: Store): HTMLElement {
   const { study } = store;
-  const shown = study.variables.map((_, index) => index).slice(0, MOST_VARIABLES);
+  let shown = matrixVariables(store);
   const grid = el("div", { class: "pairs-grid", id: "pairs" });
   let cells: Cell[] = [];
   const paintAll = (): void => {
-    for (const cell of cells) paint(store, cell);
+    for (const cell of cells) {
+      tell(store, cell);
+      cell.repaint();
+    }
   };
   const build = (): void => {
     cells = [];
@@ -41,10 +46,14 @@ export function createMatrix(store: Store): HTMLElement {
   build();
   new ResizeObserver(paintAll).observe(grid);
   store.subscribe((_, changed) => {
-    if (grid.isConnected && ["thresholds", "selected", "configuration", "theme", "brushes", "fixed"].some((key) => changed.has(key as keyof State))) paintAll();
+    const now = changed.has("settings") ? matrixVariables(store) : shown;
+    if (now.join() !== shown.join()) {
+      shown = now;
+      build();
+    } else if (grid.isConnected && ["thresholds", "selected", "configuration", "theme", "brushes", "fixed"].some((key) => changed.has(key as keyof State))) paintAll();
   });
   const many = study.variables.length > MOST_VARIABLES;
-  return el("div", {}, el("p", { class: "hint" }, note(study)), many && chooser(study, shown, build), grid);
+  return el("div", {}, el("p", { class: "hint" }, note(study)), many && chooser(store), grid);
 }
 
 function note(study: Study): string {
@@ -54,24 +63,26 @@ function note(study: Study): string {
     : "Only runs that lie in the plane through the selected run; runs elsewhere are not mixed in.";
 }
 
-function chooser(study: Study, shown: number[], build: () => void): HTMLElement {
-  const boxes = study.variables.map((variable, index) => {
+function chooser(store: Store): HTMLElement {
+  const boxes = store.study.variables.map((variable, index) => {
     const box = el("input", { type: "checkbox", change: () => {
-      const at = shown.indexOf(index);
-      if (at >= 0 && shown.length > 2) shown.splice(at, 1);
-      else if (at < 0 && shown.length < MOST_VARIABLES) shown.push(index);
-      shown.sort((a, b) => a - b);
-      refresh();
-      build();
+      const others = matrixVariables(store).filter((each) => each !== index);
+      chooseMatrixVariables(store, (box.checked ? [...others, index] : others).sort((a, b) => a - b));
     } });
     return el("label", { class: "check" }, box, variable.title);
   });
-  const refresh = (): void => boxes.forEach((label, index) => {
-    const box = label.firstChild as HTMLInputElement;
-    box.checked = shown.includes(index);
-    box.disabled = box.checked ? shown.length <= 2 : shown.length >= MOST_VARIABLES;
-  });
+  const refresh = (): void => {
+    const shown = matrixVariables(store);
+    boxes.forEach((label, index) => {
+      const box = label.firstChild as HTMLInputElement;
+      box.checked = shown.includes(index);
+      box.disabled = box.checked ? shown.length <= 2 : shown.length >= MOST_VARIABLES;
+    });
+  };
   refresh();
+  store.subscribe((_, changed) => {
+    if (changed.has("settings")) refresh();
+  });
   return el("fieldset", { class: "checks" }, el("legend", {}, `Variables (${MOST_VARIABLES} at most)`), ...boxes);
 }
 
@@ -87,7 +98,8 @@ function createCell(store: Store, x: number, y: number): Cell {
     el("span", { class: "pair-x" }, `\u2192 ${variables[x]!.title}`),
     told,
   );
-  return { x, y, canvas, button, told };
+  const cell: Cell = { x, y, runs: [], button, told, repaint: paintedBy(canvas, (sheet) => paint(sheet, store, cell), { title: () => `${variables[y]!.title} over ${variables[x]!.title}` }) };
+  return cell;
 }
 
 function runsOf({ study, state }: Store, x: number, y: number): number[] {
@@ -102,16 +114,20 @@ function runsOf({ study, state }: Store, x: number, y: number): number[] {
   return found;
 }
 
-function paint(store: Store, { x, y, canvas, told }: Cell): void {
-  const { study, state } = store;
-  const runs = runsOf(store, x, y);
+function tell(store: Store, cell: Cell): void {
+  const { x, y, told } = cell;
+  const { study } = store;
   const { overall } = store.judgement();
-  const mask = store.within();
+  const runs = (cell.runs = runsOf(store, x, y));
   const passing = runs.filter((run) => overall[run] === PASS).length;
   const together = study.sampler !== "sliced" || study.slices.some((names) => names.includes(x) && names.includes(y));
   told.textContent = together ? `${group(passing)} of ${count(runs.length, "run")} pass` : "not varied together";
-  if (!canvas.clientWidth) return;
-  const { pen, width, height } = fit(canvas);
+}
+
+function paint({ pen, width, height }: Sheet, store: Store, { x, y, runs }: Cell): void {
+  const { study, state } = store;
+  const { overall } = store.judgement();
+  const mask = store.within();
   const colours = palette();
   const place = (variable: number, run: number, from: number, to: number): number => {
     const { values, low, high } = study.variables[variable]!;

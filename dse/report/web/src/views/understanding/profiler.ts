@@ -8,9 +8,10 @@ import { paintChart } from "../../plot/chart";
 import type { Store } from "../../store";
 import { palette } from "../../theme";
 import { createPainted, type Painted } from "../shared/painting";
-import { levelAt, levelOf, placesOf, placeText, valueAt } from "../shared/places";
+import { levelAt, levelOf, placeText, valueAt } from "../shared/places";
 import { planeName } from "../shared/planes";
 import { withLevel } from "./choices";
+import { chooseProfilePlaces, profilePlaces } from "./chosen";
 import { whiskers } from "./dependence";
 import { predict } from "./formula";
 
@@ -25,14 +26,10 @@ export function createProfiler(store: Store, part: Part, response: Response): HT
   if (!profile) return el("p", { class: "hint" }, `There is no formula for ${metric.title}: ${response.withheld.find((text) => text.startsWith("a formula: "))?.slice(11) ?? "none was made"}.`);
   const value = el("p", { class: "headline-small", id: "prediction", "aria-live": "polite" });
   const nearestText = el("p", { class: "hint", id: "nearest-run" });
-  let places = startPlaces(store, part);
-  let own = false;
   const order = shownFactors(part, response);
-  const controls = order.map((factor) => createControl(store, part, profile, response, factor, () => places, (place) => {
-    places = moved(store, part, places, factor, place);
-    draw();
-  }));
+  const controls = order.map((factor) => createControl(store, part, profile, response, factor, () => profilePlaces(store, part), (place) => chooseProfilePlaces(store, moved(store, part, profilePlaces(store, part), factor, place))));
   const draw = (): void => {
+    const places = profilePlaces(store, part);
     const here = predict(part, profile, places);
     value.replaceChildren(`${metric.title} `, el("b", {}, withUnit(number(here, 4), metric.unit)), ` \u00b1\u202f${withUnit(number(profile.error, 2), metric.unit)}`);
     const near = nearestRun(store, part, places);
@@ -41,16 +38,12 @@ export function createProfiler(store: Store, part: Part, response: Response): HT
     for (const { show } of controls) show(low, high);
   };
   const select = el("button", { type: "button", id: "profile-nearest", click: () => {
+    const places = profilePlaces(store, part);
     const run = nearestRun(store, part, places);
     if (run < 0) return;
-    own = true;
     selectRun(store, run);
+    chooseProfilePlaces(store, places);
   } }, "Select the nearest run");
-  const follow = (): void => {
-    if (!own) places = startPlaces(store, part);
-    own = false;
-    draw();
-  };
   const box = el(
     "div",
     {},
@@ -61,9 +54,7 @@ export function createProfiler(store: Store, part: Part, response: Response): HT
     el("p", { class: `hint${profile.explained < POOR ? " poor" : ""}` }, quality(part, profile, study.variables.length ? planeName(study, part.plane) : "")),
   );
   store.subscribe((_, changed) => {
-    if (!box.isConnected) return;
-    if (changed.has("selected")) follow();
-    else if (changed.has("thresholds")) draw();
+    if (changed.has("selected") || changed.has("thresholds") || changed.has("settings")) draw();
   });
   draw();
   return box;
@@ -74,10 +65,6 @@ function quality(part: Part, { error, explained, runs, power }: Profile, plane: 
   const held = part.plane.length ? ` All else than ${plane} is held at its nominal value.` : "";
   const together = part.factors.some(({ variable }) => variable < 0) ? " Choices that only go with another one change along with it." : "";
   return `${poor}The curves are a formula (radial functions, power ${power}), not simulations. Of ${group(runs)} runs that were left out in turn it predicts ${Math.max(0, Math.round(1000 * explained) / 10)}\u202f% of the variance, with a root mean square error of ${number(error, 2)}: the band.${held}${together}`;
-}
-
-function startPlaces({ study, state }: Store, part: Part): number[] {
-  return placesOf(study, part.factors, state.selected);
 }
 
 function shownFactors(part: Part, { bars }: Response): number[] {
@@ -120,7 +107,7 @@ function createControl(store: Store, part: Part, profile: Profile, response: Res
   const metric = store.study.metrics[response.metric]!;
   const isChoice = axis.variable < 0;
   let range: [number, number] = [0, 1];
-  const painted: Painted = createPainted(store, "mini", `${metric.title} along ${axis.label}, as a formula predicts it`, (canvas) => paintChart(canvas, chartOf(), palette()));
+  const painted: Painted = createPainted(store, "mini", `${metric.title} along ${axis.label}, as a formula predicts it`, (sheet) => paintChart(sheet, chartOf(), palette()));
   const chartOf = (): Chart => {
     const { at, values } = curve(store, part, profile, factor, places());
     const x = Float64Array.from(at, (place, index) => (isChoice ? index : valueAt(axis, place)));

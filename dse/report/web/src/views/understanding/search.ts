@@ -39,5 +39,5 @@ export function createSearch(store: Store, search: Search): HTMLElement {
   const what = several ? "As a share of what all designs of the study dominate at its end, up to the worst feasible value of each objective." : "The best feasible value so far.";
   const since = known[values.findIndex((value) => Math.abs(value - values.at(-1)!) <= 1e-9 * Math.abs(value))]!.runs;
   const hint = since === stages.at(-1)!.runs ? `${what} It still changed at the end: more runs would probably find more.` : `${what} It has not changed since run ${group(since)}.`;
-  return el("div", {}, text, createPainted(store, "mini wide-mini", label, (canvas) => paintChart(canvas, chart, palette())).element, el("p", { class: "hint" }, hint));
+  return el("div", {}, text, createPainted(store, "mini wide-mini", label, (sheet) => paintChart(sheet, chart, palette())).element, el("p", { class: "hint" }, hint));
 }

@@ -2,12 +2,15 @@
 import { card, choose, el, field } from "../../dom";
 import { group } from "../../format";
 import type { Part, Response } from "../../insight";
-import type { Store } from "../../store";
+import { untilDropped, type Store } from "../../store";
 import { plotted } from "../../plane/plane";
+import { withSaving } from "../../panels/saving";
 import { planeName } from "../shared/planes";
 import type { View } from "../view";
+import { createAround } from "./around";
 import { createBoxes } from "./boxes";
 import { createChances } from "./chances";
+import { chooseMetric, choosePart, subjectOf } from "./chosen";
 import { createDependence } from "./dependence";
 import { createMatrix } from "./matrix";
 import { createProfiler } from "./profiler";
@@ -23,46 +26,51 @@ export const understandingView: View = {
     const told = parts.filter(({ factors }) => factors.length > 0);
     const dependence = el("div", {});
     const profiler = el("div", {});
-    let part = told[0]!;
-    let metric = part.responses[0]!.metric;
-    const draw = (): void => {
-      const response = part.responses.find((each) => each.metric === metric) ?? part.responses[0]!;
-      dependence.replaceChildren(createDependence(store, part, response));
-      profiler.replaceChildren(createProfiler(store, part, response));
-    };
-    const metrics = metricChoice(store, part, (value) => {
-      metric = value;
-      draw();
-    });
-    const partChoice = choose(told.map((each, index): [string, string] => [String(index), planeName(study, each.plane)]), "0", (value) => {
-      part = told[Number(value)]!;
-      note.textContent = noteOf(part);
-      draw();
-    });
-    const note = el("p", { class: "hint" }, noteOf(part));
+    let subject = subjectOf(store, told);
+    let drop = (): void => undefined;
+    const metrics = el("select", { id: "understood-metric", change: () => chooseMetric(store, Number(metrics.value), subject) });
+    const partChoice = choose(told.map((each, index): [string, string] => [String(index), planeName(study, each.plane)]), "0", (value) => choosePart(store, Number(value)));
+    partChoice.id = "understood-part";
+    const note = el("p", { class: "hint" });
     const controls = el("div", { class: "controls" }, el("div", { class: "row" }, field("Metric", metrics), told.length > 1 && field("Runs in which were varied", partChoice)), note);
+    const draw = (): void => {
+      const { part, response } = subject;
+      drop();
+      const scope = untilDropped(store);
+      drop = scope.drop;
+      metrics.replaceChildren(...part.responses.map((each) => el("option", { value: each.metric }, metricName(store, each))));
+      metrics.value = String(response.metric);
+      partChoice.value = String(told.indexOf(part));
+      note.textContent = noteOf(part);
+      dependence.replaceChildren(createDependence(scope.store, part, response));
+      profiler.replaceChildren(createProfiler(scope.store, part, response));
+    };
     draw();
+    store.subscribe((_, changed) => {
+      if (!changed.has("settings")) return;
+      const now = subjectOf(store, told);
+      if (now.part === subject.part && now.response === subject.response) return;
+      subject = now;
+      draw();
+    });
     return el(
       "div",
       { class: "understanding" },
-      card("dependence", "What a metric depends on", controls, dependence),
-      card("profiler", "What would happen at other values", profiler),
-      chances.length > 0 && card("chances", "How sure the boundaries are", createChances(store)),
+      withSaving(store, card("dependence", "What a metric depends on", controls, dependence), "effects", "effects"),
+      withSaving(store, card("profiler", "What would happen at other values", profiler), "profile", ""),
+      chances.length > 0 && withSaving(store, card("chances", "How sure the boundaries are", createChances(store), createAround(store)), "boundaries", "boundary"),
       (boxes.length > 0 || centres.length > 0) && card("boxes", "Where all requirements are met", createBoxes(store)),
-      plotted(study) && card("pairs", "All planes", createMatrix(store)),
-      search && card("search", "How the search went", createSearch(store, search)),
+      plotted(study) && withSaving(store, card("pairs", "All planes", createMatrix(store)), "planes", "constraints"),
+      search && withSaving(store, card("search", "How the search went", createSearch(store, search)), "search", "search"),
     );
   },
 };
 
-function metricChoice({ study }: Store, part: Part, change: (metric: number) => void): HTMLSelectElement {
-  const name = ({ metric }: Response): string => {
-    const judged = study.requirements.some((requirement) => requirement.metric === metric);
-    return study.metrics[metric]!.title + (judged ? " (required)" : "");
-  };
-  return choose(part.responses.map((each): [string, string] => [String(each.metric), name(each)]), String(part.responses[0]!.metric), (value) => change(Number(value)));
+function metricName({ study }: Store, { metric }: Response): string {
+  const judged = study.requirements.some((requirement) => requirement.metric === metric);
+  return study.metrics[metric]!.title + (judged ? " (required)" : "");
 }
 
-function noteOf({ used, runs, apart }: Part): string {
-  return `Of ${used < runs ? `${group(used)} runs drawn from ${group(runs)}` : `${group(runs)} runs`}${apart ? `; ${group(apart)} others, in which other variables were varied, are left out` : ""}.`;
+function noteOf({ runs, apart }: Part): string {
+  return `Of ${group(runs)} runs${apart ? `; ${group(apart)} others, in which other variables were varied, are left out` : ""}.`;
 }

@@ -1,0 +1,49 @@
+/* What the lateral controllers share: ports, the path that they see ahead, and the limits of the steering gear. */
+#ifndef LATERAL_H
+#define LATERAL_H
+
+#include <stdbool.h>
+
+#define LATERAL_STEP 0.02 /* s; the step in the component.yaml of every lateral controller */
+#define LATERAL_POINTS 24
+
+typedef struct {
+    struct {
+        double x, y, heading, speed, lateral_speed, yaw_rate, acceleration, lateral_acceleration;
+    } motion;
+    struct {
+        double station, offset, heading, curvature, width, grade, bank, speed_limit;
+        bool on_road;
+    } lane;
+    struct {
+        double distance, x, y, heading, curvature;
+    } preview[LATERAL_POINTS];
+} lateral_in;
+
+typedef struct {
+    double steering;
+} lateral_out;
+
+/* A point of the path, seen from the car's centre of gravity. */
+typedef struct {
+    double x, y;
+} lateral_point;
+
+/* Steering within its limit, and from *last* by no more than the rate allows in one step. */
+double lateral_steering(double wanted, double last, double max_angle, double max_rate);
+
+/* Curvature of the path that far ahead along it, linear between where the car is and the points of the preview; beyond
+ * the last one, its own. *from* is how many points lie before, 0 to begin with; it moves on with growing distances. */
+double lateral_curvature(const lateral_in *in, double distance, int *from);
+
+/* The path that far ahead along it, on cubics that have its directions, straight on beyond the last point. *from* as
+ * above. */
+lateral_point lateral_path(const lateral_in *in, double distance, int *from);
+
+/* Where the path leaves a circle of *radius* about the point *behind* m behind the centre of gravity; the point beside
+ * the car if that is outside. */
+lateral_point lateral_path_on_circle(const lateral_in *in, double behind, double radius);
+
+double lateral_clamp(double value, double low, double high);
+
+#endif

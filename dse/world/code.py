@@ -1,0 +1,200 @@
+"""The C of a road: the core in ``dse/world/core`` with the tables that it interprets."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from math import comb
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from dse.world.tables import LaneBand, Piecewise, RoadPath, RoadTables
+
+STRUCT = "road"
+"""The name of the struct in C, and of the header."""
+
+Array = NDArray[np.float64]
+
+_CORE = Path(__file__).parent / "core"
+_SAME = 1e-9  # m; pieces that begin so near to each other begin together
+_LENGTH_ERROR = 1e-9  # m in the middle of each piece
+_LINE_NUMBERS = 6  # of x and of y in a row; the core counts on it
+
+
+def road_files(tables: RoadTables) -> dict[str, str]:
+    """The files by name, for the FMU of a component of the interface ``road``."""
+    files = {path.name: path.read_text("utf-8") for path in sorted(_CORE.glob("*.[ch]"))}
+    texts = [_path_text(path, number) for number, path in enumerate(tables.paths)]
+    paths = _array("path_table paths", [table for _, table in texts])
+    network = f"const road_network road_tables = {{{len(texts)}, paths}};\n"
+    files["road_tables.c"] = "\n".join(['#include "path.h"\n', *(numbers for numbers, _ in texts), paths, network])
+    return files
+
+
+class _Columns:
+    """Numbers side by side, a row for each piece of a path that begins at *starts*."""
+
+    def __init__(self, starts: Array) -> None:
+        self.starts = starts
+        self.blocks = [starts[:, None]]
+
+    def put(self, block: Array) -> str:
+        """*block* (pieces, coefficients); in C, where it begins and how many columns it has. Zeros have none."""
+        at = sum(each.shape[1] for each in self.blocks)
+        used = np.flatnonzero(np.any(block != 0, axis=0))
+        count = int(used[-1]) + 1 if len(used) else 0
+        self.blocks.append(block[:, :count])
+        return f"{{{at}, {count}}}"
+
+
+def _path_text(path: RoadPath, number: int) -> tuple[str, str]:
+    """The numbers of a path, and the table that says what they mean."""
+    starts, lengths = _lengths(path, _common_starts(path))
+    columns = _Columns(starts)
+    for line in (path.x, path.y):
+        columns.blocks.append(_wide(_moved(line, starts), _LINE_NUMBERS))
+    quantities = {
+        "height": columns.put(_moved(path.height, starts)),
+        "bank": columns.put(_moved(path.bank, starts)),
+        "limit": columns.put(_moved(path.speed_limit, starts)),
+    }
+    lanes = []
+    for lane, along in zip(path.lanes, lengths, strict=True):
+        width = np.subtract(*_alike(_moved(lane.left, starts), _moved(lane.right, starts)))
+        blocks = _middle(lane, starts), width, _slipperiness(lane, starts), along
+        places = [columns.put(block) for block in blocks]
+        lanes.append(f"{{{lane.number}, {', '.join(places)}}}")
+    patches = [_numbers((p.start, p.end, p.right, p.left, p.friction)) for p in path.patches]
+    rows = np.hstack(columns.blocks)
+    arrays = [
+        _array(f"double rows_{number}", [_numbers(row)[1:-1] for row in rows]),
+        _array(f"path_lane lanes_{number}", lanes),
+        *([_array(f"path_patch patches_{number}", patches)] if patches else []),
+    ]
+    fields = {
+        "length": repr(float(path.length)),
+        "closed": str(path.closed).lower(),
+        "has_slippery_lanes": str(any(np.any(_slipperiness(lane, starts)) for lane in path.lanes)).lower(),
+        "pieces": rows.shape[0],
+        "stride": rows.shape[1],
+        "rows": f"rows_{number}",
+        **quantities,
+        "lane_count": len(lanes),
+        "lanes": f"lanes_{number}",
+        "patch_count": len(patches),
+        "patches": f"patches_{number}" if patches else 0,
+    }
+    return "\n".join(arrays), "{" + ", ".join(f".{name} = {value}" for name, value in fields.items()) + "}"
+
+
+def _slipperiness(lane: LaneBand, starts: Array) -> Array:
+    friction = _moved(lane.friction, starts)
+    return np.eye(1, friction.shape[1]) - friction
+
+
+def _array(name: str, items: Sequence[str]) -> str:
+    lines = ",\n".join(f"    {item}" for item in items)
+    return f"static const {name}[] = {{\n{lines},\n}};\n"
+
+
+def _numbers(values: Iterable[float]) -> str:
+    return "{" + ", ".join(repr(float(value)) for value in values) + "}"
+
+
+def _common_starts(path: RoadPath) -> Array:
+    """Where a piece of anything along *path* begins."""
+    lanes = [each for lane in path.lanes for each in (lane.left, lane.right, lane.friction)]
+    pieces = [path.x, path.y, path.height, path.bank, path.speed_limit, *lanes]
+    starts = np.unique(np.concatenate([piece.starts for piece in pieces]))
+    starts = starts[starts < path.length - _SAME]
+    return starts[np.diff(starts, prepend=-np.inf) > _SAME]
+
+
+def _moved(pieces: Piecewise, starts: Array) -> Array:
+    """The coefficients of *pieces* (len(starts), order), those that count from *starts*."""
+    old = np.searchsorted(pieces.starts, starts + _SAME, side="right") - 1
+    by = starts - pieces.starts[old]
+    given = pieces.coefficients[old]
+    moved = np.zeros_like(given)
+    for j in range(given.shape[1]):
+        for k in range(j + 1):
+            moved[:, k] += given[:, j] * comb(j, k) * by ** (j - k)
+    return moved
+
+
+def _wide(coefficients: Array, count: int) -> Array:
+    return np.pad(coefficients, ((0, 0), (0, count - coefficients.shape[1])))
+
+
+def _alike(*given: Array) -> list[Array]:
+    count = max(each.shape[1] for each in given)
+    return [_wide(each, count) for each in given]
+
+
+def _lengths(path: RoadPath, starts: Array) -> tuple[Array, list[Array]]:
+    """Lengths along the lanes' middles, as polynomials on pieces; these are halved until all are exact enough."""
+    while True:
+        pieces = np.diff([*starts, path.length])
+        fits = [_fitted(_moved(path.x, starts), _moved(path.y, starts), _middle(lane, starts), pieces)
+                for lane in path.lanes]  # fmt: skip
+        coarse = np.max([errors for _, errors in fits], axis=0) > _LENGTH_ERROR
+        if not np.any(coarse):
+            return starts, [along for along, _ in fits]
+        starts = np.sort(np.concatenate([starts, (starts + pieces / 2)[coarse]]))
+
+
+def _middle(lane: LaneBand, starts: Array) -> Array:
+    left, right = _alike(_moved(lane.left, starts), _moved(lane.right, starts))
+    return (left + right) / 2
+
+
+def _fitted(x: Array, y: Array, middle: Array, lengths: Array) -> tuple[Array, Array]:
+    """The length of the line *middle* beside (x, y) on each piece as a quintic, and its error in the piece's middle."""
+    if not np.any(middle):  # stations are lengths
+        begins = np.cumsum(lengths) - lengths
+        return np.column_stack([begins, np.ones_like(begins)]), np.zeros_like(lengths)
+
+    def per_station(u: Array) -> tuple[Array, Array]:
+        """Length per station at *u* (pieces, points), and its derivative."""
+        (_, x1, x2, x3), (_, y1, y2, y3), (t, t1, t2, _) = (_derivatives(each, u) for each in (x, y, middle))
+        stretch = np.hypot(x1, y1)
+        turning = (x1 * y2 - y1 * x2) / stretch**2
+        slope = (x1 * x2 + y1 * y2) / stretch
+        turning_slope = (x1 * y3 - y1 * x3) / stretch**2 - 2 * turning * slope / stretch
+        ahead, ahead_slope = stretch - turning * t, slope - turning_slope * t - turning * t1
+        found = np.hypot(ahead, t1)
+        return found, (ahead * ahead_slope + t1 * t2) / found
+
+    nodes, weights = np.polynomial.legendre.leggauss(10)
+    h = lengths[:, None]
+
+    def covered(end: Array) -> Array:
+        sums: Array = (per_station((nodes + 1) / 2 * end)[0] * weights).sum(axis=1)
+        return sums * end[:, 0] / 2
+
+    whole, half = covered(h), covered(h / 2)
+    rate, slope = per_station(np.hstack([0 * h, h]))
+    d0, d1, e0, e1, h = rate[:, 0], rate[:, 1], slope[:, 0], slope[:, 1], lengths
+    begins = np.concatenate([[0.0], np.cumsum(whole)[:-1]])
+    fit = np.column_stack([
+        begins,
+        d0,
+        e0 / 2,
+        (20 * whole - (8 * d1 + 12 * d0) * h - (3 * e0 - e1) * h**2) / (2 * h**3),
+        (-30 * whole + (14 * d1 + 16 * d0) * h + (3 * e0 - 2 * e1) * h**2) / (2 * h**4),
+        (12 * whole - 6 * (d1 + d0) * h - (e0 - e1) * h**2) / (2 * h**5),
+    ])  # fmt: skip
+    return fit, np.abs(_derivatives(fit, h[:, None] / 2)[0][:, 0] - begins - half)
+
+
+def _derivatives(coefficients: Array, u: Array) -> list[Array]:
+    """The polynomials (pieces, order) at *u* (pieces, points), and their first three derivatives."""
+    found = []
+    for _ in range(4):
+        value = np.zeros_like(u)
+        for column in coefficients.T[::-1]:
+            value = value * u + column[:, None]
+        found.append(value)
+        coefficients = coefficients[:, 1:] * np.arange(1, coefficients.shape[1])
+    return found

@@ -1,0 +1,288 @@
+#include "road.h"
+
+#include <math.h>
+#include <stddef.h>
+
+#include "foot.h"
+
+#define PI 3.14159265358979323846
+#define JUMP 10.0 /* m: what moves farther in a step was put there; its foot is looked for everywhere */
+#define NOBODY 0
+
+/* Where the host is. */
+typedef struct {
+    const path_table *path;
+    const path_lane *lane; /* NULL: its path has no such lane */
+    path_foot foot;
+    double tx, ty;         /* of its heading */
+    double along, rate;    /* m along the middle of the path's own lane, m/s */
+    path_jet middle;       /* of its lane */
+    path_beside beside;
+} host_place;
+
+static double wrapped(double angle) {
+    if (angle > -PI && angle <= PI) return angle;
+    return angle - 2 * PI * ceil((angle - PI) / (2 * PI));
+}
+
+/* The foot near *station*, else of the whole path. */
+static path_foot foot_near(const path_table *path, double x, double y, double station, int32_t piece) {
+    path_foot foot;
+    if (!foot_from(path, x, y, station, piece, &foot)) foot = foot_of_all(path, x, y);
+    return foot;
+}
+
+/* Stations along the middle of the first lane that a velocity covers in a second. */
+static double rate_along(const path_table *path, const path_foot *foot, double vx, double vy) {
+    double nearness = 1 - foot->line.curvature * foot->t;
+    return path_along(&path->lanes[0], foot->place).first * (vx * foot->line.tx + vy * foot->line.ty) /
+           (foot->line.stretch * nearness);
+}
+
+static host_place place_host(road *self) {
+    const road_motion *motion = &self->in.motion;
+    const path_table *path = &road_tables.paths[0];
+    host_place host = {.path = path, .lane = path_find_lane(path, self->par.start_lane)};
+    double dx = motion->x - self->x, dy = motion->y - self->y;
+    bool jumped = !(dx * dx + dy * dy <= JUMP * JUMP);
+    host.foot = jumped ? foot_of_all(path, motion->x, motion->y)
+                       : foot_near(path, motion->x, motion->y, self->station, self->piece);
+    self->x = motion->x;
+    self->y = motion->y;
+    self->station = path_station(host.foot.place);
+    self->piece = host.foot.place.piece;
+    host.tx = cos(motion->heading);
+    host.ty = sin(motion->heading);
+    double vx = motion->speed * host.tx - motion->lateral_speed * host.ty;
+    double vy = motion->speed * host.ty + motion->lateral_speed * host.tx;
+    host.along = path_along(&path->lanes[0], host.foot.place).value;
+    host.rate = rate_along(path, &host.foot, vx, vy);
+    path_jet nowhere = {NAN, NAN, NAN}; /* ends the run by name: there is no such lane */
+    host.middle = host.lane ? path_value(host.foot.place, host.lane->middle) : nowhere;
+    host.beside = path_beside_at(&host.foot.line, host.middle);
+    return host;
+}
+
+/* The angle from a line's direction, that of the reference line turned by (ahead, aside), to the direction (tx, ty). */
+static double angle_to(const path_line *line, const path_beside *beside, double tx, double ty) {
+    double lx = line->tx * beside->ahead - line->ty * beside->aside;
+    double ly = line->ty * beside->ahead + line->tx * beside->aside;
+    return atan2(lx * ty - ly * tx, lx * tx + ly * ty);
+}
+
+typedef struct {
+    double height, x, y, bank; /* m, slopes along the axes, rad */
+} path_ground;
+
+/* The road's surface *t* beside the line: each cross section is a straight line that the bank tilts. */
+static path_ground ground_at(const path_table *path, const path_foot *foot) {
+    path_ground ground = {0, 0, 0, 0};
+    if (path->height.count == 0 && path->bank.count == 0) return ground;
+    path_jet height = path_height(path, foot->place), bank = path_value(foot->place, path->bank);
+    double cross = tan(bank.value), by_station = height.first + foot->t * bank.first * (1 + cross * cross);
+    double along = by_station / (foot->line.stretch * (1 - foot->line.curvature * foot->t));
+    ground.height = height.value + foot->t * cross;
+    ground.x = along * foot->line.tx - cross * foot->line.ty;
+    ground.y = along * foot->line.ty + cross * foot->line.tx;
+    ground.bank = bank.value;
+    return ground;
+}
+
+/* Of patches that lie on each other the last one is on top; beside the lanes it is as on the one that is nearest. */
+static double friction_at(const path_table *path, const path_foot *foot) {
+    double station = path_station(foot->place), friction = 1, nearest = HUGE_VAL;
+    for (int32_t i = path->patch_count - 1; i >= 0; --i) {
+        const path_patch *patch = &path->patches[i];
+        if (station >= patch->start && station <= patch->end && foot->t >= patch->right && foot->t <= patch->left) {
+            return patch->friction;
+        }
+    }
+    if (!path->has_slippery_lanes) return 1;
+    for (int32_t i = 0; i < path->lane_count; ++i) {
+        const path_lane *lane = &path->lanes[i];
+        double width = path_value(foot->place, lane->width).value;
+        double beside = fabs(foot->t - path_value(foot->place, lane->middle).value) - 0.5 * width;
+        if (width > 0 && beside < nearest) {
+            nearest = beside;
+            friction = 1 - path_value(foot->place, lane->slipperiness).value;
+        }
+    }
+    return friction;
+}
+
+static void tell_ground(road *self, const host_place *host) {
+    const path_table *path = host->path;
+    for (int32_t i = 0; i < ROAD_WHEELS; ++i) {
+        double x = self->in.contacts[i].x, y = self->in.contacts[i].y;
+        double ahead = (x - host->foot.line.x) * host->foot.line.tx + (y - host->foot.line.y) * host->foot.line.ty;
+        path_foot foot = foot_near(path, x, y, self->station + ahead, self->piece);
+        path_ground ground = ground_at(path, &foot);
+        self->out.ground[i].height = ground.height;
+        self->out.ground[i].slope_x = ground.x;
+        self->out.ground[i].slope_y = ground.y;
+        self->out.ground[i].friction = friction_at(path, &foot) * (1 - self->in.surface.friction_loss);
+    }
+}
+
+static bool is_on_road(const host_place *host) {
+    if (host->foot.place.beyond != 0) return false;
+    double right = HUGE_VAL, left = -HUGE_VAL;
+    for (int32_t i = 0; i < host->path->lane_count; ++i) {
+        const path_lane *lane = &host->path->lanes[i];
+        double middle = path_value(host->foot.place, lane->middle).value;
+        double half = 0.5 * path_value(host->foot.place, lane->width).value;
+        right = fmin(right, middle - half);
+        left = fmax(left, middle + half);
+    }
+    return right <= host->foot.t && host->foot.t <= left;
+}
+
+static void tell_lane(road *self, const host_place *host) {
+    const path_line *line = &host->foot.line;
+    const path_beside *beside = &host->beside;
+    path_foot below = host->foot;
+    below.t = host->middle.value;
+    path_ground ground = ground_at(host->path, &below);
+    double lx = line->tx * beside->ahead - line->ty * beside->aside;
+    double ly = line->ty * beside->ahead + line->tx * beside->aside;
+    self->out.lane.station = host->along;
+    self->out.lane.offset = host->foot.t - host->middle.value;
+    self->out.lane.heading = angle_to(line, beside, host->tx, host->ty);
+    self->out.lane.curvature = beside->curvature;
+    self->out.lane.width = host->lane ? path_value(host->foot.place, host->lane->width).value : NAN;
+    self->out.lane.grade = (ground.x * lx + ground.y * ly) / beside->length;
+    self->out.lane.bank = ground.bank;
+    self->out.lane.speed_limit = path_value(host->foot.place, host->path->limit).value;
+    self->out.lane.on_road = is_on_road(host);
+}
+
+/* Points at equal distances along the middle of the lane. */
+static void tell_preview(road *self, const host_place *host) {
+    double spacing = self->par.preview_spacing;
+    if (!(spacing > 0) || !host->lane) return;
+    double along = path_along(host->lane, host->foot.place).value;
+    int32_t piece = self->piece;
+    for (int32_t i = 0; i < ROAD_PREVIEW; ++i) {
+        double distance = (i + 1) * spacing;
+        path_place place = path_find_along(host->path, host->lane, along + distance, piece);
+        path_line line = path_line_at(place);
+        path_beside beside = path_beside_at(&line, path_value(place, host->lane->middle));
+        double dx = beside.x - self->in.motion.x, dy = beside.y - self->in.motion.y;
+        self->out.preview[i].distance = distance;
+        self->out.preview[i].x = host->tx * dx + host->ty * dy;
+        self->out.preview[i].y = host->tx * dy - host->ty * dx;
+        self->out.preview[i].heading = -angle_to(&line, &beside, host->tx, host->ty);
+        self->out.preview[i].curvature = beside.curvature;
+        piece = place.piece;
+    }
+}
+
+/* Stations ahead of the host's; on a closed path at most half way round. */
+static double ahead_of(const host_place *host, double along) {
+    double ahead = along - host->along;
+    if (!host->path->closed) return ahead;
+    double whole = path_whole_length(host->path, &host->path->lanes[0]);
+    return ahead - whole * rint(ahead / whole);
+}
+
+/* Seen from the host's lane, who is on another path. */
+static void cross(road *self, const host_place *host, int32_t i, double vx, double vy) {
+    road_actor *actor = &self->out.actors[i];
+    path_foot foot = self->crosses[i] ? foot_near(host->path, actor->x, actor->y, self->crossing_stations[i],
+                                                  self->crossing_pieces[i])
+                                      : foot_of_all(host->path, actor->x, actor->y);
+    self->crosses[i] = true;
+    self->crossing_stations[i] = path_station(foot.place);
+    self->crossing_pieces[i] = foot.place.piece;
+    actor->ahead = ahead_of(host, path_along(&host->path->lanes[0], foot.place).value);
+    actor->aside = foot.t - (host->lane ? path_value(foot.place, host->lane->middle).value : NAN);
+    actor->approach = host->rate - rate_along(host->path, &foot, vx, vy);
+}
+
+static void place_actor(road *self, const host_place *host, int32_t i) {
+    const road_mover *mover = &self->in.movers[i];
+    road_actor *actor = &self->out.actors[i];
+    road_actor nobody = {0};
+    *actor = nobody;
+    if (mover->class == NOBODY) {
+        self->crosses[i] = false;
+        return;
+    }
+    bool is_known = mover->path >= 0 && mover->path < road_tables.count;
+    const path_table *path = &road_tables.paths[is_known ? mover->path : 0];
+    const path_lane *lane = is_known ? path_find_lane(path, mover->lane) : NULL;
+    path_place place = path_find_along(path, &path->lanes[0], mover->station, self->mover_pieces[i]);
+    path_line line = path_line_at(place);
+    path_jet t = lane ? path_value(place, lane->middle) : (path_jet){NAN, NAN, NAN}; /* ends the run by name */
+    t.value += mover->offset;
+    path_beside beside = path_beside_at(&line, t);
+    path_foot foot = {place, line, t.value};
+    /* The mover's speed covers stations of the own lane; here they are shorter or longer. */
+    double turned = mover->turn != 0, c = turned ? cos(mover->turn) : 1, s = turned ? sin(mover->turn) : 0;
+    double rate = mover->speed * c - mover->lateral_speed * s;
+    double along = rate * beside.length / path_along(&path->lanes[0], place).first;
+    double across = mover->speed * s + mover->lateral_speed * c;
+    double lx = (line.tx * beside.ahead - line.ty * beside.aside) / beside.length;
+    double ly = (line.ty * beside.ahead + line.tx * beside.aside) / beside.length;
+    actor->id = mover->id;
+    actor->class = mover->class;
+    actor->length = mover->length;
+    actor->width = mover->width;
+    actor->height = mover->height;
+    actor->x = beside.x;
+    actor->y = beside.y;
+    actor->z = ground_at(path, &foot).height;
+    actor->heading = wrapped(atan2(ly, lx) + mover->turn);
+    actor->speed = along * c + across * s;
+    actor->lateral_speed = across * c - along * s;
+    actor->acceleration = mover->acceleration;
+    actor->path = mover->path;
+    actor->lane = mover->lane;
+    actor->station = mover->station;
+    actor->offset = mover->offset;
+    self->mover_pieces[i] = place.piece;
+    if (mover->path == 0) {
+        self->crosses[i] = false;
+        actor->ahead = ahead_of(host, mover->station);
+        actor->aside = t.value - (host->lane ? path_value(place, host->lane->middle).value : NAN);
+        actor->approach = host->rate - rate;
+    } else {
+        cross(self, host, i, along * lx - across * ly, along * ly + across * lx);
+    }
+}
+
+static void output(road *self) {
+    host_place host = place_host(self);
+    tell_ground(self, &host);
+    tell_lane(self, &host);
+    tell_preview(self, &host);
+    for (int32_t i = 0; i < ROAD_ACTORS; ++i) place_actor(self, &host, i);
+}
+
+void road_init(road *self) {
+    const path_table *path = &road_tables.paths[0];
+    const path_lane *lane = path_find_lane(path, self->par.start_lane);
+    path_place place = path_find_along(path, &path->lanes[0], self->par.start_station, 0);
+    path_line line = path_line_at(place);
+    path_jet t = lane ? path_value(place, lane->middle) : (path_jet){NAN, NAN, NAN}; /* ends the run by name */
+    t.value += self->par.start_offset;
+    path_beside beside = path_beside_at(&line, t);
+    self->out.start.x = beside.x;
+    self->out.start.y = beside.y;
+    self->out.start.heading = atan2(line.ty * beside.ahead + line.tx * beside.aside,
+                                    line.tx * beside.ahead - line.ty * beside.aside);
+    self->x = beside.x;
+    self->y = beside.y;
+    self->station = path_station(place);
+    self->piece = place.piece;
+    for (int32_t i = 0; i < ROAD_ACTORS; ++i) {
+        self->mover_pieces[i] = 0;
+        self->crosses[i] = false;
+    }
+    output(self);
+}
+
+void road_step(road *self, double h) {
+    (void)h;
+    output(self);
+}

@@ -1,0 +1,75 @@
+/* A road network seen from the path that the host drives: the ground below its wheels, its place in its lane, the lane
+ * ahead, and where others are in the world. What the road is like is in the tables; nothing is integrated. */
+#ifndef ROAD_H
+#define ROAD_H
+
+#include "path.h"
+
+#define ROAD_WHEELS 4
+#define ROAD_ACTORS 8
+#define ROAD_PREVIEW 24
+
+typedef struct {
+    double x, y, heading, speed, lateral_speed, yaw_rate, acceleration, lateral_acceleration;
+} road_motion;
+
+typedef struct {
+    int32_t id, class;
+    double length, width, height;
+    int32_t path, lane;
+    double station, offset, turn;
+    double speed, lateral_speed, acceleration;
+} road_mover;
+
+typedef struct {
+    int32_t id, class;
+    double length, width, height;
+    double x, y, z, heading;
+    double speed, lateral_speed, acceleration;
+    int32_t path, lane;
+    double station, offset;
+    double ahead, aside, approach;
+} road_actor;
+
+typedef struct {
+    struct {
+        road_motion motion;
+        struct {
+            double x, y;
+        } contacts[ROAD_WHEELS];
+        road_mover movers[ROAD_ACTORS];
+        struct {
+            double friction_loss, water_film, temperature;
+        } surface;
+    } in;
+    struct {
+        struct {
+            double height, slope_x, slope_y, friction;
+        } ground[ROAD_WHEELS];
+        struct {
+            double station, offset, heading, curvature, width, grade, bank, speed_limit;
+            bool on_road;
+        } lane;
+        struct {
+            double distance, x, y, heading, curvature;
+        } preview[ROAD_PREVIEW];
+        struct {
+            double x, y, heading;
+        } start;
+        road_actor actors[ROAD_ACTORS];
+    } out;
+    struct {
+        double start_station, start_offset, preview_spacing; /* m; 0: no preview */
+        int32_t start_lane;
+    } par;
+    /* Where things were last: stations of the host's path, and pieces of paths to begin looking at. */
+    double x, y, station;
+    int32_t piece, mover_pieces[ROAD_ACTORS], crossing_pieces[ROAD_ACTORS];
+    double crossing_stations[ROAD_ACTORS];
+    bool crosses[ROAD_ACTORS];
+} road;
+
+void road_init(road *self);
+void road_step(road *self, double h);
+
+#endif

@@ -1,0 +1,180 @@
+"""A way through a network → the path along it, in its direction of travel."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from dse.errors import Problem, raise_if_any
+from dse.world.continuity import broken
+from dse.world.cross_section import Band, bands_of
+from dse.world.lane_graph import LaneGraph, LanePlace, lane_at, lane_graph
+from dse.world.opendrive.curves import curve_of
+from dse.world.opendrive.driving import runs_along
+from dse.world.opendrive.reading import read_network
+from dse.world.opendrive.structure import Network, Road
+from dse.world.pieces import backwards, from_cubics, in_a_row, joined, quintics, steps
+from dse.world.routes import Route, Way, way_of
+from dse.world.tables import LaneBand, Light, Patch, Piecewise, RoadPath, RoadTables
+
+
+def read_road_tables(path: Path, file: str, routes: Sequence[Route] = ()) -> RoadTables:
+    """The paths of *routes* through the OpenDRIVE file at *path*, which is called *file* in messages.
+
+    Without routes it is the longest way straight on. Raises DseError with all that is wrong, where it stands.
+    """
+    return road_tables(read_network(path, file), routes)
+
+
+def road_tables(network: Network, routes: Sequence[Route] = ()) -> RoadTables:
+    """The paths of *routes*, in their order; without routes, the longest way straight on.
+
+    Raises DseError with all that keeps a path from being followed, where it stands.
+    """
+    graph = lane_graph(network)
+    return RoadTables(tuple(path_along(graph, way_of(graph, route), route.name) for route in routes or (Route(),)))
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class _Passage:
+    """A road from end to end, in a direction: *along* its stations or against them."""
+
+    road: Road
+    places: tuple[LanePlace, ...]
+    along: bool
+
+    def turned(self, piecewise: Piecewise, sign: float = 1.0) -> Piecewise:
+        """What counts along the whole road, in the direction of travel."""
+        return piecewise if self.along else backwards(piecewise, self.road.length, sign)
+
+
+def path_along(graph: LaneGraph, way: Way, name: str) -> RoadPath:
+    """The path along *way*. Raises DseError where something along it is not supported or does not fit together."""
+    passages = [_passage(graph, places) for places in way.passages]
+    raise_if_any(problem for passage in passages for problem in _refused(graph, passage))
+    lengths = [passage.road.length for passage in passages]
+    begins = [float(begin) for begin in np.cumsum([0.0, *lengths])]
+    lines = [_line(passage) for passage in passages]
+
+    def along(parts: Iterable[Piecewise]) -> Piecewise:
+        return joined(list(zip(parts, lengths, strict=True)))
+
+    path = RoadPath(
+        name,
+        begins[-1],
+        way.closed,
+        in_a_row([(x, length) for (x, _), length in zip(lines, lengths, strict=True)]),
+        in_a_row([(y, length) for (_, y), length in zip(lines, lengths, strict=True)]),
+        along(p.turned(from_cubics(p.road.elevation, 0.0, p.road.length)) for p in passages),
+        along(p.turned(from_cubics(p.road.superelevation, 0.0, p.road.length), -1.0) for p in passages),
+        along(_speed_limit(p) for p in passages),
+        tuple(_lanes(passages)),
+        tuple(patch for p, begin in zip(passages, begins, strict=False) for patch in _patches(p, begin)),
+        tuple(light for p, begin in zip(passages, begins, strict=False) for light in _lights(p, begin)),
+    )
+    begun = [p.road.where for p in passages]
+    raise_if_any(broken(path, begins[1:-1], begun))
+    return path
+
+
+def _passage(graph: LaneGraph, places: tuple[LanePlace, ...]) -> _Passage:
+    road = graph.network.roads[places[0].road]
+    return _Passage(road, places, runs_along(road, lane_at(graph.network, places[0])))
+
+
+def _refused(graph: LaneGraph, passage: _Passage) -> Iterator[Problem]:
+    road = passage.road
+    yield from road.refused
+    junction = graph.network.junctions.get(road.junction)
+    if junction is not None and junction.kind not in {"default", "direct"}:
+        yield Problem(f"a road in a {junction.kind} junction is not supported on a path", junction.where)
+    for place in passage.places:
+        yield from lane_at(graph.network, place).refused
+
+
+def _line(passage: _Passage) -> tuple[Piecewise, Piecewise]:
+    pieces = passage.road.geometries
+    ends = [piece.s for piece in pieces[1:]] + [passage.road.length]
+    # The first begins at 0, to what is let pass.
+    starts = [0.0, *ends[:-1]]
+    parts = [
+        (quintics(curve_of(piece), end - start), end - start)
+        for piece, start, end in zip(pieces, starts, ends, strict=True)
+        if end > start
+    ]
+    x = in_a_row([(x, length) for (x, _), length in parts])
+    y = in_a_row([(y, length) for (_, y), length in parts])
+    return passage.turned(x), passage.turned(y)
+
+
+def _lanes(passages: Sequence[_Passage]) -> Iterator[LaneBand]:
+    """The bands beside the path, its own first; each all along it."""
+    sections = [[bands_of(p.road, place, along=p.along) for place in p.places] for p in passages]
+    numbers = {number for passage in sections for bands in passage for number in bands}
+    for number in sorted(numbers, key=lambda number: (abs(number), -number)):
+        rows = [[_band(bands, number) for bands in passage] for passage in sections]
+        yield LaneBand(
+            number,
+            _along_sections(passages, [[band.left for band in row] for row in rows]),
+            _along_sections(passages, [[band.right for band in row] for row in rows]),
+            _along_sections(passages, [[band.friction for band in row] for row in rows]),
+        )
+
+
+def _along_sections(passages: Sequence[_Passage], parts: Sequence[Sequence[Piecewise]]) -> Piecewise:
+    """The parts of all sections in a row; roads begin where they do for all else of the path, to the last bit."""
+    roads = []
+    for passage, row in zip(passages, parts, strict=True):
+        sections = [passage.road.sections[place.section] for place in passage.places]
+        lengths = [section.end - section.s for section in sections]
+        roads.append((joined(list(zip(row, lengths, strict=True))), passage.road.length))
+    return joined(roads)
+
+
+def _band(bands: dict[int, Band], number: int) -> Band:
+    """The band of a section; an empty one at the edge of those that are there if it has none of that number."""
+    if number in bands:
+        return bands[number]
+    edge = bands[max(bands)].left if number > 0 else bands[min(bands)].right
+    return Band(edge, edge, steps((), 0.0, 1.0, 1.0))
+
+
+def _speed_limit(passage: _Passage) -> Piecewise:
+    """A lane's limits go before those of the road."""
+    road = passage.road
+    values: list[tuple[float, float]] = []
+    for place in sorted(passage.places, key=lambda place: place.section):
+        section = road.sections[place.section]
+        own = section.lanes[place.lane].limits
+        until = min((limit.s for limit in own), default=section.end)
+        before = [limit.speed for limit in road.limits if limit.s <= section.s]
+        values.append((section.s, before[-1] if before else 0.0))
+        values += [(limit.s, limit.speed) for limit in road.limits if section.s < limit.s < until]
+        values += [(limit.s, limit.speed) for limit in own]
+    return passage.turned(steps(values, 0.0, road.length, 0.0))
+
+
+def _patches(passage: _Passage, begin: float) -> Iterator[Patch]:
+    for slick in passage.road.slicks:
+        start, end = max(slick.start, 0.0), min(slick.end, passage.road.length)
+        if passage.along and end > start:
+            yield Patch(begin + start, begin + end, slick.right, slick.left, slick.friction)
+        elif end > start:
+            length = passage.road.length
+            yield Patch(begin + length - end, begin + length - start, -slick.left, -slick.right, slick.friction)
+
+
+def _lights(passage: _Passage, begin: float) -> Iterator[Light]:
+    road = passage.road
+    facing = {"none", "+" if passage.along else "-"}
+    found: list[Light] = []
+    for signal in road.signals:
+        lane = next(p.lane for p in passage.places if road.sections[p.section].end >= min(signal.s, road.length))
+        meant = not signal.lanes or any(min(pair) <= lane <= max(pair) for pair in signal.lanes)
+        if signal.orientation in facing and meant:
+            station = signal.s if passage.along else road.length - signal.s
+            found.append(Light(signal.id, begin + station, signal.phases, signal.shift))
+    yield from sorted(found, key=lambda light: light.station)

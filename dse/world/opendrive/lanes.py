@@ -1,0 +1,145 @@
+"""<lanes>: sections, lanes, and what changes along them."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+
+from dse.errors import Location, Problem, Problems, fail
+from dse.formats import XmlElement, shortened
+from dse.world.opendrive.structure import Cubic, Lane, Limit, Section
+from dse.world.opendrive.values import cubic, in_order, number, text, whole
+
+_KMH = 1000.0 / 3600.0
+_UNITS = {"m/s": 1.0, "km/h": _KMH, "mph": 1609.344 / 3600.0}
+_UNLIMITED = ("no limit", "undefined")
+
+
+@dataclass(frozen=True, slots=True)
+class _Raw:
+    """A <laneSection> as it stands there, for one side of the road or both."""
+
+    s: float
+    left: dict[int, Lane]
+    right: dict[int, Lane]
+    single: bool
+    where: Location
+
+
+def read_offsets(road: XmlElement) -> tuple[Cubic, ...]:
+    """The offsets of the centre lane from the reference line."""
+    return in_order("<laneOffset>", (cubic(element) for element in road.below("lanes", "laneOffset")))
+
+
+def read_sections(road: XmlElement, length: float) -> tuple[Section, ...]:
+    """The sections of a road; those for one side only are completed by the lanes of the other side.
+
+    Raises DseError located where one cannot be understood.
+    """
+    lanes = road.child("lanes")
+    if lanes is None:
+        raise fail("<road> has no <lanes>", road.where)
+    raw = in_order("the <laneSection>", (_raw(element) for element in lanes.all("laneSection")))
+    if not raw:
+        raise fail("<lanes> has no <laneSection>", lanes.where)
+    if raw[0].s > 1e-6:
+        raise fail(f"the first <laneSection> begins at {raw[0].s:g} m, not at 0", raw[0].where)
+    for section in raw:
+        if section.s >= length:
+            what = f"the <laneSection> at {section.s:g} m lies behind the end of its road, {length:g} m"
+            raise fail(what, section.where)
+    return tuple(_completed(raw, length))
+
+
+def read_limit(element: XmlElement, s: float) -> Limit:
+    """What a <speed> allows, in m/s."""
+    if element.get("max").strip() in _UNLIMITED:
+        return Limit(s, 0.0)
+    unit = element.get("unit", "m/s").strip() or "m/s"
+    if unit not in _UNITS:
+        raise fail(f"<speed>: '{shortened(unit)}' is no unit of a speed", element.where, "possible: km/h, m/s, mph")
+    return Limit(s, number(element, "max", least=0.0) * _UNITS[unit])
+
+
+def _completed(raw: tuple[_Raw, ...], length: float) -> Iterator[Section]:
+    left: dict[int, Lane] = {}
+    right: dict[int, Lane] = {}
+    ends = [section.s for section in raw[1:]] + [length]
+    for section, end in zip(raw, ends, strict=True):
+        left_goes_on = section.single and not section.left
+        right_goes_on = section.single and not section.right
+        left = left if left_goes_on else section.left
+        right = right if right_goes_on else section.right
+        if end > section.s:
+            yield Section(section.s, end, left | right, left_goes_on, right_goes_on, section.where)
+
+
+def _raw(element: XmlElement) -> _Raw:
+    s = number(element, "s", least=0.0)
+    left, right = _side(element, "left", s), _side(element, "right", s)
+    single = element.get("singleSide").strip() in {"true", "1"}
+    if single and left and right:
+        raise fail("a <laneSection> with 'singleSide' has lanes on both sides", element.where)
+    return _Raw(s, left, right, single, element.where)
+
+
+def _side(section: XmlElement, side: str, s: float) -> dict[int, Lane]:
+    """The lanes of a side by their ids, from the centre outwards."""
+    lanes: dict[int, Lane] = {}
+    for element in section.below(side, "lane"):
+        lane = _lane(element, s)
+        if lane.id in lanes:
+            raise fail(f"there is another lane {lane.id} in this section", element.where)
+        if (lane.id > 0) != (side == "left") or lane.id == 0:
+            raise fail(f"lane {lane.id} stands in <{side}>", element.where, "ids are > 0 on the left, < 0 on the right")
+        lanes[lane.id] = lane
+    return dict(sorted(lanes.items(), key=lambda item: abs(item[0])))
+
+
+def _lane(element: XmlElement, s: float) -> Lane:
+    refused = Problems(_refused(element))
+    limits: tuple[Limit, ...] = ()
+    with refused:
+        limits = tuple(read_limit(child, s + number(child, "sOffset", least=0.0)) for child in element.all("speed"))
+    lane = Lane(
+        whole(element, "id"),
+        text(element, "type"),
+        element.get("direction").strip() == "reversed",
+        in_order("<width>", (cubic(child, s, "sOffset") for child in element.all("width"))),
+        in_order("<border>", (cubic(child, s, "sOffset") for child in element.all("border"))),
+        _linked(element, "predecessor"),
+        _linked(element, "successor"),
+        limits,
+        tuple(_friction(child, s) for child in element.all("material")),
+        tuple(refused),
+        element.where,
+    )
+    if not lane.widths and not lane.borders:
+        raise fail(f"lane {lane.id} has neither <width> nor <border>", element.where)
+    return _from_the_start(lane, s)
+
+
+def _from_the_start(lane: Lane, s: float) -> Lane:
+    """The lane; refused where its width does not begin with its section."""
+    first = (lane.widths or lane.borders)[0]
+    if first.s > s + 1e-6:
+        problem = Problem(f"the width of lane {lane.id} begins {first.s - s:g} m behind its section", first.where)
+        return replace(lane, refused=(*lane.refused, problem))
+    return lane
+
+
+def _linked(lane: XmlElement, which: str) -> tuple[int, ...]:
+    return tuple(whole(element, "id") for element in lane.below("link", which))
+
+
+def _friction(element: XmlElement, s: float) -> tuple[float, float]:
+    # Programs differ in what 1 is; ours take it for dry asphalt, so that the tyre's own friction is scaled by it.
+    return s + number(element, "sOffset", least=0.0), number(element, "friction", least=0.0, default=1.0)
+
+
+def _refused(lane: XmlElement) -> Iterator[Problem]:
+    for element in lane.all("height"):
+        inner, outer = number(element, "inner", default=0.0), number(element, "outer", default=0.0)
+        if not math.isclose(inner, 0.0, abs_tol=1e-6) or not math.isclose(outer, 0.0, abs_tol=1e-6):
+            yield Problem("a lane with a <height> of its own is not supported on a path", element.where)

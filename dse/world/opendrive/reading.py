@@ -1,0 +1,169 @@
+"""OpenDRIVE 1.4 to 1.8 → a network of roads."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import replace
+from pathlib import Path
+
+from dse.errors import Problem, Problems, fail, raise_if_any
+from dse.formats import XmlElement, read_xml_file, real_of, shortened
+from dse.world.opendrive.checks import network_problems, road_problems
+from dse.world.opendrive.geometry import read_geometries
+from dse.world.opendrive.lanes import read_limit, read_offsets, read_sections
+from dse.world.opendrive.roadside import Cycle, read_cycle, read_signals, read_slicks
+from dse.world.opendrive.structure import Connection, Cubic, End, Junction, Limit, Network, Road, RoadLink, Signal
+from dse.world.opendrive.values import cubic, in_order, number, text, whole
+
+_UNFLAT = {"shape": "a lateral <shape>", "crossfall": "a <crossfall>", "crossSectionSurface": "a <crossSectionSurface>"}
+
+
+def read_network(path: Path, file: str) -> Network:
+    """The roads and junctions of the OpenDRIVE file at *path*, which is called *file* in messages.
+
+    Raises DseError with everything in it that is wrong, or is not understood and would change where a road lies; what
+    cannot be followed only along some roads is told when a path uses them.
+    """
+    return network_in(read_xml_file(path, file))
+
+
+def network_in(root: XmlElement) -> Network:
+    """The roads and junctions of an OpenDRIVE document. Raises DseError as `read_network`."""
+    if root.tag != "OpenDRIVE":
+        raise fail(f"an OpenDRIVE file begins with <OpenDRIVE>, not with <{shortened(root.tag)}>", root.where)
+    problems = Problems()
+    with problems:
+        _require_version(root)
+    named = {signal.get("id"): signal for signal in root.below("road", "signals", "signal")}
+    cycles: dict[str, Cycle] = {}
+    for element in root.all("controller"):
+        with problems:
+            cycle = read_cycle(element)
+            cycles |= {control.get("signalId"): cycle for control in element.all("control")}
+    roads: dict[str, Road] = {}
+    for element in root.all("road"):
+        with problems:
+            road = _road(element, named, cycles)
+            if road.id in roads:
+                raise fail(f"there is another road '{shortened(road.id)}'", element.where)
+            roads[road.id] = road
+    junctions: dict[str, Junction] = {}
+    for element in root.all("junction"):
+        with problems:
+            junction = _junction(element)
+            if junction.id in junctions:
+                raise fail(f"there is another junction '{shortened(junction.id)}'", element.where)
+            junctions[junction.id] = junction
+    raise_if_any(problems)
+    if not roads:
+        raise fail("there is no <road>", root.where)
+    network = Network(roads, junctions, root.where)
+    raise_if_any(network_problems(network))
+    return network
+
+
+def _require_version(root: XmlElement) -> None:
+    header = root.child("header")
+    if header is None:
+        raise fail("<OpenDRIVE> has no <header>", root.where)
+    version = whole(header, "revMajor"), whole(header, "revMinor")
+    if version[0] != 1 or not version[1] <= 8:
+        hint = "1.4 to 1.8 are read"
+        raise fail(f"OpenDRIVE {version[0]}.{version[1]} is not supported", header.where, hint)
+
+
+def _road(element: XmlElement, named: Mapping[str, XmlElement], cycles: Mapping[str, Cycle]) -> Road:
+    rule = element.get("rule", "RHT")
+    if rule not in {"RHT", "LHT"}:
+        raise fail(f"<road>: 'rule' cannot be '{shortened(rule)}'", element.where, "possible: LHT, RHT")
+    length = number(element, "length", least=0.0)
+    if not length > 0.0:
+        raise fail("<road> has no length", element.where)
+    junction = element.get("junction", "-1").strip()
+    refused = Problems(_unsupported(element))
+    limits: tuple[Limit, ...] = ()
+    signals: tuple[Signal, ...] = ()
+    with refused:
+        limits, signals = tuple(_limits(element)), tuple(read_signals(element, named, cycles))
+    road = Road(
+        text(element, "id"),
+        length,
+        rule == "LHT",
+        "" if junction == "-1" else junction,
+        dict(_links(element)),
+        read_geometries(element),
+        _profile(element, "elevationProfile", "elevation"),
+        _profile(element, "lateralProfile", "superelevation"),
+        read_offsets(element),
+        read_sections(element, length),
+        limits,
+        tuple(read_slicks(element, refused)),
+        signals,
+        (),
+        element.where,
+    )
+    with refused:
+        refused += road_problems(road)
+    return replace(road, refused=tuple(refused))
+
+
+def _profile(road: XmlElement, profile: str, tag: str) -> tuple[Cubic, ...]:
+    return in_order(f"the <{tag}>", (cubic(element) for element in road.below(profile, tag)))
+
+
+def _limits(road: XmlElement) -> Iterator[Limit]:
+    for element in road.all("type"):
+        s = number(element, "s", least=0.0)
+        speed = element.child("speed")
+        yield Limit(s, 0.0) if speed is None else read_limit(speed, s)
+
+
+def _unsupported(road: XmlElement) -> Iterator[Problem]:
+    """What would change heights along the road and cannot be carried by a path."""
+    for element in road.below("lateralProfile"):
+        for child in element.children:
+            if child.tag in _UNFLAT and not _flat(child):
+                yield Problem(f"a road with {_UNFLAT[child.tag]} is not supported on a path", child.where)
+    for element in road.below("surface", "CRG"):
+        yield Problem("a road with an OpenCRG <surface> is not supported on a path", element.where)
+
+
+def _flat(element: XmlElement) -> bool:
+    """Whether all factors of a polynomial are zero."""
+    return all(real_of(element.get(letter)) == 0.0 for letter in "abcd")
+
+
+def _links(road: XmlElement) -> Iterator[tuple[End, RoadLink]]:
+    for tag, end in (("predecessor", End.START), ("successor", End.END)):
+        for element in road.below("link", tag):
+            kind = element.get("elementType", "road")
+            if kind not in {"road", "junction"}:
+                raise fail(f"<{tag}>: 'elementType' cannot be '{shortened(kind)}'", element.where, "road or junction")
+            # A link into the middle of a road belongs to a virtual junction, which is not followed.
+            if "elementS" not in element.attributes:
+                contact = End.START if kind == "junction" else _contact(element)
+                yield end, RoadLink(kind, text(element, "elementId"), contact, element.where)
+
+
+def _contact(element: XmlElement) -> End:
+    said = text(element, "contactPoint")
+    if said not in {"start", "end"}:
+        raise fail(f"<{element.tag}>: 'contactPoint' cannot be '{shortened(said)}'", element.where, "start or end")
+    return End(said)
+
+
+def _junction(element: XmlElement) -> Junction:
+    kind = element.get("type", "default").strip() or "default"
+    followed = kind in {"default", "direct"}
+    connections = tuple(_connection(child, kind) for child in element.all("connection")) if followed else ()
+    return Junction(text(element, "id"), kind, connections, element.where)
+
+
+def _connection(element: XmlElement, kind: str) -> Connection:
+    return Connection(
+        text(element, "incomingRoad"),
+        text(element, "linkedRoad" if kind == "direct" else "connectingRoad"),
+        _contact(element),
+        tuple((whole(link, "from"), whole(link, "to")) for link in element.all("laneLink")),
+        element.where,
+    )

@@ -1,0 +1,110 @@
+"""What stands on a road: traffic lights and patches that are slippery."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping
+
+from dse.errors import Problem, fail
+from dse.formats import XmlElement, real_of, shortened
+from dse.world.opendrive.structure import Signal, Slick
+from dse.world.opendrive.values import number, text, whole
+
+PHASES, SHIFT = "dse.phases", "dse.shift"
+"""Codes of <userData>. OpenDRIVE says where lights are, not what they show: a signal, or the controller of several,
+says it in ``<userData code="dse.phases" value="green 20, yellow 3, red 27"/>`` and, if all of it begins later than at
+0 s, in ``<userData code="dse.shift" value="10"/>``."""
+COLOURS = ("off", "red", "red_yellow", "yellow", "green")
+
+_LIGHTS = {"1000001", "1000009", "1000010", "1000011", "1000012"}
+"""Lights for vehicles in the catalogue of OpenDRIVE; those for pedestrians and trams are not obeyed by cars."""
+
+Cycle = tuple[tuple[tuple[str, float], ...], float]
+"""Phases and their shift."""
+
+
+def read_cycle(element: XmlElement) -> Cycle:
+    """The phases that the user data of *element* tell, none if they do not; raises DseError located there."""
+    phases: tuple[tuple[str, float], ...] = ()
+    shift = 0.0
+    for data in element.all("userData"):
+        if data.get("code") == PHASES:
+            phases = tuple(_phase(data, part) for part in data.get("value").split(","))
+        elif data.get("code") == SHIFT:
+            shift = number(data, "value")
+    return phases, shift
+
+
+def read_signals(road: XmlElement, named: Mapping[str, XmlElement], cycles: Mapping[str, Cycle]) -> Iterator[Signal]:
+    """The traffic lights of a road, *named* signals that it refers to among them; *cycles* are those of controllers.
+
+    Raises DseError located where one cannot be understood.
+    """
+    for element in road.below("signals", "signal"):
+        if _is_light(element):
+            yield _signal(element, element, cycles)
+    for element in road.below("signals", "signalReference"):
+        signal = named.get(text(element, "id"))
+        if signal is None:
+            raise fail(f"there is no signal '{shortened(element.get('id'))}'", element.where)
+        if _is_light(signal):
+            yield _signal(element, signal, cycles)
+
+
+def read_slicks(road: XmlElement, refused: list[Problem]) -> Iterator[Slick]:
+    """The objects of a road with a friction of their own; what is no rectangle along the road goes to *refused*."""
+    for element in road.below("objects", "object"):
+        # Objects are scenery but for their friction: nothing of the world asks for the others.
+        material = next((child for child in element.all("material") if "friction" in child.attributes), None)
+        if material is None:
+            continue
+        sides = _rectangle(element)
+        if sides is None or element.child("repeat"):
+            what = "an <object> with friction must be a rectangle along the road: length, width, and hdg 0"
+            refused.append(Problem(what, element.where))
+        else:
+            yield Slick(*sides, number(material, "friction", least=0.0), element.where)
+
+
+def _rectangle(element: XmlElement) -> tuple[float, float, float, float] | None:
+    """From and to along the road, right and left; None if it is no rectangle."""
+    outlines = [*element.all("outline"), *element.below("outlines", "outline")]
+    if outlines:
+        corners = [(number(c, "s", least=0.0), number(c, "t")) for o in outlines for c in o.all("cornerRoad")]
+        along, across = {s for s, _ in corners}, {t for _, t in corners}
+        if len(outlines) != 1 or len({*corners}) != 4 or len(along) != 2 or len(across) != 2:
+            return None
+        return min(along), max(along), min(across), max(across)
+    if math.sin(number(element, "hdg", default=0.0)) or not {"length", "width"} <= element.attributes.keys():
+        return None
+    s, t = number(element, "s", least=0.0), number(element, "t")
+    half, side = number(element, "length", least=0.0) / 2, number(element, "width", least=0.0) / 2
+    return s - half, s + half, t - side, t + side
+
+
+def _is_light(element: XmlElement) -> bool:
+    kind = element.get("type").replace(".", "").strip()
+    catalogued = kind in _LIGHTS and element.get("country", "OpenDRIVE").lower() in {"opendrive", ""}
+    return element.get("dynamic") == "yes" and (
+        catalogued or any(data.get("code") == PHASES for data in element.all("userData"))
+    )
+
+
+def _signal(stands: XmlElement, signal: XmlElement, cycles: Mapping[str, Cycle]) -> Signal:
+    id_ = text(signal, "id")
+    own = read_cycle(signal)
+    phases, shift = own if own[0] else cycles.get(id_, own)
+    lanes = tuple((whole(v, "fromLane"), whole(v, "toLane")) for v in stands.all("validity"))
+    orientation = stands.get("orientation", "none").strip()
+    if orientation not in {"+", "-", "none"}:
+        raise fail(f"<{stands.tag}>: 'orientation' is '{shortened(orientation)}'", stands.where, "possible: +, -, none")
+    return Signal(id_, number(stands, "s", least=0.0), orientation, lanes, phases, shift, stands.where)
+
+
+def _phase(data: XmlElement, part: str) -> tuple[str, float]:
+    colour, _, length = part.strip().partition(" ")
+    seconds = real_of(length)
+    if colour not in COLOURS or seconds is None or not 0.0 < seconds < math.inf:
+        hint = f"a colour ({', '.join(COLOURS)}) and seconds each, like 'green 20, yellow 3, red 27'"
+        raise fail(f"'{shortened(part.strip())}' is no phase of a traffic light", data.where, hint)
+    return colour, seconds

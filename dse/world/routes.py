@@ -1,0 +1,266 @@
+"""Ways through a network: the one that a route names, the longest straight on, and all there are."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+from itertools import islice, pairwise
+
+import numpy as np
+
+from dse.errors import DseError, Location, closest, fail, some_of
+from dse.formats import shortened
+from dse.world.lane_graph import LaneGraph, LanePlace, entries, lane_at, next_places
+from dse.world.opendrive.curves import curve_of
+from dse.world.opendrive.driving import runs_along
+from dse.world.opendrive.structure import Network, Road
+
+_LOOK = 50.0
+"""How far one looks along a road, in m, to see which goes on straight."""
+_MOST_PLACES = 10_000
+
+
+@dataclass(frozen=True, slots=True)
+class Route:
+    """What a user says of a path: ids of *roads* in order (none: the longest way straight on) and its first lane.
+
+    *lane* is an id in the first road; 0: the outermost from which the route can be driven. *where* the route stands.
+    """
+
+    roads: tuple[str, ...] = ()
+    lane: int = 0
+    name: str = "path"
+    where: Location | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Way:
+    """Lanes that go on in each other, by the roads they pass, each from end to end; *closed*: the last in the first."""
+
+    passages: tuple[tuple[LanePlace, ...], ...]
+    closed: bool
+
+    @property
+    def roads(self) -> tuple[str, ...]:
+        """The ids of its roads, in order: with its first lane, a route that leads there."""
+        return tuple(passage[0].road for passage in self.passages)
+
+    @property
+    def lane(self) -> int:
+        """The lane it begins in."""
+        return self.passages[0][0].lane
+
+
+def way_of(graph: LaneGraph, route: Route) -> Way:
+    """The way that a route means. Raises DseError located at the route where there is none."""
+    network = graph.network
+    for id_ in route.roads:
+        if id_ not in network.roads:
+            raise fail(f"there is no road '{shortened(id_)}' in the file", route.where or network.where, closest(id_, network.roads))
+    starts = list(_starts(network, route))
+    if not route.roads:
+        # The first of those that are as long to a mm.
+        onward = _Onward(graph)
+        ways = [_straight_on(onward, start) for start in starts]
+        lengths = [round(way_length(network, way), 3) for way in ways]
+        return ways[lengths.index(max(lengths))]
+    search = _Search(graph, route)
+    for start in starts:
+        found = search.from_(start)
+        if found:
+            return _way(graph, found, found[0] in next_places(graph, found[-1]))
+    raise search.failed(starts)
+
+
+def way_length(network: Network, way: Way) -> float:
+    """How long a way is, in m along the reference lines of its roads, to where its last lane ends."""
+    last = way.passages[-1][-1]
+    road = network.roads[last.road]
+    section = road.sections[last.section]
+    beyond = road.length - section.end if runs_along(road, section.lanes[last.lane]) else section.s
+    return sum(network.roads[id_].length for id_ in way.roads) - beyond
+
+
+def list_ways(graph: LaneGraph, most: int = 200) -> tuple[Way, ...]:
+    """Ways through the network that use no road twice, from where roads begin to where lanes end or close: *most*.
+
+    Those of a start are together, the straightest first. A network without a beginning is entered everywhere.
+    """
+    return tuple(islice(_all_ways(graph), most))
+
+
+def _all_ways(graph: LaneGraph) -> Iterator[Way]:
+    listed = list(entries(graph.network))
+    reached = {next_ for place in listed for end in _ends(graph, place) for next_ in next_places(graph, end)}
+    onward = _Onward(graph)
+    for start in [place for place in listed if place not in reached] or listed:
+        yield from _ways_from(onward, start)
+
+
+def _ways_from(onward: _Onward, start: LanePlace) -> Iterator[Way]:
+    """Depth first, without recursion: ways are longer than Python's stack."""
+    stack: list[tuple[LanePlace, ...]] = [(start,)]
+    while stack:
+        places = stack.pop()
+        used = {place.road for place in places}
+        following = onward.from_(places[-1])
+        fresh = [n for n in following if n.road not in used or (n.road == places[-1].road and n not in places)]
+        if start in following or not fresh or len(places) >= _MOST_PLACES:
+            yield _way(onward.graph, places, start in following)
+        else:
+            stack += [(*places, next_) for next_ in reversed(fresh)]
+
+
+def _ends(graph: LaneGraph, start: LanePlace) -> Iterator[LanePlace]:
+    """Where the lane that begins there leaves its road."""
+    seen, stack = {start}, [start]
+    while stack:
+        place = stack.pop()
+        inside = [n for n in next_places(graph, place) if n.road == place.road and n not in seen]
+        if not inside:
+            yield place
+        seen.update(inside)
+        stack += inside
+
+
+def _starts(network: Network, route: Route) -> Iterator[LanePlace]:
+    listed = list(entries(network))
+    if not route.roads:
+        fit = [p for p in listed if not network.roads[p.road].junction and route.lane in {0, p.lane}]
+        fit = fit or [p for p in listed if route.lane in {0, p.lane}]
+        if not fit:
+            what = f"no road begins with a lane {route.lane} for vehicles" if route.lane else "no lane is for vehicles"
+            raise fail(what, route.where or network.where)
+        yield from fit
+        return
+    road = network.roads[route.roads[0]]
+    if not route.lane:
+        fit = [place for place in listed if place.road == road.id]
+        if not fit:
+            raise fail(f"no lane of road '{road.id}' is for vehicles", route.where or road.where, "name a 'lane'")
+        yield from fit
+        return
+    for section, along in ((0, True), (len(road.sections) - 1, False)):
+        lanes = road.sections[section].lanes
+        if route.lane in lanes and runs_along(road, lanes[route.lane]) == along:
+            yield LanePlace(road.id, section, route.lane)
+            return
+    ids = [str(place.lane) for place in listed if place.road == road.id]
+    what = f"road '{shortened(road.id)}' does not begin with a lane {route.lane}"
+    raise fail(what, route.where or road.where, f"lanes for vehicles: {some_of(ids)}")
+
+
+def _straight_on(onward: _Onward, start: LanePlace) -> Way:
+    places = [start]
+    seen = {start}
+    while len(places) < _MOST_PLACES:
+        following = onward.from_(places[-1])
+        fresh = next((place for place in following if place not in seen), None)
+        if start in following or fresh is None:
+            return _way(onward.graph, tuple(places), start in following)
+        places.append(fresh)
+        seen.add(fresh)
+    return _way(onward.graph, tuple(places), False)
+
+
+class _Onward:
+    """Where lanes go on, the straightest first; remembers what it has been asked."""
+
+    def __init__(self, graph: LaneGraph) -> None:
+        self.graph = graph
+        self._known: dict[LanePlace, tuple[LanePlace, ...]] = {}
+        self._turnings: dict[LanePlace, float] = {}
+
+    def from_(self, place: LanePlace) -> tuple[LanePlace, ...]:
+        """The next lanes; those in the same road, which need no turning, in the order of the file."""
+        if place not in self._known:
+            following = next_places(self.graph, place)
+            several = len({next_.road for next_ in following}) > 1
+            self._known[place] = tuple(sorted(following, key=self._turning)) if several else following
+        return self._known[place]
+
+    def _turning(self, place: LanePlace) -> float:
+        """How far one turns in a connecting road, or at the beginning of any other, in rad."""
+        if place not in self._turnings:
+            network = self.graph.network
+            road = network.roads[place.road]
+            length = road.length if road.junction else min(road.length, _LOOK)
+            along = runs_along(road, lane_at(network, place))
+            a, b = (0.0, length) if along else (road.length, road.length - length)
+            turning = math.remainder(heading_at(road, b) - heading_at(road, a), math.tau)
+            self._turnings[place] = round(abs(turning), 6)
+        return self._turnings[place]
+
+
+class _Search:
+    """Looks for the lanes along a route; what led nowhere is not tried again, and the farthest is remembered."""
+
+    def __init__(self, graph: LaneGraph, route: Route) -> None:
+        self._graph, self._route = graph, route
+        self._tried: set[tuple[LanePlace, int]] = set()
+        self._farthest = 0
+
+    def from_(self, start: LanePlace) -> tuple[LanePlace, ...]:
+        """The lanes from *start* to the end of the last road; none if there is no such way."""
+        roads = self._route.roads
+        stack: list[tuple[tuple[LanePlace, ...], int]] = [((start,), 0)]
+        while stack:
+            places, step = stack.pop()
+            self._farthest = max(self._farthest, step)
+            if (places[-1], step) in self._tried:
+                continue
+            self._tried.add((places[-1], step))
+            following = next_places(self._graph, places[-1])
+            inside = [n for n in following if not self._leaves(places[-1], n)]
+            if step == len(roads) - 1 and not inside:
+                return places
+            onward = [(n, step) for n in inside]
+            if step + 1 < len(roads):
+                left = [n for n in following if n.road == roads[step + 1] and self._leaves(places[-1], n)]
+                onward += [(n, step + 1) for n in left]
+            stack += [((*places, next_), at) for next_, at in reversed(onward)]
+        return ()
+
+    def failed(self, starts: list[LanePlace]) -> DseError:
+        """What to say if nothing was found."""
+        roads, network = self._route.roads, self._graph.network
+        here, there = roads[self._farthest], roads[min(self._farthest + 1, len(roads) - 1)]
+        ends = [end for place in entries(network) if place.road == here for end in _ends(self._graph, place)]
+        following = {end: next_places(self._graph, end) for end in ends}
+        lanes = sorted({str(end.lane) for end, after in following.items() if any(p.road == there for p in after)})
+        others = list(dict.fromkeys(p.road for after in following.values() for p in after if p.road != here))
+        if lanes:
+            hint = f"only these lanes of road '{here}' do: {some_of(lanes)}"
+        else:
+            hint = f"it leads to {some_of(others)}" if others else f"road '{here}' leads nowhere"
+        lane = f" in lane {starts[0].lane}" if self._route.lane else ""
+        what = f"the route cannot go from road '{here}' to road '{there}': begun{lane}, no link of a lane leads there"
+        return fail(what, self._route.where or network.roads[here].where, hint)
+
+    def _leaves(self, place: LanePlace, next_: LanePlace) -> bool:
+        return _leaves(self._graph.network, place, next_)
+
+
+def _leaves(network: Network, place: LanePlace, next_: LanePlace) -> bool:
+    """Whether the step leads out of a road, be it into the same again."""
+    if place.road != next_.road:
+        return True
+    road = network.roads[place.road]
+    step = 1 if runs_along(road, lane_at(network, place)) else -1
+    return next_.section != place.section + step
+
+
+def _way(graph: LaneGraph, places: tuple[LanePlace, ...], closed: bool) -> Way:
+    passages = [[places[0]]]
+    for one, other in pairwise(places):
+        if _leaves(graph.network, one, other):
+            passages.append([])
+        passages[-1].append(other)
+    return Way(tuple(map(tuple, passages)), closed)
+
+
+def heading_at(road: Road, s: float) -> float:
+    """The heading of a road's reference line, in rad."""
+    piece = max((g for g in road.geometries if g.s <= s), key=lambda g: g.s, default=road.geometries[0])
+    return float(curve_of(piece).at(np.array([s - piece.s])).heading[0])

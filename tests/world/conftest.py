@@ -1,0 +1,43 @@
+"""Roads as the parts that `components.conftest` runs."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import pytest
+from components.conftest import WORKSPACE, Shelf
+
+from dse.domain.component import Component, CSource, Kind, Parameter, Type
+from dse.world import RoadPath, RoadTables, road_files
+
+PARAMETERS = (
+    Parameter("start_station", Type(Kind.REAL), 0.0),
+    Parameter("start_lane", Type(Kind.INTEGER), 0),
+    Parameter("start_offset", Type(Kind.REAL), 0.0),
+    Parameter("preview_spacing", Type(Kind.REAL), 0.0),
+)
+
+
+@pytest.fixture(scope="session")
+def new_road(tmp_path_factory: pytest.TempPathFactory) -> Callable[..., Any]:
+    """A fresh road component with these paths; equal ones are compiled once."""
+    shelf = Shelf(tmp_path_factory.mktemp("roads"), WORKSPACE)
+    known: dict[str, Component] = {}
+
+    def new(*paths: RoadPath, **parameters: float) -> Any:
+        files = road_files(RoadTables(paths))
+        text = files["road_tables.c"]
+        if text not in known:
+            name = f"road_{len(known)}"
+            folder = shelf.folder / name
+            folder.mkdir()
+            for file, content in files.items():
+                (folder / file).write_text(content, encoding="utf-8")
+            units = tuple(folder / file for file in files if file.endswith(".c"))
+            source = CSource(units, folder / "road.h", "road", "road_init", "road_step", None)
+            interface = WORKSPACE.interfaces["road"]
+            known[text] = Component(name, interface, source=source, parameters=PARAMETERS)
+        return shelf.instance(known[text], **parameters)
+
+    return new
