@@ -134,6 +134,7 @@ static void stage(void *context, double gh, const wheel *base, const wheel *befo
         at->wheel[i] = w[i].end;
     }
     double height = self->par.cg_height, *rates = at->rates;
+    double lean = chassis_limited(y[ROLL] - p.left[2], -1, 1), dive = chassis_limited(y[PITCH] + p.ahead[2], -1, 1);
     double drag = plane_air_force(&p, &c->in.air, u, v, self->par.drag_area, self->par.side_area, &wind);
     self->acceleration = (ahead + drag) / mass - CHASSIS_GRAVITY * p.ahead[2];
     self->lateral_acceleration = (left + wind) / mass - CHASSIS_GRAVITY * p.left[2];
@@ -148,8 +149,8 @@ static void stage(void *context, double gh, const wheel *base, const wheel *befo
     rates[ROLL] = y[ROLL_RATE];
     rates[PITCH] = y[PITCH_RATE];
     rates[HEAVE] = (p.up * load + p.ahead[2] * (ahead + drag) + p.left[2] * (left + wind)) / mass - CHASSIS_GRAVITY;
-    rates[ROLL_RATE] = (side + height * (left + (y[ROLL] - p.left[2]) * load)) / self->par.roll_inertia;
-    rates[PITCH_RATE] = (nose - height * (ahead - (y[PITCH] + p.ahead[2]) * load)) / self->par.pitch_inertia;
+    rates[ROLL_RATE] = (side + height * (left + lean * load)) / self->par.roll_inertia;
+    rates[PITCH_RATE] = (nose - height * (ahead - dive * load)) / self->par.pitch_inertia;
 }
 
 static void output(two_track *self, const car *c) {
