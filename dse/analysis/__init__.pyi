@@ -28,9 +28,18 @@ from .first_order import (
     first_order_shares as first_order_shares,
     going_together as going_together,
 )
-from .importance import Importance as Importance, Importances as Importances, importances as importances
+from .importance import (
+    LEAST_EXPLAINED as LEAST_EXPLAINED,
+    Importance as Importance,
+    Importances as Importances,
+    Together as Together,
+    importances as importances,
+    mixed_groups as mixed_groups,
+    require_everywhere as require_everywhere,
+)
 from .learnt import essentials as essentials, findings as findings
 from .limits import Limit as Limit
+from .mixing import Pair as Pair
 from .narrowing import (
     Narrowing as Narrowing,
     around as around,
@@ -40,6 +49,15 @@ from .narrowing import (
 )
 from .pawn import Distance as Distance, pawn_distances as pawn_distances
 from .probability import Interval as Interval, Met as Met, probability_met as probability_met, wilson as wilson
+from .radial import (
+    Formula as Formula,
+    centres_of as centres_of,
+    columns_of as columns_of,
+    drawn as drawn,
+    evaluated as evaluated,
+    features as features,
+    formulas as formulas,
+)
 from .reading import planes as planes, study_data as study_data
 from .rivals import claim as claim, what_would_change as what_would_change
 from .robust import Centre as Centre, robust_centre as robust_centre

@@ -11,7 +11,7 @@ from dse.analysis.designed import Effects, Indices, morris_effects, sobol_indice
 from dse.analysis.effects import correlations
 from dse.analysis.first_order import first_order_shares, going_together
 from dse.analysis.importance import importances
-from dse.analysis.phrases import difference, listed, parts, percent
+from dse.analysis.phrases import between, difference, listed, parts, percent
 from dse.analysis.probability import Interval
 from dse.analysis.said import Finding, Topic
 from dse.errors import fail
@@ -55,14 +55,16 @@ def shares(data: StudyData, metric: str) -> Iterator[Finding]:
 
 
 def interactions(data: StudyData, metric: str) -> Iterator[Finding]:
-    """What matters together with others, by a forest. Raises DseError."""
+    """What matters together with others, by a model. Raises DseError."""
     found = importances(data, metric)
     ranked = sorted(found.factors, key=lambda each: -round(each.share.value, 9))
     named = [each for each in ranked if each.share.low > _HARDLY][:_MOST_NAMED]
     if not named:
         return
     told = parts([(each.factor, _capped(each.share), "") for each in named])
-    predicted = f"by a forest that predicts {percent(found.explained)} of it in held-out runs"
+    if found.pairs and (most := found.pairs[0]).share.low > _HARDLY:
+        told += f"; {percent(most.share.value)} ({between(most.share)}) depends on both {most.one} and {most.other}"
+    predicted = f"by {found.model} that predicts {percent(found.explained)} of it in held-out runs"
     text = f"{metric_label(data, metric)}: {told}; {predicted}"
     yield Finding(Topic.TOGETHER, metric, text, asdict(found))
 

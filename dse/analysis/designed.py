@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from dse.analysis.data import Factor, Floats, StudyData, withheld
 from dse.analysis.extra import extra
+from dse.analysis.once import once
 from dse.analysis.probability import Interval
 from dse.domain.sampler import Brief, Outcomes
 
@@ -54,6 +55,7 @@ class Designed:
     lacking: int
 
 
+@once
 def sobol_indices(data: StudyData, metric: str) -> Designed:
     """Sobol' indices of the runs of a study with the sampler ``sobol_indices``, with SALib's intervals.
 

@@ -59,21 +59,22 @@ def first_order_shares(data: StudyData, metric: str) -> tuple[Share, ...]:
     return tuple(found)
 
 
+@once
 def going_together(data: StudyData) -> tuple[tuple[str, str], ...]:
     """Pairs of factors that are not independent in these runs: what one of them explains, the other does as well.
 
     By Cramér's V of four bins each, corrected for chance (Bergsma 2013), of more than 0.3; none in fewer than 20 runs.
     """
-    pairs = []
-    for i, first in enumerate(data.factors):
-        for j, second in enumerate(data.factors[:i]):
-            rows = ~np.isnan(data.places[:, [i, j]]).any(axis=1)
-            if rows.sum() < LEAST:
-                continue
-            _, a = binned(data.places[rows, i], first, 4)
-            _, b = binned(data.places[rows, j], second, 4)
-            if _cramers_v(a, b) > _ASSOCIATED:
-                pairs.append((second.name, first.name))
+    pairs, found = [], []
+    for k, factor in enumerate(data.factors):
+        rows, bins = binned(data.places[:, k], factor, 4)
+        everywhere = np.full(len(data), -1)
+        everywhere[rows] = bins
+        found.append(everywhere)
+        for j in range(k):
+            both = (found[j] >= 0) & (found[k] >= 0)
+            if both.sum() >= LEAST and _cramers_v(found[k][both], found[j][both]) > _ASSOCIATED:
+                pairs.append((data.factors[j].name, factor.name))
     return tuple(pairs)
 
 
@@ -144,8 +145,9 @@ def _left_out(bins: NDArray[np.intp], y: Floats, weights: Floats) -> Floats:
 
 
 def _cramers_v(a: NDArray[np.intp], b: NDArray[np.intp]) -> float:
-    table = np.zeros((int(a.max()) + 1, int(b.max()) + 1))
-    np.add.at(table, (a, b), 1.0)
+    rows, columns = int(a.max()) + 1, int(b.max()) + 1
+    table = np.bincount(a * columns + b, minlength=rows * columns).reshape(rows, columns).astype(np.float64)
+    table = table[table.any(axis=1)][:, table.any(axis=0)]
     n, (rows, columns) = len(a), table.shape
     expected = np.outer(table.sum(axis=1), table.sum(axis=0)) / n
     square = ((table - expected) ** 2 / expected).sum() / n - (rows - 1) * (columns - 1) / (n - 1)

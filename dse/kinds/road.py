@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 from dse.domain.component import Component, Source
 from dse.errors import Location, Problem, closest, raise_if_any
 from dse.kinds._generated import build_generated
-from dse.loading import ComponentKind, Section, SourcePlace, SourceSection
+from dse.loading import ComponentKind, Section, SourcePlace, SourceSection, Workspace
 
 if TYPE_CHECKING:
     from dse.world import RoadTables
@@ -93,7 +93,7 @@ def _tables(component: Component, source: RoadSource) -> RoadTables:
 
     raise_if_any(_misfits(component))
     routes = [Route(way.roads, way.lane, way.name, way.where) for way in source.ways]
-    tables = road_tables(open_roads(source.file, source.inside), routes)
+    tables = road_tables(open_roads(str(source.file), Workspace(source.inside)), routes)
     lanes = [lane.number for lane in tables.paths[0].lanes]
     start = component.parameter("start_lane")
     if start is not None and start.start not in lanes:

@@ -109,7 +109,7 @@ def _roads(workspace: Workspace) -> list[Path]:
 
 def _road(workspace: Workspace, path: Path) -> None:
     """That it can be read, and that a path leads through it."""
-    road_tables(open_roads(path, workspace.root))
+    road_tables(open_roads(str(path), workspace))
 
 
 def _first(space: DesignSpace) -> Configuration:

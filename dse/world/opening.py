@@ -4,24 +4,20 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from dse.errors import Location, fail
 from dse.formats import read_xml, shown
 from dse.loading import Workspace
 from dse.world.opendrive.reading import network_in, read_network
 from dse.world.opendrive.structure import Network
 from dse.world.writing.opendrive import opendrive_of
 
-SUFFIXES = (".yaml", ".xodr")
 
-
-def open_roads(path: Path, inside: Path) -> Network:
-    """The network in a file: OpenDRIVE, or a road in YAML of the workspace *inside*.
+def open_roads(name: str, workspace: Workspace) -> Network:
+    """The network in a road of *workspace*, or in the file *name*: YAML, or OpenDRIVE (``.xodr``).
 
     Raises DseError with all that is wrong with it.
     """
-    if path.suffix not in SUFFIXES:
-        hint = f"its name ends in {' or '.join(SUFFIXES)}"
-        raise fail(f"'{path.name}' is no file of roads", Location(shown(path)), hint)
-    if path.suffix == ".xodr":
+    path = Path(name)
+    if path.suffix.lower() == ".xodr":
         return read_network(path, shown(path))
-    return network_in(read_xml(opendrive_of(Workspace(inside).road(str(path))).encode(), shown(path)))
+    road = workspace.road(name)
+    return network_in(read_xml(opendrive_of(road).encode(), f"{road.name} as OpenDRIVE"))

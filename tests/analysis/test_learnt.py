@@ -135,7 +135,9 @@ def test_what_needs_no_extra_works_without_and_the_rest_says_how_to_get_it(monke
     monkeypatch.setitem(sys.modules, "sklearn", None)
     monkeypatch.setitem(sys.modules, "SALib", None)
     points = even(200, 3)
-    found = findings(study(points, {"y": ishigami(points)}, {"y": 5.0}))
+    y = ishigami(points)
+    points[::2, 2] = np.nan
+    found = findings(study(points, {"y": y}, {"y": 5.0}))
     assert _texts(found, Topic.SHARES)
     assert _texts(found, Topic.WITHHELD) == [
         f"what matters together of y: scikit-learn is needed for this, and is not installed ({_INSTALL})"

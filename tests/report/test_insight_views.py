@@ -11,7 +11,7 @@ import pytest
 from known_functions import even, study, variable
 from playwright.sync_api import Page
 
-from dse.analysis import planes
+from dse.analysis import evaluated, features, planes
 from dse.domain.definition import DefinedObjective
 from dse.report import insight_of
 from dse.report.content.nouns import (
@@ -23,7 +23,6 @@ from dse.report.content.nouns import (
     SamplerKind,
     Variable,
 )
-from dse.report.insight.profiles import evaluated, features
 from dse.storage import RunTable
 
 pytestmark = pytest.mark.browser

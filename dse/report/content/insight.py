@@ -123,6 +123,27 @@ class Profile:
 
 
 @dataclass(frozen=True, slots=True)
+class Pair:
+    """The share of a metric's variance that depends on both of the factors at two positions, and perhaps on more."""
+
+    one: int
+    other: int
+    share: Estimate
+
+
+@dataclass(frozen=True, slots=True)
+class Together:
+    """What each factor has to do with of a metric's variance, what it does together with others included.
+
+    *source* says in words how it was found out.
+    """
+
+    source: str
+    totals: tuple[Bar, ...]
+    pairs: tuple[Pair, ...]
+
+
+@dataclass(frozen=True, slots=True)
 class Response:
     """What the metric at a position depends on; *withheld* is what cannot be told, and why."""
 
@@ -131,6 +152,7 @@ class Response:
     effects: tuple[Effect, ...]
     profile: Profile | None
     withheld: tuple[str, ...]
+    together: Together | None = None
 
 
 @dataclass(frozen=True, slots=True, eq=False)

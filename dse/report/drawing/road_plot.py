@@ -199,7 +199,7 @@ def _ticks(length: float) -> list[float]:
     """Some stations with round numbers."""
     from matplotlib.ticker import MaxNLocator
 
-    return [tick for tick in MaxNLocator(8, steps=[1, 2, 5, 10]).tick_values(0.0, length) if 0 < tick < length]
+    return [tick for tick in MaxNLocator(8, steps=[1, 2, 5, 10]).tick_values(0.0, length) if 0 < tick < 0.97 * length]
 
 
 def _arrows(axes: Axes, lanes: Sequence[Strip], metres: float) -> None:

@@ -8,14 +8,14 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from dse.analysis import StudyData, first_order_shares
+from dse.analysis import StudyData, drawn, first_order_shares
 from dse.domain.bench import VERDICTS, Verdict
 from dse.domain.sampler import DesignVariable
 from dse.errors import DseError, fail
 from dse.exploration import Band, design_variable, scaled, unit_of
 from dse.report.content.insight import ChanceMap
 from dse.report.content.nouns import Floats
-from dse.report.insight.drawing import drawn, part_of_table
+from dse.report.insight.drawing import part_of_table
 from dse.report.insight.naming import Naming
 from dse.storage import RunTable
 from dse.units import parse_unit

@@ -1,4 +1,4 @@
-"""Fewer runs of many: what is told of them is as good, and takes no minutes."""
+"""Some of the runs that were stored, as if there were no others."""
 
 from __future__ import annotations
 
@@ -8,14 +8,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dse.storage import NO_CHECKS, RunTable
-
-_SEED = 0
-
-
-def drawn(rows: NDArray[np.intp], most: int) -> NDArray[np.intp]:
-    """All of *rows*, or so many of them, each as likely as any other; sorted, the same ones every time."""
-    # Every so-manieth would keep one column of a grid only.
-    return np.sort(np.random.default_rng(_SEED).permutation(rows)[:most])
 
 
 def part_of_table(table: RunTable, rows: NDArray[np.intp]) -> RunTable:

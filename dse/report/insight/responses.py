@@ -3,25 +3,45 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import TypeVar
 
 import numpy as np
 
-from dse.analysis import Factor, Share, StudyData, first_order_shares, main_effects
+from dse.analysis import (
+    LEAST_EXPLAINED,
+    Factor,
+    Formula,
+    Indices,
+    Interval,
+    StudyData,
+    centres_of,
+    columns_of,
+    drawn,
+    features,
+    first_order_shares,
+    formulas,
+    main_effects,
+    mixed_groups,
+    require_everywhere,
+    sobol_indices,
+)
 from dse.errors import DseError, fail
-from dse.report.content.insight import Bar, Effect, Estimate, FactorAxis, Part, Profile, Response
+from dse.report.content.insight import Bar, Effect, Estimate, FactorAxis, Pair, Part, Profile, Response, Together
 from dse.report.content.nouns import Floats
-from dse.report.insight.drawing import drawn
 from dse.report.insight.naming import Naming
-from dse.report.insight.profiles import MOST_RUNS, Formula, centres_of, features, formulas
 from dse.units import Unit, parse_unit
 
 MOST_METRICS = 16
 """Those behind requirements and objectives first."""
 
+MOST_RUNS = 2000
+"""Of which formulas are made."""
+
 _STEPS = 33
 _LEAST = 12
+_DESIGN = "sobol_indices"
+_TOGETHER = "what matters with all it does together with others"
 
 T = TypeVar("T")
 
@@ -66,6 +86,9 @@ class _Fits:
         for those in groups.values():
             self._fit(those)
 
+    def _columns(self) -> list[list[int]]:
+        return columns_of(self.data.factors, mixed_groups(self.data))
+
     def _refuse(self, name: str) -> None:
         self.data.response(name, _LEAST)
         data = self.data
@@ -86,14 +109,15 @@ class _Fits:
         centres = centres_of(points)
         spread = values.std(axis=0)
         spread[spread == 0] = 1.0
-        made = formulas(points, (values - values.mean(axis=0)) / spread, centres)
+        scaled = (values - values.mean(axis=0)) / spread
+        made = formulas(points, scaled, centres, self.data.weights[rows], self._columns())
         self.centres.append(centres)
         for name, formula, middle, scale in zip(names, made, values.mean(axis=0), spread, strict=True):
             weights = formula.weights * scale
             weights[len(centres)] += middle
             self.found[name] = (
                 len(self.centres) - 1,
-                Formula(formula.power, weights, formula.error * scale, formula.explained),
+                replace(formula, weights=weights, error=formula.error * scale),
                 len(rows),
             )
 
@@ -108,9 +132,11 @@ def _response(data: StudyData, name: str, fits: _Fits, naming: Naming) -> Respon
         profile = _profile(fits, name, unit)
     else:
         withheld.append(f"a formula: {fits.reasons[name]}")
+    is_several = len(data.factors) > 1
+    together = _or_reason(lambda: _together(data, name, fits), _TOGETHER, name, withheld) if is_several else None
     return Response(
         naming.metrics[name],
-        tuple(_bar(data, share) for share in shares or ()),
+        tuple(_bar(data, share.factor, share.share) for share in shares or ()),
         tuple(
             Effect(
                 data.factor(each.factor),
@@ -121,6 +147,31 @@ def _response(data: StudyData, name: str, fits: _Fits, naming: Naming) -> Respon
         ),
         profile,
         tuple(dict.fromkeys(map(naming.spoken, withheld))),
+        together,
+    )
+
+
+def _together(data: StudyData, name: str, fits: _Fits) -> Together:
+    """By the design, if the study is made for it, else by the formula. DseError says why it cannot be told."""
+    data.response(name, _LEAST)
+    require_everywhere(data, name)
+    if data.definition.sampler.kind == _DESIGN:
+        designed = sobol_indices(data, name)
+        totals = [(each.factor, each.total) for each in designed.factors if isinstance(each, Indices)]
+        blocks = f"Sobol' indices of {designed.blocks} blocks"
+        return Together(blocks, tuple(_bar(data, *each) for each in totals), ())
+    if name not in fits.found:
+        raise fail("it takes a formula")
+    _, formula, _ = fits.found[name]
+    if formula.explained < LEAST_EXPLAINED:
+        share = f"{max(formula.explained, 0.0):.0%}"
+        raise fail(
+            f"a formula predicts {share} of its variance in runs left out, too little ('dse findings' may try a forest)"
+        )
+    return Together(
+        f"a formula that predicts {formula.explained:.0%} of it in runs left out",
+        tuple(_bar(data, factor.name, total) for factor, total in zip(data.factors, formula.totals, strict=True)),
+        tuple(Pair(pair.one, pair.other, _shown(pair.share)) for pair in formula.pairs),
     )
 
 
@@ -132,8 +183,14 @@ def _profile(fits: _Fits, name: str, unit: Unit) -> Profile:
     return Profile(formula.power, formula.error / factor, formula.explained, runs, at, weights.astype(np.float32))
 
 
-def _bar(data: StudyData, share: Share) -> Bar:
-    return Bar(data.factor(share.factor), (share.share.value, share.share.low, share.share.high))
+def _bar(data: StudyData, factor: str, share: Interval) -> Bar:
+    return Bar(data.factor(factor), _shown(share))
+
+
+def _shown(share: Interval) -> Estimate:
+    """A share as it can be: an estimate may lie outside of 0 … 1."""
+    first, second, third = (min(max(each, 0.0), 1.0) for each in (share.value, share.low, share.high))
+    return first, second, third
 
 
 def _estimate(value: float, low: float, high: float, unit: Unit) -> Estimate:

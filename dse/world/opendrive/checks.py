@@ -12,19 +12,20 @@ from dse.errors import Problem, closest
 from dse.formats import shortened
 from dse.world.opendrive.curves import curve_of
 from dse.world.opendrive.driving import DRIVEN, ends_at, lanes_at, leaves_at
-from dse.world.opendrive.structure import Connection, End, Geometry, Lane, Network, Road
+from dse.world.opendrive.structure import Connection, Cubic, End, Geometry, Lane, Network, Road
 
-GAP = 0.01
+GAP = 0.05
 """How far apart pieces of a line may be, in m; and how far lengths may contradict each other, beside 1e-4 of them."""
-KINK = 0.02
+KINK = 0.1
 """How much pieces of a line may turn where they meet, in rad."""
+
+_HIGHEST, _WIDEST = 1e4, 1e4  # m
+_STEEPEST = 1.4  # rad
+_SAMPLES = np.linspace(0.0, 1.0, 9)
 
 
 def road_problems(road: Road) -> Iterator[Problem]:
-    """Lengths that contradict and gaps in the reference line; raises DseError where it cannot be followed at all."""
-    if not road.length > 0.0:
-        yield Problem(f"road '{shortened(road.id)}' has no length", road.where)
-        return
+    """Lengths that contradict, gaps, and sizes no road has; raises DseError where a curve cannot be followed at all."""
     pieces = road.geometries
     if pieces[0].s > GAP:
         yield Problem(f"the first <geometry> begins at {pieces[0].s:g} m, not at 0", pieces[0].where)
@@ -40,6 +41,25 @@ def road_problems(road: Road) -> Iterator[Problem]:
             yield Problem(f"the curve is {length:g} m long, its <geometry> says {piece.length:g} m", piece.where)
     for one, other in pairwise(pieces):
         yield from _apart(one, other)
+    yield from _unfit(road.elevation, road.length, _HIGHEST, "a height of", "m")
+    yield from _unfit(road.superelevation, road.length, _STEEPEST, "a superelevation of", "rad")
+    yield from _unfit(road.offsets, road.length, _WIDEST, "a lane offset of", "m")
+    for section in road.sections:
+        for lane in section.lanes.values():
+            yield from _unfit(lane.widths, section.end, _WIDEST, f"in lane {lane.id} a width of", "m", -GAP)
+            yield from _unfit(() if lane.widths else lane.borders, section.end, _WIDEST, "a border at", "m")
+
+
+def _unfit(
+    cubics: tuple[Cubic, ...], end: float, most: float, what: str, unit: str, least: float = -math.inf
+) -> Iterator[Problem]:
+    ends = [*(cubic.s for cubic in cubics[1:]), end]
+    for cubic, until in zip(cubics, ends, strict=False):
+        ds = max(min(until, end) - cubic.s, 0.0) * _SAMPLES
+        values = cubic.a + ds * (cubic.b + ds * (cubic.c + ds * cubic.d))
+        worst = values[np.argmax(np.where(values < least, math.inf, np.abs(values)))]
+        if not max(least, -most) <= worst <= most:
+            yield Problem(f"the road has {what} {worst:g} {unit}", cubic.where)
 
 
 def _apart(one: Geometry, other: Geometry) -> Iterator[Problem]:

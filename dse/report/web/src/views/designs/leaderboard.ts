@@ -2,6 +2,7 @@
 import { selectRun } from "../../actions";
 import { el } from "../../dom";
 import { number } from "../../format";
+import { createHeading } from "../../panels/heading";
 import { axisLabel } from "../../study";
 import { CLASSES, PASS, SIGNS, WORDS } from "../../verdicts";
 import { choiceAt, configurationOf, differingPlaces, hasVariable, nameOf, subscribeCalmly, togglePick, type Model } from "./model";
@@ -29,6 +30,7 @@ export function createLeaderboard(model: Model): HTMLElement {
   const note = el("p", { class: "hint", id: "leaders-note" });
   let columns = columnsOf(model);
   let designs = new Int32Array(0);
+  let headings: Headings = { of: "", show: () => undefined };
 
   const rows = (): void => {
     const start = Math.max(0, Math.floor(view.scrollTop / ROW) - SPARE);
@@ -42,7 +44,7 @@ export function createLeaderboard(model: Model): HTMLElement {
   const order = (): void => {
     columns = columnsOf(model);
     designs = arranged(model, columns);
-    drawHead(model, columns, head);
+    headings = drawHead(model, columns, head, headings);
     note.textContent = noteOf(model, designs.length);
     rows();
   };
@@ -136,18 +138,44 @@ function arranged(model: Model, columns: Column[]): Int32Array<ArrayBuffer> {
   return Int32Array.from(found);
 }
 
-function drawHead(model: Model, columns: Column[], head: HTMLElement): void {
-  const { sort } = model.choices;
+interface Headings {
+  /** The columns they were made for. */
+  of: string;
+  show: () => void;
+}
+
+/** Headings are made anew for other columns only: one may be dragged right now. */
+function drawHead(model: Model, columns: Column[], head: HTMLElement, last: Headings): Headings {
+  const of = JSON.stringify(columns.map(({ key, title }) => [key, title]));
+  if (of === last.of) {
+    last.show();
+    return last;
+  }
   const focused = (document.activeElement as HTMLElement | null)?.dataset["leader"];
   const cells = columns.map(({ key, title, hint, numeric }) => {
-    const active = sort.column === key;
-    // What is better when large is first shown largest first.
-    const descending = active ? !sort.descending : key === "score" || key === "slack" || (numeric && model.choices.criteria.some(({ column, maximize }) => column === key && maximize));
-    const button = el("button", { type: "button", "data-leader": key, title: hint || undefined, click: () => model.set({ sort: { column: key, descending } }) }, title, el("span", { class: "arrow", "aria-hidden": "true" }, active ? (sort.descending ? "\u25be" : "\u25b4") : ""));
-    return el("th", { scope: "col", class: numeric ? "numeric" : "", "aria-sort": active ? (sort.descending ? "descending" : "ascending") : "none" }, button);
+    const arrow = el("span", { class: "arrow", "aria-hidden": "true" });
+    const sort = (): void => {
+      const { sort: now, criteria } = model.choices;
+      // What is better when large is first shown largest first.
+      const largest = key === "score" || key === "slack" || (numeric && criteria.some(({ column, maximize }) => column === key && maximize));
+      model.set({ sort: { column: key, descending: now.column === key ? !now.descending : largest } });
+    };
+    const heading = createHeading(model.store, key);
+    const cell = el("th", { scope: "col", class: numeric ? "numeric" : "" }, el("button", { type: "button", "data-leader": key, title: hint || undefined, click: sort }, title, arrow), heading?.element);
+    return { key, arrow, heading, cell };
   });
-  head.replaceChildren(el("th", { scope: "col" }, el("span", { class: "unseen" }, "Compare")), ...cells);
+  head.replaceChildren(el("th", { scope: "col" }, el("span", { class: "unseen" }, "Compare")), ...cells.map(({ cell }) => cell));
   if (focused) head.querySelector<HTMLElement>(`[data-leader="${CSS.escape(focused)}"]`)?.focus();
+  const show = (): void => {
+    const { column, descending } = model.choices.sort;
+    for (const { key, arrow, heading, cell } of cells) {
+      cell.setAttribute("aria-sort", column !== key ? "none" : descending ? "descending" : "ascending");
+      arrow.textContent = column !== key ? "" : descending ? "\u25be" : "\u25b4";
+      heading?.show();
+    }
+  };
+  show();
+  return { of, show };
 }
 
 function rowOf(model: Model, columns: Column[], design: number, index: number): HTMLElement {
