@@ -22,8 +22,9 @@ MOST_RUNS = 2000
 _FOLDS = 5
 _SEED = 0
 _RIDGE = 1e-10
-_MOST_MIXED = 60_000
+_MOST_MIXED = 20_000
 _LEAST_MIXED = 20
+_MIXES = 4
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -146,13 +147,14 @@ def _mixing(
     fold: NDArray[np.intp],
     models: Sequence[Predict],
 ) -> Mixing:
-    """Each model's own runs mixed, of many factors fewer of them."""
+    """The runs that each model has not seen, mixed up to four times; of many factors fewer of them."""
     most = max(_MOST_MIXED // (_FOLDS * max(len(columns), 1)), _LEAST_MIXED)
     parts = []
     for number, predict in enumerate(models):
         rows = drawn(np.flatnonzero(fold == number), most)
         parts.append(Part(predict, points[rows], values[rows], weights[rows]))
-    return Mixing(columns, parts)
+    mixed = max(len(columns) * sum(len(part.points) for part in parts), 1)
+    return Mixing(columns, parts, min(max(_MOST_MIXED // mixed, 1), _MIXES))
 
 
 def evaluated(points: Floats, centres: Floats, weights: Floats, power: int) -> Floats:

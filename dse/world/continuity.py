@@ -12,7 +12,7 @@ from dse.world.evaluation import place
 from dse.world.pieces import value
 from dse.world.tables import RoadPath
 
-STEP = 0.05
+STEP = 0.1
 """How far apart the middles of lanes may be where they go on in each other, in m, along, across and up."""
 BEND = 0.1
 """How much a lane may turn there, in rad."""

@@ -112,21 +112,26 @@ def _line(passage: _Passage) -> tuple[Piecewise, Piecewise]:
 
 def _lanes(passages: Sequence[_Passage]) -> Iterator[LaneBand]:
     """The bands beside the path, its own first; each all along it."""
-    sections = [
-        (bands_of(passage.road, place, along=passage.along), section.end - section.s)
-        for passage in passages
-        for place in passage.places
-        for section in [passage.road.sections[place.section]]
-    ]
-    numbers = sorted({number for bands, _ in sections for number in bands}, key=lambda number: (abs(number), -number))
-    for number in numbers:
-        parts = [(_band(bands, number), length) for bands, length in sections]
+    sections = [[bands_of(p.road, place, along=p.along) for place in p.places] for p in passages]
+    numbers = {number for passage in sections for bands in passage for number in bands}
+    for number in sorted(numbers, key=lambda number: (abs(number), -number)):
+        rows = [[_band(bands, number) for bands in passage] for passage in sections]
         yield LaneBand(
             number,
-            joined([(band.left, length) for band, length in parts]),
-            joined([(band.right, length) for band, length in parts]),
-            joined([(band.friction, length) for band, length in parts]),
+            _along_sections(passages, [[band.left for band in row] for row in rows]),
+            _along_sections(passages, [[band.right for band in row] for row in rows]),
+            _along_sections(passages, [[band.friction for band in row] for row in rows]),
         )
+
+
+def _along_sections(passages: Sequence[_Passage], parts: Sequence[Sequence[Piecewise]]) -> Piecewise:
+    """The parts of all sections in a row; roads begin where they do for all else of the path, to the last bit."""
+    roads = []
+    for passage, row in zip(passages, parts, strict=True):
+        sections = [passage.road.sections[place.section] for place in passage.places]
+        lengths = [section.end - section.s for section in sections]
+        roads.append((joined(list(zip(row, lengths, strict=True))), passage.road.length))
+    return joined(roads)
 
 
 def _band(bands: dict[int, Band], number: int) -> Band:

@@ -57,7 +57,7 @@ def way_of(graph: LaneGraph, route: Route) -> Way:
     network = graph.network
     for id_ in route.roads:
         if id_ not in network.roads:
-            raise fail(f"there is no road '{shortened(id_)}' in the file", route.where, closest(id_, network.roads))
+            raise fail(f"there is no road '{shortened(id_)}' in the file", route.where or network.where, closest(id_, network.roads))
     starts = list(_starts(network, route))
     if not route.roads:
         # The first of those that are as long to a mm.

@@ -97,6 +97,37 @@ def test_importance_counts_what_factors_do_together():
     assert found.factors[2].share.low > 0.05
 
 
+def test_what_two_factors_do_only_together_is_told_of_the_pair():
+    """Of (x1 - 1/2)(x2 - 1/2) nothing is due to either alone, and all to both: totals and the pair's share are 1."""
+    found = importances(_data(400, lambda points: (points[:, 0] - 0.5) * (points[:, 1] - 0.5), 3), "y")
+    assert [each.share.value for each in found.factors] == pytest.approx([1, 1, 0], abs=0.15)
+    first, *others = found.pairs
+    assert (first.one, first.other) == ("x1", "x2")
+    assert first.share.low > 0.6
+    assert max(pair.share.value for pair in others) < 0.1
+
+
+def test_factors_that_go_together_have_one_total():
+    points = even(300, 3)
+    points[:, 1] = points[:, 0]
+    found = importances(study_data(study(points, {"y": points[:, 0] + points[:, 2]})), "y")
+    assert found.factors[0].share == found.factors[1].share
+    assert {(pair.one, pair.other) for pair in found.pairs} == {("x1", "x3"), ("x2", "x3")}
+
+
+def test_importance_of_what_many_runs_do_not_define_is_withheld():
+    points = even(300, 2)
+    y = np.where(points[:, 0] < 0.7, points[:, 1], np.nan)
+    with pytest.raises(DseError, match=r"y: it is defined in 198 of 300 runs only"):
+        importances(study_data(study(points, {"y": y})), "y")
+
+
+def test_importance_of_runs_at_few_points_is_withheld():
+    points = np.repeat(even(20, 2), 10, axis=0)
+    with pytest.raises(DseError, match="variables have 20 different values in all: 50 are needed"):
+        importances(study_data(study(points, {"y": points[:, 0]})), "y")
+
+
 def test_importance_of_what_cannot_be_predicted_is_withheld():
     data = _data(200, lambda points: np.random.default_rng(1).random(len(points)))
     with pytest.raises(DseError, match="too little to say what matters together with others"):

@@ -62,15 +62,17 @@ def sections() -> Iterator[type[Section]]:
 
 
 @pytest.fixture(scope="module")
-def dse(tmp_path_factory: pytest.TempPathFactory) -> Dse:
+def dse(tmp_path_factory: pytest.TempPathFactory, built_before: Callable[[Path], Path]) -> Dse:
     root = tmp_path_factory.mktemp("formats")
     for name, text in files().items():
         path = root / "workspace" / name
         path.parent.mkdir(parents=True, exist_ok=True)
         path.write_text(text, encoding="utf-8")
 
+    cache = built_before(root / "cache")
+
     def call(*arguments: str) -> subprocess.CompletedProcess[str]:
-        return run_dse(root / "workspace", *arguments, cache=root / "cache")
+        return run_dse(root / "workspace", *arguments, cache=cache)
 
     return call
 

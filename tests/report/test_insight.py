@@ -68,6 +68,30 @@ def test_bars_and_effects_are_those_of_the_analysis():
         assert effect.means == tuple((mean.value, mean.low, mean.high) for mean in expected.means)
 
 
+def test_totals_are_what_factors_do_with_others_included():
+    """y = x1 x2 on a unit square has totals of 4/7 each and 1/7 that depends on both (by hand)."""
+    points = even(600, 2, 0)
+    table = study(points, {"y": points[:, 0] * points[:, 1], "z": np.random.default_rng(0).random(600)}, {"y": 0.3})
+    known, noise = insight_of(table).parts[0].responses
+    assert known.together is not None
+    assert [bar.share[0] for bar in known.together.totals] == pytest.approx([4 / 7, 4 / 7], abs=0.06)
+    (pair,) = known.together.pairs
+    assert pair.share[0] == pytest.approx(1 / 7, abs=0.05)
+    assert noise.together is None
+    assert any("too little" in why for why in noise.withheld)
+
+
+def test_the_ellipse_lies_around_the_robust_centre_where_all_is_met():
+    insight = insight_of(plane(120))
+    (around,) = insight.around
+    assert around.run == insight.centres[0].run
+    assert around.map.requirement == -1
+    assert (around.map.passing == insight.chances[0].passing).all()
+    outline = np.array(around.outline)
+    assert (outline[:, 0] + outline[:, 1] / 4 < 0.55).all()
+    assert np.ptp(outline[:, 1]) > 0.45
+
+
 def test_boxes_and_the_robust_centre_are_those_of_the_analysis():
     table = plane()
     (data,) = planes(table)

@@ -187,6 +187,19 @@ class ChanceMap:
     runs: int
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class Around:
+    """The robust centre's plane: *passing* of the *map* is how probable at least all requirements (-1) are met.
+
+    *outline* is the largest ellipse around the *run*, by places (0 … 1), without a place where that is less than 95 %;
+    () if that is so beside the run already.
+    """
+
+    run: int
+    map: ChanceMap
+    outline: tuple[tuple[float, float], ...]
+
+
 @dataclass(frozen=True, slots=True)
 class Pick:
     """A design that is best, with its *run* (the worst one of its runs) and what its objectives are."""
@@ -230,6 +243,7 @@ class Insight:
     centres: tuple[Centre, ...] = ()
     parts: tuple[Part, ...] = ()
     chances: tuple[ChanceMap, ...] = ()
+    around: tuple[Around, ...] = ()
     search: Search | None = None
     withheld: tuple[str, ...] = ()
     drawn: int = 0

@@ -8,15 +8,18 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from dse.analysis import StudyData, drawn, first_order_shares
+from dse.analysis import StudyData, drawn, first_order_shares, robust_centre
 from dse.domain.bench import VERDICTS, Verdict
+from dse.domain.definition import DefinedVariable
 from dse.domain.sampler import DesignVariable
 from dse.errors import DseError, fail
 from dse.exploration import Band, design_variable, scaled, unit_of
-from dse.report.content.insight import ChanceMap
+from dse.report.content.insight import Around, ChanceMap
 from dse.report.content.nouns import Floats
 from dse.report.insight.drawing import part_of_table
+from dse.report.insight.ellipses import largest_ellipse
 from dse.report.insight.naming import Naming
+from dse.report.insight.told import whole_of
 from dse.storage import RunTable
 from dse.units import parse_unit
 
@@ -31,13 +34,16 @@ _JUDGED = [VERDICTS.index(Verdict.PASS), VERDICTS.index(Verdict.FAIL)]
 
 def chances_of(
     table: RunTable, parts: Sequence[StudyData], naming: Naming
-) -> tuple[tuple[ChanceMap, ...], tuple[str, ...]]:
-    """A map for each requirement that some runs of a part meet and others do not; and why there is none of others."""
+) -> tuple[tuple[ChanceMap, ...], tuple[Around, ...], tuple[str, ...]]:
+    """A map for each requirement that some runs of a part meet and others do not, and one around each robust centre;
+    and why there is none of others."""
     if len(table.header.variables) < 2:
-        return (), ()
+        return (), (), ()
     found: list[ChanceMap] = []
+    around: list[Around] = []
     reasons: list[str] = []
     for data in parts:
+        first = len(found)
         for name in data.verdicts:
             codes = set(data.codes(name).tolist())
             if not set(_JUDGED) <= codes:
@@ -49,7 +55,12 @@ def chances_of(
                 found.append(_map(table, data, name, naming))
             except DseError as error:
                 reasons.append(f"chances of {name}: {error.problems[0].what}")
-    return tuple(found), tuple(dict.fromkeys(map(naming.spoken, reasons)))
+        if len(found) > first:
+            try:
+                around.append(_around(table, data, found[first].plane, naming))
+            except DseError as error:
+                reasons.append(f"chances of all requirements around the robust centre: {error.problems[0].what}")
+    return tuple(found), tuple(around), tuple(dict.fromkeys(map(naming.spoken, reasons)))
 
 
 def _map(table: RunTable, data: StudyData, name: str, naming: Naming) -> ChanceMap:
@@ -60,17 +71,11 @@ def _map(table: RunTable, data: StudyData, name: str, naming: Naming) -> ChanceM
         raise fail(f"runs of configuration {configuration} all have the same verdict")
     across, along = _plane(data, name)
     rows = drawn(mine, MOST_RUNS)
-    known = part_of_table(table, np.searchsorted(table.numbers, data.numbers[rows]))
     variables = tuple(map(design_variable, definition.variables))
     names = [variable.name for variable in variables]
     x, y = names.index(across), names.index(along)
-    points = _grid(variables, x, y)
-    there = Band(known, name, configuration).at(points)
-    held = tuple(
-        (k, parse_unit(each.unit).from_si(each.nominal))
-        for k, each in enumerate(definition.variables)
-        if k not in (x, y)
-    )
+    nominal = np.array([variable.nominal for variable in variables])
+    there = _band(table, data, name, configuration).at(_grid(variables, nominal, x, y))
     return ChanceMap(
         (x, y),
         naming.configurations[configuration],
@@ -79,10 +84,59 @@ def _map(table: RunTable, data: StudyData, name: str, naming: Naming) -> ChanceM
         _percents(there.passing),
         _percents(there.misjudged),
         float((there.misjudged > _DOUBTFUL).mean()),
-        held,
+        _held(definition.variables, nominal, x, y),
         len(rows),
         len(mine),
     )
+
+
+def _around(table: RunTable, data: StudyData, plane: tuple[int, ...], naming: Naming) -> Around:
+    """All requirements together, through the robust centre; those that no run of its configuration fails are met."""
+    centre, (x, y) = robust_centre(data, whole_of(data)), plane
+    (row,) = np.flatnonzero(data.numbers == centre.number)
+    configuration = str(data.configurations[row])
+    mine = np.flatnonzero(data.configurations == configuration)
+    variables = tuple(map(design_variable, data.definition.variables))
+    (at,) = np.flatnonzero(table.numbers == centre.number)
+    point = table.coordinates()[at]
+    points, missing = _grid(variables, point, x, y), np.zeros(SIZE * SIZE)
+    for name in data.verdicts:
+        if (data.codes(name)[mine] == _JUDGED[1]).any():
+            # The least that it can be, however the requirements hang together (Fréchet).
+            missing += 1 - _band(table, data, name, configuration).at(points).passing
+    passing = np.maximum(1 - missing, 0.0)
+    middle = unit_of(point[None], variables)[0, [x, y]]
+    outline = largest_ellipse(middle, passing.reshape(SIZE, SIZE), 1 - _DOUBTFUL)
+    doubt = np.minimum(passing, 1 - passing)
+    there = ChanceMap(
+        (x, y),
+        naming.configurations[configuration],
+        -1,
+        SIZE,
+        _percents(passing),
+        _percents(doubt),
+        float((doubt > _DOUBTFUL).mean()),
+        _held(data.definition.variables, point, x, y),
+        len(drawn(mine, MOST_RUNS)),
+        len(mine),
+    )
+    return Around(centre.number, there, tuple((float(a), float(b)) for a, b in outline))
+
+
+def _band(table: RunTable, data: StudyData, name: str, configuration: str) -> Band:
+    """What the runs of *data* on *configuration* tell of a requirement."""
+    key = ("band", name, configuration)
+    if key not in data.known:
+        rows = drawn(np.flatnonzero(data.configurations == configuration), MOST_RUNS)
+        known = part_of_table(table, np.searchsorted(table.numbers, data.numbers[rows]))
+        data.known[key] = Band(known, name, configuration)
+    band: Band = data.known[key]
+    return band
+
+
+def _held(defined: Sequence[DefinedVariable], point: Floats, x: int, y: int) -> tuple[tuple[int, float], ...]:
+    units = [parse_unit(each.unit) for each in defined]
+    return tuple((k, units[k].from_si(float(value))) for k, value in enumerate(point) if k not in (x, y))
 
 
 def _plane(data: StudyData, name: str) -> tuple[str, str]:
@@ -101,14 +155,14 @@ def _plane(data: StudyData, name: str) -> tuple[str, str]:
     return numbers[0], numbers[1]
 
 
-def _grid(variables: Sequence[DesignVariable], x: int, y: int) -> Floats:
-    nominal = np.array([[variable.nominal for variable in variables]])
-    unit = np.repeat(unit_of(nominal, variables), SIZE * SIZE, axis=0)
+def _grid(variables: Sequence[DesignVariable], point: Floats, x: int, y: int) -> Floats:
+    """Even places in the ranges of two variables, the others as in *point*."""
+    unit = np.repeat(unit_of(point[None], variables), SIZE * SIZE, axis=0)
     even = np.linspace(0, 1, SIZE)
     unit[:, x], unit[:, y] = np.tile(even, SIZE), np.repeat(even, SIZE)
     points = scaled(unit, variables)
     rest = [k for k in range(len(variables)) if k not in (x, y)]
-    points[:, rest] = nominal[0, rest]
+    points[:, rest] = point[rest]
     return points
 
 

@@ -55,7 +55,7 @@ def _insight(table: RunTable) -> Insight:
     looked = table if len(table) <= MOST_RUNS else part_of_table(table, drawn(every, MOST_RUNS))
     parts = planes(looked)
     findings = essentials(looked, parts)
-    chances, withheld = chances_of(looked, parts, naming)
+    chances, around, withheld = chances_of(looked, parts, naming)
     search, reasons = search_of(table, naming)
     return Insight(
         asked,
@@ -64,6 +64,7 @@ def _insight(table: RunTable) -> Insight:
         tuple(centre for data in parts for centre in centres_of(data, naming)),
         tuple(part_of(data, naming) for data in parts if len(data)),
         chances,
+        around,
         search,
         (*withheld, *reasons),
         len(looked) if looked is not table else 0,

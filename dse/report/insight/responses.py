@@ -164,12 +164,12 @@ def _together(data: StudyData, name: str, fits: _Fits) -> Together:
         raise fail("it takes a formula")
     _, formula, _ = fits.found[name]
     if formula.explained < LEAST_EXPLAINED:
-        share = f"{max(formula.explained, 0.0):.0%}"
+        share = f"{100 * max(formula.explained, 0.0):.0f} %"
         raise fail(
             f"a formula predicts {share} of its variance in runs left out, too little ('dse findings' may try a forest)"
         )
     return Together(
-        f"a formula that predicts {formula.explained:.0%} of it in runs left out",
+        f"a formula that predicts {100 * formula.explained:.0f} % of it in runs left out",
         tuple(_bar(data, factor.name, total) for factor, total in zip(data.factors, formula.totals, strict=True)),
         tuple(Pair(pair.one, pair.other, _shown(pair.share)) for pair in formula.pairs),
     )

@@ -22,10 +22,10 @@ def told_of(findings: Sequence[Finding], naming: Naming) -> tuple[Told, ...]:
 def boxes_of(data: StudyData, findings: Sequence[Finding], naming: Naming) -> tuple[Box, ...]:
     """The boxes of all requirements together, as they are told in *findings*; none where they are withheld."""
     try:
-        found = best_boxes(data, _whole(data))
+        found = best_boxes(data, whole_of(data))
     except DseError:
         return ()
-    texts = [each.text for each in findings if each.plane == data.plane and each.about == _whole(data)]
+    texts = [each.text for each in findings if each.plane == data.plane and each.about == whole_of(data)]
     conditions = [text for text in texts if " held-out runs" in text]
     return tuple(_box(each, data, naming, naming.spoken(text)) for each, text in zip(found, conditions, strict=False))
 
@@ -33,13 +33,14 @@ def boxes_of(data: StudyData, findings: Sequence[Finding], naming: Naming) -> tu
 def centres_of(data: StudyData, naming: Naming) -> tuple[Centre, ...]:
     """The robust centre of all requirements together; none where it is withheld."""
     try:
-        found = robust_centre(data, _whole(data))
+        found = robust_centre(data, whole_of(data))
     except DseError:
         return ()
     return (_centre(found, data, naming),)
 
 
-def _whole(data: StudyData) -> str:
+def whole_of(data: StudyData) -> str:
+    """What all requirements together are called."""
     return next(iter(data.verdicts)) if len(data.verdicts) == 1 else "all requirements"
 
 

@@ -79,6 +79,14 @@ export interface Response {
   effects: { factor: number; places: number[]; means: Estimate[] }[];
   profile: Profile | null;
   withheld: string[];
+  together: Together | null;
+}
+
+/** What each factor has to do with, what it does together with others included, and what depends on two of them. */
+export interface Together {
+  source: string;
+  totals: { factor: number; share: Estimate }[];
+  pairs: { one: number; other: number; share: Estimate }[];
 }
 
 export interface Part {
@@ -104,6 +112,13 @@ export interface ChanceMap {
   runs: number;
 }
 
+/** The plane through the robust centre, of all requirements together (-1); an ellipse by places, 0 … 1. */
+export interface Around {
+  run: number;
+  map: ChanceMap;
+  outline: [number, number][];
+}
+
 export interface Search {
   objectives: string[];
   units: string[];
@@ -122,6 +137,7 @@ export interface Insight {
   centres: Centre[];
   parts: Part[];
   chances: ChanceMap[];
+  around: Around[];
   search: Search | null;
   withheld: string[];
   /** How many runs it is told of; 0 for all. */

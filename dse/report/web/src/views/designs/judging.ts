@@ -2,6 +2,7 @@
 // thresholds (both are held to tests/design_cases.py).
 import type { Study } from "../../study";
 import { FAIL, FAILED, judge, margin, NOT_EXERCISED, PASS, type Judgement, type Threshold } from "../../verdicts";
+import { scaleOf } from "../shared/margins";
 import { groupingOf } from "./grouping";
 
 export interface Standing {
@@ -19,15 +20,6 @@ export interface Standing {
   shortfall: Float64Array;
   /** The run that decides: one that failed to run, else that of the least slack, else the first. */
   deciding: Int32Array;
-}
-
-/** What a share of margin is a share of: the bound; of a band, half its width; of a bound at 0, the metric's median size. */
-export function scaleOf(study: Study, index: number, { atMost, atLeast }: Threshold): number {
-  const scale = atMost !== null && atLeast !== null ? (atMost - atLeast) / 2 : Math.abs(atMost ?? atLeast ?? 1);
-  if (scale > 0) return scale;
-  const values = study.metrics[study.requirements[index]!.metric]!.values;
-  const sizes = values.map(Math.abs).filter((value) => Number.isFinite(value) && value > 0).sort();
-  return sizes[sizes.length >> 1] ?? 1;
 }
 
 /** *thresholds* moved inwards by the share *demand* of each scale. */

@@ -24,18 +24,20 @@ export function createChances(store: Store): HTMLElement {
     "div",
     {},
     el("p", { class: "hint" }, "Colour is the probability that the requirement is met, as a Gaussian process tells it from the runs at the study\u2019s own thresholds. Thick: where it is one half. Dashed: the band in which the verdict is another than the likeliest with more than 5 %. The frame is what may change at once around the robust centre."),
-    el("div", { class: "minis maps" }, ...chances.map((map, index) => figure(store, map, index))),
+    el("div", { class: "minis maps" }, ...chances.map((map, index) => chanceFigure(store, map, `chances-${index}`, store.study.requirements[map.requirement]!.title))),
     ...withheld.filter((text) => text.startsWith("chances of ")).map((text) => el("p", { class: "hint withheld" }, `Not told: ${text}.`)),
   );
 }
 
-function figure(store: Store, map: ChanceMap, index: number): HTMLElement {
+/** What is drawn over a map: *at* is where a place (0 … 1) of both variables is. */
+export type Over = (pen: Pen, at: (across: number, up: number) => [number, number], colours: Palette) => void;
+
+export function chanceFigure(store: Store, map: ChanceMap, id: string, title: string, over?: Over): HTMLElement {
   const { study } = store;
-  const { title } = study.requirements[map.requirement]!;
   const reading = el("p", { class: "reading" }, "\u00a0");
   const label = `Probability that ${title} is met over ${planeName(study, map.plane)}; the verdict is in doubt on ${percent(map.uncertain, 1)} of it`;
-  const painted = createPainted(store, "mini map", label, (sheet) => paint(sheet, store, map), () => title);
-  painted.element.id = `chances-${index}`;
+  const painted = createPainted(store, "mini map", label, (sheet) => paint(sheet, store, map, over), () => title);
+  painted.element.id = id;
   painted.element.addEventListener("pointermove", (event) => {
     const frame = frameOf(painted.canvas.clientWidth, painted.canvas.clientHeight);
     const box = painted.canvas.getBoundingClientRect();
@@ -64,7 +66,7 @@ function frameOf(width: number, height: number): Frame {
   return { ...frame, x: scaleLinear([0, TICKS - 1], [frame.left, frame.right]), y: scaleLinear([0, TICKS - 1], [frame.bottom, frame.top]) };
 }
 
-function paint({ pen, width, height }: Sheet, store: Store, map: ChanceMap): void {
+function paint({ pen, width, height }: Sheet, store: Store, map: ChanceMap, over?: Over): void {
   const colours = palette();
   const frame = frameOf(width, height);
   const { left, right, top, bottom } = frame;
@@ -83,6 +85,7 @@ function paint({ pen, width, height }: Sheet, store: Store, map: ChanceMap): voi
   line(pen, map.misjudged, size, DOUBTFUL, at, colours, [4, 3], 1.4);
   line(pen, map.passing, size, 50, at, colours, [], 2.4);
   frameOfCentre(pen, store, map, frame, colours);
+  over?.(pen, (a, b) => [frame.x(a * (TICKS - 1)), frame.y(b * (TICKS - 1))], colours);
   cross(pen, store, map, frame, colours);
   pen.restore();
   drawAxes(pen, frame, ticks(store, map, 0), ticks(store, map, 1), colours);

@@ -1,27 +1,26 @@
-// Shares of a metric's variance as bars with their intervals, and its means along each factor.
+// What a metric depends on: shares of its variance (shares.ts), and its means along each factor.
 import type { Chart } from "../../chart";
 import { el } from "../../dom";
-import type { Estimate, FactorAxis, Part, Response } from "../../insight";
+import type { Part, Response } from "../../insight";
 import { paintChart } from "../../plot/chart";
 import type { Store } from "../../store";
 import { palette } from "../../theme";
 import { createPainted } from "../shared/painting";
 import { valueAt } from "../shared/places";
+import { createShares } from "./shares";
 
 const MOST_FACTORS = 12;
 
 export function createDependence(store: Store, part: Part, response: Response): HTMLElement {
-  const bars = [...response.bars].sort((a, b) => b.share[0]! - a.share[0]!);
-  const order = bars.map(({ factor }) => factor);
+  const shares = createShares(part, response);
+  const order = shares.order;
   const effects = [...response.effects].sort((a, b) => place(order, a.factor) - place(order, b.factor));
   const hidden = Math.max(0, effects.length - MOST_FACTORS);
   return el(
     "div",
     {},
     ...response.withheld.map((text) => el("p", { class: "hint withheld" }, `Not told: ${text}.`)),
-    bars.length > 0 && el("h3", { class: "minor" }, "Share of the variance that each explains by itself, with its 95 % interval"),
-    bars.length > 0 && el("div", { class: "bars", id: "bars" }, ...bars.map(({ factor, share }) => bar(part.factors[factor]!, share))),
-    bars.length > 0 && el("p", { class: "hint" }, "What the shares leave to 100 % is due to several together, or to chance; \u2018dse findings\u2019 looks at that, too."),
+    ...shares.elements,
     effects.length > 0 && el("h3", { class: "minor" }, "Mean along each, with its 95 % interval"),
     el("div", { class: "minis" }, ...effects.slice(0, MOST_FACTORS).map((effect) => mini(store, part, response, effect, ends(effects)))),
     hidden > 0 && el("p", { class: "hint" }, `${hidden} factors that matter less are not drawn.`),
@@ -31,16 +30,6 @@ export function createDependence(store: Store, part: Part, response: Response): 
 function place(order: number[], factor: number): number {
   const found = order.indexOf(factor);
   return found < 0 ? order.length : found;
-}
-
-function bar(factor: FactorAxis, [value, low, high]: Estimate): HTMLElement {
-  const percent = (share: number | null): string => `${Math.round(100 * (share ?? 0))}`;
-  const fill = el("span", { class: "fill" });
-  const whisker = el("span", { class: "whisker" });
-  fill.style.width = `${100 * (value ?? 0)}%`;
-  whisker.style.left = `${100 * (low ?? 0)}%`;
-  whisker.style.width = `${100 * ((high ?? 0) - (low ?? 0))}%`;
-  return el("div", { class: "bar-row" }, el("span", { class: "bar-name" }, factor.label), el("span", { class: "bar-track", "aria-hidden": "true" }, fill, whisker), el("span", { class: "bar-value" }, el("b", {}, `${percent(value)}\u202f%`), ` (${percent(low)} \u2026 ${percent(high)}\u202f%)`));
 }
 
 function ends(effects: Response["effects"]): [number, number] {

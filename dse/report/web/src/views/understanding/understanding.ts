@@ -7,6 +7,7 @@ import { plotted } from "../../plane/plane";
 import { withSaving } from "../../panels/saving";
 import { planeName } from "../shared/planes";
 import type { View } from "../view";
+import { createAround } from "./around";
 import { createBoxes } from "./boxes";
 import { createChances } from "./chances";
 import { chooseMetric, choosePart, subjectOf } from "./chosen";
@@ -57,7 +58,7 @@ export const understandingView: View = {
       { class: "understanding" },
       withSaving(store, card("dependence", "What a metric depends on", controls, dependence), "effects", "effects"),
       withSaving(store, card("profiler", "What would happen at other values", profiler), "profile", ""),
-      chances.length > 0 && withSaving(store, card("chances", "How sure the boundaries are", createChances(store)), "boundaries", "boundary"),
+      chances.length > 0 && withSaving(store, card("chances", "How sure the boundaries are", createChances(store), createAround(store)), "boundaries", "boundary"),
       (boxes.length > 0 || centres.length > 0) && card("boxes", "Where all requirements are met", createBoxes(store)),
       plotted(study) && withSaving(store, card("pairs", "All planes", createMatrix(store)), "planes", "constraints"),
       search && withSaving(store, card("search", "How the search went", createSearch(store, search)), "search", "search"),
