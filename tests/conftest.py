@@ -3,11 +3,15 @@
 from __future__ import annotations
 
 import os
+import shutil
 import signal
 import sys
 import threading
+import time
 import warnings
 from collections import Counter
+from collections.abc import Callable
+from contextlib import suppress
 from pathlib import Path
 
 import compile_cache
@@ -16,7 +20,7 @@ from hypothesis import HealthCheck, is_hypothesis_test, settings
 
 # How many examples hypothesis tries, by profile, as a factor of what a test says or of hypothesis's own number. They
 # are the same each time, but nightly, when new ones are looked for; a busy machine is never to blame.
-_EXAMPLES = {"everyday": 0.25, "thorough": 1, "nightly": 10}
+_EXAMPLES = {"everyday": 0.25, "thorough": 0.5, "nightly": 10}
 for _profile in _EXAMPLES:
     settings.register_profile(
         _profile,
@@ -45,6 +49,42 @@ def pytest_configure(config: pytest.Config) -> None:
     """Keep what the C compiler makes in pytest's cache (``pytest --cache-clear`` empties it)."""
     if hasattr(config, "cache"):
         compile_cache.use(config.cache.mkdir("compiled"))
+
+
+@pytest.fixture(scope="session")
+def built_before(request: pytest.FixtureRequest) -> Callable[[Path], Path]:
+    """Makes a new folder the cache of dse that holds FMUs and models built before, by any test, and nothing else.
+
+    They are kept between runs as long as dse is what it was, to the byte.
+    """
+    from dse.cache import content_key
+
+    room = Path(request.config.cache.mkdir("built"))
+    rooms = [folder for folder in _DSE.iterdir() if folder.is_dir() and folder.name != "report"]
+    code = [*_DSE.glob("*.py"), *(path for folder in rooms for path in folder.rglob("*.[pch]*"))]
+    ours = room / content_key(
+        (path.relative_to(_DSE).as_posix(), path.read_bytes()) for path in sorted(code) if path.suffix in _CODE
+    )
+    ours.mkdir(exist_ok=True)
+    os.utime(ours)
+    for other in room.iterdir():
+        if other.stat().st_mtime < time.time() - 86400:
+            shutil.rmtree(other, ignore_errors=True)
+
+    def fill(folder: Path) -> Path:
+        folder.mkdir(exist_ok=True)
+        if sys.platform != "win32":  # whose links are for administrators
+            for shelf in ("built", "checked", "modelica", "objects"):
+                (ours / shelf).mkdir(exist_ok=True)
+                with suppress(FileExistsError):  # another worker of a parallel run was first
+                    (folder / shelf).symlink_to(ours / shelf)
+        return folder
+
+    return fill
+
+
+_DSE = Path(__file__).parents[1] / "dse"
+_CODE = (".py", ".c", ".h")
 
 
 @pytest.fixture(scope="session")

@@ -21,6 +21,7 @@ MAY_INCLUDE: Mapping[str, frozenset[str]] = {
     "fmu/runtime": frozenset({"csolve"}),
     "fmu/bridge": frozenset(),
     "cosim/kernel": frozenset({"csolve"}),
+    "world/core": frozenset(),
 }
 """By folder, the other folders it may include; one that is not here may hold no C."""
 

@@ -23,6 +23,7 @@ from .probing import (
     probe_fmu as probe_fmu,
     probe_numerics as probe_numerics,
 )
+from .roads import is_road as is_road, opendrive_text as opendrive_text, picture_of as picture_of
 from .showing.described import metric_rows as metric_rows, requirement_labels as requirement_labels
 from .showing.progress import progress_bar as progress_bar
 from .showing.quantities import difference as difference, quantity as quantity
@@ -31,6 +32,7 @@ from .spaces.ranking import Ranking as Ranking
 from .starting.bench import new_bench as new_bench
 from .starting.component import new_component as new_component
 from .starting.design import new_design as new_design
+from .starting.road import new_road as new_road
 from .starting.study import new_study as new_study
 from .starting.writing import write_start as write_start
 from .studies.bench import Bench as Bench, Study as Study

@@ -9,7 +9,7 @@ from typing import Annotated
 
 import typer
 
-from dse.cli.completing import benches, designs, folders, studies
+from dse.cli.completing import benches, designs, folders, folders_and_roads, roads, studies
 
 
 class Output(StrEnum):
@@ -30,6 +30,11 @@ StudyName = Annotated[
 ]
 
 
+RoadName = Annotated[
+    str, typer.Argument(metavar="ROAD", autocompletion=roads, help="A road: its name, or its YAML file.")
+]
+
+
 def named_folder(path: Path) -> Path:
     """The study folder meant: a path, or the name of one in the workspace's ``out/``."""
     from dse.api import study_folder
@@ -44,6 +49,15 @@ Folder = Annotated[
         callback=named_folder,
         autocompletion=folders,
         help="A study folder, made by 'dse explore' or 'dse run'; the name of a study means out/STUDY.",
+    ),
+]
+FolderOrRoad = Annotated[
+    Path,
+    typer.Argument(
+        metavar="DIR|ROAD",
+        callback=named_folder,
+        autocompletion=folders_and_roads,
+        help="A study folder, or the name of a study; or a road: its name, its YAML file, or an OpenDRIVE file.",
     ),
 ]
 Format = Annotated[Output, typer.Option("--format", help="For a person, or for a program.")]

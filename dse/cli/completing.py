@@ -31,6 +31,16 @@ def studies(incomplete: str) -> list[str]:
     return _matching(incomplete, (name.removesuffix(_STUDY) for name in names if name.endswith(_STUDY)))
 
 
+def roads(incomplete: str) -> list[str]:
+    """Roads."""
+    return _matching(incomplete, (path.stem for path in _files("roads")))
+
+
+def folders_and_roads(incomplete: str) -> list[str]:
+    """What can be drawn: folders of `folders`, and roads."""
+    return sorted({*folders(incomplete), *roads(incomplete)})
+
+
 def components(incomplete: str) -> list[str]:
     """Components that have a file of their own."""
     return _matching(incomplete, (path.parent.name for path in _files("components") if path.name == "component.yaml"))

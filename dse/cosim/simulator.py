@@ -69,7 +69,7 @@ class Simulator:
     *facts* tell what is known of elements: those that lie about their reset are never reset, and *runs_left* counts
     down where a process bears only so many instances.
 
-    *fused* is the library that `dse.fmu.fusion` compiled for this system, record and the plain method: it takes the
+    *fused* is the library that `dse.fmu.fusion` compiled for this system, record and method: it takes the
     place of the FMUs and of the loop over FMI calls, with the same results and failures.
 
     Raises DseError if the system cannot be simulated (a library that does not load, a wire to a string, …).

@@ -11,7 +11,8 @@
 /* How the loop ended. */
 enum {
     DSE_FUSED_STOPPED, /* at the communication point noted in *progress*, before anything but reading: the last one, or a
-                        * value is not finite, or an FMI function would refuse it. FMI calls go on from there. */
+                        * value is not finite, or an FMI function would refuse it. FMI calls go on from there. A loop
+                        * of Gauss and Seidel: before the noted element's turn in that step. */
     DSE_FUSED_FAILED   /* the FMI function noted in *progress* would have answered *status* */
 };
 

@@ -108,11 +108,15 @@ class Port:
 
 @dataclass(frozen=True, slots=True)
 class Interface:
-    """A named set of ports that alternatives share."""
+    """A named set of ports that alternatives share.
+
+    *optional* are inputs that need no source, or groups and arrays of them: they stay as a component starts them.
+    """
 
     name: str
     ports: tuple[Port, ...]
     where: Location | None = None
+    optional: tuple[str, ...] = ()
     _by_name: Mapping[str, Port] = field(default_factory=dict, init=False, repr=False, compare=False)
 
     def __post_init__(self) -> None:
@@ -125,6 +129,10 @@ class Interface:
     def group(self, prefix: str) -> tuple[Port, ...]:
         """The port called *prefix* or, if it names a group or an array, all ports in it, in order."""
         return tuple(port for port in self.ports if is_part(port.name, prefix))
+
+    def needs(self, port: str) -> bool:
+        """Whether the input *port* must have a source."""
+        return not any(is_part(port, whole) for whole in self.optional)
 
 
 NO_INTERFACE = Interface("", ())

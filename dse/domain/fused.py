@@ -6,12 +6,13 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
+from dse.domain.method import Algorithm
 from dse.domain.system import Element, SystemStructure
 
 
 @dataclass(frozen=True, slots=True)
 class FusedLibrary:
-    """The library at *path* simulates *system* and records *record*, in this order.
+    """The library at *path* simulates *system* by *algorithm* and records *record*, in this order.
 
     *prefixes* says for each element, by name, what stands before the names of its FMI functions there. Start values
     are not compiled in: a system that differs in nothing else is simulated by the same library.
@@ -21,6 +22,7 @@ class FusedLibrary:
     system: SystemStructure
     record: tuple[str, ...]
     prefixes: Mapping[str, str]
+    algorithm: Algorithm = Algorithm.JACOBI
 
     def difference(self, system: SystemStructure, record: Sequence[str]) -> str:
         """What *system* and *record* have that was not fused, in words; "" if the library simulates them."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from enum import StrEnum
 
 
@@ -89,6 +89,11 @@ class Method:
     steps: Mapping[str, float] = field(default_factory=dict)
     adaptive: Adaptive | None = None
     bonds: tuple[Bond, ...] = ()
+
+    @property
+    def is_plain_but_for_order(self) -> bool:
+        """Whether the algorithm is all that may differ from the plain method."""
+        return replace(self, algorithm=Algorithm.JACOBI) == PLAIN
 
 
 PLAIN = Method()

@@ -19,9 +19,8 @@ from .extensions import (
 from .include import read_document as read_document
 from .names import check_choice as check_choice, is_identifier as is_identifier
 from .paths import find_root as find_root, is_file as is_file, named_file as named_file
-from .road.road import read_road as read_road
 from .schema import FILE_KINDS as FILE_KINDS, file_schema as file_schema
-from .sections import Plain as Plain
+from .sections import Plain as Plain, Section as Section
 from .uvl.reading import read_uvl as read_uvl
 from .uvl.writing import to_uvl as to_uvl
 from .values import Raw as Raw, read_number as read_number, read_unit as read_unit

@@ -21,6 +21,7 @@ from .content.nouns import (
 )
 from .content.reading import content_of_run as content_of_run, read_content as read_content
 from .drawing.chart import draw_chart as draw_chart
+from .drawing.road_plot import RoadPicture as RoadPicture, draw_road as draw_road
 from .drawing.style import save_drawing as save_drawing
 from .figure import (
     FIGURES as FIGURES,
@@ -40,3 +41,4 @@ from .page.html import (
     write_report as write_report,
 )
 from .page.printing import print_report as print_report
+from .roads import road_picture as road_picture, with_driven as with_driven

@@ -96,7 +96,8 @@ def wiring_problems(wired: WiredParts) -> Iterator[Problem]:
             hint = f"connect {' or '.join(fitting[:3])}" if fitting else "both ends must carry the same unit and type"
             yield Problem(f"{connection}: {difference}", connection.where, hint)
     for part, component in wired.parts.items():
-        ends = [f"{part}.{p.name}" for p in component.interface.ports if p.causality is Causality.INPUT]
+        needed = (p for p in component.interface.ports if p.causality is Causality.INPUT)
+        ends = [f"{part}.{p.name}" for p in needed if component.interface.needs(p.name)]
         loose = [end for end in ends if end not in sources and end not in wired.values]
         if loose:
             yield _loose(part, component, loose, wired.where)

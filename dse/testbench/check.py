@@ -6,6 +6,7 @@ FMUs are built only for benches whose algorithm asks something of them.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from pathlib import Path
 from typing import ParamSpec
 
 from dse.domain.bench import TestBench
@@ -23,7 +24,7 @@ from dse.testbench.prepared import Setting
 from dse.testbench.select import one_configuration, proposing, selected
 from dse.testbench.study import require_variables
 from dse.testbench.wired import wire_bench
-from dse.world import opendrive_of
+from dse.world import open_roads, road_tables
 
 P = ParamSpec("P")
 
@@ -43,8 +44,8 @@ def check_workspace(
     found = _of(_survey, workspace, counts)
     # What cannot be read is told once more by whatever needs it; all else is told besides.
     found += _components(workspace, tell, [] if ignored is None else ignored)
-    for path in workspace.files("roads"):
-        found += _of(_road, workspace, str(path))
+    for path in _roads(workspace):
+        found += _of(_road, workspace, path)
     for what, folder in (("design spaces", "designs"), ("test benches and studies", "testbenches")):
         paths = list(workspace.files(folder))
         for number, path in enumerate(paths, 1):
@@ -92,7 +93,7 @@ def _survey(workspace: Workspace, counts: dict[str, int]) -> None:
         "interface": len(workspace.interfaces),
         "component": len(workspace.component_files),
         "design space": len(list(workspace.files("designs"))),
-        **({"road": roads} if (roads := len(list(workspace.files("roads")))) else {}),
+        **({"road": roads} if (roads := len(_roads(workspace))) else {}),
         "test bench": len(benches) - studies,
         "study": studies,
     }
@@ -102,8 +103,13 @@ def _design(workspace: Workspace, path: str) -> None:
     _first(workspace.design(path))
 
 
-def _road(workspace: Workspace, path: str) -> None:
-    opendrive_of(workspace.road(path))
+def _roads(workspace: Workspace) -> list[Path]:
+    return [*workspace.files("roads"), *sorted((workspace.root / "roads").rglob("*.xodr"))]
+
+
+def _road(workspace: Workspace, path: Path) -> None:
+    """That it can be read, and that a path leads through it."""
+    road_tables(open_roads(str(path), workspace))
 
 
 def _first(space: DesignSpace) -> Configuration:

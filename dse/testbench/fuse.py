@@ -33,7 +33,6 @@ def fuse_study(study: PreparedStudy, *, cache: Path | None = None, tell: Tell | 
 def _of_method(simulation: Simulation) -> Iterator[Problem]:
     method = simulation.method
     asked = {
-        "algorithm": method.algorithm != PLAIN.algorithm,
         "coupling": method.coupling != PLAIN.coupling,
         "extrapolation": method.extrapolation != PLAIN.extrapolation or bool(method.extrapolations),
         "steps": bool(method.steps),
@@ -42,7 +41,7 @@ def _of_method(simulation: Simulation) -> Iterator[Problem]:
     }
     keys = [f"'{key}'" for key, is_asked in asked.items() if is_asked]
     if keys:
-        what = f"{' and '.join(keys)} cannot be fused: a fused loop steps all parts in parallel, inputs held"
+        what = f"{' and '.join(keys)} cannot be fused: a fused loop takes one fixed step, inputs held"
         yield Problem(what, simulation.where, "leave out --fuse, or these keys")
 
 

@@ -1,4 +1,5 @@
 from .code import STRUCT as STRUCT, road_files as road_files
+from .cross_section import borders_of as borders_of
 from .evaluation import (
     Placed as Placed,
     lane_middle as lane_middle,
@@ -7,10 +8,13 @@ from .evaluation import (
     wrapped as wrapped,
 )
 from .flatten import path_along as path_along, read_road_tables as read_road_tables, road_tables as road_tables
-from .lane_graph import DRIVEN as DRIVEN, LaneGraph as LaneGraph, LanePlace as LanePlace, lane_graph as lane_graph
+from .lane_graph import LaneGraph as LaneGraph, LanePlace as LanePlace, lane_graph as lane_graph
+from .opendrive.curves import Curve as Curve, curve_of as curve_of
+from .opendrive.driving import DRIVEN as DRIVEN, runs_along as runs_along
 from .opendrive.reading import read_network as read_network
 from .opendrive.roadside import COLOURS as COLOURS, PHASES as PHASES, SHIFT as SHIFT
 from .opendrive.structure import Network as Network, Road as Road
+from .opening import open_roads as open_roads
 from .pieces import value as value
 from .routes import Route as Route, Way as Way, list_ways as list_ways, way_length as way_length, way_of as way_of
 from .tables import (

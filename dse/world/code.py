@@ -170,7 +170,8 @@ def _fitted(x: Array, y: Array, middle: Array, lengths: Array) -> tuple[Array, A
     h = lengths[:, None]
 
     def covered(end: Array) -> Array:
-        return (per_station((nodes + 1) / 2 * end)[0] * weights).sum(axis=1) * end[:, 0] / 2
+        sums: Array = (per_station((nodes + 1) / 2 * end)[0] * weights).sum(axis=1)
+        return sums * end[:, 0] / 2
 
     whole, half = covered(h), covered(h / 2)
     rate, slope = per_station(np.hstack([0 * h, h]))

@@ -5,16 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
+from dse.world.opendrive.driving import DRIVEN, ends_at, lanes_at, runs_along
 from dse.world.opendrive.structure import Connection, End, Junction, Lane, Network, Road
-
-DRIVEN = frozenset(
-    {
-        *("driving", "entry", "exit", "onRamp", "offRamp", "connectingRamp", "slipLane", "mwyEntry", "mwyExit"),
-        *("bidirectional", "bus", "taxi", "HOV", "stop", "parking", "biking", "roadWorks"),
-        *("special1", "special2", "special3"),
-    }
-)
-"""Types of lanes that count as lanes of a path; shoulders, borders, pavements and the like are beside the road."""
 
 LaneEnd = tuple[str, End, int]
 """A road, one of its ends, and a lane there."""
@@ -47,11 +39,6 @@ def lane_graph(network: Network) -> LaneGraph:
     return LaneGraph(network, {here: tuple(there) for here, there in found.items()})
 
 
-def runs_along(road: Road, lane: Lane) -> bool:
-    """Whether the lane is driven in the direction of its road's stations."""
-    return (lane.id < 0) != (road.left_hand != lane.reversed_)
-
-
 def lane_at(network: Network, place: LanePlace) -> Lane:
     """The lane at a place."""
     return network.roads[place.road].sections[place.section].lanes[place.lane]
@@ -80,11 +67,6 @@ def next_places(graph: LaneGraph, place: LanePlace) -> tuple[LanePlace, ...]:
     return tuple(next_ for there in ends for next_ in _entered(graph.network, there))
 
 
-def section_at(road: Road, end: End) -> int:
-    """The number of the section at an end of a road."""
-    return 0 if end is End.START else len(road.sections) - 1
-
-
 def _inside(road: Road, place: LanePlace, next_: int, *, along: bool) -> Iterator[int]:
     here, there = road.sections[place.section], road.sections[next_]
     later = there if along else here
@@ -103,7 +85,7 @@ def _inside(road: Road, place: LanePlace, next_: int, *, along: bool) -> Iterato
 def _entered(network: Network, there: LaneEnd) -> Iterator[LanePlace]:
     """The lane at an end of a road, if it is driven away from there."""
     road = network.roads[there[0]]
-    section = section_at(road, there[1])
+    section = 0 if there[1] is End.START else len(road.sections) - 1
     lane = road.sections[section].lanes.get(there[2])
     if lane is not None and runs_along(road, lane) == (there[1] is End.START):
         yield LanePlace(road.id, section, lane.id)
@@ -119,7 +101,7 @@ def _said(network: Network) -> Iterator[tuple[LaneEnd, LaneEnd]]:
     for road in network.roads.values():
         for end, link in road.links.items():
             if link.element == "road":
-                for lane in road.sections[section_at(road, end)].lanes.values():
+                for lane in lanes_at(road, end).values():
                     for id_ in lane.predecessors if end is End.START else lane.successors:
                         yield (road.id, end, lane.id), (link.id, link.contact, id_)
     for junction in network.junctions.values():
@@ -128,14 +110,9 @@ def _said(network: Network) -> Iterator[tuple[LaneEnd, LaneEnd]]:
 
 
 def _connected(network: Network, junction: Junction, connection: Connection) -> Iterator[tuple[LaneEnd, LaneEnd]]:
-    incoming, road = network.roads[connection.incoming], network.roads[connection.road]
-    back = road.links.get(connection.contact)
-    ends = [e for e, link in incoming.links.items() if link.element == "junction" and link.id == junction.id]
-    if back is not None and back.element == "road" and back.id == incoming.id:
-        ends = [back.contact]
-    for end in ends:
-        here = incoming.sections[section_at(incoming, end)].lanes
-        there = road.sections[section_at(road, connection.contact)].lanes
+    there = lanes_at(network.roads[connection.road], connection.contact)
+    for end in ends_at(network, junction, connection):
+        here = lanes_at(network.roads[connection.incoming], end)
         # Without links, lanes of the same number go on in each other (OpenDRIVE, junctions).
         for one, other in connection.links or [(id_, id_) for id_ in here if id_ in there]:
-            yield (incoming.id, end, one), (road.id, connection.contact, other)
+            yield (connection.incoming, end, one), (connection.road, connection.contact, other)

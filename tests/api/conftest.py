@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import shutil
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import pytest
@@ -15,10 +15,10 @@ ROOT = Path(__file__).parents[2]
 
 
 @pytest.fixture(scope="session", autouse=True)
-def cache(tmp_path_factory: pytest.TempPathFactory) -> Iterator[None]:
-    """FMUs are built once for all tests of this room."""
+def cache(tmp_path_factory: pytest.TempPathFactory, built_before: Callable[[Path], Path]) -> Iterator[None]:
+    """FMUs are built once for all tests."""
     with pytest.MonkeyPatch.context() as patch:
-        patch.setenv("DSE_CACHE", str(tmp_path_factory.mktemp("cache")))
+        patch.setenv("DSE_CACHE", str(built_before(tmp_path_factory.mktemp("cache"))))
         yield
 
 
@@ -26,7 +26,7 @@ def cache(tmp_path_factory: pytest.TempPathFactory) -> Iterator[None]:
 def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """The workspace's folder. Tests only read it."""
     place = tmp_path_factory.mktemp("example")
-    for name in ("components", "designs", "testbenches"):
+    for name in ("components", "designs", "roads", "testbenches"):
         shutil.copytree(ROOT / name, place / name)
     (place / "testbenches" / "small.pet.yaml").write_text(small_study(3, 2), encoding="utf-8")
     return place

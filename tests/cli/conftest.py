@@ -14,8 +14,8 @@ Dse = Callable[..., "subprocess.CompletedProcess[str]"]
 
 
 @pytest.fixture(scope="session")
-def cache(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    return tmp_path_factory.mktemp("cache")
+def cache(tmp_path_factory: pytest.TempPathFactory, built_before: Callable[[Path], Path]) -> Path:
+    return built_before(tmp_path_factory.mktemp("cache"))
 
 
 @pytest.fixture(scope="session")

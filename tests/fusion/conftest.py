@@ -14,6 +14,7 @@ from dse.cosim.simulator import RunFailed, Simulator
 from dse.domain.component import Causality, Component, CSource, Interface, Kind, ModelicaSource, Parameter, Port, Type
 from dse.domain.fmu import FmuModel
 from dse.domain.fused import FusedLibrary
+from dse.domain.method import PLAIN, Algorithm, Method
 from dse.domain.system import Element, SystemStructure, Wire
 from dse.fmu.building import build
 from dse.fmu.fusion.fuse import fuse
@@ -36,6 +37,7 @@ class Workshop:
     folder: Path
     cache: Path
     version: int = 2
+    method: Method = PLAIN
     models: dict[str, FmuModel] = field(default_factory=dict)
 
     def c(
@@ -74,7 +76,10 @@ class Workshop:
         return open_fmu(build(component, version=self.version, cache=self.cache), cache=self.cache)
 
     def fuse(self, system: SystemStructure, record: Sequence[str]) -> FusedLibrary:
-        return fuse(system, record, cache=self.cache)
+        return fuse(system, record, self.method, cache=self.cache)
+
+    def simulator(self, system: SystemStructure, record: Sequence[str], fused: FusedLibrary | None = None) -> Simulator:
+        return Simulator(system, record, method=self.method, fused=fused)
 
 
 def system_of(
@@ -107,7 +112,11 @@ def both_ways(
     options = {"stop": 1.0, "step": 0.01, **times}
     fused = workshop.fuse(system, record)
     made = []
-    with Simulator(system, record) as plain, Simulator(system, record, fused=fused) as quick:
+    method = workshop.method
+    with (
+        Simulator(system, record, method=method) as plain,
+        Simulator(system, record, method=method, fused=fused) as quick,
+    ):
         for number, start in enumerate(starts):
             expected, found = plain.run(start=start, **options), quick.run(start=start, **options)
             assert found.tobytes() == expected.tobytes()
@@ -127,7 +136,10 @@ def failures(
     fused = workshop.fuse(system, record)
     found = []
     for library in (None, fused):
-        with Simulator(system, record, fused=library) as simulator, pytest.raises(RunFailed) as caught:
+        with (
+            Simulator(system, record, method=workshop.method, fused=library) as simulator,
+            pytest.raises(RunFailed) as caught,
+        ):
             simulator.run(start=start or {}, **options)
         found.append(caught.value)
     return found[0], found[1]
@@ -147,12 +159,25 @@ def cache(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return tmp_path_factory.mktemp("cache")
 
 
-@pytest.fixture(params=[2, 3], ids=["fmi2", "fmi3"])
-def version(request: pytest.FixtureRequest) -> int:
-    value: int = request.param
-    return value
+IN_TURN = Method(algorithm=Algorithm.GAUSS_SEIDEL)
+CASES = {"fmi2": (2, PLAIN), "fmi3": (3, PLAIN), "fmi2-in_turn": (2, IN_TURN), "fmi3-in_turn": (3, IN_TURN)}
+
+
+@pytest.fixture(params=["fmi2", "fmi3", "fmi3-in_turn", pytest.param("fmi2-in_turn", marks=pytest.mark.thorough)])
+def case(request: pytest.FixtureRequest) -> tuple[int, Method]:
+    return CASES[request.param]
 
 
 @pytest.fixture
-def workshop(tmp_path: Path, cache: Path, version: int) -> Workshop:
-    return Workshop(tmp_path, cache, version)
+def version(case: tuple[int, Method]) -> int:
+    return case[0]
+
+
+@pytest.fixture
+def method(case: tuple[int, Method]) -> Method:
+    return case[1]
+
+
+@pytest.fixture
+def workshop(tmp_path: Path, cache: Path, version: int, method: Method) -> Workshop:
+    return Workshop(tmp_path, cache, version, method)

@@ -70,4 +70,25 @@ def time_series() -> Files:
     }
 
 
-EXAMPLES: dict[str, Callable[[], Files]] = {"c": c, "fmu": fmu, "modelica": modelica, "time_series": time_series}
+def road() -> Files:
+    shared = Path(__file__).parents[2] / "components" / "interfaces.yaml"
+    return {
+        "interfaces.yaml": shared.read_bytes(),
+        "twice/component.yaml": (
+            "component: twice\nimplements: road\n"
+            "source: {kind: road, file: ../../roads/bend.yaml, paths: {same: {route: [1]}}}\n"
+            "parameters: {start_station: {start: 5 m}, start_lane: {start: 0, type: int}}\n"
+        ),
+        "../roads/bend.yaml": (
+            "road: bend\nlanes: 4\nsegments: [{straight: 50 m}, {curve: {radius: 60 m, angle: 40 deg, spiral: 20 m}}]\n"
+        ),
+    }
+
+
+EXAMPLES: dict[str, Callable[[], Files]] = {
+    "c": c,
+    "fmu": fmu,
+    "modelica": modelica,
+    "road": road,
+    "time_series": time_series,
+}

@@ -25,7 +25,7 @@ def test_a_planned_kind_is_read_and_refused_when_it_is_built(tmp_path, word):
     assert kind_of(component) is None
     with pytest.raises(DseError, match=f"sources of the kind '{word}' cannot be built in this version") as caught:
         build(component, cache=tmp_path / "cache")
-    assert caught.value.problems[0].hint == "use a source of the kind c, fmu, modelica or time_series"
+    assert caught.value.problems[0].hint == "use a source of the kind c, fmu, modelica, road or time_series"
 
 
 @pytest.mark.parametrize(

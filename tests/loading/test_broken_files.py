@@ -74,6 +74,7 @@ CASES = [
     ("text for a list", "testbenches/following.yaml", "record: [world.gap]", "record: world.gap", "testbenches/following.yaml:9:47", "'simulation.record': expected a list, found 'world.gap'", "[a, b]"),
     ("yes is text in YAML 1.2", "components/pd/component.yaml", "unit: 1/s", "unit: 1/s, tunable: yes", "components/pd/component.yaml:5:56", "'parameters.kp.tunable': expected true or false, found 'yes'", "YAML 1.2"),
     ("port without a unit", "components/road/interfaces.yaml", "gap: m, speed", "gap: [m], speed", "components/road/interfaces.yaml:4:20", "port 'gap' needs a unit or a type", "m/s"),
+    ("optional input that is none", "components/road/interfaces.yaml", "inputs: {torque: N.m}", "inputs: {torque: N.m}\n    optional: [torqe]", "components/road/interfaces.yaml:4:16", "there is no input 'torqe'", "did you mean 'torque'?"),
     ("port in a unit that is not SI", "components/road/interfaces.yaml", "speed: m/s", "speed: km/h", "components/road/interfaces.yaml:4:30", "port 'speed' must be in a coherent SI unit, not 'km/h'", "SI inside"),
     # values where none can be given
     ("value for an output", "testbenches/following.yaml", "set_gap: 40 m}", "set_gap: 40 m, world.speed: 3 m/s}", "testbenches/following.yaml:8:40", "'world.speed' is an output", "inputs that nothing is connected to"),

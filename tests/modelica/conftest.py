@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
 
 import pytest
@@ -19,10 +19,10 @@ from dse.fmu.unpack import open_fmu
 
 
 @pytest.fixture(scope="session")
-def cache(tmp_path_factory: pytest.TempPathFactory, worker_id: str) -> Path:
+def cache(tmp_path_factory: pytest.TempPathFactory, worker_id: str, built_before: Callable[[Path], Path]) -> Path:
     """What one test has compiled, the others need not; in parallel runs the workers share it."""
     base = tmp_path_factory.getbasetemp()
-    return (base if worker_id == "master" else base.parent) / "modelica-cache"
+    return built_before((base if worker_id == "master" else base.parent) / "modelica-cache")
 
 
 @pytest.fixture(scope="session")

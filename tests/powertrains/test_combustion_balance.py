@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
 
 import cycle
@@ -12,8 +13,8 @@ ENERGIES = tuple(f"powertrain.energy_{name}" for name in ("in", "out", "loss", "
 
 
 @pytest.fixture(scope="session")
-def cache(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    return tmp_path_factory.mktemp("balance")
+def cache(tmp_path_factory: pytest.TempPathFactory, built_before: Callable[[Path], Path]) -> Path:
+    return built_before(tmp_path_factory.mktemp("balance"))
 
 
 @pytest.mark.sampled(3)

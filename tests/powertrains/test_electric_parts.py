@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from pathlib import Path
 
 import numpy as np
@@ -27,8 +27,8 @@ PRIUS = SynchronousMachine(
 
 
 @pytest.fixture(scope="session")
-def cache(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    return tmp_path_factory.mktemp("parts")
+def cache(tmp_path_factory: pytest.TempPathFactory, built_before: Callable[[Path], Path]) -> Path:
+    return built_before(tmp_path_factory.mktemp("parts"))
 
 
 def settled(cache: Path, part: str, inputs: Mapping[str, float], names: tuple[str, ...], after: float) -> list[float]:

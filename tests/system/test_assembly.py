@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -121,6 +122,13 @@ def test_inputs_of_one_part_that_lack_a_source_are_told_at_once_where_the_bench_
     (found,) = caught.value.problems
     assert found.what == "2 inputs of controller (pd) are neither connected nor given a value: distance, speed"
     assert found.where == HERE
+
+
+def test_optional_inputs_need_no_source_and_may_have_one():
+    optional = replace(CONTROLLER.interface, optional=("speed",))
+    parts = PARTS | {"controller": replace(CONTROLLER, interface=optional)}
+    for wires in (WIRES[:1], WIRES):
+        assert len(assemble("s", WiredParts(parts, wires, {}), MODELS, []).wires) == len(wires)
 
 
 def test_an_input_whose_connection_is_refused_is_told_once():

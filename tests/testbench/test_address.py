@@ -41,9 +41,9 @@ def study(tmp_path_factory) -> Study:
 
 
 @pytest.fixture(scope="module")
-def prepared(study, tmp_path_factory) -> Iterator[PreparedBench]:
+def prepared(study, tmp_path_factory, built_before) -> Iterator[PreparedBench]:
     with pytest.MonkeyPatch.context() as patch:
-        patch.setenv("DSE_CACHE", str(tmp_path_factory.mktemp("cache")))
+        patch.setenv("DSE_CACHE", str(built_before(tmp_path_factory.mktemp("cache"))))
         (bench,) = prepare_study(study).benches.values()
         yield bench
 

@@ -151,8 +151,8 @@ def test_a_lane_that_swings_out_has_the_heading_and_curvature_of_its_middle(new_
     c = (0.5, 0.02, 3e-3, -4e-5)
     border = [cubics([(0.0, (c[0] + side, *c[1:]))]) for side in (1.5, -1.5)]
     part = new_road(LINE.path(lanes=(LaneBand(0, *border, constant(1.0)),)))
+    middle = np.polynomial.Polynomial(c)
     for x in (3.0, 20.0, 44.0):
-        middle = np.polynomial.Polynomial(c)
         slope, bend = middle.deriv()(x), middle.deriv(2)(x)
         put(part, x, middle(x), 0.0)
         part.init()

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -19,6 +19,9 @@ Segment = tuple[float, float, float]
 
 def constant(value: float) -> Piecewise:
     return Piecewise(np.zeros(1), np.array([[value]]))
+
+
+ZERO = constant(0.0)
 
 
 def lane(number: int, right: float, left: float, friction: float = 1.0) -> LaneBand:
@@ -69,9 +72,9 @@ class Traced:
         *,
         name: str = "path",
         closed: bool = False,
-        height: Piecewise = constant(0.0),
-        bank: Piecewise = constant(0.0),
-        speed_limit: Piecewise = constant(0.0),
+        height: Piecewise = ZERO,
+        bank: Piecewise = ZERO,
+        speed_limit: Piecewise = ZERO,
         lanes: tuple[LaneBand, ...] = ONE_LANE,
         patches: tuple[Patch, ...] = (),
     ) -> RoadPath:
@@ -140,6 +143,3 @@ def cubics(rows: Sequence[tuple[float, Sequence[float]]]) -> Piecewise:
     """Polynomials from the given stations on."""
     most = max(len(row) for _, row in rows)
     return Piecewise(np.array([s for s, _ in rows]), np.array([[*row, *[0.0] * (most - len(row))] for _, row in rows]))
-
-
-Place = Callable[[float], Frame]

@@ -18,13 +18,16 @@ void ars_advance(void *car, ars_stage *stage, ars_state *state, double h, int su
         ars_state first = *state, last = *state;
         wheel base[ARS_WHEELS];
         for (int i = 0; i < state->states; ++i) first.body[i] += gh * state->rates[i];
+        for (int i = 0; i < state->wheels; ++i) first.wheel[i] = wheel_after(&state->wheel[i], &state->turning[i], gh);
         stage(car, gh, state->wheel, state->wheel, &first);
         for (int i = 0; i < state->states; ++i) last.body[i] += dt * (DELTA * state->rates[i] + (1 - DELTA) * first.rates[i]);
         for (int i = 0; i < state->wheels; ++i) {
-            base[i] = wheel_towards(&state->wheel[i], &first.wheel[i], (1 - GAMMA) / GAMMA);
-            last.wheel[i] = wheel_towards(&state->wheel[i], &first.wheel[i], 1 / GAMMA);
+            wheel rate = wheel_rate(&state->wheel[i], &first.wheel[i], gh);
+            base[i] = wheel_after(&state->wheel[i], &rate, (1 - GAMMA) * dt);
+            last.wheel[i] = wheel_after(&base[i], &rate, gh);
         }
         stage(car, gh, base, state->wheel, &last);
+        for (int i = 0; i < state->wheels; ++i) last.turning[i] = wheel_rate(&base[i], &last.wheel[i], gh);
         *state = last;
     }
 }

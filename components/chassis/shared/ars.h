@@ -14,10 +14,10 @@
 typedef struct {
     int states, wheels;
     double body[ARS_STATES], rates[ARS_STATES];
-    wheel wheel[ARS_WHEELS];
+    wheel wheel[ARS_WHEELS], turning[ARS_WHEELS]; /* and its rates */
 } ars_state;
 
-/* One stage: *at* has the body's states; wheels have to fulfil y = base + gh f(y), first guess in at->wheel. Gives the wheels and
+/* One stage: *at* has the body's states; wheels have to fulfil y = base + gh f(y), a second-order guess in at->wheel. Gives the wheels and
  * the body's rates. *before* has the wheels at the beginning of the step. */
 typedef void ars_stage(void *car, double gh, const wheel *base, const wheel *before, ars_state *at);
 

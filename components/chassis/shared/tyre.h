@@ -38,8 +38,9 @@ typedef struct {
     double slip_stiffness, side_stiffness, friction, side_friction;
 } tyre_state;
 
+/* Forces per load, and what they change by slip. */
 typedef struct {
-    double x, y, x_by_slip;
+    double x, y, x_by_slip, y_by_slip;
 } tyre_grip;
 
 tyre_state tyre_under(const tyre *t, double load, double ground_friction);

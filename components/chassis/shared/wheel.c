@@ -66,16 +66,18 @@ wheel_result wheel_turn(const wheel_stage *s, const tyre *t) {
     double slip = s->slip + s->slip_by_spin * s->guess.spin;
     for (int iteration = 0;; ++iteration) {
         tyre_grip grip = tyre_grip_at(t, &s->tyre, slip, s->side);
-        double steep = s->load * (grip.x_by_slip > 0 ? grip.x_by_slip : 0);
+        double steep = s->load * grip.x_by_slip;
+        /* Beyond its peak a tyre drives its wheel away; where inertia is no match for that, the tangent is no help. */
+        if (2 * t->radius * steep * s->slip_by_spin < -t->inertia / s->gh) steep = 0;
         result.x_by_spin = steep * s->slip_by_spin;
         double flat = s->load * grip.x + steep * (s->slip - slip);
         result.end.spin = turned(s, t, flat, result.x_by_spin, &result.yields);
         double moved = s->slip + s->slip_by_spin * result.end.spin - slip;
         result.x = s->load * grip.x + steep * moved;
-        result.y = s->load * grip.y;
+        result.y = s->load * (grip.y + grip.y_by_slip * moved);
         slip += moved;
         /* The tangent is off by the square of this. Values that are no numbers end here too. */
-        if (!(fabs(moved) * s->tyre.slip_stiffness > 0.02 * s->tyre.friction) || iteration == 7) break;
+        if (!(fabs(moved) * s->tyre.slip_stiffness > 1e-3 * s->tyre.friction) || iteration == 7) break;
     }
     result.end.slip = s->held + s->held_by_spin * result.end.spin;
     result.end.side = s->guess.side;
@@ -101,11 +103,13 @@ void wheel_lock(wheel_result *left, wheel_result *right, double limit) {
     twist(right, moved);
 }
 
-wheel wheel_towards(const wheel *a, const wheel *b, double factor) {
-    wheel w = {
-        a->spin + factor * (b->spin - a->spin),
-        a->slip + factor * (b->slip - a->slip),
-        a->side + factor * (b->side - a->side),
-    };
+wheel wheel_after(const wheel *from, const wheel *rate, double time) {
+    wheel w = {from->spin + time * rate->spin, from->slip + time * rate->slip, from->side + time * rate->side};
+    return w;
+}
+
+wheel wheel_rate(const wheel *from, const wheel *to, double time) {
+    double per = 1 / time;
+    wheel w = {(to->spin - from->spin) * per, (to->slip - from->slip) * per, (to->side - from->side) * per};
     return w;
 }

@@ -46,7 +46,7 @@ wheel_result wheel_turn(const wheel_stage *s, const tyre *t);
 /* A clutch between two wheels of an axle moves torque, up to a limit, from the quicker to the slower one. */
 void wheel_lock(wheel_result *left, wheel_result *right, double limit);
 
-/* a + factor (b - a) */
-wheel wheel_towards(const wheel *a, const wheel *b, double factor);
+wheel wheel_after(const wheel *from, const wheel *rate, double time);
+wheel wheel_rate(const wheel *from, const wheel *to, double time);
 
 #endif

@@ -13,6 +13,33 @@ static double uniform(uint64_t *state) {
     return (double)((z >> 11) + 1) * 0x1p-53;
 }
 
+/* What a rain or snow of *rate* m/s takes from a wave, 1/m, one way. */
+static double attenuation(double rate, double loss, double exponent) {
+    if (!(rate > 0 && loss > 0)) return 0;
+    return loss * pow(rate * 3.6e6, exponent) * (log(10) / 10 / 1000);
+}
+
+/* The range in this weather; that in clear air, to the bit, where nothing lies between. */
+static double reach(const range_sensor *self) {
+    double range = self->par.max_range;
+    double lost = self->par.fog_share * self->in.visibility.fog_extinction +
+                  attenuation(self->in.visibility.rain_rate, self->par.rain_loss, self->par.rain_exponent) +
+                  attenuation(self->in.visibility.snow_rate, self->par.snow_loss, self->par.snow_exponent);
+    if (self->in.visibility.darkness > 0 && self->par.night_range > 0 && self->par.night_range < range) {
+        range += fmin(self->in.visibility.darkness, 1) * (self->par.night_range - range);
+    }
+    if (!(lost > 0)) return range;
+    if (!(self->par.echo_exponent > 0)) return self->par.contrast > 0 ? fmin(range, -log(self->par.contrast) / lost) : range;
+    /* Newton's method on ln x + b x = 0 for x = R / range; it comes from below, and stops where it moves no more. */
+    double b = 2 * lost * range / self->par.echo_exponent, x = 1 / (1 + b);
+    for (int32_t i = 0; i < 30; ++i) {
+        double more = -(log(x) + b * x) * x / (1 + b * x);
+        x += more;
+        if (!(fabs(more) > 1e-15 * x)) break;
+    }
+    return x * range;
+}
+
 /* What lies in front now. Nothing seen: gap and speed stay as they were last seen. */
 static range_sensor_target measured(range_sensor *self, range_sensor_target last) {
     double azimuth = self->in.scene.azimuth;
@@ -23,7 +50,7 @@ static range_sensor_target measured(range_sensor *self, range_sensor_target last
         radius = sqrt(-2 * log(uniform(&self->random)));
         angle = 6.283185307179586 * uniform(&self->random);
     }
-    now.detected = self->in.scene.hit && self->in.scene.range <= self->par.max_range &&
+    now.detected = self->in.scene.hit && self->in.scene.range <= reach(self) &&
                    2 * fabs(azimuth) <= self->par.field_of_view;
     if (now.detected) {
         /* Doppler and range lie along the ray, the controller wants them along the road. */

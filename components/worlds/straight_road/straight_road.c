@@ -2,22 +2,12 @@
 
 #include <math.h>
 
-typedef struct {
-    double travelled, speed;
-} motion;
-
 /* The lead keeps its speed, changes it once at a constant rate, and keeps the new one. */
-static motion lead_motion(const straight_road *self, double time) {
-    double rate = fabs(self->par.lead_change_rate), from = self->par.lead_speed, to = self->par.lead_final_speed;
-    double since = time - self->par.lead_change_time;
-    motion lead = {from * time, from};
-    if (rate > 0 && since > 0) {
-        double acceleration = to < from ? -rate : rate, duration = fabs(to - from) / rate;
-        double changing = fmin(since, duration);
-        lead.speed = since < duration ? from + acceleration * since : to;
-        lead.travelled = from * (time - since + changing) + 0.5 * acceleration * changing * changing + to * (since - changing);
-    }
-    return lead;
+static speed_profile_motion lead_motion(const straight_road *self) {
+    speed_profile profile = {
+        self->par.lead_speed, self->par.lead_change_time, self->par.lead_change_rate, self->par.lead_final_speed,
+    };
+    return speed_profile_at(&profile, counted_time_now(&self->time));
 }
 
 static host_data data(const straight_road *self) {
@@ -45,7 +35,7 @@ static host_data data(const straight_road *self) {
 }
 
 static void output(straight_road *self) {
-    motion lead = lead_motion(self, self->base_time + (double)self->steps * self->step);
+    speed_profile_motion lead = lead_motion(self);
     double gap = self->par.initial_gap + lead.travelled - self->host.position;
     double closing_speed = self->host.speed - lead.speed;
     ray_fan_box box = {
@@ -74,9 +64,8 @@ void straight_road_init(straight_road *self) {
     host_data host = data(self);
     host_start(&self->host, &host, self->par.initial_speed);
     ray_fan_aim(&self->rays, self->par.ray_count, self->par.ray_angle);
-    self->base_time = 0;
-    self->step = 0;
-    self->steps = 0;
+    counted_time start = {0, 0, 0};
+    self->time = start;
     self->out.collision = false;
     output(self);
 }
@@ -84,11 +73,6 @@ void straight_road_init(straight_road *self) {
 void straight_road_step(straight_road *self, double h) {
     host_data host = data(self);
     host_advance(&self->host, &host, h, self->par.substeps);
-    if (h != self->step) {
-        self->base_time += (double)self->steps * self->step;
-        self->step = h;
-        self->steps = 0;
-    }
-    self->steps += 1;
+    counted_time_advance(&self->time, h);
     output(self);
 }

@@ -5,6 +5,7 @@
 #include <stdbool.h>
 #include <stdint.h>
 
+#include "../../traffic/profile/speed_profile.h"
 #include "host.h"
 #include "ray_fan.h"
 
@@ -45,8 +46,7 @@ typedef struct {
     } par;
     host_state host;
     ray_fan rays;
-    double base_time, step; /* time is base_time + steps * step, never a sum of steps */
-    int64_t steps;
+    counted_time time;
 } straight_road;
 
 void straight_road_init(straight_road *self);

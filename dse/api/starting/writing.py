@@ -35,7 +35,7 @@ def write_start(workspace: Workspace, name: str, files: Mapping[PurePosixPath, s
 
 def _taken(workspace: Workspace, targets: Mapping[Path, str]) -> Iterator[Problem]:
     hint = "choose another name; nothing is overwritten"
-    known = [path for folder in ("components", "designs", "testbenches") for path in workspace.files(folder)]
+    known = [path for folder in ("components", "designs", "roads", "testbenches") for path in workspace.files(folder)]
     for target in targets:
         same = [path for path in known if path != target and _called(target) and _called(path) == _called(target)]
         if target.exists():

@@ -1,4 +1,4 @@
-"""``dse export``: design spaces, and configurations on their bench, for other programs."""
+"""``dse export``: design spaces, configurations on their bench, and roads, for other programs."""
 
 from __future__ import annotations
 
@@ -10,13 +10,13 @@ import typer
 
 from dse.api import opened, space_of, workspace_of
 from dse.cli.app import group
-from dse.cli.arguments import Bench, Choose, Configuration, Design, FmiVersion, Off, On, Settings, Where
+from dse.cli.arguments import Bench, Choose, Configuration, Design, FmiVersion, Off, On, RoadName, Settings, Where
 from dse.cli.terminal import console, say
 
 if TYPE_CHECKING:
     from dse.domain.bench import TestBench
 
-export_app = group("export", "Write a design space, or a configuration on its bench, for another program.")
+export_app = group("export", "Write a design space, a configuration on its bench, or a road, for another program.")
 
 Target = Annotated[Path, typer.Option("--output", "-o", metavar="FILE", help="The file to write.")]
 
@@ -76,6 +76,23 @@ def export_ssp(
     for what in _left_behind(tested):
         screen.print(f"note: {what}: SSP has no words for that", soft_wrap=True)
     say(f"{target}: configuration {chosen.id} of {tested.name}, {elements} components")
+
+
+@export_app.command("opendrive")
+def export_opendrive(road: RoadName, target: Target) -> None:
+    """Write a road as OpenDRIVE 1.7.
+
+    Its geometry, lanes, speed limits, traffic lights, and patches with a friction of their own. When lights show what
+    stands in user data, which other programs pass over.
+    """
+    from dse.api import opendrive_text
+    from dse.scratch import write_whole
+
+    if target.suffix.lower() != ".xodr":
+        raise typer.BadParameter(f"'{target.name}' must end in .xodr", param_hint="--output")
+    name, text = opendrive_text(road)
+    write_whole(target, text)
+    say(f"{target}: {name}")
 
 
 def _left_behind(bench: TestBench) -> Iterator[str]:

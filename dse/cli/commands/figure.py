@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from dse.cli.app import app
-from dse.cli.arguments import Configuration, Folder
+from dse.cli.arguments import Configuration, FolderOrRoad, named_folder
 from dse.cli.status import status_line
 from dse.cli.terminal import say, show_problems
 from dse.errors import DseError, Location, Problem, fail, raise_if_any
@@ -29,23 +29,44 @@ class PictureFormat(StrEnum):
 
 @app.command()
 def figure(
-    folder: Folder,
-    target: Annotated[Path | None, typer.Option("--output", "-o", metavar="DIR", help="Default: DIR/figures.")] = None,
+    folder: FolderOrRoad,
+    target: Annotated[
+        Path | None, typer.Option("--output", "-o", metavar="DIR", help="Default: DIR/figures; out/figures for a road.")
+    ] = None,
     kind: Annotated[PictureFormat, typer.Option("--format", help="File format.")] = PictureFormat.PNG,
     x: Annotated[str | None, typer.Option("--x", help="Design variable of the horizontal axis.")] = None,
     y: Annotated[str | None, typer.Option("--y", help="Design variable of the vertical axis.")] = None,
     configuration: Configuration = None,
-    number: Annotated[int | None, typer.Option("--run", help="The run whose waveforms are drawn.", min=0)] = None,
+    number: Annotated[
+        int | None, typer.Option("--run", help="The run whose waveforms, or whose path, are drawn.", min=0)
+    ] = None,
     only: Annotated[list[str] | None, typer.Option("--only", metavar="NAME", help="Only this figure.")] = None,
+    driven: Annotated[
+        list[Path] | None,
+        typer.Option(
+            "--drive", metavar="SOURCE", help="On a road: the path of a run of a study, or of a waveform file."
+        ),
+    ] = None,
 ) -> None:
-    """Draw the constraint plot, the waveforms and all other figures for print.
+    """Draw the constraint plot, the waveforms and all other figures for print; or a road.
 
     PNG, SVG or PDF. The paper's figures 6 and 7 are 'constraints' and 'waveforms'.
 
     Without --x and --y one constraint plot is drawn for each slice of the study. Without --run the waveforms are those
     of the run nearest the bounds of all requirements among those that pass.
+
+    A road is drawn as a map to scale, with lanes, slippery patches, lights, height, bank and curvature along the way;
+    --drive adds paths that were driven.
     """
     from dataclasses import replace
+
+    from dse.api import is_road
+
+    if is_road(folder):
+        _draw_road(folder, target, kind, [(named_folder(source), number or 0) for source in driven or ()])
+        return
+    if driven:
+        raise typer.BadParameter("paths are drawn on roads", param_hint="--drive")
 
     from dse.report import FIGURES, View, drawings, read_content, read_insight, save_drawing, uses_insight
 
@@ -77,6 +98,20 @@ def figure(
             if not written:
                 say(f"{name}: nothing to draw of this study", stderr=True)
     raise_if_any(problems)
+
+
+def _draw_road(road: Path, target: Path | None, kind: PictureFormat, driven: list[tuple[Path, int]]) -> None:
+    from dse.api import OUT, picture_of
+    from dse.report import draw_road, save_drawing
+
+    place = target or Path(OUT) / "figures"
+    with status_line() as tell:
+        tell("drawing the road")
+        sheet = draw_road(picture_of(road, driven))
+    make_folder(place)
+    written = place / f"{road.stem}.{kind}"
+    save_drawing(sheet, written)
+    say(str(written))
 
 
 def _configuration(content: ReportContent, wanted: str | None) -> str:

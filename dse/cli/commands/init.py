@@ -14,7 +14,7 @@ from dse.cli.content import content
 from dse.cli.terminal import console, say
 from dse.errors import Location, fail
 
-_FOLDERS = ("components", "designs", "testbenches", "schemas")
+_FOLDERS = ("components", "designs", "roads", "testbenches", "schemas")
 
 
 @app.command()
@@ -23,7 +23,7 @@ def init(
 ) -> None:
     """Lay out a working example to start from.
 
-    Components in C, a design space, a test bench and a study go into DIR, a new or empty folder.
+    Components in C, design spaces, roads, test benches and studies go into DIR, a new or empty folder.
     """
     if folder.exists() and (not folder.is_dir() or any(folder.iterdir())):
         raise fail("the folder is not empty", Location(str(folder)), "name a new folder; nothing is overwritten")

@@ -1,4 +1,4 @@
-"""``dse new``: starts of components, design spaces, test benches and studies."""
+"""``dse new``: starts of components, design spaces, test benches, studies and roads."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from dse.cli.terminal import say
 if TYPE_CHECKING:
     from dse.loading import Workspace
 
-new_app = group("new", "Write a commented start of a component, a design space, a test bench or a study.")
+new_app = group("new", "Write a commented start of a component, a design space, a test bench, a study or a road.")
 
 Name = Annotated[str, typer.Argument(metavar="NAME", help="What it is to be called.")]
 At = Annotated[Path, typer.Option("--workspace", "-w", help="A folder or file in the workspace.")]
@@ -108,6 +108,18 @@ def new_study(
     space = _opened(workspace)
     _write(space, name, started(space, name, bench))
     say(f"next: dse explore {name}; dse report {name}")
+
+
+@new_app.command("road")
+def new_road(name: Name, workspace: At = Path()) -> None:
+    """Write a road with a bend, that can be driven.
+
+    The file is roads/NAME.yaml.
+    """
+    from dse.api import new_road as started
+
+    _write(_opened(workspace), name, started(name))
+    say(f"next: dse figure {name}; dse export opendrive {name} -o {name}.xodr")
 
 
 def _opened(path: Path) -> Workspace:

@@ -20,7 +20,7 @@ def schema(
         typer.Argument(
             metavar="[KIND]",
             autocompletion=kinds_of_files,
-            help="component, interfaces, components, design, bench or study.",
+            help="component, interfaces, components, design, bench, road or study.",
         ),
     ] = None,
     folder: Annotated[

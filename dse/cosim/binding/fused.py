@@ -6,14 +6,15 @@ import ctypes
 from collections.abc import Sequence
 
 from dse.domain.fused import FusedLibrary
-from dse.domain.method import PLAIN, Method
+from dse.domain.method import Method
 from dse.domain.system import SystemStructure
 from dse.errors import fail
 
 
 def fitted(fused: FusedLibrary, system: SystemStructure, record: Sequence[str], method: Method) -> SystemStructure:
     """*system* with the FMI functions of *fused*; DseError if that was made for another system, record or method."""
-    difference = "another method" if method != PLAIN else fused.difference(system, record)
+    is_fused = method.is_plain_but_for_order and method.algorithm is fused.algorithm
+    difference = fused.difference(system, record) if is_fused else "another method"
     if difference:
         what = f"{system.name}: {fused.path.name} was not fused for this system: this one has {difference}"
         raise fail(what, hint="fuse it again")

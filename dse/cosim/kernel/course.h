@@ -205,11 +205,11 @@ static bool show_group(System *system, const ClockGroup *group, double time)
 /* ---- all elements ---- */
 
 /* From *time* to *end*, which is *length* later; elements whose own step is *every* times as long begin or end it
- * where the number k of the communication point tells. */
-static bool advance(System *system, double time, double length, double end)
+ * where the number k of the communication point tells. Those before *first* have done it. */
+static bool advance_from(System *system, int64_t first, double time, double length, double end)
 {
     const Plan *plan = system->plan;
-    for (int64_t e = 0; e < system->n_elements; e++) {
+    for (int64_t e = first; e < system->n_elements; e++) {
         const int64_t every = plan->paces[e].every;
         if (plan->n_groups && plan->group_of[e] >= 0) {
             const ClockGroup *group = &plan->groups[plan->group_of[e]];
@@ -228,6 +228,11 @@ static bool advance(System *system, double time, double length, double end)
             if ((plan->k + 1) % plan->paces[e].every == 0 && !show(system, e, end))
                 return false;
     return true;
+}
+
+static bool advance(System *system, double time, double length, double end)
+{
+    return advance_from(system, 0, time, length, end);
 }
 
 static bool all_watched_finite(System *system)

@@ -18,20 +18,27 @@ RARE static void take_answer(System *system, const Element *element, const dse_f
     }
 }
 
-/* Makes steps up to the communication point that is noted in progress then: the last one, or one that something is
- * unusual about. There the loop over FMI calls goes on, and finds out. */
-static bool simulate_fused(System *system, const Request *request)
+static dse_fused_run go_fused(System *system, const Request *request, int *ending)
 {
-    Progress *const progress = system->progress;
     dse_fused_run run = {.instances = &system->elements->instance,
                          .stride = sizeof(Element),
-                         .progress = &progress->place.element,
+                         .progress = &system->progress->place.element,
                          .call_step = DO_STEP,
                          .call_get = GET,
                          .step = request->step,
                          .steps = request->steps,
                          .out = request->out};
-    const int ending = ((dse_fused_loop *)system->fused)(&run);
+    *ending = ((dse_fused_loop *)system->fused)(&run);
+    return run;
+}
+
+/* Makes steps up to the communication point that is noted in progress then: the last one, or one that something is
+ * unusual about. There the loop over FMI calls goes on, and finds out. */
+static bool simulate_fused(System *system, const Request *request)
+{
+    Progress *const progress = system->progress;
+    int ending;
+    const dse_fused_run run = go_fused(system, request, &ending);
     system->fused_steps = progress->step;
     system->rows = progress->step + 1;
     if (ending == DSE_FUSED_STOPPED)
@@ -48,6 +55,41 @@ static bool simulate_fused(System *system, const Request *request)
             return false;
     progress->step++;
     return true;
+}
+
+/* The same with a loop of Gauss and Seidel. It may stop between two elements: those before the one that is noted have
+ * made the step. FMI calls finish it, and go on from the communication point *k*. */
+static bool simulate_fused_in_turn(System *system, const Request *request, int64_t *k)
+{
+    Progress *const progress = system->progress;
+    int ending;
+    const dse_fused_run run = go_fused(system, request, &ending);
+    const bool has_begun = progress->step >= 0;
+    *k = system->fused_steps = has_begun ? progress->step : 0;
+    int64_t first = has_begun ? progress->place.element : 0;
+    const double time = (double)*k * run.step, end = (double)(*k + 1) * run.step;
+    system->now = time;
+    if (ending == DSE_FUSED_FAILED && progress->place.call != DO_STEP) {
+        system->now = has_begun ? end : 0.0;
+        return fail_status(system, (int)run.status);
+    }
+    if (first || ending == DSE_FUSED_FAILED)
+        system->rows = *k + 1;
+    if (ending == DSE_FUSED_FAILED) {
+        system->takes_end = true;
+        take_answer(system, &system->elements[first], &run, time);
+        if (!system->has_ended)
+            return false;
+        first++;
+    }
+    for (int64_t e = 0; e < system->n_elements; e++)
+        if (!show(system, e, e < first ? end : time))
+            return false;
+    if (!first)
+        return true;
+    ((Plan *)system->plan)->k = *k;
+    *k += 1;
+    return advance_from(system, first, time, run.step, end);
 }
 
 #endif

@@ -3,6 +3,7 @@
 #define DSE_COSIM_MASTER_H
 
 #include "adaptive.h"
+#include "fused.h"
 
 /* A fingerprint of what every element shows. */
 RARE static void digest(const System *system, uint64_t *digests)
@@ -43,15 +44,20 @@ static void forget(const Plan *plan)
 APART static bool simulate_by_plan(System *system, const Request *request)
 {
     Plan *plan = system->plan;
-    int64_t level = 0;
+    int64_t level = 0, k = system->fused_steps = 0;
     double length = 0.0;
     forget(plan);
     system->may_roll_back = plan->tolerance > 0.0;
     system->now = 0.0;
-    for (int64_t e = 0; e < system->n_elements; e++)
-        if (!read_element(system, &system->elements[e], &system->elements[e].outputs))
+    if (system->fused && plan->is_sequential && !request->digests && !system->watches) {
+        if (!simulate_fused_in_turn(system, request, &k))
             return false;
-    for (int64_t k = 0;; k++) {
+    } else {
+        for (int64_t e = 0; e < system->n_elements; e++)
+            if (!read_element(system, &system->elements[e], &system->elements[e].outputs))
+                return false;
+    }
+    for (;; k++) {
         system->progress->step = plan->k = k;
         const double time = (double)k * request->step;
         if (plan->n_groups && !tick_all(system, time)) {

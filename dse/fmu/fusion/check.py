@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 
 from dse.domain.fmu import FmiInterface, Variable
-from dse.domain.method import PLAIN, Method
+from dse.domain.method import Method
 from dse.domain.system import Element, SystemStructure
 from dse.errors import Problem
 
@@ -17,8 +17,8 @@ _PLAIN_ONLY = "simulate it without --fuse"
 def fusion_problems(system: SystemStructure, record: Sequence[str], method: Method) -> list[Problem]:
     """Everything of *system*, *record* and *method* that cannot be compiled into one loop."""
     problems = []
-    if method != PLAIN:
-        what = "a fused loop knows only the plain method: Jacobi, one fixed step, inputs held, no coupling, no bonds"
+    if not method.is_plain_but_for_order:
+        what = "a fused loop knows only one fixed step, inputs held, no coupling, no bonds"
         problems.append(Problem(f"{system.name}: {what}", hint=_PLAIN_ONLY))
     for element in system.elements:
         problems += _element_problems(element)

@@ -31,9 +31,11 @@ class Wanted:
     method: Method = PLAIN
 
 
-def fuse(system: SystemStructure, record: Sequence[str], *, cache: Path | None = None) -> FusedLibrary:
-    """One library that simulates *system* and records *record*; see `fuse_all`."""
-    return fuse_all({system.name: Wanted(system, tuple(record))}, cache=cache)[system.name]
+def fuse(
+    system: SystemStructure, record: Sequence[str], method: Method = PLAIN, *, cache: Path | None = None
+) -> FusedLibrary:
+    """One library that simulates *system* by *method* and records *record*; see `fuse_all`."""
+    return fuse_all({system.name: Wanted(system, tuple(record), method)}, cache=cache)[system.name]
 
 
 def fuse_all(
@@ -43,7 +45,8 @@ def fuse_all(
 
     They compute the same numbers, bit for bit, as the FMUs do. From the cache if they were made before; a component
     that several systems share is compiled once. Raises one DseError naming all that cannot be fused: a component that
-    is a finished FMU or made by OpenModelica, another method than the plain one, arrays, strings, conversions.
+    is a finished FMU or made by OpenModelica, a method that differs from the plain one in more than its algorithm,
+    arrays, strings, conversions.
     """
     sources = _sources(wanted.values())
 
@@ -102,7 +105,8 @@ def _library(
         FusedElement(parts[library].prefix, parts[library].layout, sources[library].is_model) for library in libraries
     ]
     files = {name: runtime_file(name) for name in ("fused_values.h", "csolve/fused_abi.h")}
-    files["loop.c"] = loop_text(system, wanted.record, elements).encode()
+    algorithm = wanted.method.algorithm
+    files["loop.c"] = loop_text(system, wanted.record, elements, algorithm).encode()
     platform = this_platform()
     keyed = [*sorted(files.items()), ("build", repr((compiler.identity, options(compiler), platform.name)).encode())]
     target = cache_folder(cache) / "fused" / f"{_stem(system.name)}-{content_key(keyed)}{platform.suffix}"
@@ -118,7 +122,7 @@ def _library(
     except CompilationError as error:
         raise fail(f"{system.name}: cannot be fused: {_said(error)}", hint=_REPORT) from error
     prefixes = {element.name: parts[element.model.library].prefix for element in system.elements}
-    return FusedLibrary(target, system, wanted.record, prefixes)
+    return FusedLibrary(target, system, wanted.record, prefixes, algorithm)
 
 
 def _said(error: CompilationError) -> str:

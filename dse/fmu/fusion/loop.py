@@ -1,18 +1,20 @@
-"""The loop over a system's components, as C: Jacobi with the connections, types, checks and recording compiled in.
+"""The loop over a system's components, as C: its order, connections, types, checks and recording compiled in.
 
-It does what the kernel's loop (dse/cosim/kernel/kernel.c) does by FMI calls, in the same order. Where one of those
-calls would be refused, or a value on a wire is not finite, and at the last communication point, it stops before
-anything is changed, and leaves the rest to FMI calls.
+It does what the kernel's loops (dse/cosim/kernel) do by FMI calls, in the same order. Where one of those calls would be
+refused, or a value on a wire is not finite, and at the last communication point, it stops, and leaves the rest to FMI
+calls: with Jacobi before anything is changed in that step, with Gauss and Seidel before the element whose turn it is.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from typing import TypeAlias
 
+from dse.domain.method import Algorithm
 from dse.domain.system import SystemStructure
 from dse.fmu.fusion.layout import InstanceLayout
-from dse.fmu.fusion.values import ACCESSORS, Signal, checking, reading, writing
+from dse.fmu.fusion.values import ACCESSORS, Signal, checking, declaring, reading, writing
 
 
 @dataclass(frozen=True, slots=True)
@@ -24,9 +26,12 @@ class FusedElement:
     is_model: bool
 
 
-def loop_text(system: SystemStructure, record: Sequence[str], elements: Sequence[FusedElement]) -> str:
+def loop_text(
+    system: SystemStructure, record: Sequence[str], elements: Sequence[FusedElement], algorithm: Algorithm
+) -> str:
     """The unit that holds ``dse_fused_simulate``; *elements* are in the order of *system*'s, which are fit for it."""
     outputs = _signals(system, elements)
+    pairs = _pairs(system, elements, outputs)
     lines = [
         f"/* Generated: {len(elements)} components and {len(system.wires)} connections in one loop. */",
         '#include "fused_values.h"',
@@ -37,6 +42,8 @@ def loop_text(system: SystemStructure, record: Sequence[str], elements: Sequence
             f"bool {prefix}dse_fused_refresh(void *c, const char *function);",
             f"void {prefix}dse_fused_answer(const void *c, int64_t *status, int64_t *has_ended, double *time);",
         ]
+    in_turn = algorithm is Algorithm.GAUSS_SEIDEL
+    before, during = (_in_turn if in_turn else _in_parallel)(system, elements, outputs, pairs, record)
     lines += [
         "DSE_EXPORT dse_fused_loop dse_fused_simulate;",
         "int dse_fused_simulate(dse_fused_run *run) {",
@@ -45,24 +52,26 @@ def loop_text(system: SystemStructure, record: Sequence[str], elements: Sequence
         "    const int64_t steps = run->steps, call_step = run->call_step;",
         "    const double step = run->step;",
         "    double *row = run->out;",
+        "    bool is_usual = true;",
+        *(f"    {declaring(signal)}" for signal in outputs.values()),
+        *(f"    {line}" for line in before),
         f"    for (int64_t k = 0;; k++, row += {len(record)}) {{",
-        "        bool is_usual = true;",
-        "        progress[2] = k;",
+        "        progress[0] = 0, progress[2] = k;",
         "        if (k == steps) {",
         "            return DSE_FUSED_STOPPED;",
         "        }",
-        *_indented(_reading(system, elements, outputs)),
-        *_indented(_exchange(system, elements, outputs, record)),
         "        /* Never accumulated: 6000 steps of 10 ms end at 60 s, not at 59.9999999999966 s. */",
         "        const double time = (double)k * step;",
-        *_indented(_stepping(elements)),
+        *(f"        {line}" for line in during),
         "    }",
         "}",
     ]
     return "\n".join(lines) + "\n"
 
 
-_Outputs = Mapping[str, Signal]
+_Outputs: TypeAlias = Mapping[str, Signal]
+_Pairs: TypeAlias = Sequence[tuple[Signal, Signal]]
+_Lines: TypeAlias = Iterator[str]
 
 _UNUSUAL = ("if (!is_usual) {", "    return DSE_FUSED_STOPPED;", "}")
 _ERROR = 3  # in both versions of FMI
@@ -77,35 +86,8 @@ def _signals(system: SystemStructure, elements: Sequence[FusedElement]) -> dict[
     return found
 
 
-def _reading(system: SystemStructure, elements: Sequence[FusedElement], outputs: _Outputs) -> Iterator[str]:
-    """All outputs, in the order in which FMI calls ask for them: those of FMI 2 first."""
-    may_be_unusual = False
-    for index, element in sorted(enumerate(system.elements), key=lambda each: each[1].model.version):
-        own = [signal for signal in outputs.values() if signal.index == index]
-        if own and elements[index].is_model:
-            if may_be_unusual:
-                yield from _UNUSUAL  # it would have been met before this model is asked
-                may_be_unusual = False
-            number, accessor = min(ACCESSORS[element.model.version][signal.variable.fmi_type] for signal in own)
-            yield from _refreshing(index, elements[index].prefix, number, accessor)
-        for signal in own:
-            lines = list(reading(signal))
-            may_be_unusual |= any("is_usual" in line for line in lines)
-            yield from lines
-
-
-def _refreshing(index: int, prefix: str, type_number: int, accessor: str) -> Iterator[str]:
-    yield f"progress[0] = {index}, progress[1] = run->call_get + {type_number};"
-    yield f'if (!{prefix}dse_fused_refresh(e{index}, "{accessor}")) {{'
-    yield f"    run->status = {_ERROR};"
-    yield "    return DSE_FUSED_FAILED;"
-    yield "}"
-
-
-def _exchange(
-    system: SystemStructure, elements: Sequence[FusedElement], outputs: _Outputs, record: Sequence[str]
-) -> Iterator[str]:
-    """Check what goes over the wires, record, and write all inputs."""
+def _pairs(system: SystemStructure, elements: Sequence[FusedElement], outputs: _Outputs) -> _Pairs:
+    """Every input with the output that it gets."""
     sources = {
         f"{wire.target}.{wire.target_variable}": outputs[f"{wire.source}.{wire.source_variable}"]
         for wire in system.wires
@@ -116,27 +98,111 @@ def _exchange(
             place = fused.layout.places[variable.reference]
             target = Signal(index, len(pairs), variable, place, fused.is_model)
             pairs.append((sources[f"{element.name}.{variable.name}"], target))
-    for value in sorted({source.number for source, _ in pairs if source.is_real}):
+    return pairs
+
+
+def _in_parallel(
+    system: SystemStructure, elements: Sequence[FusedElement], outputs: _Outputs, pairs: _Pairs, record: Sequence[str]
+) -> tuple[_Lines, _Lines]:
+    """Jacobi: what stands before the steps, and one of them."""
+
+    def during() -> _Lines:
+        # In the order in which FMI calls ask for them: those of FMI 2 first.
+        may_be_unusual = False
+        for index, element in sorted(enumerate(system.elements), key=lambda each: each[1].model.version):
+            own = _of(outputs, index)
+            if own and elements[index].is_model and may_be_unusual:
+                yield from _UNUSUAL  # it would have been met before this model is asked
+                may_be_unusual = False
+            lines = list(_showing(index, elements[index], own, element.model.version))
+            may_be_unusual |= any("is_usual" in line for line in lines)
+            yield from lines
+        yield from _finite(source for source, _ in pairs)
+        for source, target in pairs:
+            yield from checking(source, target)
+        yield from _UNUSUAL
+        yield from _recording(outputs, record)
+        yield from _writing(elements, pairs)
+        for index, fused in enumerate(elements):
+            yield from _stepping(index, fused)
+
+    return iter(()), during()
+
+
+def _in_turn(
+    system: SystemStructure, elements: Sequence[FusedElement], outputs: _Outputs, pairs: _Pairs, record: Sequence[str]
+) -> tuple[_Lines, _Lines]:
+    """Gauss and Seidel: each element is given the newest values, steps, and shows its own."""
+
+    def show(index: int) -> _Lines:
+        lines = list(_showing(index, elements[index], _of(outputs, index), system.elements[index].model.version))
+        yield from lines
+        if any("is_usual" in line for line in lines):
+            yield from _stopping_before(index + 1)
+
+    def during() -> _Lines:
+        yield from _finite(source for source, _ in pairs)
+        yield from _UNUSUAL
+        yield from _recording(outputs, record)
+        for index, fused in enumerate(elements):
+            own = [(source, target) for source, target in pairs if target.index == index]
+            # Those that come later in turn have shown nothing since all were looked at.
+            checks = list(_finite(source for source, _ in own if source.index < index))
+            for source, target in own:
+                checks += checking(source, target)
+            yield from checks
+            if checks:
+                yield from _stopping_before(index)
+            yield from _writing(elements, own)
+            yield from _stepping(index, fused)
+            yield from show(index)
+
+    return (line for index in range(len(elements)) for line in show(index)), during()
+
+
+def _of(outputs: _Outputs, index: int) -> list[Signal]:
+    return [signal for signal in outputs.values() if signal.index == index]
+
+
+def _showing(index: int, fused: FusedElement, own: Sequence[Signal], version: int) -> _Lines:
+    if own and fused.is_model:
+        number, accessor = min(ACCESSORS[version][signal.variable.fmi_type] for signal in own)
+        yield f"progress[0] = {index}, progress[1] = run->call_get + {number};"
+        yield f'if (!{fused.prefix}dse_fused_refresh(e{index}, "{accessor}")) {{'
+        yield f"    run->status = {_ERROR};"
+        yield "    return DSE_FUSED_FAILED;"
+        yield "}"
+    for signal in own:
+        yield from reading(signal)
+
+
+def _finite(sources: Iterator[Signal]) -> _Lines:
+    for value in sorted({source.number for source in sources if source.is_real}):
         yield f"is_usual &= v{value} - v{value} == 0.0; /* finite */"
-    for source, target in pairs:
-        yield from checking(source, target)
-    yield from _UNUSUAL
+
+
+def _stopping_before(index: int) -> _Lines:
+    yield "if (!is_usual) {"
+    yield f"    progress[0] = {index};"
+    yield "    return DSE_FUSED_STOPPED;"
+    yield "}"
+
+
+def _recording(outputs: _Outputs, record: Sequence[str]) -> _Lines:
     for column, name in enumerate(record):
         yield f"row[{column}] = {outputs[name].real};"
+
+
+def _writing(elements: Sequence[FusedElement], pairs: _Pairs) -> _Lines:
     for source, target in pairs:
         yield from writing(source, target)
     for index in dict.fromkeys(target.index for _, target in pairs if target.is_model):
         yield f"dse_put_u16(e{index} + {elements[index].layout.changed_at}, 1);"
 
 
-def _stepping(elements: Sequence[FusedElement]) -> Iterator[str]:
-    for index, fused in enumerate(elements):
-        yield f"progress[0] = {index}, progress[1] = call_step;"
-        yield f"if (!{fused.prefix}dse_fused_step(e{index}, time, step)) {{"
-        yield f"    {fused.prefix}dse_fused_answer(e{index}, &run->status, &run->has_ended, &run->time);"
-        yield "    return DSE_FUSED_FAILED;"
-        yield "}"
-
-
-def _indented(lines: Iterator[str]) -> Iterator[str]:
-    return (f"        {line}" for line in lines)
+def _stepping(index: int, fused: FusedElement) -> _Lines:
+    yield f"progress[0] = {index}, progress[1] = call_step;"
+    yield f"if (!{fused.prefix}dse_fused_step(e{index}, time, step)) {{"
+    yield f"    {fused.prefix}dse_fused_answer(e{index}, &run->status, &run->has_ended, &run->time);"
+    yield "    return DSE_FUSED_FAILED;"
+    yield "}"

@@ -68,24 +68,28 @@ class Signal:
         return f"e{self.index} + {self.place.at}"
 
 
+def declaring(output: Signal) -> str:
+    """Where the value of *output* goes."""
+    return f"double {output.real};" if output.is_real else f"int64_t {output.whole}; double {output.real};"
+
+
 def reading(output: Signal) -> Iterator[str]:
-    """Declare and read *output*."""
+    """Read *output*."""
     got = f"dse_get_{output.place.c_type.accessor}({output.member})"
     if output.is_real:
-        yield f"const double {output.real} = {got};"
+        yield f"{output.real} = {got};"
         if output.is_model:
             yield f"is_usual &= {output.real} == {output.real};"
         return
     lowest, highest = _readable(output)
     if output.place.c_type.accessor == "whole":
-        yield f"int64_t {output.whole};"
         yield f"is_usual &= dse_is_whole({got}, {_literal(lowest)}, {_literal(highest)}, &{output.whole});"
     else:
-        yield f"int64_t {output.whole} = {got};"
+        yield f"{output.whole} = {got};"
         yield f"is_usual &= dse_is_within({output.whole}, {_literal(lowest)}, {_literal(highest)});"
     if output.place.row.kind == "BOOLEAN":
         yield f"{output.whole} = {output.whole} != 0;"
-    yield f"const double {output.real} = (double){output.whole};"
+    yield f"{output.real} = (double){output.whole};"
 
 
 def checking(source: Signal, target: Signal) -> Iterator[str]:

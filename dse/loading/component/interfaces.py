@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from dse.domain.component import Causality, Interface, Port, Type
-from dse.domain.labels import element_names
+from dse.domain.labels import element_names, is_part
 from dse.errors import DseError, Problems, closest, fail, raise_if_any
 from dse.formats import Entry
 from dse.loading.include import read_document
@@ -27,6 +27,7 @@ class InterfaceSection(Section):
 
     title: str = ""
     inputs: dict[str, Any] = {}
+    optional: list[str] = []
     outputs: dict[str, Any] = {}
 
 
@@ -80,7 +81,13 @@ def read_interfaces(path: Path, inside: Path, types: NamedTypes) -> dict[str, In
         counted = Counter(port.name for port in ports)
         for port in sorted(port for port, times in counted.items() if times > 1):
             problems.add(f"port '{port}' is input and output", entry.key)
-        result[name] = Interface(name, tuple(ports), entry.key)
+        inputs = [port.name for port in ports if port.causality is Causality.INPUT]
+        for number, whole in enumerate(section.optional):
+            if not any(is_part(port, whole) for port in inputs):
+                problems.add(
+                    f"there is no input '{whole}'", entry["optional"][number].where, closest(whole, section.inputs)
+                )
+        result[name] = Interface(name, tuple(ports), entry.key, tuple(section.optional))
     raise_if_any(problems)
     return result
 

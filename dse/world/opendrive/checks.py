@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from itertools import pairwise
 
 import numpy as np
@@ -11,19 +11,21 @@ import numpy as np
 from dse.errors import Problem, closest
 from dse.formats import shortened
 from dse.world.opendrive.curves import curve_of
-from dse.world.opendrive.structure import End, Geometry, Network, Road
+from dse.world.opendrive.driving import DRIVEN, ends_at, lanes_at, leaves_at
+from dse.world.opendrive.structure import Connection, Cubic, End, Geometry, Lane, Network, Road
 
-GAP = 0.01
+GAP = 0.05
 """How far apart pieces of a line may be, in m; and how far lengths may contradict each other, beside 1e-4 of them."""
-KINK = 0.02
+KINK = 0.1
 """How much pieces of a line may turn where they meet, in rad."""
+
+_HIGHEST, _WIDEST = 1e4, 1e4  # m
+_STEEPEST = 1.4  # rad
+_SAMPLES = np.linspace(0.0, 1.0, 9)
 
 
 def road_problems(road: Road) -> Iterator[Problem]:
-    """Lengths that contradict and gaps in the reference line; raises DseError where it cannot be followed at all."""
-    if not road.length > 0.0:
-        yield Problem(f"road '{shortened(road.id)}' has no length", road.where)
-        return
+    """Lengths that contradict, gaps, and sizes no road has; raises DseError where a curve cannot be followed at all."""
     pieces = road.geometries
     if pieces[0].s > GAP:
         yield Problem(f"the first <geometry> begins at {pieces[0].s:g} m, not at 0", pieces[0].where)
@@ -39,6 +41,25 @@ def road_problems(road: Road) -> Iterator[Problem]:
             yield Problem(f"the curve is {length:g} m long, its <geometry> says {piece.length:g} m", piece.where)
     for one, other in pairwise(pieces):
         yield from _apart(one, other)
+    yield from _unfit(road.elevation, road.length, _HIGHEST, "a height of", "m")
+    yield from _unfit(road.superelevation, road.length, _STEEPEST, "a superelevation of", "rad")
+    yield from _unfit(road.offsets, road.length, _WIDEST, "a lane offset of", "m")
+    for section in road.sections:
+        for lane in section.lanes.values():
+            yield from _unfit(lane.widths, section.end, _WIDEST, f"in lane {lane.id} a width of", "m", -GAP)
+            yield from _unfit(() if lane.widths else lane.borders, section.end, _WIDEST, "a border at", "m")
+
+
+def _unfit(
+    cubics: tuple[Cubic, ...], end: float, most: float, what: str, unit: str, least: float = -math.inf
+) -> Iterator[Problem]:
+    ends = [*(cubic.s for cubic in cubics[1:]), end]
+    for cubic, until in zip(cubics, ends, strict=False):
+        ds = max(min(until, end) - cubic.s, 0.0) * _SAMPLES
+        values = cubic.a + ds * (cubic.b + ds * (cubic.c + ds * cubic.d))
+        worst = values[np.argmax(np.where(values < least, math.inf, np.abs(values)))]
+        if not max(least, -most) <= worst <= most:
+            yield Problem(f"the road has {what} {worst:g} {unit}", cubic.where)
 
 
 def _apart(one: Geometry, other: Geometry) -> Iterator[Problem]:
@@ -53,8 +74,12 @@ def _apart(one: Geometry, other: Geometry) -> Iterator[Problem]:
         yield Problem(f"this <geometry> begins with a kink of {kink:.3g} rad", other.where)
 
 
-def network_problems(network: Network) -> Iterator[Problem]:
-    """Links to what is not there."""
+def network_problems(network: Network) -> list[Problem]:
+    """Links to what is not there; those between lanes are looked at if roads and junctions are."""
+    return [*_missing(network)] or [*_missing_lanes(network)]
+
+
+def _missing(network: Network) -> Iterator[Problem]:
     for road in network.roads.values():
         if road.junction and road.junction not in network.junctions:
             what = f"road '{shortened(road.id)}' is in junction '{shortened(road.junction)}', which is not there"
@@ -71,9 +96,48 @@ def network_problems(network: Network) -> Iterator[Problem]:
                     yield Problem(f"there is no road '{shortened(id_)}'", connection.where, closest(id_, network.roads))
 
 
-def end_of(road: Road, end: End) -> float:
-    """The station of an end of a road."""
-    return 0.0 if end is End.START else road.length
+def _missing_lanes(network: Network) -> Iterator[Problem]:
+    for road in network.roads.values():
+        for here, there in pairwise(road.sections):
+            for lane in here.lanes.values():
+                goes_on = there.left_goes_on if lane.id > 0 else there.right_goes_on
+                yield from _unlinked(lane, () if goes_on else lane.successors, there.lanes, "the next section")
+            for lane in there.lanes.values():
+                goes_on = there.left_goes_on if lane.id > 0 else there.right_goes_on
+                yield from _unlinked(lane, () if goes_on else lane.predecessors, here.lanes, "the section before")
+        for end, link in road.links.items():
+            if link.element == "road":
+                there_, called = lanes_at(network.roads[link.id], link.contact), f"road '{shortened(link.id)}'"
+                for lane in lanes_at(road, end).values():
+                    yield from _unlinked(
+                        lane, lane.predecessors if end is End.START else lane.successors, there_, called
+                    )
+    for junction in network.junctions.values():
+        for connection in junction.connections:
+            incoming, road = network.roads[connection.incoming], network.roads[connection.road]
+            for end in ends_at(network, junction, connection):
+                beyond = lanes_at(road, connection.contact)
+                yield from _cut_off(incoming, end, dict(connection.links), beyond, connection)
+                back = {other: one for one, other in connection.links}
+                yield from _cut_off(road, connection.contact, back, lanes_at(incoming, end), connection)
+
+
+def _cut_off(
+    road: Road, end: End, links: Mapping[int, int], lanes: Mapping[int, Lane], connection: Connection
+) -> Iterator[Problem]:
+    """Links that vehicles would take out of a road, to lanes that are not there; nobody misses others."""
+    for here, there in links.items():
+        lane = lanes_at(road, end).get(here)
+        if lane is not None and leaves_at(road, lane, end) and lane.type in DRIVEN and there not in lanes:
+            what = f"lane {here} of road '{shortened(road.id)}' is linked to lane {there}, which is not there"
+            yield Problem(what, connection.where, closest(str(there), map(str, lanes)))
+
+
+def _unlinked(lane: Lane, linked: tuple[int, ...], lanes: Mapping[int, Lane], called: str) -> Iterator[Problem]:
+    for id_ in linked:
+        # Centre lanes are no lanes to drive in; some programs link to them where a lane ends.
+        if id_ and id_ not in lanes:
+            yield Problem(f"lane {lane.id} is linked to lane {id_}, which {called} does not have", lane.where)
 
 
 def _agree(one: float, other: float) -> bool:

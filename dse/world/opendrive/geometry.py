@@ -7,7 +7,7 @@ import math
 from dse.errors import closest, fail
 from dse.formats import XmlElement, shortened
 from dse.world.opendrive.structure import Arc, Geometry, Line, Parametric, Polynomial, Shape, Spiral
-from dse.world.opendrive.values import in_order, number
+from dse.world.opendrive.values import MOST_FACTOR, in_order, number
 
 _SHAPES = ("line", "arc", "spiral", "poly3", "paramPoly3")
 _MOST_TURNING = 100 * math.tau
@@ -63,7 +63,7 @@ def _require_turning(shape: XmlElement, angle: float) -> None:
 
 
 def _letters(shape: XmlElement, axis: str) -> tuple[float, float, float, float]:
-    a, b, c, d = (number(shape, letter + axis) for letter in "abcd")
+    a, b, c, d = (number(shape, letter + axis, most=MOST_FACTOR) for letter in "abcd")
     return a, b, c, d
 
 

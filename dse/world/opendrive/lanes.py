@@ -6,7 +6,7 @@ import math
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
-from dse.errors import Location, Problem, fail
+from dse.errors import Location, Problem, Problems, fail
 from dse.formats import XmlElement, shortened
 from dse.world.opendrive.structure import Cubic, Lane, Limit, Section
 from dse.world.opendrive.values import cubic, in_order, number, text, whole
@@ -98,6 +98,10 @@ def _side(section: XmlElement, side: str, s: float) -> dict[int, Lane]:
 
 
 def _lane(element: XmlElement, s: float) -> Lane:
+    refused = Problems(_refused(element))
+    limits: tuple[Limit, ...] = ()
+    with refused:
+        limits = tuple(read_limit(child, s + number(child, "sOffset", least=0.0)) for child in element.all("speed"))
     lane = Lane(
         whole(element, "id"),
         text(element, "type"),
@@ -106,9 +110,9 @@ def _lane(element: XmlElement, s: float) -> Lane:
         in_order("<border>", (cubic(child, s, "sOffset") for child in element.all("border"))),
         _linked(element, "predecessor"),
         _linked(element, "successor"),
-        tuple(read_limit(child, s + number(child, "sOffset", least=0.0)) for child in element.all("speed")),
+        limits,
         tuple(_friction(child, s) for child in element.all("material")),
-        tuple(_refused(element)),
+        tuple(refused),
         element.where,
     )
     if not lane.widths and not lane.borders:

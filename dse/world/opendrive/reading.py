@@ -3,15 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
+from dataclasses import replace
 from pathlib import Path
 
 from dse.errors import Problem, Problems, fail, raise_if_any
-from dse.formats import XmlElement, read_xml_file, shortened
+from dse.formats import XmlElement, read_xml_file, real_of, shortened
 from dse.world.opendrive.checks import network_problems, road_problems
 from dse.world.opendrive.geometry import read_geometries
 from dse.world.opendrive.lanes import read_limit, read_offsets, read_sections
 from dse.world.opendrive.roadside import Cycle, read_cycle, read_signals, read_slicks
-from dse.world.opendrive.structure import Connection, Cubic, End, Junction, Limit, Network, Road, RoadLink
+from dse.world.opendrive.structure import Connection, Cubic, End, Junction, Limit, Network, Road, RoadLink, Signal
 from dse.world.opendrive.values import cubic, in_order, number, text, whole
 
 _UNFLAT = {"shape": "a lateral <shape>", "crossfall": "a <crossfall>", "crossSectionSurface": "a <crossSectionSurface>"}
@@ -23,7 +24,11 @@ def read_network(path: Path, file: str) -> Network:
     Raises DseError with everything in it that is wrong, or is not understood and would change where a road lies; what
     cannot be followed only along some roads is told when a path uses them.
     """
-    root = read_xml_file(path, file)
+    return network_in(read_xml_file(path, file))
+
+
+def network_in(root: XmlElement) -> Network:
+    """The roads and junctions of an OpenDRIVE document. Raises DseError as `read_network`."""
     if root.tag != "OpenDRIVE":
         raise fail(f"an OpenDRIVE file begins with <OpenDRIVE>, not with <{shortened(root.tag)}>", root.where)
     problems = Problems()
@@ -42,7 +47,6 @@ def read_network(path: Path, file: str) -> Network:
             if road.id in roads:
                 raise fail(f"there is another road '{shortened(road.id)}'", element.where)
             roads[road.id] = road
-            problems += road_problems(road)
     junctions: dict[str, Junction] = {}
     for element in root.all("junction"):
         with problems:
@@ -73,9 +77,15 @@ def _road(element: XmlElement, named: Mapping[str, XmlElement], cycles: Mapping[
     if rule not in {"RHT", "LHT"}:
         raise fail(f"<road>: 'rule' cannot be '{shortened(rule)}'", element.where, "possible: LHT, RHT")
     length = number(element, "length", least=0.0)
+    if not length > 0.0:
+        raise fail("<road> has no length", element.where)
     junction = element.get("junction", "-1").strip()
-    refused = list(_unsupported(element))
-    return Road(
+    refused = Problems(_unsupported(element))
+    limits: tuple[Limit, ...] = ()
+    signals: tuple[Signal, ...] = ()
+    with refused:
+        limits, signals = tuple(_limits(element)), tuple(read_signals(element, named, cycles))
+    road = Road(
         text(element, "id"),
         length,
         rule == "LHT",
@@ -86,12 +96,15 @@ def _road(element: XmlElement, named: Mapping[str, XmlElement], cycles: Mapping[
         _profile(element, "lateralProfile", "superelevation"),
         read_offsets(element),
         read_sections(element, length),
-        tuple(_limits(element)),
+        limits,
         tuple(read_slicks(element, refused)),
-        tuple(read_signals(element, named, cycles)),
-        tuple(refused),
+        signals,
+        (),
         element.where,
     )
+    with refused:
+        refused += road_problems(road)
+    return replace(road, refused=tuple(refused))
 
 
 def _profile(road: XmlElement, profile: str, tag: str) -> tuple[Cubic, ...]:
@@ -109,10 +122,15 @@ def _unsupported(road: XmlElement) -> Iterator[Problem]:
     """What would change heights along the road and cannot be carried by a path."""
     for element in road.below("lateralProfile"):
         for child in element.children:
-            if child.tag in _UNFLAT and (child.tag != "crossfall" or any(number(child, c) for c in "abcd")):
+            if child.tag in _UNFLAT and not _flat(child):
                 yield Problem(f"a road with {_UNFLAT[child.tag]} is not supported on a path", child.where)
     for element in road.below("surface", "CRG"):
         yield Problem("a road with an OpenCRG <surface> is not supported on a path", element.where)
+
+
+def _flat(element: XmlElement) -> bool:
+    """Whether all factors of a polynomial are zero."""
+    return all(real_of(element.get(letter)) == 0.0 for letter in "abcd")
 
 
 def _links(road: XmlElement) -> Iterator[tuple[End, RoadLink]]:
@@ -121,9 +139,10 @@ def _links(road: XmlElement) -> Iterator[tuple[End, RoadLink]]:
             kind = element.get("elementType", "road")
             if kind not in {"road", "junction"}:
                 raise fail(f"<{tag}>: 'elementType' cannot be '{shortened(kind)}'", element.where, "road or junction")
-            # A link into the middle of a road belongs to a virtual junction and has no contact at an end.
-            contact = End.START if kind == "junction" or "elementS" in element.attributes else _contact(element)
-            yield end, RoadLink(kind, text(element, "elementId"), contact, element.where)
+            # A link into the middle of a road belongs to a virtual junction, which is not followed.
+            if "elementS" not in element.attributes:
+                contact = End.START if kind == "junction" else _contact(element)
+                yield end, RoadLink(kind, text(element, "elementId"), contact, element.where)
 
 
 def _contact(element: XmlElement) -> End:

@@ -12,7 +12,9 @@ from dse.formats import XmlElement, shortened
 from dse.world.opendrive.structure import Cubic
 
 MOST = 1e8
-"""No number in a road network is larger; where metres are, doubles are good to 1e-8 there."""
+"""No place in a road network has larger numbers: doubles are good to 1e-8 m there."""
+MOST_FACTOR = 1e30
+"""No factor of a polynomial is larger; what they come to is looked at where it matters."""
 
 
 class Placed(Protocol):
@@ -30,8 +32,10 @@ class Placed(Protocol):
 P = TypeVar("P", bound=Placed)
 
 
-def number(element: XmlElement, name: str, *, least: float = -MOST, default: float | None = None) -> float:
-    """The attribute as a finite number of at least *least*; *default*, if there is one, where it is not there.
+def number(
+    element: XmlElement, name: str, *, least: float | None = None, most: float = MOST, default: float | None = None
+) -> float:
+    """The attribute as a finite number from *least* (or -*most*) to *most*; *default*, if there is one, if not there.
 
     Raises DseError located at the element: not there, no number, or out of range.
     """
@@ -44,9 +48,9 @@ def number(element: XmlElement, name: str, *, least: float = -MOST, default: flo
             raise fail(f"<{element.tag}> has no '{name}'", element.where)
         return default
     said = shortened(element.get(name).strip())
-    if not math.isfinite(value) or abs(value) > MOST:
-        raise fail(f"<{element.tag}>: '{name}' is {said}, not between -{MOST:g} and {MOST:g}", element.where)
-    if value < least:
+    if not math.isfinite(value) or abs(value) > most:
+        raise fail(f"<{element.tag}>: '{name}' is {said}, not between -{most:g} and {most:g}", element.where)
+    if least is not None and value < least:
         raise fail(f"<{element.tag}>: '{name}' is {said}, not at least {least:g}", element.where)
     return value
 
@@ -70,7 +74,7 @@ def text(element: XmlElement, name: str) -> str:
 
 def cubic(element: XmlElement, start: float = 0.0, name: str = "s") -> Cubic:
     """A cubic from an element's attributes *name*, which counts from *start*, and a, b, c, d."""
-    a, b, c, d = (number(element, letter) for letter in "abcd")
+    a, b, c, d = (number(element, letter, most=MOST_FACTOR) for letter in "abcd")
     return Cubic(start + number(element, name, least=0.0), a, b, c, d, element.where)
 
 

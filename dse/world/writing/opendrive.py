@@ -6,6 +6,7 @@ from collections.abc import Iterator, Mapping
 from xml.sax.saxutils import quoteattr
 
 from dse.domain.road import Road
+from dse.world.opendrive.roadside import PHASES, SHIFT
 from dse.world.writing.layout import network_of
 from dse.world.writing.network import (
     Cubic,
@@ -20,9 +21,6 @@ from dse.world.writing.network import (
     Signal,
 )
 from dse.world.writing.pieces import Piece
-
-PHASES, SHIFT = "dse.phases", "dse.shift"
-"""``<userData>`` of a controller: when its traffic lights show what, and from which time in s on."""
 
 _LIGHT = "1000001"
 """The type of a traffic light with three colours in OpenDRIVE's own catalogue."""

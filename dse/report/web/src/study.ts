@@ -1,6 +1,6 @@
 // The study as the page sees it: typed columns, one value per run, in the units shown.
 import { readCharted, type Charted } from "./chart";
-import { columnText, number, shortened, withUnit } from "./format";
+import { columnText, number, shortened, straight, withUnit } from "./format";
 import { readInsight, type Insight } from "./insight";
 import { readNotes, readRetried, type Notes, type Retried } from "./notes";
 import { unpack, type Entry, type Numbers } from "./packing";
@@ -162,7 +162,7 @@ interface Document {
 }
 
 export async function readStudy(): Promise<Study> {
-  const source = JSON.parse(block("document")) as Document;
+  const source = JSON.parse(block("document"), (_, value: unknown) => (typeof value === "string" ? straight(value) : value)) as Document;
   const arrays = await unpack(source.columns, block("columns"));
   const floats = (name: string): Float64Array => arrays.get(name) as Float64Array;
   const integers = (name: string): Int32Array => arrays.get(name) as Int32Array;

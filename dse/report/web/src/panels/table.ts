@@ -7,6 +7,7 @@ import { group } from "../format";
 import type { Filter, Store } from "../store";
 import { axisLabel, type Study } from "../study";
 import { CLASSES, SIGNS, WORDS } from "../verdicts";
+import { createHeading } from "./heading";
 
 const ROW = 28;
 const SPARE = 12;
@@ -35,9 +36,10 @@ export function createTable(store: Store): HTMLElement {
     body.replaceChildren(gap(start, columns.length), ...Array.from(runs.subarray(start, end), (run) => rowOf(store, columns, run)), gap(runs.length - end, columns.length));
     table.setAttribute("aria-rowcount", String(runs.length + 1));
   };
+  const showHead = createHead(store, columns, head);
   const order = (): void => {
     runs = arrange(store, columns);
-    drawHead(store, columns, head);
+    showHead();
     drawFilters(store, filters);
     rows();
   };
@@ -129,25 +131,27 @@ function arrange(store: Store, columns: Column[]): Int32Array<ArrayBuffer> {
   return Int32Array.from(found);
 }
 
-function drawHead(store: Store, columns: Column[], head: HTMLElement): void {
-  const { sort } = store.state;
-  const focused = (document.activeElement as HTMLElement | null)?.dataset["sort"];
-  head.replaceChildren(
-    ...columns.map(({ key, title, numeric }) => {
-      const active = sort.column === key;
-      return el(
-        "th",
-        { scope: "col", class: numeric ? "numeric" : "", "aria-sort": active ? (sort.descending ? "descending" : "ascending") : "none" },
-        el(
-          "button",
-          { type: "button", "data-sort": key, click: () => store.set({ sort: { column: key, descending: active && !sort.descending } }) },
-          title,
-          el("span", { class: "arrow", "aria-hidden": "true" }, active ? (sort.descending ? "\u25be" : "\u25b4") : ""),
-        ),
-      );
-    }),
-  );
-  if (focused) head.querySelector<HTMLElement>(`[data-sort="${CSS.escape(focused)}"]`)?.focus();
+/** Fills *head*; what it gives back shows how the table is sorted, and what is brushed. */
+function createHead(store: Store, columns: Column[], head: HTMLElement): () => void {
+  const cells = columns.map(({ key, title, numeric }) => {
+    const arrow = el("span", { class: "arrow", "aria-hidden": "true" });
+    const sort = (): void => {
+      const { column, descending } = store.state.sort;
+      store.set({ sort: { column: key, descending: column === key && !descending } });
+    };
+    const heading = createHeading(store, key);
+    const cell = el("th", { scope: "col", class: numeric ? "numeric" : "" }, el("button", { type: "button", "data-sort": key, click: sort }, title, arrow), heading?.element);
+    return { key, arrow, heading, cell };
+  });
+  head.replaceChildren(...cells.map(({ cell }) => cell));
+  return () => {
+    const { column, descending } = store.state.sort;
+    for (const { key, arrow, heading, cell } of cells) {
+      cell.setAttribute("aria-sort", column !== key ? "none" : descending ? "descending" : "ascending");
+      arrow.textContent = column !== key ? "" : descending ? "\u25be" : "\u25b4";
+      heading?.show();
+    }
+  };
 }
 
 function drawFilters(store: Store, box: HTMLElement): void {

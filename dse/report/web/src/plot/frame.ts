@@ -25,6 +25,10 @@ export interface Frame {
   y: Scale;
 }
 
+/** What every frame has beside the axes at least. */
+const LEFT = 60;
+const RIGHT = 14;
+
 /** A frame that leaves room for the axes' texts, and for the colour *bar* if there is one. */
 export function frameOf(width: number, height: number, { x, y }: Zoom, bar: boolean): Frame {
   const frame = { left: 66, right: width - (bar ? 96 : 16), top: 14, bottom: height - 50 };
@@ -58,7 +62,10 @@ export function drawAxes(
     const place = Math.round(x(tick)) + 0.5;
     pen.moveTo(place, bottom);
     pen.lineTo(place, bottom + 5);
-    pen.fillText(text, place, bottom + 19, (right - left) / across.length);
+    const shown = fitted(pen, text, (right - left) / across.length - 4);
+    // At the ends a text stands a little inwards, lest the picture's edge cuts it.
+    const half = pen.measureText(shown).width / 2;
+    pen.fillText(shown, Math.max(left - LEFT + half, Math.min(right + RIGHT - half, place)), bottom + 19);
   }
   pen.textAlign = "right";
   pen.textBaseline = "middle";

@@ -1,6 +1,6 @@
 // Axes beside each other, and runs as lines across them.
 import { scaleLinear, type ScaleLinear } from "d3-scale";
-import { columnsOf } from "../columns";
+import { columnOf, columnsOf, type Keyed } from "../columns";
 import { number } from "../format";
 import type { Store } from "../store";
 import { axisLabel, type Study } from "../study";
@@ -27,14 +27,27 @@ export interface Axis {
   most: number;
 }
 
+const known = new WeakMap<Study, Map<string, Axis>>();
+
 export function axesOf(study: Study): Axis[] {
-  return columnsOf(study).map((column) => {
-    const sorted = column.values.filter((value, run) => Number.isFinite(value) && study.done[run] === 1).sort();
-    const at = (part: number): number => sorted[Math.round(part * (sorted.length - 1))] ?? 0;
-    const variable = column.key.startsWith("variable.") ? study.variables[Number(column.key.slice(9))] : undefined;
-    const [low, high] = variable ? [variable.low, variable.high] : [at(0.01), at(0.99)];
-    return { key: column.key, title: axisLabel(column), values: column.values, low, high: high > low ? high : low + 1, least: Math.min(at(0), low), most: Math.max(at(1), high) };
-  });
+  return columnsOf(study).map(({ key }) => axisOf(study, key));
+}
+
+/** The axis of the column with *key*, which the study must have. */
+export function axisOf(study: Study, key: string): Axis {
+  const axes = known.get(study) ?? new Map<string, Axis>();
+  known.set(study, axes);
+  const axis = axes.get(key) ?? axisFor(study, columnOf(study, key)!);
+  axes.set(key, axis);
+  return axis;
+}
+
+function axisFor(study: Study, column: Keyed): Axis {
+  const sorted = column.values.filter((value, run) => Number.isFinite(value) && study.done[run] === 1).sort();
+  const at = (part: number): number => sorted[Math.round(part * (sorted.length - 1))] ?? 0;
+  const variable = column.key.startsWith("variable.") ? study.variables[Number(column.key.slice(9))] : undefined;
+  const [low, high] = variable ? [variable.low, variable.high] : [at(0.01), at(0.99)];
+  return { key: column.key, title: axisLabel(column), values: column.values, low, high: high > low ? high : low + 1, least: Math.min(at(0), low), most: Math.max(at(1), high) };
 }
 
 export function heightsOf(axes: Axis[], height: number): ScaleLinear<number, number>[] {

@@ -4,7 +4,7 @@ import type { Study } from "../study";
 import type { Palette } from "../theme";
 import { FAIL, FAILED, NOT_EXERCISED, PASS, type Judgement } from "../verdicts";
 import { clipTo, type Frame } from "./frame";
-import { createStamps, packed } from "./stamps";
+import { createStamps, packed, sorted } from "./stamps";
 import type { Pen } from "./pen";
 
 const MOST_DRAWN = 6000;
@@ -171,13 +171,9 @@ function stampPoints(
   const ys = study.variables[plane.y]!.values;
   const [x0, x1] = [frame.x(0), frame.x(1) - frame.x(0)];
   const [y0, y1] = [frame.y(0), frame.y(1) - frame.y(0)];
-  for (const mark of within ? [OUTSIDE, ...ORDER] : ORDER) {
-    for (let i = 0; i < runs.length; i++) {
-      const run = runs[i]!;
-      if ((within && !within[run] ? OUTSIDE : marks[run]) !== mark) continue;
-      stamps.put(x0 + x1 * xs[run]!, y0 + y1 * ys[run]!, sides[mark]!, ink[mark]!);
-    }
-  }
+  const places = { a: Float32Array.from(runs, (run) => x0 + x1 * xs[run]!), b: Float32Array.from(runs, (run) => y0 + y1 * ys[run]!) };
+  const groups = sorted(Uint8Array.from(runs, (run) => (within && !within[run] ? OUTSIDE : marks[run]!)), OUTSIDE + 1);
+  for (const mark of [OUTSIDE, ...ORDER]) stamps.put(places, groups[mark]!, sides[mark]!, [ink[mark]!]);
   stamps.draw();
 }
 

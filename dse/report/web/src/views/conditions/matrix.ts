@@ -4,6 +4,7 @@ import { count, group, number, percent, withUnit } from "../../format";
 import type { Store } from "../../store";
 import type { Study } from "../../study";
 import { CLASSES, FAIL, FAILED, NOT_EXERCISED, PASS, SIGNS, WORDS } from "../../verdicts";
+import { SHARE_OF } from "../shared/margins";
 import { openRun } from "../shared/runs";
 import { cellsOf, markOf, type Cell } from "./cells";
 import type { Chosen } from "./chosen";
@@ -100,6 +101,6 @@ function legend(): HTMLElement {
     "ul",
     { class: "legend" },
     ...[PASS, FAIL, NOT_EXERCISED, FAILED].map((mark) => el("li", {}, el("span", { class: `badge ${CLASSES[mark]}` }, SIGNS[mark]), el("span", {}, WORDS[mark]))),
-    el("li", {}, "Margins of all requirements together are shares of what their metrics vary by; a click opens the worst run of a cell."),
+    el("li", {}, `The margin of all requirements together is the least of theirs, as a share ${SHARE_OF}. A click opens the worst run of a cell.`),
   );
 }

@@ -3,7 +3,7 @@ import { scaleLinear } from "d3-scale";
 import { columnOf, type Keyed } from "../../columns";
 import { clipTo, type Frame } from "../../plot/frame";
 import { drawShape, paintShape } from "../../plot/points";
-import { createStamps, packed } from "../../plot/stamps";
+import { createStamps, packed, sorted, type Places } from "../../plot/stamps";
 import type { Palette } from "../../theme";
 import { FAIL, FAILED, NOT_EXERCISED, PASS } from "../../verdicts";
 import type { Colouring } from "./colouring";
@@ -24,6 +24,8 @@ export interface Cloud {
 const ORDER = [FAILED, FAIL, NOT_EXERCISED, PASS];
 const MOST_SHAPES = 6000;
 const FADED = 0.13;
+/** As many as there are marks. */
+const OUTSIDE = 4;
 
 export function cloudOf(model: Model): Cloud {
   const { store, choices, grouping } = model;
@@ -40,8 +42,16 @@ export function cloudFrame(width: number, height: number, { x, y }: Cloud): Fram
   return { ...frame, x: scaleLinear(limits(x.values), [frame.left, frame.right]), y: scaleLinear(limits(y.values), [frame.bottom, frame.top]) };
 }
 
+const ranges = new WeakMap<Float64Array, [number, number]>();
+
 /** The range of what is finite, with some room. */
 function limits(values: Float64Array): [number, number] {
+  const range = ranges.get(values) ?? rangeOf(values);
+  ranges.set(values, range);
+  return range;
+}
+
+function rangeOf(values: Float64Array): [number, number] {
   let [low, high] = [Infinity, -Infinity];
   for (const value of values) {
     if (!Number.isFinite(value)) continue;
@@ -54,7 +64,7 @@ function limits(values: Float64Array): [number, number] {
 }
 
 /** Where the points lie in pixels, NaN for those that have no place. */
-export function placesOf({ x, y }: Cloud, frame: Frame): { a: Float32Array; b: Float32Array } {
+export function placesOf({ x, y }: Cloud, frame: Frame): Places {
   const line = (scale: Frame["x"], values: Float64Array): Float32Array => {
     const [low, high] = scale.domain() as [number, number];
     const [from, to] = [scale(low), scale(high)];
@@ -68,7 +78,7 @@ export function placesOf({ x, y }: Cloud, frame: Frame): { a: Float32Array; b: F
   return { a: line(frame.x, x.values), b: line(frame.y, y.values) };
 }
 
-export function paintCloud(pen: Pen, frame: Frame, cloud: Cloud, places: { a: Float32Array; b: Float32Array }, colouring: Colouring, colours: Palette): void {
+export function paintCloud(pen: Pen, frame: Frame, cloud: Cloud, places: Places, colouring: Colouring, colours: Palette): void {
   pen.save();
   clipTo(pen, frame);
   if (cloud.marks.length > MOST_SHAPES) stamp(pen, cloud, places, colouring, colours);
@@ -76,7 +86,7 @@ export function paintCloud(pen: Pen, frame: Frame, cloud: Cloud, places: { a: Fl
   pen.restore();
 }
 
-function shapes(pen: Pen, frame: Frame, { marks, within }: Cloud, { a, b }: { a: Float32Array; b: Float32Array }, { codes, colours: own }: Colouring, colours: Palette): void {
+function shapes(pen: Pen, frame: Frame, { marks, within }: Cloud, { a, b }: Places, { codes, colours: own }: Colouring, colours: Palette): void {
   const spacing = Math.sqrt(((frame.right - frame.left) * (frame.bottom - frame.top)) / Math.max(1, marks.length));
   const size = Math.min(1.25, Math.max(0.5, spacing / 18));
   for (const inside of [0, 1]) {
@@ -104,27 +114,27 @@ function shapes(pen: Pen, frame: Frame, { marks, within }: Cloud, { a, b }: { a:
   pen.globalAlpha = 1;
 }
 
-function stamp(pen: Pen, { marks, within }: Cloud, { a, b }: { a: Float32Array; b: Float32Array }, { codes, colours: own }: Colouring, colours: Palette): void {
+function stamp(pen: Pen, { marks, within }: Cloud, places: Places, { codes, colours: own }: Colouring, colours: Palette): void {
   const stamps = createStamps(pen, marks.length);
   if (!stamps) return;
   const { ratio, side } = stamps;
   const byMark = [colours.pass, colours.ink, colours.muted, colours.broken].map(packed);
   const byCode = own.map(packed);
   const faint = packed(colours.line);
-  for (const inside of within ? [0, 1] : [1]) {
+  const groups = sorted(within ? marks.map((mark, point) => (within[point] ? mark : OUTSIDE + mark)) : marks, 2 * OUTSIDE);
+  for (const outside of [OUTSIDE, 0]) {
     for (const mark of ORDER) {
       const edge = mark === PASS ? side + Math.round(ratio) : side;
-      for (let point = 0; point < marks.length; point++) {
-        if (marks[point] !== mark || (within?.[point] ?? 1) !== inside) continue;
-        stamps.put(a[point]!, b[point]!, edge, !inside ? faint : codes ? byCode[codes[point]!]! : byMark[mark]!);
-      }
+      const points = groups[outside + mark]!;
+      if (outside) stamps.put(places, points, edge, [faint]);
+      else stamps.put(places, points, edge, codes ? byCode : [byMark[mark]!], codes);
     }
   }
   stamps.draw();
 }
 
 /** The front: its points ringed, and if there are two aims and these are the axes, the edge of what it dominates. */
-export function paintFront(pen: Pen, frame: Frame, model: Model, front: Uint8Array, { a, b }: { a: Float32Array; b: Float32Array }, colours: Palette): void {
+export function paintFront(pen: Pen, frame: Frame, model: Model, front: Uint8Array, { a, b }: Places, colours: Palette): void {
   const { choices } = model;
   const on: number[] = [];
   for (let point = 0; point < front.length; point++) if (front[point] && !Number.isNaN(a[point]! + b[point]!)) on.push(point);

@@ -7,7 +7,7 @@ import { axisLabel } from "../../study";
 import { CLASSES, FAIL, PASS, SIGNS } from "../../verdicts";
 import { createArchitectures } from "./architecture";
 import { seriesColour } from "./colouring";
-import { scaleOf } from "./judging";
+import { scaleOf } from "../shared/margins";
 import { choiceAt, configurationOf, hasVariable, MOST_COMPARED, nameOf, togglePick, type Model } from "./model";
 import { createOverlay } from "./overlay";
 import { short } from "./short";

@@ -4,6 +4,7 @@ import { choose, el, field } from "../../dom";
 import { count, group, percent, withUnit } from "../../format";
 import { axisLabel } from "../../study";
 import { PASS } from "../../verdicts";
+import { SHARE_OF } from "../shared/margins";
 import { designColumns, senseOf } from "./values";
 import { nameOf, subscribeCalmly, togglePick, type Criterion, type Model } from "./model";
 
@@ -42,7 +43,7 @@ function createDemand(model: Model): HTMLElement {
     if (changed.has("demand")) show();
   });
   show();
-  const hint = "Share of each bound that is kept as margin; of a band, of half its width; of a bound at 0, of the metric\u2019s median size.";
+  const hint = `The share that is kept as margin: ${SHARE_OF}.`;
   return el("div", { class: "demand" }, el("label", { for: "demand", title: hint }, "Margin demanded"), slider, reading);
 }
 

@@ -2,6 +2,7 @@
 // thresholds (both are held to tests/design_cases.py).
 import type { Study } from "../../study";
 import { FAIL, FAILED, judge, margin, NOT_EXERCISED, PASS, type Judgement, type Threshold } from "../../verdicts";
+import { scaleOf } from "../shared/margins";
 import { groupingOf } from "./grouping";
 
 export interface Standing {
@@ -19,15 +20,6 @@ export interface Standing {
   shortfall: Float64Array;
   /** The run that decides: one that failed to run, else that of the least slack, else the first. */
   deciding: Int32Array;
-}
-
-/** What a share of margin is a share of: the bound; of a band, half its width; of a bound at 0, the metric's median size. */
-export function scaleOf(study: Study, index: number, { atMost, atLeast }: Threshold): number {
-  const scale = atMost !== null && atLeast !== null ? (atMost - atLeast) / 2 : Math.abs(atMost ?? atLeast ?? 1);
-  if (scale > 0) return scale;
-  const values = study.metrics[study.requirements[index]!.metric]!.values;
-  const sizes = values.map(Math.abs).filter((value) => Number.isFinite(value) && value > 0).sort();
-  return sizes[sizes.length >> 1] ?? 1;
 }
 
 /** *thresholds* moved inwards by the share *demand* of each scale. */
@@ -54,43 +46,47 @@ export function standingOf(study: Study, thresholds: Threshold[], demand: number
     deciding: new Int32Array(size),
   };
   each.forEach((marks, index) => judgeOne(study, thresholds[index]!, index, marks, standing));
-  const scales = thresholds.map((threshold, index) => scaleOf(study, index, threshold));
   const counted = each.map((_, index) => index).filter((index) => !thresholds[index]!.off);
-  const bounded = thresholds.map(({ atMost, atLeast }) => atMost !== null || atLeast !== null);
+  const { mark, slack, shortfall, deciding } = standing;
+  // Whether each requirement has a verdict on a design all of whose runs came to their end.
+  const isKnown = new Uint8Array(size);
   for (let design = 0; design < size; design++) {
-    const [from, to] = [start[design]!, start[design + 1]!];
     let failed = 0;
-    let deciding = rows[from]!;
-    for (let i = to - 1; i >= from; i--) {
+    let decides = rows[start[design]!]!;
+    for (let i = start[design + 1]! - 1; i >= start[design]!; i--) {
       if (study.done[rows[i]!]) continue;
       failed++;
-      deciding = rows[i]!;
+      decides = rows[i]!;
     }
-    let mark: number = failed ? FAILED : whole[design] ? PASS : NOT_EXERCISED;
-    let slack = Infinity;
-    let isKnown = !failed;
-    let shortfall = failed * (1 + counted.length);
-    for (const index of counted) {
-      const one = standing.each[index]![design]!;
-      const run = standing.worst[index]![design]!;
-      const share = standing.margins[index]![design]! / scales[index]!;
-      if (mark !== FAILED && one === FAIL) mark = FAIL;
-      if (mark === PASS && one !== PASS) mark = NOT_EXERCISED;
-      if (one !== PASS && one !== FAIL) isKnown = false;
-      else if (bounded[index] && !failed && !Number.isNaN(slack) && !(share >= slack)) {
+    deciding[design] = decides;
+    mark[design] = failed ? FAILED : whole[design] ? PASS : NOT_EXERCISED;
+    slack[design] = Infinity;
+    isKnown[design] = failed ? 0 : 1;
+    shortfall[design] = failed * (1 + counted.length);
+  }
+  // Requirement by requirement: of a hundred thousand designs that is twice as fast as design by design.
+  for (const index of counted) {
+    const { atMost, atLeast } = thresholds[index]!;
+    const isBounded = atMost !== null || atLeast !== null;
+    const scale = scaleOf(study, index, thresholds[index]!);
+    const [marks, margins, worst] = [standing.each[index]!, standing.margins[index]!, standing.worst[index]!];
+    for (let design = 0; design < size; design++) {
+      const one = marks[design]!;
+      const share = margins[design]! / scale;
+      if (mark[design] !== FAILED && one === FAIL) mark[design] = FAIL;
+      if (mark[design] === PASS && one !== PASS) mark[design] = NOT_EXERCISED;
+      if (one !== PASS && one !== FAIL) isKnown[design] = 0;
+      else if (isBounded && mark[design] !== FAILED && !Number.isNaN(slack[design]!) && !(share >= slack[design]!)) {
         // Also what is undefined, which nothing undercuts.
-        slack = share;
-        deciding = run;
+        slack[design] = share;
+        deciding[design] = worst[design]!;
       }
       // A missed margin of nothing is missed all the same.
-      if (one === FAIL) shortfall += demand > share ? demand - share : Number.MIN_VALUE;
-      else if (one !== PASS) shortfall += 1;
+      if (one === FAIL) shortfall[design]! += demand > share ? demand - share : Number.MIN_VALUE;
+      else if (one !== PASS) shortfall[design]! += 1;
     }
-    standing.mark[design] = mark;
-    standing.deciding[design] = deciding;
-    standing.shortfall[design] = shortfall;
-    standing.slack[design] = isKnown && slack !== Infinity ? slack : NaN;
   }
+  for (let design = 0; design < size; design++) if (!isKnown[design] || slack[design] === Infinity) slack[design] = NaN;
   return standing;
 }
 

@@ -2,9 +2,11 @@
 import { selectRun } from "../../actions";
 import { el } from "../../dom";
 import { number } from "../../format";
+import { createHeading } from "../../panels/heading";
 import { axisLabel } from "../../study";
 import { CLASSES, PASS, SIGNS, WORDS } from "../../verdicts";
 import { choiceAt, configurationOf, differingPlaces, hasVariable, nameOf, subscribeCalmly, togglePick, type Model } from "./model";
+import { SHARE_OF } from "../shared/margins";
 import { designColumns, place } from "./values";
 
 const ROW = 28;
@@ -29,6 +31,7 @@ export function createLeaderboard(model: Model): HTMLElement {
   const note = el("p", { class: "hint", id: "leaders-note" });
   let columns = columnsOf(model);
   let designs = new Int32Array(0);
+  let headings: Headings = { of: "", show: () => undefined };
 
   const rows = (): void => {
     const start = Math.max(0, Math.floor(view.scrollTop / ROW) - SPARE);
@@ -42,7 +45,7 @@ export function createLeaderboard(model: Model): HTMLElement {
   const order = (): void => {
     columns = columnsOf(model);
     designs = arranged(model, columns);
-    drawHead(model, columns, head);
+    headings = drawHead(model, columns, head, headings);
     note.textContent = noteOf(model, designs.length);
     rows();
   };
@@ -104,7 +107,7 @@ function columnsOf(model: Model): Column[] {
     { key: "design", title: "Design", hint: "", numeric: false, value: (design) => design, text: nameOf },
     { key: "score", title: "Score", hint: "TOPSIS: 1 is the best of every criterion among the feasible designs, 0 the worst", numeric: true, value: (design) => scores[design]!, text: (design) => (Number.isNaN(scores[design]!) ? "\u2013" : scores[design]!.toFixed(3)) },
     { key: "verdict", title: "Verdict", hint: "", numeric: false, value: (design) => mark[design]!, text: (design) => `${SIGNS[mark[design]!]} ${WORDS[mark[design]!]}`, mark: (design) => mark[design]! },
-    ...(study.requirements.length ? [{ key: "slack", title: "Least margin [%]", hint: "Of any requirement that is on, as a share of its bound", numeric: true, value: (design: number) => slack[design]!, text: (design: number) => (Number.isNaN(slack[design]!) ? "\u2013" : number(100 * slack[design]!, 3)) }] : []),
+    ...(study.requirements.length ? [{ key: "slack", title: "Least margin [%]", hint: `Of any requirement that is on, as a share: ${SHARE_OF}`, numeric: true, value: (design: number) => slack[design]!, text: (design: number) => (Number.isNaN(slack[design]!) ? "\u2013" : number(100 * slack[design]!, 3)) }] : []),
     ...(aims.length > 1 ? [{ key: "front", title: "Front", hint: "On the Pareto front of the criteria, among the feasible designs", numeric: false, value: (design: number) => 1 - front[design]!, text: (design: number) => (front[design] ? "\u25cf" : "") }] : []),
     ...aims.map(numeric),
     ...differingPlaces(store).map((name): Column => {
@@ -136,18 +139,44 @@ function arranged(model: Model, columns: Column[]): Int32Array<ArrayBuffer> {
   return Int32Array.from(found);
 }
 
-function drawHead(model: Model, columns: Column[], head: HTMLElement): void {
-  const { sort } = model.choices;
+interface Headings {
+  /** The columns they were made for. */
+  of: string;
+  show: () => void;
+}
+
+/** Headings are made anew for other columns only: one may be dragged right now. */
+function drawHead(model: Model, columns: Column[], head: HTMLElement, last: Headings): Headings {
+  const of = JSON.stringify(columns.map(({ key, title }) => [key, title]));
+  if (of === last.of) {
+    last.show();
+    return last;
+  }
   const focused = (document.activeElement as HTMLElement | null)?.dataset["leader"];
   const cells = columns.map(({ key, title, hint, numeric }) => {
-    const active = sort.column === key;
-    // What is better when large is first shown largest first.
-    const descending = active ? !sort.descending : key === "score" || key === "slack" || (numeric && model.choices.criteria.some(({ column, maximize }) => column === key && maximize));
-    const button = el("button", { type: "button", "data-leader": key, title: hint || undefined, click: () => model.set({ sort: { column: key, descending } }) }, title, el("span", { class: "arrow", "aria-hidden": "true" }, active ? (sort.descending ? "\u25be" : "\u25b4") : ""));
-    return el("th", { scope: "col", class: numeric ? "numeric" : "", "aria-sort": active ? (sort.descending ? "descending" : "ascending") : "none" }, button);
+    const arrow = el("span", { class: "arrow", "aria-hidden": "true" });
+    const sort = (): void => {
+      const { sort: now, criteria } = model.choices;
+      // What is better when large is first shown largest first.
+      const largest = key === "score" || key === "slack" || (numeric && criteria.some(({ column, maximize }) => column === key && maximize));
+      model.set({ sort: { column: key, descending: now.column === key ? !now.descending : largest } });
+    };
+    const heading = createHeading(model.store, key);
+    const cell = el("th", { scope: "col", class: numeric ? "numeric" : "" }, el("button", { type: "button", "data-leader": key, title: hint || undefined, click: sort }, title, arrow), heading?.element);
+    return { key, arrow, heading, cell };
   });
-  head.replaceChildren(el("th", { scope: "col" }, el("span", { class: "unseen" }, "Compare")), ...cells);
+  head.replaceChildren(el("th", { scope: "col" }, el("span", { class: "unseen" }, "Compare")), ...cells.map(({ cell }) => cell));
   if (focused) head.querySelector<HTMLElement>(`[data-leader="${CSS.escape(focused)}"]`)?.focus();
+  const show = (): void => {
+    const { column, descending } = model.choices.sort;
+    for (const { key, arrow, heading, cell } of cells) {
+      cell.setAttribute("aria-sort", column !== key ? "none" : descending ? "descending" : "ascending");
+      arrow.textContent = column !== key ? "" : descending ? "\u25be" : "\u25b4";
+      heading?.show();
+    }
+  };
+  show();
+  return { of, show };
 }
 
 function rowOf(model: Model, columns: Column[], design: number, index: number): HTMLElement {

@@ -5,7 +5,7 @@ import { number, percent, withUnit } from "../../format";
 import { badge } from "../../panels/selected";
 import { CLASSES, FAIL, PASS, SIGNS, WORDS } from "../../verdicts";
 import { variablesOf } from "./grouping";
-import { scaleOf } from "./judging";
+import { scaleOf } from "../shared/margins";
 import { configurationOf, MOST_COMPARED, nameOf, subscribeCalmly, type Model } from "./model";
 import { changesBetween, nearestDesign, type Change } from "./nearest";
 import { short } from "./short";

@@ -8,6 +8,7 @@ import { badge } from "../../panels/selected";
 import { drawAxes, drawGrid, type Frame } from "../../plot/frame";
 import { dotEntry, markEntry, type Entry } from "../../plot/legend";
 import { paintedBy, partsIn, type Part, type Sheet } from "../../plot/sheet";
+import type { Places } from "../../plot/stamps";
 import { axisLabel } from "../../study";
 import type { Mark } from "../../verdicts";
 import { palette } from "../../theme";
@@ -25,7 +26,7 @@ const FILLED = "filled: feasible; rings: not";
 interface Drawn {
   cloud: Cloud;
   frame: Frame;
-  places: { a: Float32Array; b: Float32Array };
+  places: Places;
   colouring: Colouring;
 }
 
@@ -49,7 +50,7 @@ export function createScatter(model: Model): { box: HTMLElement; picture: () => 
     const colours = palette();
     const cloud = cloudOf(model);
     const frame = cloudFrame(width, height, cloud);
-    const places = placesOf(cloud, frame);
+    const places = samePlaces(drawn, cloud, frame) ?? placesOf(cloud, frame);
     const colouring = colouringOf(model, colours);
     drawn = { cloud, frame, places, colouring };
     pen.fillStyle = colours.plot;
@@ -144,6 +145,12 @@ export function createScatter(model: Model): { box: HTMLElement; picture: () => 
   new ResizeObserver(paint).observe(surface);
   drawControls();
   return { box: el("div", {}, el("div", { class: "controls" }, controls), surface, legend, note), picture: () => partsIn(surface) };
+}
+
+// A slider that moves verdicts moves no point.
+function samePlaces(last: Drawn | null, { x, y }: Cloud, frame: Frame): Places | null {
+  if (last?.cloud.x.values !== x.values || last.cloud.y.values !== y.values) return null;
+  return (["left", "right", "top", "bottom"] as const).every((side) => last.frame[side] === frame[side]) ? last.places : null;
 }
 
 function controlsOf(model: Model): HTMLElement[] {

@@ -4,7 +4,7 @@ import { number, percent, withUnit } from "../../format";
 import { studyThresholds, type Store } from "../../store";
 import type { Study } from "../../study";
 import { PASS, SIGNS, CLASSES, WORDS } from "../../verdicts";
-import { worstMargin } from "../shared/margins";
+import { SHARE_OF, worstMargin } from "../shared/margins";
 import { aimOf } from "../shared/aims";
 import { planeName } from "../shared/planes";
 import { openRun, placeOf, positionOf } from "../shared/runs";
@@ -78,7 +78,7 @@ function byMargin(store: Store): Choice[] {
     if (here < least) [least, near] = [here, run];
   }
   if (best < 0) return [];
-  const told = (share: number): string => `its least margin is ${percent(share, 1)} of what that metric varies by`;
+  const told = (share: number): string => `its least margin is ${percent(share, 1)} ${SHARE_OF.split(";")[0]!}`;
   return [
     { name: "Most to spare", run: best, why: told(most) },
     { name: "Nearest to the boundary", run: near, why: told(least) },

@@ -1,0 +1,25 @@
+/* Up to eight road users, each on a path and lane of its own with a speed that changes once. */
+#ifndef VEHICLES_H
+#define VEHICLES_H
+
+#include "../profile/speed_profile.h"
+#include "../profile/traffic.h"
+
+typedef struct {
+    traffic_in in;
+    traffic_out out;
+    struct {
+        int32_t class[TRAFFIC_MOVERS], path[TRAFFIC_MOVERS], lane_number[TRAFFIC_MOVERS];
+        double station[TRAFFIC_MOVERS], offset[TRAFFIC_MOVERS], turn[TRAFFIC_MOVERS];
+        double speed[TRAFFIC_MOVERS], change_time[TRAFFIC_MOVERS], change_rate[TRAFFIC_MOVERS];
+        double final_speed[TRAFFIC_MOVERS];
+        double length[TRAFFIC_MOVERS], width[TRAFFIC_MOVERS], height[TRAFFIC_MOVERS];
+    } par;
+    double ahead[TRAFFIC_MOVERS], aside[TRAFFIC_MOVERS]; /* of its heading in its lane */
+    counted_time time;
+} vehicles;
+
+void vehicles_init(vehicles *self);
+void vehicles_step(vehicles *self, double h);
+
+#endif

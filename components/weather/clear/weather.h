@@ -1,0 +1,17 @@
+/* What the weather components tell. */
+#ifndef WEATHER_H
+#define WEATHER_H
+
+typedef struct {
+    struct {
+        double density, wind_x, wind_y;
+    } air;
+    struct {
+        double rain_rate, snow_rate, fog_extinction, darkness;
+    } visibility;
+    struct {
+        double friction_loss, water_film, temperature;
+    } surface;
+} weather_out;
+
+#endif

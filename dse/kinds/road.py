@@ -1,0 +1,117 @@
+"""``source: {kind: road}``: ways through a network of roads, in OpenDRIVE or in YAML."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from dse.domain.component import Component, Source
+from dse.errors import Location, Problem, closest, raise_if_any
+from dse.kinds._generated import build_generated
+from dse.loading import ComponentKind, Section, SourcePlace, SourceSection, Workspace
+
+if TYPE_CHECKING:
+    from dse.world import RoadTables
+
+_INTERFACE = "road"
+_PARAMETERS = ("start_station", "start_lane", "start_offset", "preview_spacing")
+
+
+class WaySection(Section):
+    """A way: ids of roads in order (none: the longest way straight on), and the lane it begins in."""
+
+    route: list[str | int] = []
+    lane: int = 0
+
+
+class RoadSection(WaySection, SourceSection):
+    """The keys of ``source``."""
+
+    file: str
+    paths: dict[str, WaySection] = {}
+
+
+@dataclass(frozen=True, slots=True)
+class WrittenWay:
+    """A way as it is written: its *name*, ids of *roads*, a *lane* (0: any), and *where* it stands."""
+
+    name: str
+    roads: tuple[str, ...]
+    lane: int
+    where: Location
+
+
+@dataclass(frozen=True, slots=True)
+class RoadSource(Source):
+    """*ways* through the roads of *file*, the host's first; *inside* is the workspace."""
+
+    kind = "road"
+    label = "road"
+
+    file: Path
+    inside: Path
+    ways: tuple[WrittenWay, ...]
+
+    @property
+    def is_exact(self) -> bool:
+        """Tables integrate nothing."""
+        return True
+
+
+class RoadKind(ComponentKind[RoadSection, RoadSource]):
+    """The paths become tables, which the core of the world looks up in."""
+
+    section = RoadSection
+
+    def read(self, section: RoadSection, place: SourcePlace) -> RoadSource:
+        """The host's way, and those under ``paths``. The file is opened when it is needed."""
+        file = place.file(section.file, (".xodr", ".yaml"), "file")
+        ways = [_way("host", section, place.at("route"))]
+        ways += [_way(name, way, place.at("paths", name)) for name, way in section.paths.items()]
+        return RoadSource(file, place.inside, tuple(ways))
+
+    def build(self, component: Component, source: RoadSource, *, version: int, cache: Path | None) -> Path:
+        """The FMU. Raises DseError with what is wrong with the roads and the ways through them."""
+        from dse.world import STRUCT, road_files
+
+        files = road_files(_tables(component, source))
+        return build_generated(component, files, STRUCT, version=version, cache=cache)
+
+    def check(self, component: Component, source: RoadSource) -> tuple[()]:
+        """Raise DseError with what is wrong with the roads and the ways through them."""
+        _tables(component, source)
+        return ()
+
+
+def _way(name: str, section: WaySection, where: Location) -> WrittenWay:
+    return WrittenWay(name, tuple(map(str, section.route)), section.lane, where)
+
+
+def _tables(component: Component, source: RoadSource) -> RoadTables:
+    from dse.world import Route, open_roads, road_tables
+
+    raise_if_any(_misfits(component))
+    routes = [Route(way.roads, way.lane, way.name, way.where) for way in source.ways]
+    tables = road_tables(open_roads(str(source.file), Workspace(source.inside)), routes)
+    lanes = [lane.number for lane in tables.paths[0].lanes]
+    start = component.parameter("start_lane")
+    if start is not None and start.start not in lanes:
+        what = f"'start_lane': the path has no lane {start.start}"
+        raise_if_any([Problem(what, start.where, f"possible: {', '.join(map(str, sorted(lanes)))}")])
+    return tables
+
+
+def _misfits(component: Component) -> list[Problem]:
+    found = []
+    if component.interface.name != _INTERFACE:
+        what = f"component '{component.name}': a road implements '{_INTERFACE}', not '{component.interface.name}'"
+        found.append(Problem(what, component.where, f"implements: {_INTERFACE}"))
+    return found + [
+        Problem(f"a road has no parameter '{p.name}'", p.where, closest(p.name, _PARAMETERS))
+        for p in component.parameters
+        if p.name not in _PARAMETERS
+    ]
+
+
+KIND = RoadKind()

@@ -1,0 +1,172 @@
+"""What a picture of a road network shows, as values."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import replace
+
+import numpy as np
+
+from dse.report.content.nouns import Floats
+from dse.report.drawing.road_plot import Along, AlongBand, Area, Driven, RoadPicture, Strip
+from dse.world import (
+    DRIVEN,
+    Curve,
+    Network,
+    Road,
+    RoadPath,
+    borders_of,
+    curve_of,
+    lane_middle,
+    place,
+    project,
+    road_tables,
+    runs_along,
+    value,
+)
+
+_TURN = 0.05
+"""Between points that are drawn, a road turns by no more than that, in rad."""
+_MOST_DRIVEN = 2000
+_PROFILE = 2001
+
+
+def road_picture(network: Network, title: str) -> RoadPicture:
+    """What is drawn of *network*. Raises DseError if no path leads through it."""
+    lines = [_Line(road) for road in network.roads.values()]
+    strips = tuple(strip for line in lines for strip in line.strips())
+    areas = tuple(area for line in lines for area in line.areas())
+    lights = [light for line in lines for light in line.lights()]
+    return RoadPicture(title, strips, areas, np.reshape(lights, (-1, 2)), _along(road_tables(network).paths[0]))
+
+
+def with_driven(picture: RoadPicture, network: Network, label: str, x: Floats, y: Floats) -> RoadPicture:
+    """*picture* with a path that was driven on *network*: at most 2000 of its points."""
+    path = road_tables(network).paths[0]
+    kept = np.unique(np.linspace(0, len(x) - 1, min(len(x), _MOST_DRIVEN)).astype(int))
+    feet = np.array([project(path, float(x[i]), float(y[i])) for i in kept])
+    offset = feet[:, 1] - lane_middle(path, feet[:, 0])
+    return replace(picture, driven=(*picture.driven, Driven(label, x[kept], y[kept], feet[:, 0], offset)))
+
+
+class _Line:
+    """A road whose reference line is sampled where it turns and where its lanes change."""
+
+    def __init__(self, road: Road) -> None:
+        self._road = road
+        self._curves = [curve_of(geometry) for geometry in road.geometries]
+        self._starts = np.array([geometry.s for geometry in road.geometries])
+        self._bends = np.concatenate([_bends(curve) for curve in self._curves])
+
+    def strips(self) -> Iterator[Strip]:
+        """All lanes, section by section, in the direction in which they are driven."""
+        for section in self._road.sections:
+            borders = borders_of(self._road, section)
+            stations = self._between(section.s, section.end)
+            for id_, lane in section.lanes.items():
+                right, left = (self._xy(stations, value(border, stations - section.s)) for border in borders[id_])
+                if not runs_along(self._road, lane):
+                    right, left = left[::-1], right[::-1]
+                if lane.type != "none":
+                    yield Strip(left, right, lane.type in DRIVEN, bool(self._road.junction))
+
+    def areas(self) -> Iterator[Area]:
+        """What is not as dry asphalt: lanes, and patches upon them."""
+        for section in self._road.sections:
+            borders = borders_of(self._road, section)
+            for id_, lane in section.lanes.items():
+                ends = [*(s for s, _ in lane.frictions[1:]), section.end]
+                for (start, friction), end in zip(lane.frictions, ends, strict=False):
+                    if friction != 1.0 and start < end:
+                        stations = self._between(start, end)
+                        right, left = (value(border, stations - section.s) for border in borders[id_])
+                        yield self._area(stations, right, left, friction)
+        for slick in self._road.slicks:
+            stations = self._between(slick.start, min(slick.end, self._road.length))
+            ones = np.ones_like(stations)
+            yield self._area(stations, slick.right * ones, slick.left * ones, slick.friction)
+
+    def lights(self) -> Iterator[Floats]:
+        """Where traffic lights are: beside the lanes they are for."""
+        for signal in self._road.signals:
+            section = next(each for each in reversed(self._road.sections) if each.s <= signal.s)
+            at = np.array([min(signal.s, self._road.length)])
+            sides = [
+                float(value(side, at - section.s)[0])
+                for pair in borders_of(self._road, section).values()
+                for side in pair
+            ]
+            beside = max(sides) + 1.0 if signal.orientation == "-" else min(sides) - 1.0
+            yield self._xy(at, np.array([beside]))[0]
+
+    def _area(self, stations: Floats, right: Floats, left: Floats, friction: float) -> Area:
+        return Area(np.concatenate([self._xy(stations, right), self._xy(stations, left)[::-1]]), friction)
+
+    def _between(self, start: float, end: float) -> Floats:
+        """Stations from *start* to *end*, between which straight lines are drawn."""
+        inner = self._bends[(self._bends > start) & (self._bends < end)]
+        return np.unique(np.concatenate([np.linspace(start, end, 17), inner]))
+
+    def _xy(self, stations: Floats, t: Floats) -> Floats:
+        """Points (n, 2) at *stations*, *t* to the left of the line."""
+        found = np.empty((len(stations), 2))
+        piece = np.clip(np.searchsorted(self._starts, stations, side="right") - 1, 0, len(self._starts) - 1)
+        for number in np.unique(piece):
+            curve, chosen = self._curves[number], piece == number
+            frames = curve.at(np.minimum(stations[chosen] - curve.geometry.s, curve.geometry.length))
+            found[chosen, 0] = curve.geometry.x + frames.x - t[chosen] * np.sin(frames.heading)
+            found[chosen, 1] = curve.geometry.y + frames.y + t[chosen] * np.cos(frames.heading)
+        return found
+
+
+def _bends(curve: Curve) -> Floats:
+    """Stations of the road along *curve*, so close that it turns little between them."""
+    geometry = curve.geometry
+    heading = np.unwrap(curve.at(np.linspace(0.0, geometry.length, 33)).heading)
+    count = int(np.sum(np.abs(np.diff(heading))) / _TURN) + 2
+    return geometry.s + np.linspace(0.0, geometry.length, count)
+
+
+def _along(path: RoadPath) -> Along:
+    stations = np.linspace(0.0, path.length, _PROFILE)
+    # A closed path's end is its start.
+    inside = np.minimum(stations, np.nextafter(path.length, 0.0))
+    middle = lane_middle(path, inside)
+    line, lane = place(path, inside), place(path, inside, middle)
+    bands = []
+    for band in path.lanes:
+        right, left = (value(side, inside) - middle for side in (band.right, band.left))
+        there = left - right > 1e-6
+        bands.append(AlongBand(np.where(there, right, np.nan), np.where(there, left, np.nan), band.number == 0))
+    limits = zip(path.speed_limit.starts.tolist(), path.speed_limit.coefficients[:, 0].tolist(), strict=True)
+    return Along(
+        stations,
+        lane.x,
+        lane.y,
+        line.z,
+        np.tan(line.bank),
+        line.curvature,
+        tuple(bands),
+        tuple(_areas_along(path)),
+        np.array([light.station for light in path.lights]),
+        tuple(limits),
+    )
+
+
+def _areas_along(path: RoadPath) -> Iterator[Area]:
+    for band in path.lanes:
+        ends = np.append(band.friction.starts[1:], path.length)
+        for start, end, friction in zip(band.friction.starts, ends, band.friction.coefficients[:, 0], strict=True):
+            if friction != 1.0:
+                stations = np.linspace(start, np.nextafter(end, start), 33)
+                yield _beside(path, stations, value(band.right, stations), value(band.left, stations), float(friction))
+    for patch in path.patches:
+        stations = np.linspace(patch.start, patch.end, 33)
+        ones = np.ones_like(stations)
+        yield _beside(path, stations, patch.right * ones, patch.left * ones, patch.friction)
+
+
+def _beside(path: RoadPath, stations: Floats, right: Floats, left: Floats, friction: float) -> Area:
+    middle = lane_middle(path, stations)
+    there, back = np.stack([stations, right - middle], axis=1), np.stack([stations, left - middle], axis=1)[::-1]
+    return Area(np.concatenate([there, back]), friction)
