@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from dse.report.content.nouns import Floats
-from dse.report.drawing.road_plot import Along, AlongBand, Area, Driven, RoadPicture, Strip
+from dse.report.drawing.road_picture import Along, AlongBand, Area, Driven, RoadPicture, Strip
 from dse.world import (
     DRIVEN,
     Curve,
