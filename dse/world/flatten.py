@@ -11,7 +11,7 @@ import numpy as np
 
 from dse.errors import Problem, raise_if_any
 from dse.world.continuity import broken
-from dse.world.cross_section import Band, bands_of
+from dse.world.cross_section import Band, bands_of, overlaps
 from dse.world.lane_graph import LaneGraph, LanePlace, lane_at, lane_graph
 from dse.world.opendrive.curves import curve_of
 from dse.world.opendrive.driving import runs_along
@@ -112,6 +112,7 @@ def _refused(graph: LaneGraph, passage: _Passage) -> Iterator[Problem]:
         yield Problem(f"a road in a {junction.kind} junction is not supported on a path", junction.where)
     for place in passage.places:
         yield from lane_at(graph.network, place).refused
+        yield from overlaps(road, place)
 
 
 def _line(passage: _Passage) -> tuple[Piecewise, Piecewise]:
