@@ -70,7 +70,7 @@ def test_lights_stand_beside_the_lanes_they_are_for(network):
     # 8 m from the border of the other road, 1 m beside the own one.
     expected = [(50, -4.5), (73, 4.5), (57, 11.5), (66, -11.5)]
     assert np.array(sorted(picture.lights.tolist())) == pytest.approx(np.array(sorted(expected)))
-    assert picture.along.lights.tolist() == [50]
+    assert picture.along.lights.tolist() == [50.0]
     (box,) = crossings(picture.strips)
     assert box.left < 50
     assert box.right > 73
