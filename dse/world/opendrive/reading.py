@@ -18,6 +18,9 @@ from dse.world.opendrive.values import cubic, in_order, number, text, whole
 
 _UNFLAT = {"shape": "a lateral <shape>", "crossfall": "a <crossfall>", "crossSectionSurface": "a <crossSectionSurface>"}
 
+ROUTE = "dse.route"
+"""Code of <userData> of the whole: ids of roads, the way that is driven unless another one is asked for."""
+
 
 def read_network(path: Path, file: str) -> Network:
     """The roads and junctions of the OpenDRIVE file at *path*, which is called *file* in messages.
@@ -58,7 +61,8 @@ def network_in(root: XmlElement) -> Network:
     raise_if_any(problems)
     if not roads:
         raise fail("there is no <road>", root.where)
-    network = Network(roads, junctions, root.where)
+    route = (id_ for data in root.all("userData") if data.get("code") == ROUTE for id_ in data.get("value").split())
+    network = Network(roads, junctions, root.where, tuple(route))
     raise_if_any(network_problems(network))
     return network
 
