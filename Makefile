@@ -51,7 +51,7 @@ PYTEST := $(BIN)/python -m pytest -q -n $(JOBS) --dist worksteal
 test: setup
 	$(PYTEST) -m "not thorough and not nightly"
 
-# Tests of properties are run once more, on four times as many examples.
+# Tests of properties are run once more, on twice as many examples.
 thorough: setup
 	$(PYTEST) -m "(thorough or hypothesis) and not nightly" --hypothesis-profile=thorough
 

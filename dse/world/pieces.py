@@ -81,15 +81,15 @@ def joined(parts: Sequence[tuple[Piecewise, float]]) -> Piecewise:
     return Piecewise(row.starts[kept], coefficients[kept])
 
 
-def quintics(curve: Curve, length: float) -> tuple[Piecewise, Piecewise]:
-    """x and y of a curve, from its start, over *length*: as many pieces as keep within ``CLOSE``.
+def quintics(curve: Curve, start: float, end: float) -> tuple[Piecewise, Piecewise]:
+    """x and y of a curve from *start* to *end*, over the distance from *start*: pieces that keep within ``CLOSE``.
 
     Position, direction and curvature are the curve's where pieces meet. Raises DseError located at its geometry if
     it winds too much.
     """
-    pieces = 1
+    pieces, length = 1, end - start
     while True:
-        frames = curve.at(np.linspace(0.0, length, 8 * pieces + 1))
+        frames = curve.at(np.linspace(start, end, 8 * pieces + 1))
         nodes = Frames(frames.x[::8], frames.y[::8], frames.heading[::8], frames.curvature[::8], frames.pace)
         x, y = _hermite(nodes, length / pieces)
         ds = length / pieces * np.arange(8) / 8

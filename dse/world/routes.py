@@ -36,7 +36,10 @@ class Route:
 
 @dataclass(frozen=True, slots=True)
 class Way:
-    """Lanes that go on in each other, by the roads they pass, each from end to end; *closed*: the last in the first."""
+    """Lanes that go on in each other, by the roads they pass; *closed*: the last goes on in the first.
+
+    Roads are passed from end to end, but the last may be left where its lane ends.
+    """
 
     passages: tuple[tuple[LanePlace, ...], ...]
     closed: bool
@@ -57,7 +60,11 @@ def way_of(graph: LaneGraph, route: Route) -> Way:
     network = graph.network
     for id_ in route.roads:
         if id_ not in network.roads:
-            raise fail(f"there is no road '{shortened(id_)}' in the file", route.where or network.where, closest(id_, network.roads))
+            raise fail(
+                f"there is no road '{shortened(id_)}' in the file",
+                route.where or network.where,
+                closest(id_, network.roads),
+            )
     starts = list(_starts(network, route))
     if not route.roads:
         # The first of those that are as long to a mm.
@@ -66,20 +73,18 @@ def way_of(graph: LaneGraph, route: Route) -> Way:
         lengths = [round(way_length(network, way), 3) for way in ways]
         return ways[lengths.index(max(lengths))]
     search = _Search(graph, route)
-    for start in starts:
-        found = search.from_(start)
-        if found:
-            return _way(graph, found, found[0] in next_places(graph, found[-1]))
-    raise search.failed(starts)
+    found = [places for start in starts if (places := search.from_(start))]
+    if not found:
+        raise search.failed(starts)
+    # Lanes that end on the way are the last choice.
+    places = next((places for places in found if _reaches_an_end(network, places[-1])), found[0])
+    return _way(graph, places, places[0] in next_places(graph, places[-1]))
 
 
 def way_length(network: Network, way: Way) -> float:
-    """How long a way is, in m along the reference lines of its roads, to where its last lane ends."""
-    last = way.passages[-1][-1]
-    road = network.roads[last.road]
-    section = road.sections[last.section]
-    beyond = road.length - section.end if runs_along(road, section.lanes[last.lane]) else section.s
-    return sum(network.roads[id_].length for id_ in way.roads) - beyond
+    """How long a way is, in m along the reference lines of its roads."""
+    sections = [network.roads[place.road].sections[place.section] for passage in way.passages for place in passage]
+    return sum(section.end - section.s for section in sections)
 
 
 def list_ways(graph: LaneGraph, most: int = 200) -> tuple[Way, ...]:
@@ -249,6 +254,11 @@ def _leaves(network: Network, place: LanePlace, next_: LanePlace) -> bool:
     road = network.roads[place.road]
     step = 1 if runs_along(road, lane_at(network, place)) else -1
     return next_.section != place.section + step
+
+
+def _reaches_an_end(network: Network, place: LanePlace) -> bool:
+    road = network.roads[place.road]
+    return place.section == (len(road.sections) - 1 if runs_along(road, lane_at(network, place)) else 0)
 
 
 def _way(graph: LaneGraph, places: tuple[LanePlace, ...], closed: bool) -> Way:

@@ -103,6 +103,16 @@ REFUSED = {
         _with(section(0.0, "", lane(-1, f'<width sOffset="0"{factors(3.0, 0.0, 0.0, 1e20)}/>'))),
         "the road has in lane -1 a width of 1e+26 m",
     ),
+    "a border inside another": (
+        _with(
+            section(
+                0.0,
+                "",
+                lane(-1, f'<border sOffset="0"{factors(-3.5)}/>') + lane(-2, f'<border sOffset="0"{factors(-3.0)}/>'),
+            )
+        ),
+        "lane -2 lies up to 0.5 m inside the lanes beside it",
+    ),
     "a lane linked to none": (
         _with(section(0.0, "", lane(-1, after=-3)) + section(50.0, "", lane(-1, before=-1))),
         "lane -1 is linked to lane -3, which the next section does not have",
