@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import islice, pairwise
 
 import numpy as np
@@ -23,7 +23,9 @@ _MOST_PLACES = 10_000
 
 @dataclass(frozen=True, slots=True)
 class Route:
-    """What a user says of a path: ids of *roads* in order (none: the longest way straight on) and its first lane.
+    """What a user says of a path: ids of *roads* in order and its first lane.
+
+    Without roads it is the way that the network was made for, if it says one, and else the longest straight on.
 
     *lane* is an id in the first road; 0: the outermost from which the route can be driven. *where* the route stands.
     """
@@ -65,20 +67,30 @@ def way_of(graph: LaneGraph, route: Route) -> Way:
                 route.where or network.where,
                 closest(id_, network.roads),
             )
-    starts = list(_starts(network, route))
     if not route.roads:
-        # The first of those that are as long to a mm.
-        onward = _Onward(graph)
-        ways = [_straight_on(onward, start) for start in starts]
-        lengths = [round(way_length(network, way), 3) for way in ways]
-        return ways[lengths.index(max(lengths))]
-    search = _Search(graph, route)
-    found = [places for start in starts if (places := search.from_(start))]
-    if not found:
+        return _made_for(graph, route) or _longest(graph, route)
+    search, starts = _Search(graph, route), list(_starts(network, route))
+    found = search.way(starts)
+    if found is None:
         raise search.failed(starts)
-    # Lanes that end on the way are the last choice.
-    places = next((places for places in found if _reaches_an_end(network, places[-1])), found[0])
-    return _way(graph, places, places[0] in next_places(graph, places[-1]))
+    return found
+
+
+def _made_for(graph: LaneGraph, route: Route) -> Way | None:
+    """The way that the network says it was made for, if it says one and the lane leads along it."""
+    roads = graph.network.route
+    if not all(id_ in graph.network.roads for id_ in roads):
+        return None
+    starts = [p for p in entries(graph.network) if p.road in roads[:1] and route.lane in {0, p.lane}]
+    return _Search(graph, replace(route, roads=roads)).way(starts)
+
+
+def _longest(graph: LaneGraph, route: Route) -> Way:
+    """The longest way straight on; the first of those that are as long to a mm."""
+    onward = _Onward(graph)
+    ways = [_straight_on(onward, start) for start in _starts(graph.network, route)]
+    lengths = [round(way_length(graph.network, way), 3) for way in ways]
+    return ways[lengths.index(max(lengths))]
 
 
 def way_length(network: Network, way: Way) -> float:
@@ -226,6 +238,15 @@ class _Search:
                 onward += [(n, step + 1) for n in left]
             stack += [((*places, next_), at) for next_, at in reversed(onward)]
         return ()
+
+    def way(self, starts: list[LanePlace]) -> Way | None:
+        """The way from the first of *starts* that leads to the end; lanes that end on the way are the last choice."""
+        graph = self._graph
+        found = [places for start in starts if (places := self.from_(start))]
+        if not found:
+            return None
+        places = next((places for places in found if _reaches_an_end(graph.network, places[-1])), found[0])
+        return _way(graph, places, places[0] in next_places(graph, places[-1]))
 
     def failed(self, starts: list[LanePlace]) -> DseError:
         """What to say if nothing was found."""

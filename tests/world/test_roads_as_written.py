@@ -7,12 +7,13 @@ import math
 from itertools import pairwise
 from pathlib import Path
 
+import numpy as np
 import pytest
 from hypothesis import given, strategies as st
 from road_by_fresnel import after, cubic, lane_borders, lane_middle, number, pose, roads_of
 
 from dse.loading import Workspace
-from dse.world import open_roads, opendrive_of, road_tables
+from dse.world import open_roads, opendrive_of, place, road_tables
 
 ROOT = Path(__file__).parents[2]
 EXACT = 1e-9
@@ -62,7 +63,7 @@ def stretches(draw: st.DrawFn) -> list[dict]:
             grade = wanted
         many = draw(st.integers(1, 3))
         if many != lanes and number_ and length > 20:
-            segment |= {"lanes": many, "widening": draw(st.sampled_from([length, length / 2]))}
+            segment |= {"lanes": many, "widening": draw(st.sampled_from([0.99 * length, length / 2]))}
             lanes = many
     return segments
 
@@ -188,6 +189,22 @@ def test_the_roads_that_come_along_are_read_back_as_paths(path):
     workspace = Workspace(ROOT)
     tables = road_tables(open_roads(str(path), workspace))
     assert tables.paths[0].length > 300
+
+
+@pytest.mark.parametrize("leads", ["straight", "left", "right"])
+@pytest.mark.parametrize("kind", ["intersection", "roundabout"])
+def test_the_way_along_the_segments_is_driven_unless_another_is_asked_for(tmp_path, kind, leads):
+    shape = {"exit": leads} | ({"radius": 15} if kind == "roundabout" else {})
+    lanes = 1 if kind == "roundabout" else 2
+    road = {"road": "far", "lanes": lanes, "segments": [{"straight": 30}, {kind: shape}, {"straight": 45}]}
+    (tmp_path / "far.yaml").write_text(json.dumps(road), encoding="utf-8")
+    (path,) = road_tables(open_roads(str(tmp_path / "far.yaml"), Workspace(tmp_path))).paths
+    begins, ends = place(path, np.array([0.0])), place(path, np.array([path.length]))
+    assert (begins.x[0], begins.heading[0]) == pytest.approx((0, 0))
+    turned = {"straight": 0.0, "left": math.pi / 2, "right": -math.pi / 2}[leads]
+    assert ends.heading[0] == pytest.approx(turned)
+    # The arms that are not on the way are 100 m long.
+    assert path.length < 160
 
 
 def test_ice_on_all_lanes_and_on_half_a_lane_is_read_back_where_it_was_written(tmp_path):
