@@ -51,7 +51,7 @@ PYTEST := $(BIN)/python -m pytest -q -n $(JOBS) --dist worksteal
 test: setup
 	$(PYTEST) -m "not thorough and not nightly"
 
-# Tests of properties are run once more, on four times as many examples.
+# Tests of properties are run once more, on twice as many examples.
 thorough: setup
 	$(PYTEST) -m "(thorough or hypothesis) and not nightly" --hypothesis-profile=thorough
 
@@ -91,6 +91,7 @@ bench: setup
 	$(BIN)/python benchmarks/bench_optimise.py --only nsga2
 	$(BIN)/python benchmarks/bench_modelica.py
 	$(BIN)/python benchmarks/bench_startup.py
+	$(BIN)/python benchmarks/bench_world.py
 
 # Every call of the system that a small study makes fails once, and 200 signals; hours. What is in out/faults.jsonl is done.
 faults: setup

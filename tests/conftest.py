@@ -20,7 +20,7 @@ from hypothesis import HealthCheck, is_hypothesis_test, settings
 
 # How many examples hypothesis tries, by profile, as a factor of what a test says or of hypothesis's own number. They
 # are the same each time, but nightly, when new ones are looked for; a busy machine is never to blame.
-_EXAMPLES = {"everyday": 0.25, "thorough": 1, "nightly": 10}
+_EXAMPLES = {"everyday": 0.25, "thorough": 0.5, "nightly": 10}
 for _profile in _EXAMPLES:
     settings.register_profile(
         _profile,

@@ -8,8 +8,18 @@ from collections.abc import Callable
 import numpy as np
 from playwright.sync_api import Page
 
-from dse.report.content.nouns import ReportContent
+from dse.report import insight_of
+from dse.report.content.nouns import (
+    ConfigurationEntry,
+    MetricColumn,
+    ReportContent,
+    RequirementRow,
+    Runs,
+    SamplerKind,
+    Variable,
+)
 from dse.report.verdicts import overall_marks
+from dse.storage import RunTable
 
 Open = Callable[[ReportContent], Page]
 PLANE = slice(0, 121)
@@ -60,3 +70,33 @@ def open_cockpit(page: Page) -> None:
 def selected(page: Page) -> int:
     open_cockpit(page)
     return int(page.inner_text("#selected-run").split()[1])
+
+
+def content_of(table: RunTable, title: str = "made up", problem: str = "it broke at t = 3.5 s") -> ReportContent:
+    """The report's content of a table, as its reading makes it of a folder."""
+    definition = table.header.definition
+    metrics = tuple(MetricColumn(m.name, m.title, m.unit, table.metric(m.name).copy()) for m in definition.metrics)
+    return ReportContent(
+        title,
+        SamplerKind.SCATTERED,
+        "out/made_up",
+        Runs(
+            table.numbers.copy(),
+            table.configurations,
+            table.done.copy(),
+            tuple("" if ok else problem for ok in table.done),
+        ),
+        tuple(ConfigurationEntry(c.id, dict(c.choices), {}) for c in definition.configurations),
+        tuple(
+            Variable(
+                v.name, v.title, v.unit, v.low, v.high, v.levels or None, v.nominal, table.points[v.name].astype(float)
+            )
+            for v in definition.variables
+        ),
+        metrics,
+        tuple(
+            RequirementRow(r.name, r.title, r.metric, r.at_most, r.at_least, table.done & (table.verdicts(r.name) != 2))
+            for r in definition.requirements
+        ),
+        insight=insight_of(table),
+    )

@@ -21,7 +21,8 @@ from .content.nouns import (
 )
 from .content.reading import content_of_run as content_of_run, read_content as read_content
 from .drawing.chart import draw_chart as draw_chart
-from .drawing.road_plot import RoadPicture as RoadPicture, draw_road as draw_road
+from .drawing.road_picture import RoadPicture as RoadPicture
+from .drawing.road_plot import draw_road as draw_road
 from .drawing.style import save_drawing as save_drawing
 from .figure import (
     FIGURES as FIGURES,

@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from dse.report.content.nouns import Floats
-from dse.report.drawing.road_plot import Along, AlongBand, Area, Driven, RoadPicture, Strip
+from dse.report.drawing.road_picture import Along, AlongBand, Area, Driven, RoadPicture, Strip
 from dse.world import (
     DRIVEN,
     Curve,
@@ -19,7 +19,6 @@ from dse.world import (
     curve_of,
     lane_middle,
     place,
-    project,
     road_tables,
     runs_along,
     value,
@@ -44,9 +43,26 @@ def with_driven(picture: RoadPicture, network: Network, label: str, x: Floats, y
     """*picture* with a path that was driven on *network*: at most 2000 of its points."""
     path = road_tables(network).paths[0]
     kept = np.unique(np.linspace(0, len(x) - 1, min(len(x), _MOST_DRIVEN)).astype(int))
-    feet = np.array([project(path, float(x[i]), float(y[i])) for i in kept])
-    offset = feet[:, 1] - lane_middle(path, feet[:, 0])
-    return replace(picture, driven=(*picture.driven, Driven(label, x[kept], y[kept], feet[:, 0], offset)))
+    station, left = _feet(path, x[kept], y[kept])
+    offset = left - lane_middle(path, station)
+    return replace(picture, driven=(*picture.driven, Driven(label, x[kept], y[kept], station, offset)))
+
+
+def _feet(path: RoadPath, x: Floats, y: Floats) -> tuple[Floats, Floats]:
+    """Stations, and m to the left of the reference line, of points: from the nearest of many places on by Newton."""
+    from scipy.spatial import KDTree
+
+    tried = np.linspace(0.0, path.length, int(path.length) + 100)
+    places = place(path, tried)
+    station = tried[KDTree(np.stack([places.x, places.y], axis=1)).query(np.stack([x, y], axis=1))[1]]
+    left = np.zeros_like(station)
+    for _ in range(10):
+        on = place(path, station)
+        dx, dy, cosine, sine = x - on.x, y - on.y, np.cos(on.heading), np.sin(on.heading)
+        left = dy * cosine - dx * sine
+        ahead = (dx * cosine + dy * sine) / np.maximum(1 - on.curvature * left, 0.2)
+        station = np.clip(station + ahead, 0.0, path.length)
+    return station, left
 
 
 class _Line:

@@ -230,6 +230,12 @@ class OpenedSpace:
 
         return impact(self.engine, seed, names)
 
+    def funnel(self, seed: int = 0) -> tuple[Tally, ...]:
+        """What each constraint and those before it leave, in the order of the file. DseError where that takes long."""
+        from dse.space.questions.funnel import funnel
+
+        return funnel(self.engine, seed)
+
     def occurrences(self, seed: int = 0) -> tuple[Occurrence, ...]:
         """How often each alternative occurs among the valid ones. Raises DseError if there is none."""
         from dse.space.questions.occurrence import occurrences

@@ -19,6 +19,7 @@ from dse.domain.address import Address
 from dse.domain.bench import VERDICTS
 from dse.domain.component import Value
 from dse.domain.definition import StudyDefinition
+from dse.domain.notes import Notes
 from dse.domain.run import Outcome, RunRequest
 from dse.domain.study import SHARD_FOLDER
 from dse.errors import Location, fail
@@ -37,6 +38,7 @@ from dse.storage.database.connection import (
 )
 from dse.storage.database.files import write_files
 from dse.storage.database.header import StudyHeader
+from dse.storage.database.notes import write_notes
 from dse.storage.database.schema import cell_of, columns, quoted
 from dse.storage.database.seal import kept_seal, seals
 from dse.storage.lock import LOCK, WRITER, WriterLock
@@ -160,6 +162,13 @@ class StudyFolder(StudyReader):
             write_header(connection, header, self.asks)
         self.commit()
         self.header = header
+
+    def note(self, notes: Notes) -> None:
+        """Keep *notes* in place of what was kept."""
+        if notes != self.notes():
+            with self._writing() as connection:
+                write_notes(connection, notes)
+            self.commit()
 
     def note_addresses(self, addresses: Mapping[str, Address]) -> None:
         """Note *addresses* of configurations of which none is known yet."""

@@ -97,6 +97,8 @@ class _Merging(StudyFolder):
         kept = other.kept()
         files = self._linked(other, {*kept.values()} - {""})
         self.note_addresses(other.addresses())
+        if self.notes() is None and (notes := other.notes()):
+            self.note(notes)
         with self._attached(other.path), self._writing() as connection:
             if not self.asks.blocks:
                 self.asks = other.asks

@@ -11,16 +11,18 @@ from typing import Any, Self
 
 from dse.domain.address import Address
 from dse.domain.definition import StudyDefinition
+from dse.domain.notes import Notes
 from dse.domain.run import Run, Waveforms
 from dse.errors import Location, fail
 from dse.storage.attempts import Attempt
 from dse.storage.database.addresses import read_addresses
 from dse.storage.database.asks import Asks
-from dse.storage.database.attempts import read_attempts, read_causes
+from dse.storage.database.attempts import read_attempts, read_causes, read_retried
 from dse.storage.database.connection import connect, damaged_study, located, read_header, require_structure
 from dse.storage.database.definition import unit_flaws
 from dse.storage.database.files import read_files
 from dse.storage.database.header import StudyHeader
+from dse.storage.database.notes import read_notes
 from dse.storage.database.seal import seals
 from dse.storage.database.table import RunTable, read_table, read_verdicts
 from dse.storage.database.tally import Tally, read_tally
@@ -135,6 +137,19 @@ class StudyReader:
         """Every try at a run, in the order they were made."""
         with located(self.path):
             return read_attempts(self._connection)
+
+    def retried(self) -> dict[str, list[int]]:
+        """What tries came to that were made again, each with its runs; "" are runs of which nothing is told."""
+        with located(self.path):
+            return read_retried(self._connection)
+
+    def notes(self) -> Notes | None:
+        """What is kept besides the results, None if nothing is, as of a study that an earlier version made."""
+        try:
+            with located(self.path):
+                return read_notes(self._connection)
+        except (ValueError, TypeError, RecursionError) as error:
+            raise damaged_study(self.path, str(error)) from error
 
     def causes(self) -> dict[int, str]:
         """What the last try came to that gave no row, by run; not that it was stopped with its program."""

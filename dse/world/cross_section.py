@@ -2,13 +2,20 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 
+import numpy as np
+
+from dse.errors import Problem
 from dse.world.lane_graph import LanePlace
+from dse.world.opendrive.checks import GAP
 from dse.world.opendrive.driving import DRIVEN
 from dse.world.opendrive.structure import Cubic, Lane, Road, Section
-from dse.world.pieces import backwards, from_cubics, steps, total
+from dse.world.pieces import backwards, from_cubics, steps, total, value
 from dse.world.tables import Piecewise
+
+_SAMPLES = 33
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -47,6 +54,17 @@ def bands_of(road: Road, place: LanePlace, *, along: bool) -> dict[int, Band]:
     return {
         sign * (i - own): _seen(section, borders[id_], section.lanes[id_], along=along) for i, id_ in enumerate(ids)
     }
+
+
+def overlaps(road: Road, place: LanePlace) -> Iterator[Problem]:
+    """Lanes in the section of *place* whose outer border lies inside the inner one; only borders can say so."""
+    section = road.sections[place.section]
+    samples = np.linspace(0.0, section.end - section.s, _SAMPLES)
+    for id_, (right, left) in borders_of(road, section).items():
+        narrowest = float(np.min(value(left, samples) - value(right, samples)))
+        if narrowest < -GAP and not section.lanes[id_].widths:
+            what = f"lane {id_} lies up to {-narrowest:.3g} m inside the lanes beside it"
+            yield Problem(what, section.lanes[id_].where)
 
 
 def _outer(lane: Lane, inner: Piecewise, sign: int, section: Section) -> Piecewise:

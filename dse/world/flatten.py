@@ -4,18 +4,19 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
 
 from dse.errors import Problem, raise_if_any
 from dse.world.continuity import broken
-from dse.world.cross_section import Band, bands_of
+from dse.world.cross_section import Band, bands_of, overlaps
 from dse.world.lane_graph import LaneGraph, LanePlace, lane_at, lane_graph
 from dse.world.opendrive.curves import curve_of
 from dse.world.opendrive.driving import runs_along
 from dse.world.opendrive.reading import read_network
-from dse.world.opendrive.structure import Network, Road
+from dse.world.opendrive.structure import Cubic, Network, Road
 from dse.world.pieces import backwards, from_cubics, in_a_row, joined, quintics, steps
 from dse.world.routes import Route, Way, way_of
 from dse.world.tables import LaneBand, Light, Patch, Piecewise, RoadPath, RoadTables
@@ -40,22 +41,36 @@ def road_tables(network: Network, routes: Sequence[Route] = ()) -> RoadTables:
 
 @dataclass(frozen=True, eq=False, slots=True)
 class _Passage:
-    """A road from end to end, in a direction: *along* its stations or against them."""
+    """A road from its station *start* to *end*, all of it if the lane does not end before.
+
+    It is driven *along* its stations or against them.
+    """
 
     road: Road
     places: tuple[LanePlace, ...]
     along: bool
+    start: float
+    end: float
+
+    @property
+    def length(self) -> float:
+        """How far it goes, in m."""
+        return self.end - self.start
 
     def turned(self, piecewise: Piecewise, sign: float = 1.0) -> Piecewise:
-        """What counts along the whole road, in the direction of travel."""
-        return piecewise if self.along else backwards(piecewise, self.road.length, sign)
+        """What counts from *start* on, in the direction of travel."""
+        return piecewise if self.along else backwards(piecewise, self.length, sign)
+
+    def cubics(self, cubics: Sequence[Cubic], sign: float = 1.0) -> Piecewise:
+        """The cubics of the road, in the direction of travel; *sign* is what they change there."""
+        return self.turned(from_cubics(cubics, self.start, self.end), sign)
 
 
 def path_along(graph: LaneGraph, way: Way, name: str) -> RoadPath:
     """The path along *way*. Raises DseError where something along it is not supported or does not fit together."""
     passages = [_passage(graph, places) for places in way.passages]
     raise_if_any(problem for passage in passages for problem in _refused(graph, passage))
-    lengths = [passage.road.length for passage in passages]
+    lengths = [passage.length for passage in passages]
     begins = [float(begin) for begin in np.cumsum([0.0, *lengths])]
     lines = [_line(passage) for passage in passages]
 
@@ -68,8 +83,8 @@ def path_along(graph: LaneGraph, way: Way, name: str) -> RoadPath:
         way.closed,
         in_a_row([(x, length) for (x, _), length in zip(lines, lengths, strict=True)]),
         in_a_row([(y, length) for (_, y), length in zip(lines, lengths, strict=True)]),
-        along(p.turned(from_cubics(p.road.elevation, 0.0, p.road.length)) for p in passages),
-        along(p.turned(from_cubics(p.road.superelevation, 0.0, p.road.length), -1.0) for p in passages),
+        along(p.cubics(p.road.elevation) for p in passages),
+        along(p.cubics(p.road.superelevation, -1.0) for p in passages),
         along(_speed_limit(p) for p in passages),
         tuple(_lanes(passages)),
         tuple(patch for p, begin in zip(passages, begins, strict=False) for patch in _patches(p, begin)),
@@ -82,7 +97,11 @@ def path_along(graph: LaneGraph, way: Way, name: str) -> RoadPath:
 
 def _passage(graph: LaneGraph, places: tuple[LanePlace, ...]) -> _Passage:
     road = graph.network.roads[places[0].road]
-    return _Passage(road, places, runs_along(road, lane_at(graph.network, places[0])))
+    sections = sorted(place.section for place in places)
+    start, end = road.sections[sections[0]].s, road.sections[sections[-1]].end
+    # The first begins at 0, to what is let pass.
+    start = start if sections[0] else 0.0
+    return _Passage(road, places, runs_along(road, lane_at(graph.network, places[0])), start, end)
 
 
 def _refused(graph: LaneGraph, passage: _Passage) -> Iterator[Problem]:
@@ -93,16 +112,15 @@ def _refused(graph: LaneGraph, passage: _Passage) -> Iterator[Problem]:
         yield Problem(f"a road in a {junction.kind} junction is not supported on a path", junction.where)
     for place in passage.places:
         yield from lane_at(graph.network, place).refused
+        yield from overlaps(road, place)
 
 
 def _line(passage: _Passage) -> tuple[Piecewise, Piecewise]:
     pieces = passage.road.geometries
-    ends = [piece.s for piece in pieces[1:]] + [passage.road.length]
-    # The first begins at 0, to what is let pass.
-    starts = [0.0, *ends[:-1]]
+    bounds = np.clip([0.0, *(piece.s for piece in pieces[1:]), passage.road.length], passage.start, passage.end)
     parts = [
-        (quintics(curve_of(piece), end - start), end - start)
-        for piece, start, end in zip(pieces, starts, ends, strict=True)
+        (quintics(curve_of(piece), float(start - piece.s), float(end - piece.s)), float(end - start))
+        for piece, (start, end) in zip(pieces, pairwise(bounds), strict=True)
         if end > start
     ]
     x = in_a_row([(x, length) for (x, _), length in parts])
@@ -130,7 +148,7 @@ def _along_sections(passages: Sequence[_Passage], parts: Sequence[Sequence[Piece
     for passage, row in zip(passages, parts, strict=True):
         sections = [passage.road.sections[place.section] for place in passage.places]
         lengths = [section.end - section.s for section in sections]
-        roads.append((joined(list(zip(row, lengths, strict=True))), passage.road.length))
+        roads.append((joined(list(zip(row, lengths, strict=True))), passage.length))
     return joined(roads)
 
 
@@ -154,17 +172,18 @@ def _speed_limit(passage: _Passage) -> Piecewise:
         values.append((section.s, before[-1] if before else 0.0))
         values += [(limit.s, limit.speed) for limit in road.limits if section.s < limit.s < until]
         values += [(limit.s, limit.speed) for limit in own]
-    return passage.turned(steps(values, 0.0, road.length, 0.0))
+    return passage.turned(steps(values, passage.start, passage.end, 0.0))
 
 
 def _patches(passage: _Passage, begin: float) -> Iterator[Patch]:
     for slick in passage.road.slicks:
-        start, end = max(slick.start, 0.0), min(slick.end, passage.road.length)
-        if passage.along and end > start:
-            yield Patch(begin + start, begin + end, slick.right, slick.left, slick.friction)
+        start, end = max(slick.start, passage.start), min(slick.end, passage.end)
+        if end > start and passage.along:
+            shift = begin - passage.start
+            yield Patch(shift + start, shift + end, slick.right, slick.left, slick.friction)
         elif end > start:
-            length = passage.road.length
-            yield Patch(begin + length - end, begin + length - start, -slick.left, -slick.right, slick.friction)
+            shift = begin + passage.end
+            yield Patch(shift - end, shift - start, -slick.left, -slick.right, slick.friction)
 
 
 def _lights(passage: _Passage, begin: float) -> Iterator[Light]:
@@ -172,9 +191,10 @@ def _lights(passage: _Passage, begin: float) -> Iterator[Light]:
     facing = {"none", "+" if passage.along else "-"}
     found: list[Light] = []
     for signal in road.signals:
-        lane = next(p.lane for p in passage.places if road.sections[p.section].end >= min(signal.s, road.length))
-        meant = not signal.lanes or any(min(pair) <= lane <= max(pair) for pair in signal.lanes)
-        if signal.orientation in facing and meant:
-            station = signal.s if passage.along else road.length - signal.s
+        s = min(signal.s, road.length)
+        lanes = [p.lane for p in passage.places if road.sections[p.section].s <= s <= road.sections[p.section].end]
+        meant = not signal.lanes or any(min(pair) <= lane <= max(pair) for pair in signal.lanes for lane in lanes)
+        if signal.orientation in facing and lanes and meant:
+            station = s - passage.start if passage.along else passage.end - s
             found.append(Light(signal.id, begin + station, signal.phases, signal.shift))
     yield from sorted(found, key=lambda light: light.station)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import islice, pairwise
 
 import numpy as np
@@ -23,7 +23,9 @@ _MOST_PLACES = 10_000
 
 @dataclass(frozen=True, slots=True)
 class Route:
-    """What a user says of a path: ids of *roads* in order (none: the longest way straight on) and its first lane.
+    """What a user says of a path: ids of *roads* in order and its first lane.
+
+    Without roads it is the way that the network was made for, if it says one, and else the longest straight on.
 
     *lane* is an id in the first road; 0: the outermost from which the route can be driven. *where* the route stands.
     """
@@ -36,7 +38,10 @@ class Route:
 
 @dataclass(frozen=True, slots=True)
 class Way:
-    """Lanes that go on in each other, by the roads they pass, each from end to end; *closed*: the last in the first."""
+    """Lanes that go on in each other, by the roads they pass; *closed*: the last goes on in the first.
+
+    Roads are passed from end to end, but the last may be left where its lane ends.
+    """
 
     passages: tuple[tuple[LanePlace, ...], ...]
     closed: bool
@@ -57,29 +62,41 @@ def way_of(graph: LaneGraph, route: Route) -> Way:
     network = graph.network
     for id_ in route.roads:
         if id_ not in network.roads:
-            raise fail(f"there is no road '{shortened(id_)}' in the file", route.where or network.where, closest(id_, network.roads))
-    starts = list(_starts(network, route))
+            raise fail(
+                f"there is no road '{shortened(id_)}' in the file",
+                route.where or network.where,
+                closest(id_, network.roads),
+            )
     if not route.roads:
-        # The first of those that are as long to a mm.
-        onward = _Onward(graph)
-        ways = [_straight_on(onward, start) for start in starts]
-        lengths = [round(way_length(network, way), 3) for way in ways]
-        return ways[lengths.index(max(lengths))]
-    search = _Search(graph, route)
-    for start in starts:
-        found = search.from_(start)
-        if found:
-            return _way(graph, found, found[0] in next_places(graph, found[-1]))
-    raise search.failed(starts)
+        return _made_for(graph, route) or _longest(graph, route)
+    search, starts = _Search(graph, route), list(_starts(network, route))
+    found = search.way(starts)
+    if found is None:
+        raise search.failed(starts)
+    return found
+
+
+def _made_for(graph: LaneGraph, route: Route) -> Way | None:
+    """The way that the network says it was made for, if it says one and the lane leads along it."""
+    roads = graph.network.route
+    if not all(id_ in graph.network.roads for id_ in roads):
+        return None
+    starts = [p for p in entries(graph.network) if p.road in roads[:1] and route.lane in {0, p.lane}]
+    return _Search(graph, replace(route, roads=roads)).way(starts)
+
+
+def _longest(graph: LaneGraph, route: Route) -> Way:
+    """The longest way straight on; the first of those that are as long to a mm."""
+    onward = _Onward(graph)
+    ways = [_straight_on(onward, start) for start in _starts(graph.network, route)]
+    lengths = [round(way_length(graph.network, way), 3) for way in ways]
+    return ways[lengths.index(max(lengths))]
 
 
 def way_length(network: Network, way: Way) -> float:
-    """How long a way is, in m along the reference lines of its roads, to where its last lane ends."""
-    last = way.passages[-1][-1]
-    road = network.roads[last.road]
-    section = road.sections[last.section]
-    beyond = road.length - section.end if runs_along(road, section.lanes[last.lane]) else section.s
-    return sum(network.roads[id_].length for id_ in way.roads) - beyond
+    """How long a way is, in m along the reference lines of its roads."""
+    sections = [network.roads[place.road].sections[place.section] for passage in way.passages for place in passage]
+    return sum(section.end - section.s for section in sections)
 
 
 def list_ways(graph: LaneGraph, most: int = 200) -> tuple[Way, ...]:
@@ -222,6 +239,15 @@ class _Search:
             stack += [((*places, next_), at) for next_, at in reversed(onward)]
         return ()
 
+    def way(self, starts: list[LanePlace]) -> Way | None:
+        """The way from the first of *starts* that leads to the end; lanes that end on the way are the last choice."""
+        graph = self._graph
+        found = [places for start in starts if (places := self.from_(start))]
+        if not found:
+            return None
+        places = next((places for places in found if _reaches_an_end(graph.network, places[-1])), found[0])
+        return _way(graph, places, places[0] in next_places(graph, places[-1]))
+
     def failed(self, starts: list[LanePlace]) -> DseError:
         """What to say if nothing was found."""
         roads, network = self._route.roads, self._graph.network
@@ -249,6 +275,11 @@ def _leaves(network: Network, place: LanePlace, next_: LanePlace) -> bool:
     road = network.roads[place.road]
     step = 1 if runs_along(road, lane_at(network, place)) else -1
     return next_.section != place.section + step
+
+
+def _reaches_an_end(network: Network, place: LanePlace) -> bool:
+    road = network.roads[place.road]
+    return place.section == (len(road.sections) - 1 if runs_along(road, lane_at(network, place)) else 0)
 
 
 def _way(graph: LaneGraph, places: tuple[LanePlace, ...], closed: bool) -> Way:

@@ -26,7 +26,7 @@ def cache(tmp_path_factory: pytest.TempPathFactory, built_before: Callable[[Path
 def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """The workspace's folder. Tests only read it."""
     place = tmp_path_factory.mktemp("example")
-    for name in ("components", "designs", "testbenches"):
+    for name in ("components", "designs", "roads", "testbenches"):
         shutil.copytree(ROOT / name, place / name)
     (place / "testbenches" / "small.pet.yaml").write_text(small_study(3, 2), encoding="utf-8")
     return place

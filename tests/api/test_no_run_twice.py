@@ -31,7 +31,7 @@ Edit = Callable[[str, str, str], None]
 @pytest.fixture
 def place(folder, tmp_path, monkeypatch) -> Path:
     """A workspace of its own with the study, and an empty store of runs beside the FMUs that were built."""
-    for name in ("components", "designs", "testbenches"):
+    for name in ("components", "designs", "roads", "testbenches"):
         shutil.copytree(folder / name, tmp_path / "work" / name)
     (tmp_path / "work" / "testbenches" / "pair.pet.yaml").write_text(_STUDY % (2, "all"), encoding="utf-8")
     import os

@@ -31,8 +31,9 @@ PLANES = {
 }
 
 
-@pytest.mark.thorough
-@pytest.mark.parametrize("plane", PLANES)
+@pytest.mark.parametrize(
+    "plane", [pytest.param("speed", marks=pytest.mark.thorough), pytest.param("distance", marks=pytest.mark.nightly)]
+)
 def test_160_runs_find_the_boundary_of_the_gains_as_exactly_as_a_grid_of_625(dse_in, example, tmp_path, plane):
     """Pass, fail and not exercised, of both requirements together, at the 1,600 points of a finer grid."""
     root = shutil.copytree(example, tmp_path / "work")

@@ -121,7 +121,13 @@ def imported(example, cache):
 
 @pytest.mark.parametrize(
     "command",
-    [pytest.param(line, marks=[pytest.mark.thorough] * line.startswith(SLOW)) for line in MAY_IMPORT],
+    [
+        # Running every configuration imports what exploring a few does.
+        pytest.param(line, marks=[pytest.mark.nightly if line.startswith("run ") else pytest.mark.thorough])
+        if line.startswith(SLOW)
+        else line
+        for line in MAY_IMPORT
+    ],
 )
 @pytest.mark.sampled(4)
 def test_a_command_imports_what_it_needs(imported, tmp_path, request, command):
@@ -149,15 +155,18 @@ def test_every_command_is_in_the_table():
     assert {line for line in lines if not any(tried.startswith(line) for tried in MAY_IMPORT)} <= {
         "import uvl",
         "import ssp",
+        "export opendrive",
         "export ssp",
         "merge",
         "serve",  # goes on for ever; tests/cli/test_serve.py starts it
         "new design",
         "new bench",
+        "new road",
         "new study",
     }
 
 
+@pytest.mark.sampled(4)
 @pytest.mark.parametrize("name", COMMANDS)
 def test_a_command_is_found_without_the_others(name):
     assert import_module(f"dse.cli.commands.{name}")

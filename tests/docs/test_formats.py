@@ -23,6 +23,7 @@ from dse.loading.component.component import CollectionFile, ComponentFile
 from dse.loading.component.interfaces import InterfacesFile
 from dse.loading.component.kind import KINDS
 from dse.loading.design.design import DesignFile
+from dse.loading.road.road import RoadFile
 from dse.loading.sections import Section, _sections
 from dse.metrics.catalogue import FUNCTIONS, ROWWISE
 from dse.storage.export.tables import EXPORTS
@@ -30,7 +31,7 @@ from dse.units import parse_unit
 
 TEXT = (Path(__file__).parents[2] / "docs" / "formats.md").read_text(encoding="utf-8")
 BLOCK = re.compile(r"^```(\w*)\n(.*?)^```$", re.DOTALL | re.MULTILINE)
-FILE = re.compile(r"(?:# |/\* )((?:components|designs|testbenches)/\S+)(?: \*/)?\n")
+FILE = re.compile(r"(?:# |/\* )((?:components|designs|roads|testbenches)/\S+)(?: \*/)?\n")
 CODE = "\n".join(re.findall(r"`([^`\n]+)`", BLOCK.sub("", TEXT)))
 """What stands between backticks in the text; the example's own files do not count as a description."""
 
@@ -55,7 +56,15 @@ def is_mentioned(word: str) -> bool:
 
 def sections() -> Iterator[type[Section]]:
     """Those of the files, and those in them."""
-    stack: list[type[Section]] = [InterfacesFile, ComponentFile, CollectionFile, DesignFile, BenchFile, StudyFile]
+    stack: list[type[Section]] = [
+        InterfacesFile,
+        ComponentFile,
+        CollectionFile,
+        DesignFile,
+        BenchFile,
+        RoadFile,
+        StudyFile,
+    ]
     while stack:
         yield (section := stack.pop())
         stack += [found for field in section.model_fields.values() for found in _sections(field.annotation)]
@@ -80,7 +89,7 @@ def dse(tmp_path_factory: pytest.TempPathFactory, built_before: Callable[[Path],
 def test_the_blocks_are_a_workspace_without_a_mistake(dse):
     done = dse("check")
     assert done.returncode == 0, done.stderr
-    assert done.stdout.startswith("ok: 5 interfaces, 5 components, 1 design space, 3 test benches, 3 studies")
+    assert done.stdout.startswith("ok: 5 interfaces, 5 components, 1 design space, 1 road, 3 test benches, 3 studies")
 
 
 @pytest.mark.thorough

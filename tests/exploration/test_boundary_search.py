@@ -130,9 +130,15 @@ def test_an_accuracy_ends_the_search_before_its_samples() -> None:
         assert wrong(found, margins) < 0.01
 
 
-@pytest.mark.thorough
-@pytest.mark.parametrize("margins", [circle, two, hole])
-@pytest.mark.parametrize("accuracy", [0.02, 0.005])
+@pytest.mark.parametrize(
+    ("margins", "accuracy"),
+    [
+        pytest.param(circle, 0.005, marks=pytest.mark.thorough),
+        pytest.param(two, 0.005, marks=pytest.mark.thorough),
+        pytest.param(hole, 0.02, marks=pytest.mark.thorough),
+        *(pytest.param(*case, marks=pytest.mark.nightly) for case in ((circle, 0.02), (two, 0.02), (hole, 0.005))),
+    ],
+)
 def test_what_is_believed_to_be_misjudged_is_on_average(margins: Margins, accuracy: float) -> None:
     """By a search that ends of itself: it ends when too little is believed rather than too much."""
     true, told = [], []

@@ -215,7 +215,10 @@ def test_one_objective_is_too_few_for_reference_directions() -> None:
     assert "take 'nsga2'" in str(refused.value)
 
 
-@pytest.mark.parametrize("evaluations", [1000, pytest.param(100_000, marks=pytest.mark.thorough)])
+@pytest.mark.parametrize(
+    "evaluations",
+    [1000, pytest.param(10_000, marks=pytest.mark.thorough), pytest.param(100_000, marks=pytest.mark.nightly)],
+)
 def test_no_proposal_is_invalid_and_none_is_made_twice(evaluations: int, acc: OpenedSpace) -> None:
     valid = {configuration.id for configuration in acc.configurations()}
     given = brief(variables(3), "f1", "f2", space=acc.architectures())

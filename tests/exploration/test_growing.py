@@ -134,7 +134,8 @@ def killed_on_the_way(folder: Path, keep: Keep, sampler: str, workers: int, kill
     [
         ("BISECTION", 2, 4, 0.05),
         # A run takes so long that the study is not done before the last kill.
-        pytest.param("BOUNDARY", 1, 20, 0.4, marks=pytest.mark.thorough),
+        pytest.param("BOUNDARY", 1, 8, 0.4, marks=pytest.mark.thorough),
+        pytest.param("BOUNDARY", 1, 20, 0.4, marks=pytest.mark.nightly),
         pytest.param("BISECTION", 1, 20, 0.4, marks=pytest.mark.nightly),
         pytest.param("BISECTION", 2, 20, 0.8, marks=pytest.mark.nightly),
         pytest.param("BOUNDARY", 2, 20, 0.8, marks=pytest.mark.nightly),

@@ -24,8 +24,7 @@ pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="forks, signals,
 BOTH = pytest.mark.parametrize("keep", [Keep.NONE, Keep.ALL])
 
 
-@BOTH
-@pytest.mark.parametrize("threads", [1, 2])
+@pytest.mark.parametrize(("keep", "threads"), [(Keep.NONE, 1), (Keep.ALL, 2)])
 @pytest.mark.thorough
 def test_a_process_that_makes_a_copy_of_itself_stays_one_worker(tmp_path: Path, keep: Keep, threads: int) -> None:
     bench = FakeBench("a", "forks", (7, 40, 41), seconds=0.0005)
@@ -66,9 +65,15 @@ def few_files() -> Iterator[None]:
     resource.setrlimit(resource.RLIMIT_NOFILE, (soft, hard))
 
 
-@BOTH
-@pytest.mark.parametrize("levels", [5, 50])
-@pytest.mark.parametrize("mischief", ["leaks files", "leaves no file to open"])
+@pytest.mark.parametrize(
+    ("mischief", "levels", "keep"),
+    [
+        ("leaks files", 5, Keep.NONE),
+        ("leaks files", 50, Keep.ALL),
+        ("leaves no file to open", 5, Keep.ALL),
+        ("leaves no file to open", 50, Keep.NONE),
+    ],
+)
 @pytest.mark.thorough
 def test_runs_that_leave_files_open_have_their_worker_renewed_and_none_is_blamed(
     tmp_path: Path, keep: Keep, mischief: str, levels: int, few_files: None

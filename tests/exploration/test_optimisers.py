@@ -58,7 +58,9 @@ def bowls(names: Sequence[str], points: Array) -> Runs:
 
 
 @EVERY
-@pytest.mark.parametrize("seed", [0, *(pytest.param(n, marks=pytest.mark.thorough) for n in range(1, 8))])
+@pytest.mark.parametrize(
+    "seed", [0, *(pytest.param(n, marks=pytest.mark.thorough if n < 3 else pytest.mark.nightly) for n in range(1, 8))]
+)
 def test_no_run_is_made_twice_also_when_a_study_is_extended(kind: type[OptimizingSampler], seed: int) -> None:
     """A third of the runs fail; some variables are absent; a longer study begins as the shorter one."""
     some = (*variables(2), replace(variables(3)[2], values=(0.0, 0.25, 1.0)))

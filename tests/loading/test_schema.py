@@ -15,7 +15,9 @@ from dse.loading.extensions import EXECUTORS, SAMPLERS
 from dse.loading.schema import FILE_KINDS, file_schema
 
 ROOT = Path(__file__).parents[2]
-FILES = sorted(path for folder in ("components", "designs", "testbenches") for path in (ROOT / folder).rglob("*.yaml"))
+FILES = sorted(
+    path for folder in ("components", "designs", "roads", "testbenches") for path in (ROOT / folder).rglob("*.yaml")
+)
 MODELINE = re.compile(r"# yaml-language-server: \$schema=(\S+)\n")
 
 

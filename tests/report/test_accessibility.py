@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 import pytest
+from hard_contents import driven, furnished
 from report_pages import Open
 
 from dse.report.content.nouns import ReportContent
@@ -18,33 +19,43 @@ pytestmark = [pytest.mark.browser, pytest.mark.thorough]
 AXE = Path(__file__).parents[2] / "dse" / "report" / "web" / "node_modules" / "axe-core" / "axe.min.js"
 
 
-def complaints(page: Page) -> list[str]:
-    """What axe-core says of the page as it stands; each with the first element it is about."""
+def complaints(page: Page, *rules: str) -> list[str]:
+    """What axe-core says of the page as it stands, by these *rules* or all; each with the first element it is about."""
     found: list[str] = page.evaluate(
-        "() => axe.run(document).then(({ violations }) => violations.map(v => `${v.id}: ${v.nodes[0].html}`))"
+        "rules => axe.run(document, rules.length ? { runOnly: rules } : {})"
+        ".then(({ violations }) => violations.map(v => `${v.id}: ${v.nodes[0].html}`))",
+        rules,
     )
     return found
 
 
-@pytest.mark.parametrize("study", ["sliced", "scattered", "bench_only"])
-@pytest.mark.parametrize("theme", ["light", "dark"])
-def test_axe_finds_nothing_in_any_view(
-    study: str, theme: str, open_report: Open, request: pytest.FixtureRequest
-) -> None:
+@pytest.mark.parametrize("study", ["sliced", "scattered", "bench_only", "conditions"])
+def test_axe_finds_nothing_in_any_view(study: str, open_report: Open, request: pytest.FixtureRequest) -> None:
     if not AXE.exists():
         pytest.fail("axe-core is missing: 'npm ci' in dse/report/web brings it")
-    content: ReportContent = request.getfixturevalue(study)
+    content: ReportContent = furnished(driven()) if study == "conditions" else request.getfixturevalue(study)
     page = open_report(content)
-    if page.evaluate("document.documentElement.dataset.theme || 'light'") != theme:
-        page.click("#theme")
     page.evaluate(f"{AXE.read_text(encoding='utf-8')}\n;0")
-    found = {}
-    for tab in page.locator("[role=tab]").all():
-        tab.click()
-        page.wait_for_timeout(300)
-        if said := complaints(page):
-            found[tab.inner_text()] = said
+    themes, found = set(), {}
+    # In the other theme only the colours are others.
+    for rules in ((), ("color-contrast",)):
+        theme = page.evaluate("document.documentElement.dataset.theme || 'light'")
+        themes.add(theme)
+        for tab in page.locator("[role=tab]").all():
+            tab.click()
+            page.wait_for_timeout(300)
+            if said := complaints(page, *rules):
+                found[theme, tab.inner_text()] = said
+        page.click("#theme")
+    assert themes == {"light", "dark"}
     assert found == {}
+
+
+def test_axe_sees_colours_that_are_too_near(sliced: ReportContent, open_report: Open) -> None:
+    page = open_report(sliced)
+    page.evaluate(f"{AXE.read_text(encoding='utf-8')}\n;0")
+    page.evaluate("document.querySelector('h1').style = 'color: #888; background: #999'")
+    assert any(said.startswith("color-contrast") for said in complaints(page, "color-contrast"))
 
 
 def test_axe_finds_what_is_wrong(sliced: ReportContent, open_report: Open) -> None:

@@ -10,18 +10,13 @@ import numpy as np
 import pytest
 from known_functions import even, study, variable
 from playwright.sync_api import Page
+from report_pages import content_of
 
 from dse.analysis import evaluated, features, planes
 from dse.domain.definition import DefinedObjective
 from dse.report import insight_of
 from dse.report.content.nouns import (
-    ConfigurationEntry,
-    MetricColumn,
     ReportContent,
-    RequirementRow,
-    Runs,
-    SamplerKind,
-    Variable,
 )
 from dse.storage import RunTable
 
@@ -29,36 +24,6 @@ pytestmark = pytest.mark.browser
 
 HOSTILE = '</script><img src=x onerror="window.pwned=1"><b>'
 Open = Callable[[ReportContent], Page]
-
-
-def content_of(table: RunTable, title: str = "made up", problem: str = "it broke at t = 3.5 s") -> ReportContent:
-    """The report's content of a table, as its reading makes it of a folder."""
-    definition = table.header.definition
-    metrics = tuple(MetricColumn(m.name, m.title, m.unit, table.metric(m.name).copy()) for m in definition.metrics)
-    return ReportContent(
-        title,
-        SamplerKind.SCATTERED,
-        "out/made_up",
-        Runs(
-            table.numbers.copy(),
-            table.configurations,
-            table.done.copy(),
-            tuple("" if ok else problem for ok in table.done),
-        ),
-        tuple(ConfigurationEntry(c.id, dict(c.choices), {}) for c in definition.configurations),
-        tuple(
-            Variable(
-                v.name, v.title, v.unit, v.low, v.high, v.levels or None, v.nominal, table.points[v.name].astype(float)
-            )
-            for v in definition.variables
-        ),
-        metrics,
-        tuple(
-            RequirementRow(r.name, r.title, r.metric, r.at_most, r.at_least, table.done & (table.verdicts(r.name) != 2))
-            for r in definition.requirements
-        ),
-        insight=insight_of(table),
-    )
 
 
 def plane(count: int = 200, **facts) -> RunTable:
@@ -232,13 +197,13 @@ def test_a_search_is_told_with_its_best_designs(open_report: Open) -> None:
 
 
 @pytest.mark.thorough
-@pytest.mark.parametrize("view", ["overview", "understanding", "conditions"])
-@pytest.mark.parametrize("width", [400, 1440, 2560])
-def test_no_view_is_wider_than_the_page(open_report: Open, view: str, width: int) -> None:
+def test_no_view_is_wider_than_the_page(open_report: Open) -> None:
     page = open_report(content_of(conditions()))
-    page.set_viewport_size({"width": width, "height": 900})
-    opened(page, view)
-    assert page.evaluate("document.documentElement.scrollWidth") <= width
+    for width in (400, 1440, 2560):
+        page.set_viewport_size({"width": width, "height": 900})
+        for view in ("overview", "understanding", "conditions"):
+            opened(page, view)
+            assert page.evaluate("document.documentElement.scrollWidth") <= width, (view, width)
 
 
 @pytest.mark.thorough

@@ -140,16 +140,16 @@ GARBAGE = (
 
 
 @pytest.mark.thorough
-@pytest.mark.parametrize("garbage", [GARBAGE, "%", "=&=&", "x" * 20_000, "__proto__.x=1&constructor.y=2"])
-def test_an_address_of_garbage_opens_the_page_as_it_is(sliced: ReportContent, open_report: Open, garbage: str) -> None:
+def test_an_address_of_garbage_opens_the_page_as_it_is(sliced: ReportContent, open_report: Open) -> None:
     page = open_report(sliced)
     before, run = counts(page), selected(page)
-    page.evaluate("text => { location.hash = text }", garbage)
-    settle(page)
-    assert (counts(page), selected(page)) == (before, run)
-    page.reload()
-    page.wait_for_selector("html[data-ready]")
-    assert (counts(page), selected(page)) == (before, run)
+    for garbage in (GARBAGE, "%", "=&=&", "x" * 20_000, "__proto__.x=1&constructor.y=2"):
+        page.evaluate("text => { location.hash = text }", garbage)
+        settle(page)
+        assert (counts(page), selected(page)) == (before, run), garbage
+        page.reload()
+        page.wait_for_selector("html[data-ready]")
+        assert (counts(page), selected(page)) == (before, run), garbage
 
 
 @pytest.mark.thorough

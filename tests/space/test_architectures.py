@@ -99,11 +99,17 @@ def test_a_space_without_a_valid_configuration_has_nothing_to_propose(acc: Opene
 
 
 PROPOSALS = [("acc_vehicle", 1000), ("routefinding", 200), ("android51", 100)]
-MANY = [("acc_vehicle", 50_000), ("routefinding", 25_000), ("android51", 25_000), ("busybox854", 200)]
+MORE = [("acc_vehicle", 5000), ("routefinding", 2500), ("android51", 2500), ("busybox854", 200)]
+MANY = [("acc_vehicle", 50_000), ("routefinding", 25_000), ("android51", 25_000)]
 
 
 @pytest.mark.parametrize(
-    ("name", "number"), [*PROPOSALS, *(pytest.param(*many, marks=pytest.mark.thorough) for many in MANY)]
+    ("name", "number"),
+    [
+        *PROPOSALS,
+        *(pytest.param(*more, marks=pytest.mark.thorough) for more in MORE),
+        *(pytest.param(*many, marks=pytest.mark.nightly) for many in MANY),
+    ],
 )
 def test_no_proposal_is_invalid(name: str, number: int) -> None:
     """Children of two parents, and parents with one other choice; a parent's own wishes give the parent."""

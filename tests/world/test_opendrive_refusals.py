@@ -103,6 +103,16 @@ REFUSED = {
         _with(section(0.0, "", lane(-1, f'<width sOffset="0"{factors(3.0, 0.0, 0.0, 1e20)}/>'))),
         "the road has in lane -1 a width of 1e+26 m",
     ),
+    "a border inside another": (
+        _with(
+            section(
+                0.0,
+                "",
+                lane(-1, f'<border sOffset="0"{factors(-3.5)}/>') + lane(-2, f'<border sOffset="0"{factors(-3.0)}/>'),
+            )
+        ),
+        "lane -2 lies up to 0.5 m inside the lanes beside it",
+    ),
     "a lane linked to none": (
         _with(section(0.0, "", lane(-1, after=-3)) + section(50.0, "", lane(-1, before=-1))),
         "lane -1 is linked to lane -3, which the next section does not have",
@@ -140,6 +150,18 @@ REFUSED = {
     "a lane of its own height": (
         _with(section(0.0, "", lane(-1, more='<height sOffset="0" inner="0.1" outer="0.1"/>'))),
         "a lane with a <height> of its own is not supported on a path",
+    ),
+    "a level lane beside a banked road": (
+        opendrive(
+            road(
+                "1",
+                LINE,
+                100.0,
+                section(0.0, "", lane(-1) + lane(-2, attributes=' level="true"')),
+                more=f'<lateralProfile><superelevation s="0"{factors(0.1)}/></lateralProfile>',
+            )
+        ),
+        "a lane for vehicles that is level beside a banked road is not supported",
     ),
     "a virtual junction": (
         opendrive(road("1", LINE, 100.0, junction="5"), '<junction id="5" type="virtual"/>'),

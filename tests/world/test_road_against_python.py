@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from components.conftest import ROOT
+from components.conftest import ROOT, WORKSPACE
 
 from dse.world import lane_middle, open_roads, place, project, road_tables, value
 
@@ -17,7 +17,7 @@ ROADS = sorted((ROOT / "roads").glob("*.yaml"))
 
 @pytest.mark.parametrize("file", ROADS, ids=lambda file: file.stem)
 def test_both_evaluators_place_points_alike(new_road: Callable[..., Any], file: Any) -> None:
-    (path,) = road_tables(open_roads(file, ROOT)).paths
+    (path,) = road_tables(open_roads(str(file), WORKSPACE)).paths
     part = new_road(path)
     part.init()
     chance = np.random.default_rng(5)

@@ -212,3 +212,20 @@ def test_limits_lights_and_slippery_patches_lie_along_the_path(tmp_path: Path) -
     (patch,), (turned,) = along.patches, against.patches
     assert (patch.start, patch.end, patch.right, patch.left, patch.friction) == (18.0, 22.0, -2.5, -1.5, 0.1)
     assert (turned.start, turned.end, turned.right, turned.left) == (38.0, 42.0, 1.5, 2.5)
+
+
+def test_a_path_ends_where_its_lane_does(tmp_path: Path) -> None:
+    left = lane(1, after=1) + lane(2, 3.0, before=0)
+    two = section(0.0, left, lane(-1, after=-1) + lane(-2, 3.0))
+    one = section(60.0, lane(1, before=1) + lane(2, 3.0), lane(-1, before=-1))
+    plan = geometry(0.0, 0.0, 0.0, 0.0, 50.0) + geometry(50.0, 50.0, 0.0, 0.0, 50.0, '<arc curvature="0.01"/>')
+    hill = '<elevationProfile><elevation s="0" a="0" b="0.1" c="0" d="0"/></elevationProfile>'
+    read = network(tmp_path, road("1", plan, 100.0, two + one, more=hill))
+    lengths = {id_: road_tables(read, [Route(("1",), id_)]).paths[0].length for id_ in (-2, -1, 1, 2)}
+    assert lengths == {-2: 60.0, -1: 100.0, 1: 100.0, 2: 40.0}
+    ended, against = (road_tables(read, [Route(("1",), id_)]).paths[0] for id_ in (-2, 2))
+    assert place(ended, np.array([0.0, 60.0])).z == pytest.approx([0.0, 6.0])
+    assert place(against, np.array([0.0, 40.0])).z == pytest.approx([10.0, 6.0])
+    assert value(against.lanes[0].right, np.array([20.0])) == pytest.approx([-6.5])
+    assert road_tables(read).paths[0].length == 100.0
+    assert road_tables(read, [Route(("1",))]).paths[0].length == 100.0

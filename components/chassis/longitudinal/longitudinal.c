@@ -67,9 +67,8 @@ void longitudinal_init(longitudinal *self) {
     self->y = in.start.y;
     self->heading = in.start.heading;
     self->position = 0;
-    double slopes[2];
-    plane_slopes(in.ground, slopes);
-    plane p = plane_below(self->heading, slopes[0], slopes[1]);
+    plane_slopes slopes = plane_slopes_of(in.ground, self->par.wheelbase);
+    plane p = plane_below(self->heading, &slopes);
     host_data host = data(self, &in, &p);
     host_start(&self->host, &host, self->par.initial_speed);
     output(self, &in, &host, &p);
@@ -77,19 +76,18 @@ void longitudinal_init(longitudinal *self) {
 
 void longitudinal_step(longitudinal *self, double h) {
     chassis_inputs in = chassis_within_reason(&self->in, self->par.steering_limit);
-    double slopes[2];
-    plane_slopes(in.ground, slopes);
-    plane before = plane_below(self->heading, slopes[0], slopes[1]);
+    plane_slopes slopes = plane_slopes_of(in.ground, self->par.wheelbase);
+    plane before = plane_below(self->heading, &slopes);
     host_data host = data(self, &in, &before);
     double from = self->host.position, curvature = tan(in.steering) / self->par.wheelbase;
     host_advance(&self->host, &host, h, self->par.substeps);
     double way = self->host.position - from, rear = self->par.front_load_share * self->par.wheelbase;
     /* The chord of an arc is as long as the arc times sin(a) / a, a half its turn, and points halfway between both headings. */
     double half = 0.5 * curvature * way, chord = fabs(half) > 1e-4 ? way * sin(half) / half : way * (1 - half * half / 6);
-    half *= before.turn;
-    plane between = plane_below(self->heading + half, slopes[0], slopes[1]);
+    half = half * before.turn + 0.5 * way * before.drift;
+    plane between = plane_below(self->heading + half, &slopes);
     self->heading += 2 * half;
-    plane after = plane_below(self->heading, slopes[0], slopes[1]);
+    plane after = plane_below(self->heading, &slopes);
     self->x += chord * between.ahead[0] + rear * (after.ahead[0] - before.ahead[0]);
     self->y += chord * between.ahead[1] + rear * (after.ahead[1] - before.ahead[1]);
     self->position += way * sqrt(1 + rear * curvature * rear * curvature);

@@ -2,22 +2,32 @@
 
 #include <math.h>
 
-plane plane_below(double heading, double slope_x, double slope_y) {
+plane_slopes plane_slopes_of(const chassis_ground ground[4], double wheelbase) {
+    double front_x = 0.5 * (ground[0].slope_x + ground[1].slope_x), rear_x = 0.5 * (ground[2].slope_x + ground[3].slope_x);
+    double front_y = 0.5 * (ground[0].slope_y + ground[1].slope_y), rear_y = 0.5 * (ground[2].slope_y + ground[3].slope_y);
+    plane_slopes slopes = {
+        .x = 0.5 * (front_x + rear_x),
+        .y = 0.5 * (front_y + rear_y),
+        .more_x = (front_x - rear_x) / wheelbase,
+        .more_y = (front_y - rear_y) / wheelbase,
+    };
+    return slopes;
+}
+
+plane plane_below(double heading, const plane_slopes *slopes) {
     double c = cos(heading), s = sin(heading);
-    double rise = slope_x * c + slope_y * s, bank = -slope_x * s + slope_y * c; /* to the front, to the left */
+    double rise = slopes->x * c + slopes->y * s, bank = -slopes->x * s + slopes->y * c; /* to the front, to the left */
     double flat = 1 + rise * rise, up = 1 / sqrt(flat + bank * bank), ahead = 1 / sqrt(flat), left = up * ahead;
+    double bend = (slopes->more_x * c + slopes->more_y * s) * left;
     plane p = {
         .ahead = {ahead * c, ahead * s, ahead * rise},
         .left = {left * (-rise * bank * c - flat * s), left * (-rise * bank * s + flat * c), left * bank},
         .up = up,
+        .bend = bend,
         .turn = flat * up,
+        .drift = -bend * bank * up / ahead,
     };
     return p;
-}
-
-void plane_slopes(const chassis_ground ground[4], double slopes[2]) {
-    slopes[0] = 0.25 * (ground[0].slope_x + ground[1].slope_x + ground[2].slope_x + ground[3].slope_x);
-    slopes[1] = 0.25 * (ground[0].slope_y + ground[1].slope_y + ground[2].slope_y + ground[3].slope_y);
 }
 
 void plane_attitude(const plane *p, double *roll, double *pitch) {

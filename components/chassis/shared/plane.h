@@ -6,17 +6,22 @@
 
 #define CHASSIS_GRAVITY 9.81
 
+/* Slopes below the four wheels: their mean, and by how much they are more in front than behind, per way. */
+typedef struct {
+    double x, y, more_x, more_y;
+} plane_slopes;
+
+/* The heading is that of the nose seen from above; the yaw rate is about the normal. As a car goes along, the plane tilts
+ * with the curvature of the road: heading' = turn yaw_rate + drift speed. */
 typedef struct {
     double ahead[3], left[3]; /* unit vectors of the car in the plane */
     double up;                /* vertical part of the unit normal */
-    double turn;              /* rate of the heading, which is seen from above, per yaw rate about the normal */
+    double bend;              /* curvature of the road along the car, > 0 in a dip */
+    double turn, drift;
 } plane;
 
-/* A plane z = slope_x x + slope_y y with a car on it whose nose, seen from above, points along the heading. */
-plane plane_below(double heading, double slope_x, double slope_y);
-
-/* The mean of the slopes below four wheels. */
-void plane_slopes(const chassis_ground ground[4], double slopes[2]);
+plane_slopes plane_slopes_of(const chassis_ground ground[4], double wheelbase);
+plane plane_below(double heading, const plane_slopes *slopes);
 
 /* Euler angles of a car that is parallel to the plane: roll > 0 left side up, pitch > 0 nose down (ISO 8855). */
 void plane_attitude(const plane *p, double *roll, double *pitch);

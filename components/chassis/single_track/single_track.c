@@ -6,12 +6,15 @@
 
 enum { X, Y, HEADING, SPEED, LATERAL, YAW, WAY, STATES };
 
+#define MOST_LOAD 5.0 /* weights of the car on its wheels: what no tyres bear */
+
 /* Inputs and parameters in the shape the equations want them. */
 typedef struct {
     single_track *self;
     chassis_inputs in;
     tyre tyres[2];
-    double slopes[2], axle_slopes[2][2], friction[2], drive[2], brake[2];
+    plane_slopes slopes;
+    double friction[2], drive[2], brake[2];
     double front, rear, share[2], cosine, sine;
 } car;
 
@@ -19,7 +22,7 @@ static car prepare(single_track *self) {
     car c = {.self = self, .in = chassis_within_reason(&self->in, self->par.steering_limit)};
     double wheelbase = self->par.wheelbase, share = self->par.front_load_share;
     const chassis_ground *ground = c.in.ground;
-    plane_slopes(ground, c.slopes);
+    c.slopes = plane_slopes_of(ground, wheelbase);
     for (int i = 0; i < 2; ++i) {
         tyre t = {
             .law = self->par.tyre == 1 ? TYRE_LIMITED : TYRE_LINEAR,
@@ -34,8 +37,6 @@ static car prepare(single_track *self) {
         };
         const int left = 2 * i, right = left + 1;
         c.tyres[i] = t;
-        c.axle_slopes[i][0] = 0.5 * (ground[left].slope_x + ground[right].slope_x);
-        c.axle_slopes[i][1] = 0.5 * (ground[left].slope_y + ground[right].slope_y);
         c.friction[i] = 0.5 * (ground[left].friction + ground[right].friction);
         c.drive[i] = (i == 0 ? c.in.wheels.front : c.in.wheels.rear) + c.in.wheel_torque[left] + c.in.wheel_torque[right];
         c.brake[i] = (i == 0 ? c.in.brake.front : c.in.brake.rear) + c.in.wheel_brake[left] + c.in.wheel_brake[right];
@@ -57,10 +58,8 @@ static void stage(void *context, double gh, const wheel *base, const wheel *befo
     const car *c = context;
     single_track *self = c->self;
     double *y = at->body, u = y[SPEED], v = y[LATERAL], r = y[YAW], mass = self->par.mass;
-    plane p = plane_below(y[HEADING], c->slopes[0], c->slopes[1]);
-    double flat = sqrt(1 - p.ahead[2] * p.ahead[2]), bend = 0;
-    for (int i = 0; i < 2; ++i) bend += p.ahead[i] / flat * (c->axle_slopes[0][i] - c->axle_slopes[1][i]);
-    double weight = positive(mass * (CHASSIS_GRAVITY * p.up + u * u * bend * p.up / self->par.wheelbase));
+    plane p = plane_below(y[HEADING], &c->slopes);
+    double weight = mass * chassis_limited(CHASSIS_GRAVITY * p.up + u * u * p.bend, 0, MOST_LOAD * CHASSIS_GRAVITY);
 
     wheel_stage s[2];
     double pull[2]; /* along the car, per load */
@@ -98,7 +97,7 @@ static void stage(void *context, double gh, const wheel *base, const wheel *befo
     double *rates = at->rates;
     rates[X] = u * p.ahead[0] + v * p.left[0];
     rates[Y] = u * p.ahead[1] + v * p.left[1];
-    rates[HEADING] = r * p.turn;
+    rates[HEADING] = r * p.turn + u * p.drift;
     rates[SPEED] = ahead + v * r;
     rates[LATERAL] = left - u * r;
     rates[YAW] = (c->front * front_y - c->rear * w[1].y + self->par.side_lever * wind) / self->par.yaw_inertia;
@@ -108,7 +107,7 @@ static void stage(void *context, double gh, const wheel *base, const wheel *befo
 static void output(single_track *self, const car *c) {
     const double *y = self->state.body;
     chassis_outputs *out = &self->out;
-    plane p = plane_below(y[HEADING], c->slopes[0], c->slopes[1]);
+    plane p = plane_below(y[HEADING], &c->slopes);
     double half = 0.5 * self->par.track;
     double ahead[4] = {c->front, c->front, -c->rear, -c->rear}, left[4] = {half, -half, half, -half};
     plane_contacts(&p, y[X], y[Y], ahead, left, out->contacts);

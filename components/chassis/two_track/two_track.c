@@ -13,7 +13,8 @@ typedef struct {
     two_track *self;
     chassis_inputs in;
     tyre tyres[2];
-    double slopes[2], ahead[4], left[4], cosine[4], sine[4], drive[4], brake[4];
+    plane_slopes slopes;
+    double ahead[4], left[4], cosine[4], sine[4], drive[4], brake[4];
     double rest[2], spring[2], damper[2], anti_roll[2], lock[2];
     chassis_contact from[4]; /* where the ground was told */
 } car;
@@ -49,7 +50,7 @@ static car prepare(two_track *self) {
     car c = {.self = self, .in = chassis_within_reason(&self->in, self->par.steering_limit)};
     double wheelbase = self->par.wheelbase, share = self->par.front_load_share, steering = tan(c.in.steering);
     double weight = self->par.mass * CHASSIS_GRAVITY;
-    plane_slopes(c.in.ground, c.slopes);
+    c.slopes = plane_slopes_of(c.in.ground, wheelbase);
     for (int axle = 0; axle < 2; ++axle) {
         int is_front = axle == 0;
         double torque = is_front ? c.in.wheels.front : c.in.wheels.rear, brake = is_front ? c.in.brake.front : c.in.brake.rear;
@@ -99,7 +100,7 @@ static void stage(void *context, double gh, const wheel *base, const wheel *befo
     const car *c = context;
     two_track *self = c->self;
     double *y = at->body, u = y[SPEED], v = y[LATERAL], r = y[YAW], mass = self->par.mass;
-    plane p = plane_below(y[HEADING], c->slopes[0], c->slopes[1]);
+    plane p = plane_below(y[HEADING], &c->slopes);
     wheel_result w[4];
     loads(c, &p, y, self->load);
     for (int i = 0; i < 4; ++i) {
@@ -133,12 +134,13 @@ static void stage(void *context, double gh, const wheel *base, const wheel *befo
         at->wheel[i] = w[i].end;
     }
     double height = self->par.cg_height, *rates = at->rates;
+    double lean = chassis_limited(y[ROLL] - p.left[2], -1, 1), dive = chassis_limited(y[PITCH] + p.ahead[2], -1, 1);
     double drag = plane_air_force(&p, &c->in.air, u, v, self->par.drag_area, self->par.side_area, &wind);
     self->acceleration = (ahead + drag) / mass - CHASSIS_GRAVITY * p.ahead[2];
     self->lateral_acceleration = (left + wind) / mass - CHASSIS_GRAVITY * p.left[2];
     rates[X] = u * p.ahead[0] + v * p.left[0];
     rates[Y] = u * p.ahead[1] + v * p.left[1];
-    rates[HEADING] = r * p.turn;
+    rates[HEADING] = r * p.turn + u * p.drift;
     rates[SPEED] = self->acceleration + v * r;
     rates[LATERAL] = self->lateral_acceleration - u * r;
     rates[YAW] = (about + self->par.side_lever * wind) / self->par.yaw_inertia;
@@ -147,15 +149,15 @@ static void stage(void *context, double gh, const wheel *base, const wheel *befo
     rates[ROLL] = y[ROLL_RATE];
     rates[PITCH] = y[PITCH_RATE];
     rates[HEAVE] = (p.up * load + p.ahead[2] * (ahead + drag) + p.left[2] * (left + wind)) / mass - CHASSIS_GRAVITY;
-    rates[ROLL_RATE] = (side + height * (left + (y[ROLL] - p.left[2]) * load)) / self->par.roll_inertia;
-    rates[PITCH_RATE] = (nose - height * (ahead - (y[PITCH] + p.ahead[2]) * load)) / self->par.pitch_inertia;
+    rates[ROLL_RATE] = (side + height * (left + lean * load)) / self->par.roll_inertia;
+    rates[PITCH_RATE] = (nose - height * (ahead - dive * load)) / self->par.pitch_inertia;
 }
 
 static void output(two_track *self, const car *c) {
     const double *y = self->state.body;
     const wheel *w = self->state.wheel;
     chassis_outputs *out = &self->out;
-    plane p = plane_below(y[HEADING], c->slopes[0], c->slopes[1]);
+    plane p = plane_below(y[HEADING], &c->slopes);
     plane_contacts(&p, y[X], y[Y], c->ahead, c->left, out->contacts);
     out->roll = asin(chassis_limited(y[ROLL], -1, 1));
     out->pitch = asin(chassis_limited(y[PITCH], -1, 1));
@@ -180,7 +182,7 @@ static void output(two_track *self, const car *c) {
 void two_track_init(two_track *self) {
     car c = prepare(self);
     double spin = self->par.initial_speed / self->par.wheel_radius;
-    plane p = plane_below(c.in.start.heading, c.slopes[0], c.slopes[1]);
+    plane p = plane_below(c.in.start.heading, &c.slopes);
     ars_state start = {
         .states = STATES,
         .wheels = 4,

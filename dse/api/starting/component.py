@@ -11,6 +11,7 @@ from dse.domain.component import Causality, Interface, Kind, Port, Type
 from dse.domain.labels import c_member
 from dse.domain.outline import Outlined, outline
 from dse.errors import closest, fail
+from dse.formats import write_text
 
 if TYPE_CHECKING:
     from dse.loading import Workspace
@@ -97,7 +98,8 @@ def _parameter(interface: Interface, *, is_own: bool) -> str:
     if port is None:
         return ""
     unit = f" {port.type.unit}".rstrip()
-    return f"  offset: {{start: 0{unit}, min: -1{unit}, max: 1{unit}, title: what {port.name} is}}\n"
+    title = write_text(f"what {port.name} is")
+    return f"  offset: {{start: 0{unit}, min: -1{unit}, max: 1{unit}, title: {title}}}\n"
 
 
 def _yaml(name: str, interface: Interface, source: str, kind: str, *, is_own: bool) -> str:

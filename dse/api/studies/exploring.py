@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from dse.api.studies.noting import note_sources, note_space
 from dse.api.studies.planning import (
     Plan,
     changes_since,
@@ -146,6 +147,7 @@ def explore_into(
         if options.retry_failed:
             store.forget(store.failed())
         store.note_addresses(known.addresses)
+        note_sources(study, store)
         explored = explore(
             study,
             planned.benches,
@@ -160,6 +162,7 @@ def explore_into(
         if explored.before and explored.simulated:
             with suppress(DseError):  # what was finished when it was stopped may not have come to the cache
                 give(store, known.store)
+        note_space(study, store)
         if checks:
             checkable = _checkable(planned, store, options, tell)
             names = planned.benches.keys()

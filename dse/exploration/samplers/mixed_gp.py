@@ -39,8 +39,8 @@ class MixedGp(OptimizingSampler):
 
     name: ClassVar[str] = "mixed_gp"
     examples: ClassVar[tuple[Mapping[str, Any], ...]] = (
-        {"evaluations": 20, "first": 8},
-        {"evaluations": 24, "first": 6, "batch": 2, "draws": 2},
+        {"evaluations": 12, "first": 8},
+        {"evaluations": 14, "first": 6, "batch": 2, "draws": 2},
     )
 
     # The time of an ask grows with the third power.

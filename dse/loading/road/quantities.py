@@ -23,7 +23,8 @@ def within(raw: Plain, symbol: str, entry: Entry, least: float, most: float) -> 
     value = read_number(raw, unit, entry.where)
     if not least <= value <= most:
         bounds = " to ".join(f"{unit.from_si(bound):.6g} {unit}".rstrip() for bound in (least, most))
-        raise fail(f"'{entry.name}' cannot be {raw}", entry.where, f"from {bounds}")
+        name = next(step for step in reversed(entry.path) if isinstance(step, str))
+        raise fail(f"'{name}' cannot be {raw}", entry.where, f"from {bounds}")
     return value
 
 

@@ -10,6 +10,7 @@ from typing import Any, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
+from dse.domain.notes import Notes
 from dse.domain.sampler import Role
 from dse.errors import Problem
 from dse.report.content.insight import Insight
@@ -151,6 +152,14 @@ class ObjectiveEntry:
     is_property: bool = False
 
 
+@dataclass(frozen=True, slots=True)
+class Retried:
+    """What tries at *runs* came to that were made again; "" where nothing is told."""
+
+    cause: str
+    runs: tuple[int, ...]
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class ReportContent:
     """Everything the page and the figures are made from.
@@ -158,7 +167,8 @@ class ReportContent:
     *slices* are names of variables that were varied together, for a sliced study. *study_folder* is what the
     reader types in ``dse replay``; the page, which may be anywhere, leaves it out. *facts* are shown as they stand, in
     order. *missing* is what of the study could not be read, *insight* what its runs tell, for the page. *composites*
-    are what objectives compute from metrics and properties, called as they are written. Raises ValueError for what no
+    are what objectives compute from metrics and properties, called as they are written. *notes* are what is kept with
+    the study besides its runs, None if nothing is, *retried* the tries made again. Raises ValueError for what no
     study has. From here on the arrays cannot be written to, as many figures read them.
     """
 
@@ -177,6 +187,8 @@ class ReportContent:
     objectives: tuple[ObjectiveEntry, ...] = ()
     composites: tuple[MetricColumn, ...] = ()
     insight: Insight | None = None
+    notes: Notes | None = None
+    retried: tuple[Retried, ...] = ()
 
     def __post_init__(self) -> None:
         if flaws := [*_flaws(self)]:

@@ -32,6 +32,7 @@ from dse.report.content.nouns import (
     Property,
     ReportContent,
     RequirementRow,
+    Retried,
     Runs,
     SamplerKind,
     Variable,
@@ -123,6 +124,8 @@ def _content(folder: StudyFolder, table: RunTable, waveforms: Mapping[int, Wavef
         _facts(folder, table, told),
         objectives=objectives_of(definition),
         composites=composites_of(definition, table),
+        notes=folder.notes(),
+        retried=tuple(Retried(cause, tuple(runs)) for cause, runs in folder.retried().items()),
     )
 
 

@@ -3,92 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from dse.report.content.nouns import Floats
+from dse.report.drawing.road_picture import Along, Box, RoadPicture, Strip, around, crossings
 from dse.report.drawing.sheets import axes_of, gridded, say, style
 from dse.report.drawing.style import COLOURS, CURRENT, INK, LINE, MUTED, TARGET
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Strip:
-    """A lane in the plane: *left* and *right* border (n, 2) in m, in the direction in which it is driven.
-
-    *is_driven*: vehicles use it; *is_inside*: it is in a junction.
-    """
-
-    left: Floats
-    right: Floats
-    is_driven: bool
-    is_inside: bool
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Area:
-    """An *outline* (n, 2) in m with a *friction* of its own, against dry asphalt."""
-
-    outline: Floats
-    friction: float
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class AlongBand:
-    """A lane along the path: its borders, in m to the left of the middle of the own lane; NaN where it is not."""
-
-    right: Floats
-    left: Floats
-    is_own: bool
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Along:
-    """What lies along a path, at *stations* in m.
-
-    *x* and *y* are the middle of its own lane; *height* in m, *slope* across (> 0: left side higher) and *curvature* in
-    1/m those of the reference line. *areas* are outlines in station and m to the left of the middle of the lane,
-    *lights* stations, *limits* stations and speeds in m/s, 0 for none.
-    """
-
-    stations: Floats
-    x: Floats
-    y: Floats
-    height: Floats
-    slope: Floats
-    curvature: Floats
-    bands: tuple[AlongBand, ...]
-    areas: tuple[Area, ...]
-    lights: Floats
-    limits: tuple[tuple[float, float], ...]
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Driven:
-    """A path that was driven: *x*, *y* in the plane; and *offset* to the left of the lane's middle over *station*."""
-
-    label: str
-    x: Floats
-    y: Floats
-    station: Floats
-    offset: Floats
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class RoadPicture:
-    """A network, what lies along the path that is driven unless told otherwise, and paths that were driven."""
-
-    title: str
-    strips: tuple[Strip, ...]
-    areas: tuple[Area, ...]
-    lights: Floats
-    along: Along
-    driven: tuple[Driven, ...] = ()
 
 
 _WIDTH, _LEAST, _MOST = 7.2, 0.9, 6.4
@@ -99,38 +25,42 @@ _ASPHALT, _INSIDE, _BESIDE = "#c9ced6", "#d9dde3", "#e9eef0"
 
 
 def draw_road(picture: RoadPicture) -> Figure:
-    """The map, and below it lanes, height and bank, curvature over the station."""
+    """The map, crossings enlarged, and below them lanes, height and bank, curvature over the station."""
     from matplotlib.figure import Figure
 
-    low, high = _extent(picture)
-    wide, tall = high - low
-    height = float(np.clip((_WIDTH - 0.9) * tall / wide, _LEAST, _MOST))
-    metres = max(wide / (_WIDTH - 0.9), tall / height) / 72  # that a point of the sheet stands for
+    whole = around(picture.strips, 2.0)
+    height = float(np.clip((_WIDTH - 0.9) * whole.tall / whole.wide, _LEAST, _MOST))
+    metres = max(whole.wide / (_WIDTH - 0.9), whole.tall / height) / 72  # that a point of the sheet stands for
+    details = list(crossings(picture.strips))[:_MOST_DETAILS] if metres > _DETAIL else []
+    heights = [height, *[_DETAILED] * bool(details), _BELOW, _BELOW * 0.8, _BELOW * 0.8]
     with style():
-        figure = Figure(figsize=(_WIDTH, height + 0.9 + 3 * _BELOW), layout="constrained")
+        figure = Figure(figsize=(_WIDTH, sum(heights) + 1.4), layout="constrained")
         figure.suptitle(picture.title, x=0.01, ha="left", fontsize=10, fontweight="bold", parse_math=False)
-        figure.subplots(4, 1, gridspec_kw={"height_ratios": [height, _BELOW, _BELOW * 0.8, _BELOW * 0.8]})
-        plane, lanes, profile, bends = axes_of(figure)
-        _map(plane, picture, metres)
-        plane.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]))
-        for axes in (lanes, profile, bends):
+        rows = figure.add_gridspec(len(heights), 1, height_ratios=heights)
+        plane = figure.add_subplot(rows[0])
+        _map(plane, picture, whole, metres)
+        _stations(plane, picture.along, metres)
+        for number, box in enumerate(details):
+            axes = figure.add_subplot(rows[1].subgridspec(1, len(details))[number])
+            size = 0.8 * 72 * min(_DETAILED, _WIDTH / len(details))
+            _map(axes, picture, box, max(box.wide, box.tall) / size)
+        for row, draw in zip((-3, -2, -1), (_lanes, _profile, _bends), strict=True):
+            axes = figure.add_subplot(rows[row])
             axes.set_xlim(0.0, float(picture.along.stations[-1]))
             gridded(axes, "x")
-        _lanes(lanes, picture)
-        _profile(profile, picture.along)
-        _bends(bends, picture.along)
+            draw(axes, picture)
+        for axes in axes_of(figure):
+            axes.tick_params(labelsize=8)
     return figure
 
 
-def _extent(picture: RoadPicture) -> tuple[Floats, Floats]:
-    """The corners of what is drawn, with a margin."""
-    points = np.concatenate([side for strip in picture.strips for side in (strip.left, strip.right)])
-    low, high = points.min(axis=0), points.max(axis=0)
-    margin = 0.03 * float(np.max(high - low)) + 2.0
-    return low - margin, high + margin
+_DETAIL = 0.3
+"""Metres to a point of the sheet, above which crossings are enlarged."""
+_DETAILED, _MOST_DETAILS = 2.5, 3
 
 
-def _map(axes: Axes, picture: RoadPicture, metres: float) -> None:
+def _map(axes: Axes, picture: RoadPicture, box: Box, metres: float) -> None:
+    """What is in *box*; a point of the sheet stands for so many *metres*."""
     from matplotlib.collections import LineCollection, PolyCollection
 
     def fill(strips: Sequence[Strip], colour: str, order: float) -> None:
@@ -152,20 +82,20 @@ def _map(axes: Axes, picture: RoadPicture, metres: float) -> None:
         sides = [side for strip in lanes for side in (strip.left, strip.right)]
         axes.add_collection(LineCollection(sides, colors="white", linewidths=0.7, zorder=2.1))
     if metres < 3.5 / 5:
-        _arrows(axes, lanes, metres)
-    _path(axes, picture.along, metres)
+        _arrows(axes, lanes, box, metres)
+    axes.plot(picture.along.x, picture.along.y, color=MUTED, linewidth=0.8, dashes=(4, 3), zorder=3)
     if len(picture.lights):
         x, y = picture.lights.T
         axes.scatter(x, y, marker="o", s=16, facecolors=TARGET, edgecolors="white", linewidths=0.6, zorder=5)
     for driven, colour in zip(picture.driven, _colours(), strict=False):
         axes.plot(driven.x, driven.y, color=colour, linewidth=1.3, zorder=4.5)
+    axes.set(xlim=(box.left, box.right), ylim=(box.below, box.above))
     axes.set_aspect("equal", adjustable="box")
     say(axes, xlabel="x [m]", ylabel="y [m]")
 
 
-def _path(axes: Axes, along: Along, metres: float) -> None:
-    """The middle of the lane, from a dot to an arrow, with stations on its right."""
-    axes.plot(along.x, along.y, color=MUTED, linewidth=0.8, dashes=(4, 3), zorder=3)
+def _stations(axes: Axes, along: Along, metres: float) -> None:
+    """Where the path begins, where it leads to, and stations on its right."""
     axes.plot(along.x[:1], along.y[:1], marker="o", markersize=4.5, color=INK, zorder=5)
     ahead = np.array([along.x[-1] - along.x[-2], along.y[-1] - along.y[-2]])
     tail = (along.x[-1], along.y[-1]) - ahead / np.hypot(*ahead) * 6 * metres
@@ -202,10 +132,16 @@ def _ticks(length: float) -> list[float]:
     return [tick for tick in MaxNLocator(8, steps=[1, 2, 5, 10]).tick_values(0.0, length) if 0 < tick < 0.97 * length]
 
 
-def _arrows(axes: Axes, lanes: Sequence[Strip], metres: float) -> None:
-    """One on each lane, in its middle, along its direction."""
+def _arrows(axes: Axes, lanes: Sequence[Strip], box: Box, metres: float) -> None:
+    """On each lane, in its middle, along its direction."""
     for strip in lanes:
         middle = (strip.left + strip.right) / 2
+        along = np.append(0.0, np.cumsum(np.hypot(*np.diff(middle, axis=0).T)))
+        dense = np.linspace(0.0, along[-1], 201)
+        middle = np.stack([np.interp(dense, along, each) for each in middle.T], axis=1)
+        middle = middle[box.holds(middle)]
+        if len(middle) < 2:
+            continue
         lengths = np.append(0.0, np.cumsum(np.hypot(*np.diff(middle, axis=0).T)))
         if lengths[-1] < 8 * metres:
             continue
@@ -216,8 +152,8 @@ def _arrows(axes: Axes, lanes: Sequence[Strip], metres: float) -> None:
             at = start + (end - start) * (share * lengths[-1] - lengths[row - 1]) / (lengths[row] - lengths[row - 1])
             axes.annotate(
                 "",
-                at + heading * 4 * metres,
-                at - heading * 4 * metres,
+                at + heading * 5 * metres,
+                at - heading * 5 * metres,
                 arrowprops={"arrowstyle": "-|>,head_width=0.13,head_length=0.28", "color": "white", "linewidth": 0.8},
                 zorder=2.3,
             )
@@ -262,7 +198,8 @@ def _lanes(axes: Axes, picture: RoadPicture) -> None:
     axes.tick_params(labelbottom=False)
 
 
-def _profile(axes: Axes, along: Along) -> None:
+def _profile(axes: Axes, picture: RoadPicture) -> None:
+    along = picture.along
     axes.plot(along.stations, along.height, color=CURRENT, linewidth=1.4)
     _room(axes, along.height, 1.0)
     say(axes, ylabel="height [m]")
@@ -278,7 +215,8 @@ def _profile(axes: Axes, along: Along) -> None:
     other.yaxis.label.set_color(COLOURS[0])
 
 
-def _bends(axes: Axes, along: Along) -> None:
+def _bends(axes: Axes, picture: RoadPicture) -> None:
+    along = picture.along
     axes.axhline(0.0, color=LINE, linewidth=0.8)
     axes.plot(along.stations, 1000 * along.curvature, color=INK, linewidth=1.3)
     _room(axes, 1000 * along.curvature, 1.0)

@@ -15,6 +15,7 @@ from dse.report.figure import ShownFigure
 from dse.report.interpolation.radial import MOST_CENTRES, radial_fields
 from dse.report.page.designs import designs_of
 from dse.report.page.insight import insight_json
+from dse.report.page.notes import notes_of
 from dse.report.page.packing import Block, quantise, second_differences
 
 Json = dict[str, object]
@@ -44,6 +45,7 @@ def payload_of(content: ReportContent, shown: Sequence[ShownFigure] = ()) -> Pay
     if content.insight is not None:
         document["insight"] = insight_json(content.insight, columns)
         document["missing"] = [problem.what for problem in content.missing]
+    document |= notes_of(content)
     document["columns"] = columns.directory
     document["waveforms"] = waveforms.directory
     return Payload(script_json(document), columns.text(), waveforms.text())

@@ -68,13 +68,14 @@ def _impact(engine: Engine, number: int, seed: int) -> Impact:
     alone = engine.flat.only((number,))
     return Impact(
         engine.flat.constraints[number],
-        _count(engine.only(range(number + 1)), seed),
-        total_of(_count(Engine(case, engine), seed) for case in breaking(alone, number)),
-        total_of(_count(Engine(case, engine), seed) for case in breaking(engine.flat, number)),
+        counted(engine.only(range(number + 1)), seed),
+        total_of(counted(Engine(case, engine), seed) for case in breaking(alone, number)),
+        total_of(counted(Engine(case, engine), seed) for case in breaking(engine.flat, number)),
     )
 
 
-def _count(engine: Engine, seed: int) -> Tally:
+def counted(engine: Engine, seed: int) -> Tally:
+    """How many there are, exact or, where that takes long, about."""
     # An estimate cannot prove that there is nothing, and says nothing worth having of very few.
     if engine.diagram is not None and engine.is_empty():
         return Tally(0)

@@ -51,6 +51,11 @@ def fingerprint(definition: StudyDefinition) -> str:
     return hashlib.sha256(text.encode()).hexdigest()
 
 
+def read_noun(data: Json, shape: Any, at: str) -> Any:
+    """The noun of type *shape* that *data* holds. ValueError names the place, from *at*, where it does not."""
+    return _read(data, shape, at)
+
+
 def unit_flaws(definition: StudyDefinition) -> Iterator[str]:
     """Units that cannot be read, as showing the study needs them."""
     for section in ("variables", "metrics", "requirements", "figures"):

@@ -5,7 +5,6 @@
 #include "path.h"
 
 typedef struct {
-    path_place place;
     path_line line; /* there */
     double t;       /* m of the point to the left of the line; seen from a corner of it, m in its normal direction */
 } path_foot;

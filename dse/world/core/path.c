@@ -115,55 +115,82 @@ path_place path_find_along(const path_table *path, const path_lane *lane, double
             double step = (along - jet.value) / jet.first;
             slope = jet.first;
             u = fmin(fmax(u + step, 0), length);
-            if (fabs(step) < 1e-7) break; /* what is left is of the size of its square */
+            if (fabs(step) < 1e-5) break; /* what is left is of the size of its square */
         }
     }
     path_place place = {row, u, beyond / slope, piece};
     return place;
 }
 
-path_line path_line_at(path_place place) {
-    const double *a = place.row + 1, *b = place.row + 7;
-    double u = place.u, x[4], y[4];
-    x[0] = a[5] * u + a[4], y[0] = b[5] * u + b[4];
-    x[1] = a[5], y[1] = b[5];
-    x[2] = x[3] = y[2] = y[3] = 0;
+/* A quintic with two derivatives. */
+static void quintic(const double *c, double u, double value[3]) {
+    double p = c[5] * u + c[4], first = c[5], half = 0;
     for (int32_t i = 3; i >= 0; --i) {
-        x[3] = x[3] * u + x[2], y[3] = y[3] * u + y[2];
-        x[2] = x[2] * u + x[1], y[2] = y[2] * u + y[1];
-        x[1] = x[1] * u + x[0], y[1] = y[1] * u + y[0];
-        x[0] = x[0] * u + a[i], y[0] = y[0] * u + b[i];
+        half = half * u + first;
+        first = first * u + p;
+        p = p * u + c[i];
     }
-    double square = x[1] * x[1] + y[1] * y[1], stretch = sqrt(square), per = 1 / stretch;
-    path_line line = {.x = x[0], .y = y[0], .tx = x[1] * per, .ty = y[1] * per, .stretch = stretch};
+    value[0] = p;
+    value[1] = first;
+    value[2] = 2 * half;
+}
+
+path_course path_course_at(path_place place) {
+    path_course course;
+    quintic(place.row + 1, place.u, course.x);
+    quintic(place.row + 7, place.u, course.y);
     if (place.beyond != 0) {
-        line.x += x[1] * place.beyond;
-        line.y += y[1] * place.beyond;
-        return line;
+        course.x[0] += course.x[1] * place.beyond;
+        course.y[0] += course.y[1] * place.beyond;
+        course.x[2] = course.y[2] = 0;
     }
-    double cube = per / square;
-    line.stretch_first = 2 * (line.tx * x[2] + line.ty * y[2]);
-    line.curvature = 2 * (x[1] * y[2] - y[1] * x[2]) * cube;
-    line.curvature_first = 6 * (x[1] * y[3] - y[1] * x[3]) * cube - 3 * line.curvature * line.stretch_first * per;
+    return course;
+}
+
+path_line path_line_at(path_place place) {
+    path_course course = path_course_at(place);
+    const double *x = course.x, *y = course.y;
+    double square = x[1] * x[1] + y[1] * y[1], stretch = sqrt(square), per = 1 / stretch;
+    path_line line = {
+        .x = x[0],
+        .y = y[0],
+        .tx = x[1] * per,
+        .ty = y[1] * per,
+        .stretch = stretch,
+        .stretch_first = (x[1] * x[2] + y[1] * y[2]) * per,
+        .curvature = (x[1] * y[2] - y[1] * x[2]) * per / square,
+        .place = place,
+    };
     return line;
 }
 
+/* Derivative of the curvature by the station. */
+static double bending(const path_line *line) {
+    const double *a = line->place.row + 1, *b = line->place.row + 7;
+    double u = line->place.u, per = 1 / line->stretch;
+    if (line->place.beyond != 0) return 0;
+    double x3 = 6 * a[3] + u * (24 * a[4] + u * 60 * a[5]), y3 = 6 * b[3] + u * (24 * b[4] + u * 60 * b[5]);
+    return per * per * (line->tx * y3 - line->ty * x3) - 3 * line->curvature * line->stretch_first * per;
+}
+
 path_beside path_beside_at(const path_line *line, path_jet t) {
-    double near = 1 - line->curvature * t.value;
-    double ahead = line->stretch * near, aside = t.first;
-    double ahead_first = line->stretch_first * near -
-                         line->stretch * (line->curvature_first * t.value + line->curvature * t.first);
-    double turning = line->curvature * line->stretch; /* of the reference line, per station */
-    double length = sqrt(ahead * ahead + aside * aside);
+    double near = 1 - line->curvature * t.value, ahead = line->stretch * near;
     path_beside beside = {
         .x = line->x - line->ty * t.value,
         .y = line->y + line->tx * t.value,
         .ahead = ahead,
-        .aside = aside,
-        .length = length,
-        .curvature = (ahead * (t.second + ahead * turning) - aside * (ahead_first - aside * turning)) /
-                     (length * length * length),
+        .aside = t.first,
+        .length = fabs(ahead),
+        .curvature = line->curvature / near,
     };
+    if (t.first == 0 && t.second == 0) return beside;
+    double ahead_first = line->stretch_first * near -
+                         line->stretch * (bending(line) * t.value + line->curvature * t.first);
+    double turning = line->curvature * line->stretch; /* of the reference line, per station */
+    double square = ahead * ahead + t.first * t.first;
+    beside.length = sqrt(square);
+    beside.curvature = (ahead * (t.second + ahead * turning) - t.first * (ahead_first - t.first * turning)) /
+                       (square * beside.length);
     return beside;
 }
 

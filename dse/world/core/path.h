@@ -57,10 +57,16 @@ typedef struct {
     double value, first, second;
 } path_jet;
 
-/* The reference line at a place: tangent (tx, ty) of length 1; *stretch* is length per station, 1 to 1e-7. */
+/* The reference line at a place, with its derivatives by the station. */
+typedef struct {
+    double x[3], y[3];
+} path_course;
+
+/* The same as directions: tangent (tx, ty) of length 1; *stretch* is length per station, 1 to 1e-7. */
 typedef struct {
     double x, y, tx, ty;
-    double stretch, stretch_first, curvature, curvature_first;
+    double stretch, stretch_first, curvature;
+    path_place place;
 } path_line;
 
 /* A line beside the reference line, *t* to its left: (ahead, aside) is its derivative by the station, seen from the
@@ -79,6 +85,8 @@ path_place path_find_along(const path_table *path, const path_lane *lane, double
 
 /* The station of a place. */
 double path_station(path_place place);
+
+path_course path_course_at(path_place place);
 
 path_line path_line_at(path_place place);
 

@@ -35,7 +35,7 @@ static path_foot foot_near(const path_table *path, double x, double y, double st
 /* Stations along the middle of the first lane that a velocity covers in a second. */
 static double rate_along(const path_table *path, const path_foot *foot, double vx, double vy) {
     double nearness = 1 - foot->line.curvature * foot->t;
-    return path_along(&path->lanes[0], foot->place).first * (vx * foot->line.tx + vy * foot->line.ty) /
+    return path_along(&path->lanes[0], foot->line.place).first * (vx * foot->line.tx + vy * foot->line.ty) /
            (foot->line.stretch * nearness);
 }
 
@@ -45,20 +45,25 @@ static host_place place_host(road *self) {
     host_place host = {.path = path, .lane = path_find_lane(path, self->par.start_lane)};
     double dx = motion->x - self->x, dy = motion->y - self->y;
     bool jumped = !(dx * dx + dy * dy <= JUMP * JUMP);
+    double expected = self->station + dx * self->per_x + dy * self->per_y;
     host.foot = jumped ? foot_of_all(path, motion->x, motion->y)
-                       : foot_near(path, motion->x, motion->y, self->station, self->piece);
+                       : foot_near(path, motion->x, motion->y, expected, self->piece);
+    const path_line *line = &host.foot.line;
+    double per = 1 / (line->stretch * (1 - line->curvature * host.foot.t));
     self->x = motion->x;
     self->y = motion->y;
-    self->station = path_station(host.foot.place);
-    self->piece = host.foot.place.piece;
+    self->per_x = per * line->tx;
+    self->per_y = per * line->ty;
+    self->station = path_station(host.foot.line.place);
+    self->piece = host.foot.line.place.piece;
     host.tx = cos(motion->heading);
     host.ty = sin(motion->heading);
     double vx = motion->speed * host.tx - motion->lateral_speed * host.ty;
     double vy = motion->speed * host.ty + motion->lateral_speed * host.tx;
-    host.along = path_along(&path->lanes[0], host.foot.place).value;
+    host.along = path_along(&path->lanes[0], host.foot.line.place).value;
     host.rate = rate_along(path, &host.foot, vx, vy);
     path_jet nowhere = {NAN, NAN, NAN}; /* ends the run by name: there is no such lane */
-    host.middle = host.lane ? path_value(host.foot.place, host.lane->middle) : nowhere;
+    host.middle = host.lane ? path_value(host.foot.line.place, host.lane->middle) : nowhere;
     host.beside = path_beside_at(&host.foot.line, host.middle);
     return host;
 }
@@ -78,8 +83,8 @@ typedef struct {
 static path_ground ground_at(const path_table *path, const path_foot *foot) {
     path_ground ground = {0, 0, 0, 0};
     if (path->height.count == 0 && path->bank.count == 0) return ground;
-    path_jet height = path_height(path, foot->place), bank = path_value(foot->place, path->bank);
-    double cross = tan(bank.value), by_station = height.first + foot->t * bank.first * (1 + cross * cross);
+    path_jet height = path_height(path, foot->line.place), bank = path_value(foot->line.place, path->bank);
+    double cross = bank.value != 0 ? tan(bank.value) : 0, by_station = height.first + foot->t * bank.first * (1 + cross * cross);
     double along = by_station / (foot->line.stretch * (1 - foot->line.curvature * foot->t));
     ground.height = height.value + foot->t * cross;
     ground.x = along * foot->line.tx - cross * foot->line.ty;
@@ -90,7 +95,7 @@ static path_ground ground_at(const path_table *path, const path_foot *foot) {
 
 /* Of patches that lie on each other the last one is on top; beside the lanes it is as on the one that is nearest. */
 static double friction_at(const path_table *path, const path_foot *foot) {
-    double station = path_station(foot->place), friction = 1, nearest = HUGE_VAL;
+    double station = path_station(foot->line.place), friction = 1, nearest = HUGE_VAL;
     for (int32_t i = path->patch_count - 1; i >= 0; --i) {
         const path_patch *patch = &path->patches[i];
         if (station >= patch->start && station <= patch->end && foot->t >= patch->right && foot->t <= patch->left) {
@@ -100,11 +105,11 @@ static double friction_at(const path_table *path, const path_foot *foot) {
     if (!path->has_slippery_lanes) return 1;
     for (int32_t i = 0; i < path->lane_count; ++i) {
         const path_lane *lane = &path->lanes[i];
-        double width = path_value(foot->place, lane->width).value;
-        double beside = fabs(foot->t - path_value(foot->place, lane->middle).value) - 0.5 * width;
+        double width = path_value(foot->line.place, lane->width).value;
+        double beside = fabs(foot->t - path_value(foot->line.place, lane->middle).value) - 0.5 * width;
         if (width > 0 && beside < nearest) {
             nearest = beside;
-            friction = 1 - path_value(foot->place, lane->slipperiness).value;
+            friction = 1 - path_value(foot->line.place, lane->slipperiness).value;
         }
     }
     return friction;
@@ -114,8 +119,11 @@ static void tell_ground(road *self, const host_place *host) {
     const path_table *path = host->path;
     for (int32_t i = 0; i < ROAD_WHEELS; ++i) {
         double x = self->in.contacts[i].x, y = self->in.contacts[i].y;
-        double ahead = (x - host->foot.line.x) * host->foot.line.tx + (y - host->foot.line.y) * host->foot.line.ty;
-        path_foot foot = foot_near(path, x, y, self->station + ahead, self->piece);
+        /* From the host's foot as if the line went on straight, or in a circle as far as the wheel is aside. */
+        const path_line *line = &host->foot.line;
+        double dx = x - line->x, dy = y - line->y, aside = dy * line->tx - dx * line->ty;
+        double expected = self->station + (dx * line->tx + dy * line->ty) / (1 - line->curvature * aside);
+        path_foot foot = foot_near(path, x, y, expected, self->piece);
         path_ground ground = ground_at(path, &foot);
         self->out.ground[i].height = ground.height;
         self->out.ground[i].slope_x = ground.x;
@@ -125,12 +133,12 @@ static void tell_ground(road *self, const host_place *host) {
 }
 
 static bool is_on_road(const host_place *host) {
-    if (host->foot.place.beyond != 0) return false;
+    if (host->foot.line.place.beyond != 0) return false;
     double right = HUGE_VAL, left = -HUGE_VAL;
     for (int32_t i = 0; i < host->path->lane_count; ++i) {
         const path_lane *lane = &host->path->lanes[i];
-        double middle = path_value(host->foot.place, lane->middle).value;
-        double half = 0.5 * path_value(host->foot.place, lane->width).value;
+        double middle = path_value(host->foot.line.place, lane->middle).value;
+        double half = 0.5 * path_value(host->foot.line.place, lane->width).value;
         right = fmin(right, middle - half);
         left = fmax(left, middle + half);
     }
@@ -149,10 +157,10 @@ static void tell_lane(road *self, const host_place *host) {
     self->out.lane.offset = host->foot.t - host->middle.value;
     self->out.lane.heading = angle_to(line, beside, host->tx, host->ty);
     self->out.lane.curvature = beside->curvature;
-    self->out.lane.width = host->lane ? path_value(host->foot.place, host->lane->width).value : NAN;
+    self->out.lane.width = host->lane ? path_value(host->foot.line.place, host->lane->width).value : NAN;
     self->out.lane.grade = (ground.x * lx + ground.y * ly) / beside->length;
     self->out.lane.bank = ground.bank;
-    self->out.lane.speed_limit = path_value(host->foot.place, host->path->limit).value;
+    self->out.lane.speed_limit = path_value(host->foot.line.place, host->path->limit).value;
     self->out.lane.on_road = is_on_road(host);
 }
 
@@ -160,7 +168,7 @@ static void tell_lane(road *self, const host_place *host) {
 static void tell_preview(road *self, const host_place *host) {
     double spacing = self->par.preview_spacing;
     if (!(spacing > 0) || !host->lane) return;
-    double along = path_along(host->lane, host->foot.place).value;
+    double along = path_along(host->lane, host->foot.line.place).value;
     int32_t piece = self->piece;
     for (int32_t i = 0; i < ROAD_PREVIEW; ++i) {
         double distance = (i + 1) * spacing;
@@ -192,10 +200,10 @@ static void cross(road *self, const host_place *host, int32_t i, double vx, doub
                                                   self->crossing_pieces[i])
                                       : foot_of_all(host->path, actor->x, actor->y);
     self->crosses[i] = true;
-    self->crossing_stations[i] = path_station(foot.place);
-    self->crossing_pieces[i] = foot.place.piece;
-    actor->ahead = ahead_of(host, path_along(&host->path->lanes[0], foot.place).value);
-    actor->aside = foot.t - (host->lane ? path_value(foot.place, host->lane->middle).value : NAN);
+    self->crossing_stations[i] = path_station(foot.line.place);
+    self->crossing_pieces[i] = foot.line.place.piece;
+    actor->ahead = ahead_of(host, path_along(&host->path->lanes[0], foot.line.place).value);
+    actor->aside = foot.t - (host->lane ? path_value(foot.line.place, host->lane->middle).value : NAN);
     actor->approach = host->rate - rate_along(host->path, &foot, vx, vy);
 }
 
@@ -216,7 +224,7 @@ static void place_actor(road *self, const host_place *host, int32_t i) {
     path_jet t = lane ? path_value(place, lane->middle) : (path_jet){NAN, NAN, NAN}; /* ends the run by name */
     t.value += mover->offset;
     path_beside beside = path_beside_at(&line, t);
-    path_foot foot = {place, line, t.value};
+    path_foot foot = {line, t.value};
     /* The mover's speed covers stations of the own lane; here they are shorter or longer. */
     double turned = mover->turn != 0, c = turned ? cos(mover->turn) : 1, s = turned ? sin(mover->turn) : 0;
     double rate = mover->speed * c - mover->lateral_speed * s;
@@ -275,6 +283,7 @@ void road_init(road *self) {
     self->y = beside.y;
     self->station = path_station(place);
     self->piece = place.piece;
+    self->per_x = self->per_y = 0;
     for (int32_t i = 0; i < ROAD_ACTORS; ++i) {
         self->mover_pieces[i] = 0;
         self->crosses[i] = false;

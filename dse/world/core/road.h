@@ -63,7 +63,7 @@ typedef struct {
         int32_t start_lane;
     } par;
     /* Where things were last: stations of the host's path, and pieces of paths to begin looking at. */
-    double x, y, station;
+    double x, y, station, per_x, per_y; /* stations per m along the axes */
     int32_t piece, mover_pieces[ROAD_ACTORS], crossing_pieces[ROAD_ACTORS];
     double crossing_stations[ROAD_ACTORS];
     bool crosses[ROAD_ACTORS];

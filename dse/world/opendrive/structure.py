@@ -214,8 +214,9 @@ class Junction:
 
 @dataclass(frozen=True, slots=True)
 class Network:
-    """All roads and junctions of a file, by their ids, in its order."""
+    """All roads and junctions of a file, by their ids, in its order; *route*: the roads of the way it was made for."""
 
     roads: Mapping[str, Road]
     junctions: Mapping[str, Junction]
     where: Location
+    route: tuple[str, ...] = ()

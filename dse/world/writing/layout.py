@@ -59,6 +59,8 @@ class _Made:
         self._before: dict[int, Link] = {}
         self._behind: dict[int, Link] = {}
         self._signals: dict[int, tuple[Signal, ...]] = {}
+        # Of each crossing: by the lane in which one comes, the lane in which one leaves, and the roads there.
+        self._passed: list[dict[int, tuple[int, tuple[int, ...]]]] = []
 
     def new(self) -> int:
         """A number that nothing has."""
@@ -76,7 +78,21 @@ class _Made:
             )
             for number, road in self._roads.items()
         )
-        return Network(self._name, tuple(roads), tuple(self._junctions))
+        return Network(self._name, tuple(roads), tuple(self._junctions), self._along())
+
+    def _along(self) -> tuple[int, ...]:
+        """The roads along the segments, if there are crossings and a lane leads through all of them: the outermost."""
+        first, *_ = self._roads.values()
+        for start in range(-min(lane.number for section in first.sections for lane in section.lanes), 0, -1):
+            found, lane = [first.id], start
+            for passed in self._passed:
+                if lane not in passed:
+                    break
+                lane, roads = passed[lane]
+                found += roads
+            else:
+                return tuple(found) if self._passed else ()
+        return ()
 
     def stretch(self, number: int, segments: Sequence[Segment], place: Place, before: Lanes) -> Place:
         """Add the road *number* of *segments*; where it ends."""
@@ -133,6 +149,7 @@ class _Made:
     ) -> None:
         junction = self.new()
         connections = []
+        passed: dict[int, tuple[int, tuple[int, ...]]] = {}
         for way in ways(arms):
             number = self.new()
             coming, leaving = (arm.lane(lane) for arm, lane in ((way.start, -way.first), (way.end, way.last)))
@@ -145,6 +162,9 @@ class _Made:
             self._before[number] = _end(way.start, ids)
             self._behind[number] = _end(way.end, ids)
             connections.append(Connection(ids[way.start.side], number, coming))
+            if (way.start.side, way.end.side) == (COMING, shape.exit):
+                passed[way.first] = (way.last, (number, ids[shape.exit]))
+        self._passed.append(passed)
         for side, arm in arms.items():
             self._attach(arm, ids[side], junction)
         lights = () if shape.lights is None else tuple(self._lights(shape.lights, arms, ids))
@@ -194,6 +214,8 @@ class _Made:
             self._roads[number] = _single(number, f"ring_{name}", pieces, (width, width), height, limit, within, lanes)
             return number
 
+        # The ways onto the ring, past an arm and off the ring, by the arm.
+        onto, past, off = dict[str, int](), dict[str, int](), dict[str, int]()
         for before, arm, behind in zip((around[-1], *around), around, (*around[1:], around[0]), strict=False):
             side, angle, junction = arm.side, _angle(centre, arm), junctions[arm.side]
             apart = math.remainder(_angle(centre, behind) - angle, 2 * math.pi) % (2 * math.pi)
@@ -202,18 +224,25 @@ class _Made:
             came, goes, on = Link(parts[before.side], "end"), _end(arm, ids), Link(part, "start")
             leaves = ring.at(centre, angle - ring.angle)
             into, out = arm.lane(-1), arm.lane(1)
-            through = single(f"past_{side}", leaves, [ring.along(2 * ring.angle)], junction, (-1, -1))
-            off = single(f"to_{side}", leaves, ring.off, junction, (-1, out))
-            onto = single(f"from_{side}", arm.into(1), ring.bends, junction, (into, -1))
-            for number, start, end in ((through, came, on), (off, came, goes), (onto, goes, on)):
+            past[side] = single(f"past_{side}", leaves, [ring.along(2 * ring.angle)], junction, (-1, -1))
+            off[side] = single(f"to_{side}", leaves, ring.off, junction, (-1, out))
+            onto[side] = single(f"from_{side}", arm.into(1), ring.bends, junction, (into, -1))
+            for number, start, end in ((past[side], came, on), (off[side], came, goes), (onto[side], goes, on)):
                 self._before[number], self._behind[number] = start, end
             self._attach(arm, ids[side], junction)
             connections = (
-                Connection(came.id, through, -1),
-                Connection(came.id, off, -1),
-                Connection(ids[side], onto, into),
+                Connection(came.id, past[side], -1),
+                Connection(came.id, off[side], -1),
+                Connection(ids[side], onto[side], into),
             )
             self._junctions.append(Junction(junction, f"roundabout_{side}_{junction}", connections))
+        sides = [arm.side for arm in around]
+        comes = sides.index(COMING)
+        passed = [*sides[comes + 1 :], *sides[:comes]]
+        driven = [onto[COMING], parts[COMING]]
+        for side in passed[: passed.index(shape.exit)]:
+            driven += [past[side], parts[side]]
+        self._passed.append({1: (1, (*driven, off[shape.exit], ids[shape.exit]))})
 
 
 def _angle(centre: Pose, arm: Arm) -> float:

@@ -129,8 +129,9 @@ class Junction:
 
 @dataclass(frozen=True, slots=True)
 class Network:
-    """All of a file."""
+    """All of a file; *route* are the roads along its segments, where one lane leads there."""
 
     name: str
     roads: tuple[RoadRecord, ...]
     junctions: tuple[Junction, ...]
+    route: tuple[int, ...] = ()

@@ -6,6 +6,7 @@ from collections.abc import Iterator, Mapping
 from xml.sax.saxutils import quoteattr
 
 from dse.domain.road import Road
+from dse.world.opendrive.reading import ROUTE
 from dse.world.opendrive.roadside import PHASES, SHIFT
 from dse.world.writing.layout import network_of
 from dse.world.writing.network import (
@@ -60,6 +61,8 @@ def _file(network: Network) -> Lines:
                 yield from _controller(junction, number, group)
         for junction in network.junctions:
             yield from _junction(junction)
+        if network.route:
+            yield from _tag("userData", {"code": ROUTE, "value": " ".join(map(str, network.route))}, 1)
 
     return _tag("OpenDRIVE", {}, 0, inner())
 

@@ -34,8 +34,8 @@ def test_steady_cornering_has_the_understeer_gradient_of_its_stiffnesses(
     loads = SHARE * MASS * G / 2, (1 - SHARE) * MASS * G / 2
     front, rear = (15.0, 18.0) if name == "single_track" else (stiffness(loads[0]), stiffness(loads[1]))
     gradient = (1 / front - 1 / rear) / G
-    # Small angles: what a steering of 1 mrad leaves out is a millionth; loads of left and right differ by less than 3 %,
-    # by whose square the stiffness of the axle falls.
+    # Small angles: what a steering of 1 mrad leaves out is a millionth. Loads left and right differ by less than 3 %;
+    # the stiffness of the axle falls with the square of that.
     rate = speed * 0.001 / (WHEELBASE + gradient * speed**2)
     assert car["motion.yaw_rate"] == pytest.approx(rate, rel=1e-3)
     assert car["motion.lateral_acceleration"] == pytest.approx(speed * rate, rel=1e-3)
@@ -142,7 +142,15 @@ def test_a_crest_that_is_too_sharp_lifts_the_wheels(new_car: NewCar) -> None:
 
 
 def split(_: float, y: float) -> tuple[float, float, float, float]:
-    return 0.0, 0.0, 0.0, 0.1 if y > 0 else 1.0
+    return 0.0, 0.0, 0.0, 0.05 if y > 0 else 1.0
+
+
+def along(slip: float, load: float, friction: float) -> float:
+    """Force along a wheel without side slip (Pacejka 2012, 4.3.2)."""
+    more = load / 4850.0 - 1
+    peak = 0.8 * friction * (1.1739 - 0.16395 * more)
+    x = (22.303 + 0.48896 * more) * math.exp(0.21253 * more) / (1.6411 * peak) * slip
+    return load * peak * math.sin(1.6411 * math.atan(x - 0.46403 * (x - math.atan(x))))
 
 
 def test_split_friction_turns_a_braking_car_to_the_side_with_grip(new_car: NewCar) -> None:
@@ -165,10 +173,7 @@ def test_split_friction_gives_the_moment_of_its_forces(new_car: NewCar) -> None:
     car.drive(0.01)
     load, spin = car["load[1]"], car["wheel_speeds[1]"]
     assert spin == 0.0
-    more = load / 4850.0 - 1
-    friction = 0.8 * 0.1 * (1.1739 - 0.16395 * more)
-    b = (22.303 + 0.48896 * more) * math.exp(0.21253 * more) / (1.6411 * friction)
-    sliding = load * friction * math.sin(1.6411 * math.atan(b - 0.46403 * (b - math.atan(b))))
+    sliding = -along(-1.0, load, 0.05)
     gripping = 1200.0 / 0.31 + 0.5 * 2.0 / 0.31 * car["acceleration"] / 0.31  # brake less what slows the wheel
     moment = -0.5 * TRACK * (gripping - sliding)
     assert (car["motion.yaw_rate"] - before) / 0.01 * 1e6 == pytest.approx(moment, rel=0.02)
@@ -187,6 +192,6 @@ def test_a_differential_moves_what_its_lock_allows(new_car: NewCar, lock: float)
         assert force == pytest.approx(700.0 / 0.31, rel=0.03)
     else:  # half of it and what the lock moves on the side with grip, sliding friction on the other one
         assert left > 1.5 * right
-        moved = 350.0 + 700.0 * lock
-        ice = 0.8 * 0.1 * 1.2 * car["load[3]"]
-        assert force == pytest.approx(moved / 0.31 + ice, rel=0.08)
+        slip = 0.31 * left / car["speed"] - 1
+        expected = (350.0 + 700.0 * lock) / 0.31 + along(slip, car["load[3]"], 0.05)
+        assert force == pytest.approx(expected, rel=0.02)

@@ -1,4 +1,5 @@
 // Charts as dse/report/charts/chart.py describes them: two axes and what is drawn between them.
+import { shortened } from "./format";
 import type { Numbers } from "./packing";
 import type { Mark } from "./marks";
 
@@ -80,14 +81,28 @@ const ARRAYS: Record<Drawn["kind"], string[]> = {
   rule: [],
 };
 
+const MOST_TITLE = 120;
+const MOST_NOTE = 1200;
+const MOST_UNIT = 20;
+
+function named(axis: ChartAxis): ChartAxis {
+  return { ...axis, title: shortened(axis.title, MOST_TITLE), unit: shortened(axis.unit, MOST_UNIT), names: axis.names.map((name) => shortened(name, MOST_TITLE)) };
+}
+
 /** The figures of the document, with the arrays that lie beside it. */
 export function readCharted(source: Charted[], arrays: Map<string, Numbers>): Charted[] {
   return source.map((figure, f) => ({
     ...figure,
+    title: shortened(figure.title, MOST_TITLE),
     charts: figure.charts.map((chart, c) => ({
       ...chart,
+      title: shortened(chart.title, MOST_TITLE),
+      note: shortened(chart.note, MOST_NOTE),
+      x: named(chart.x),
+      y: named(chart.y),
       drawn: chart.drawn.map((drawn, d) => ({
         ...drawn,
+        label: shortened(drawn.label, MOST_TITLE),
         ...Object.fromEntries(ARRAYS[drawn.kind].map((name) => [name, arrays.get(`chart.${f}.${c}.${d}.${name}`)])),
       })),
     })),

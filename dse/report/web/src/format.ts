@@ -48,10 +48,20 @@ export function checked(value: number, error: number | null, text: (value: numbe
 // Marks that turn the direction of the text after them.
 const TURNING = /[\u200e\u200f\u061c\u202a-\u202e\u2066-\u2069]/g;
 
+/** *text* without marks that turn around what stands after them. */
+export function straight(text: string): string {
+  return text.replace(TURNING, "");
+}
+
 /** *text* without marks that turn it around, and with an ellipsis after its first *most* letters. */
 export function shortened(text: string, most: number): string {
-  const letters = Array.from(text.slice(0, 4 * most).replace(TURNING, ""));
+  const letters = Array.from(straight(text.slice(0, 4 * most)));
   return letters.length > most ? letters.slice(0, most - 1).join("").trimEnd() + "\u2026" : letters.join("");
+}
+
+/** *text* with such marks spelt out, so that it reads as it is read by programs. */
+export function escaped(text: string): string {
+  return text.replace(TURNING, (mark) => `\\u${mark.codePointAt(0)!.toString(16)}`);
 }
 
 export function withUnit(text: string, unit: string): string {

@@ -74,7 +74,7 @@ function header(store: Store, stack: () => void): HTMLElement {
   name();
   store.subscribe(name);
   const print = el("button", { id: "print", type: "button", title: "Prints all views, one after the other", click: () => void printAll(stack) }, "Print");
-  return el("header", {}, el("h1", { title: study.title }, study.title), el("span", { class: "muted" }, parts.join(" \u00b7 ")), el("span", { class: "spring" }), print, button);
+  return el("header", {}, el("h1", { title: study.title }, study.title), el("span", { class: "muted" }, parts.join(" \u00b7 ")), el("span", { class: "spring" }), el("span", { class: "tools" }, print, button));
 }
 
 // What is drawn on canvases has to be on paper's width, and drawn, before the browser looks at it.

@@ -1,7 +1,8 @@
 // The study as the page sees it: typed columns, one value per run, in the units shown.
 import { readCharted, type Charted } from "./chart";
-import { columnText, number, shortened, withUnit } from "./format";
+import { columnText, number, shortened, straight, withUnit } from "./format";
 import { readInsight, type Insight } from "./insight";
+import { readNotes, readRetried, type Notes, type Retried } from "./notes";
 import { unpack, type Entry, type Numbers } from "./packing";
 
 export interface Column {
@@ -122,6 +123,8 @@ export interface Study {
   insight: Insight | null;
   /** What of the study could not be read. */
   missing: string[];
+  notes: Notes | null;
+  retried: Retried[];
   waveforms: () => Promise<Map<string, Numbers>>;
 }
 
@@ -152,12 +155,14 @@ interface Document {
   radial?: boolean[];
   insight?: unknown;
   missing?: string[];
+  notes?: Notes | null;
+  retried?: Retried[];
   columns: Entry[];
   waveforms: Entry[];
 }
 
 export async function readStudy(): Promise<Study> {
-  const source = JSON.parse(block("document")) as Document;
+  const source = JSON.parse(block("document"), (_, value: unknown) => (typeof value === "string" ? straight(value) : value)) as Document;
   const arrays = await unpack(source.columns, block("columns"));
   const floats = (name: string): Float64Array => arrays.get(name) as Float64Array;
   const integers = (name: string): Int32Array => arrays.get(name) as Int32Array;
@@ -224,6 +229,8 @@ export async function readStudy(): Promise<Study> {
     facts: source.facts,
     insight: readInsight(source.insight, arrays),
     missing: source.missing ?? [],
+    notes: readNotes(source.notes),
+    retried: readRetried(source.retried),
     waveforms: () => (waveforms ??= unpack(source.waveforms, block("waveforms"))),
   };
 }

@@ -57,9 +57,11 @@ function sum(flags: Uint8Array): number {
   return flags.reduce((total, flag) => total + flag, 0);
 }
 
-/** Which configurations there could be is asked of the design space: the study has only those that were simulated. */
+/** Which configurations there could be is asked of the design space, where that is not known here (funnel.ts). */
 function spaceHint({ store }: Model): HTMLElement[] {
+  if (store.study.notes?.funnel) return [];
   const space = store.study.facts.find(([key]) => key === "design space")?.[1];
   if (!space || store.study.configurations.length < 2) return [];
-  return [el("p", { class: "hint" }, "What the static constraints leave of the design space before anything is simulated, and why a configuration is not among these designs: ", el("code", {}, `dse space constraints ${space}`), ", ", el("code", {}, `dse space explain ${space} --choose PLACE=ALTERNATIVE`), ".")];
+  const why = store.study.notes?.unfunnelled;
+  return [el("p", { class: "hint" }, why ? `Not counted here: ${why}. ` : "", "What the static constraints leave of the design space before anything is simulated, and why a configuration is not among these designs: ", el("code", {}, `dse space constraints ${space}`), ", ", el("code", {}, `dse space explain ${space} --choose PLACE=ALTERNATIVE`), ".")];
 }

@@ -8,6 +8,7 @@ import { createFormulas } from "./formulas";
 import { createFound } from "./found";
 import { createPicks } from "./picks";
 import { createRequirements } from "./requirements";
+import { createSources } from "./sources";
 import { createWarnings } from "./warnings";
 
 export const overviewView: View = {
@@ -28,7 +29,7 @@ export const overviewView: View = {
         "div",
         { class: "overview-columns" },
         el("div", {}, ...requirements, card("picks", "Runs to look at", createPicks(store)), card("found", "What was found", createFound(store))),
-        el("div", {}, card("asked", "What was asked", createAsked(study, asked)), card("measured", "How it was measured", createFormulas(study, asked)), createConstants(asked), facts),
+        el("div", {}, card("asked", "What was asked", createAsked(study, asked)), card("measured", "How it was measured", createFormulas(study, asked)), createConstants(asked), card("files", "Files as they were run", createSources(study)), facts),
       ),
     );
   },

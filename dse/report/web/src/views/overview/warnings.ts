@@ -40,7 +40,7 @@ export function createWarnings(store: Store): HTMLElement {
 
 function warnings(store: Store): Warning[] {
   const { study } = store;
-  return [...nothingPasses(store), ...failures(study), ...missing(study), ...notExercised(store), ...doubtful(store), ...uncertain(study), ...atEdge(store), ...moved(store), ...unchecked(study)];
+  return [...nothingPasses(store), ...failures(study), ...missing(study), ...retried(study), ...notExercised(store), ...doubtful(store), ...uncertain(study), ...atEdge(store), ...moved(store), ...unchecked(study)];
 }
 
 function nothingPasses(store: Store): Warning[] {
@@ -73,6 +73,15 @@ function missing(study: Study): Warning[] {
   const { unfinished } = study.insight!.asked;
   const open: Warning[] = unfinished ? [{ level: "warn", text: `${count(unfinished, "run")} that the study asked for ${unfinished === 1 ? "is" : "are"} not there: it was stopped, or is still being made.` }] : [];
   return [...open, ...study.missing.map((text): Warning => ({ level: "warn", text: `${text}.` }))];
+}
+
+/** Runs that needed more than one try: their results are the same, but something is wrong with a model or a machine. */
+function retried(study: Study): Warning[] {
+  return study.retried.map(({ cause, count: runs, runs: first }) => {
+    const numbers = first.join(", ") + (runs > first.length ? ", \u2026" : "");
+    const why = cause ? `: ${cause.split("\n")[0]!.slice(0, 200)}` : ", as it was asked for again or two programs made them";
+    return { level: cause.startsWith("stopped") || !cause ? "note" : "warn", text: `${count(runs, "run")} (${numbers}) needed more than one try${why}.` };
+  });
 }
 
 function notExercised(store: Store): Warning[] {
