@@ -35,7 +35,7 @@ def _sentences(table: RunTable, naming: Naming) -> Iterator[str]:
     bench = _titled(definition.bench.name, definition.bench.title)
     design = _titled(definition.design.name, definition.design.title)
     yield f"Bench {bench} on {_many(len(definition.configurations), 'configuration')} of the design space {design}."
-    method = "".join(f", {key} {value}" for key, value in simulation.method.items())
+    method = "".join(f", {key} {value}" for key, value in simulation.method.items() if value)
     yield (
         f"Each run simulates {simulation.stop:g} s in steps of {simulation.step:g} s, "
         f"recorded every {simulation.record_every:g} s{method}."
