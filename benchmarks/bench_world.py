@@ -15,7 +15,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from statistics import median
 
-from dse.domain.component import Causality, Component, CSource
+from dse.domain.component import Component, CSource
 from dse.domain.labels import c_member
 from dse.fmu.c.slots import slots
 from dse.fmu.toolchain.compiler import find_compiler
@@ -64,40 +64,55 @@ EIGHT = {
 }  # fmt: skip
 
 
+Given = Mapping[str, float]
+
+
 @dataclass(frozen=True)
 class Contender:
     """Parts by name, each a component with parameters; what a step does before they step; and the goal."""
 
     title: str
-    parts: Mapping[str, tuple[str, Mapping[str, float]]]
+    parts: Mapping[str, tuple[str, Given]]
     feedback: str
     watched: str
     goal: float = 0
     wires: Sequence[str] = field(default=WORLD)
 
 
-def world(chassis: str, traffic: tuple[str, Mapping[str, float]], **road: float) -> dict[str, tuple[str, dict[str, float]]]:
+STRAIGHT_ROAD = {"initial_speed": 27.0, "lead_speed": 28.0}
+LEAD = ("lead_vehicle", {"initial_gap": 60.0, "lead_speed": 28.0})
+MANY = ("vehicles", EIGHT)
+
+
+def along(
+    road: str, chassis: str, car: Given, traffic: tuple[str, Given], preview: float
+) -> dict[str, tuple[str, Given]]:
     return {
-        "way": ("road_motorway", {"start_station": 40.0, "preview_spacing": 0.0, **road}),
+        "way": (road, {"start_station": 40.0, "preview_spacing": preview}),
         "weather": ("clear", {}),
         "traffic": traffic,
-        "car": (chassis, {"initial_speed": 27.0}),
+        "car": (chassis, {"initial_speed": 27.0, **car}),
         "scene": ("ray_scanner", RAYS),
     }
 
 
-LEAD = ("lead_vehicle", {"initial_gap": 60.0, "lead_speed": 28.0})
-MANY = ("vehicles", EIGHT)
+def contender(
+    title: str, chassis: str, traffic: tuple[str, Given], goal: float = 0, preview: float = 0, **car: float
+) -> Contender:
+    return Contender(title, along("road_motorway", chassis, car, traffic, preview), DRIVER, "scene.out.gap", goal)
+
+
 CONTENDERS = (
-    Contender("straight_road, 1 target, 121 rays", {"world": ("straight_road", {"initial_speed": 27.0, "lead_speed": 28.0})}, STRAIGHT,
+    Contender("straight_road, 1 target, 121 rays", {"world": ("straight_road", STRAIGHT_ROAD)}, STRAIGHT,
               "world.out.gap", 2e6, ()),
-    Contender("straight_road, 1 target, 15 rays", {"world": ("straight_road", {"initial_speed": 27.0, "lead_speed": 28.0, **RAYS})}, STRAIGHT,
+    Contender("straight_road, 1 target, 15 rays", {"world": ("straight_road", {**STRAIGHT_ROAD, **RAYS})}, STRAIGHT,
               "world.out.gap", 2e6, ()),
-    Contender("longitudinal, road, 1 target", world("longitudinal", LEAD), DRIVER, "scene.out.gap"),
-    Contender("single track, road, 1 target", world("single_track", LEAD), DRIVER, "scene.out.gap", 600e3),
-    Contender("two-track, road, 8 targets", world("two_track", MANY), DRIVER, "scene.out.gap", 200e3),
-    Contender("two-track, road, 8 targets, preview", world("two_track", MANY, preview_spacing=2.5), DRIVER,
-              "scene.out.gap"),
+    contender("longitudinal, road, 1 target", "longitudinal", LEAD),
+    contender("single track, road, 1 target", "single_track", LEAD, 600e3),
+    contender("single track, road, 1 target, preview", "single_track", LEAD, preview=2.5),
+    contender("two-track (10 ms), road, 8 targets", "two_track", MANY, 200e3, substeps=1),
+    contender("two-track (2 ms), road, 8 targets", "two_track", MANY, 200e3, substeps=5),
+    contender("two-track (2 ms), same with preview", "two_track", MANY, preview=2.5, substeps=5),
 )  # fmt: skip
 
 
@@ -124,7 +139,9 @@ def copies(contender: Contender, parts: Mapping[str, Component], target: str) ->
         source, end = wire.split(" -> ")
         (giving, taking) = (each.partition(".")[0] for each in (source, end))
         if taking == target:
-            pairs = zip(members(giving, parts[giving], source, "out"), members(taking, parts[taking], end, "in"), strict=True)
+            pairs = zip(
+                members(giving, parts[giving], source, "out"), members(taking, parts[taking], end, "in"), strict=True
+            )
             yield from (f"        {to} = {given};" for given, to in pairs)
 
 
@@ -140,8 +157,14 @@ def program(contender: Contender, folder: Path) -> list[str]:
         for name, value in given.items():
             number = types[name].type.items.index(value) if isinstance(value, str) else float(value)
             starts.append(f"    {part}.{types[name].member} = {number!r};")
-    settle = [line for part in parts for line in (*copies(contender, parts, part), f"        {parts[part].source.init}(&{part});")]
-    steps = [line for part in parts for line in (*copies(contender, parts, part), f"        {call(part, parts[part])};")]
+    settle = [
+        line
+        for part in parts
+        for line in (*copies(contender, parts, part), f"        {parts[part].source.init}(&{part});")
+    ]
+    steps = [
+        line for part in parts for line in (*copies(contender, parts, part), f"        {call(part, parts[part])};")
+    ]
     lines = [
         heads, "#include <stdio.h>", "#include <string.h>", "#include <time.h>",
         *(f"static {component.source.struct} {part};" for part, component in parts.items()),

@@ -83,10 +83,10 @@ def _local(geometry: ET.Element, ds: float) -> tuple[float, float, float]:
     if shape.tag == "line":
         return ds, 0.0, 0.0
     if shape.tag == "arc":
-        k = _number(shape, "curvature")
-        return math.sin(k * ds) / k, (1 - math.cos(k * ds)) / k, k * ds
+        return _circle(_number(shape, "curvature"), ds)
     if shape.tag == "spiral":
-        return _clothoid(_number(shape, "curvStart"), _number(shape, "curvEnd"), length, ds)
+        k0, k1 = _number(shape, "curvStart"), _number(shape, "curvEnd")
+        return _circle(k0, ds) if k0 == k1 else _clothoid(k0, k1, length, ds)
     if shape.tag == "poly3":
         v = [_number(shape, name) for name in "abcd"]
         return _along([0.0, 1.0, 0.0, 0.0], v, ds, length)
@@ -94,6 +94,10 @@ def _local(geometry: ET.Element, ds: float) -> tuple[float, float, float]:
     last = length if shape.get("pRange") == "arcLength" else 1.0
     whole = _arc_length(u, v, last)
     return _along(u, v, ds / length * whole, last)
+
+
+def _circle(k: float, s: float) -> tuple[float, float, float]:
+    return (math.sin(k * s) / k, (1 - math.cos(k * s)) / k, k * s) if k else (s, 0.0, 0.0)
 
 
 def _clothoid(k0: float, k1: float, length: float, s: float) -> tuple[float, float, float]:

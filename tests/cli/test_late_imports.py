@@ -155,11 +155,13 @@ def test_every_command_is_in_the_table():
     assert {line for line in lines if not any(tried.startswith(line) for tried in MAY_IMPORT)} <= {
         "import uvl",
         "import ssp",
+        "export opendrive",
         "export ssp",
         "merge",
         "serve",  # goes on for ever; tests/cli/test_serve.py starts it
         "new design",
         "new bench",
+        "new road",
         "new study",
     }
 

@@ -6,6 +6,7 @@ import json
 import re
 import shlex
 import zipfile
+from collections.abc import Callable
 from pathlib import Path
 
 import pytest
@@ -44,7 +45,7 @@ INTERFACES = """interfaces:
 
 
 @pytest.fixture
-def folder(tmp_path: Path) -> Path:
+def folder(tmp_path: Path, built_before: Callable[[Path], Path]) -> Path:
     """What somebody was sent: finished FMUs, one of them packed carelessly."""
     makers = tmp_path / "makers" / "components"
     makers.mkdir(parents=True)
@@ -56,7 +57,7 @@ def folder(tmp_path: Path) -> Path:
         source = "{kind: modelica, model: M, files: [M.mo]}"
         text = f"component: {name}\nimplements: {interface}\nsource: {source}\n"
         (makers / name / "component.yaml").write_text(text, encoding="utf-8")
-    made = run_dse(makers, "build", "-o", str(tmp_path), cache=tmp_path / "made")
+    made = run_dse(makers, "build", "-o", str(tmp_path), cache=built_before(tmp_path / "made"))
     assert made.returncode == 0, made.stderr
     with zipfile.ZipFile(tmp_path / "truck.fmu", "a") as archive:
         archive.writestr("extra/aux.txt", "")

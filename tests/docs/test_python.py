@@ -17,12 +17,12 @@ BLOCK = re.compile(r"^```python\n(.*?)^```$", re.DOTALL | re.MULTILINE)
 
 
 @pytest.mark.thorough
-def test_the_code_shown_runs(tmp_path):
+def test_the_code_shown_runs(tmp_path, built_before):
     subprocess.run([sys.executable, "-m", "dse", "init", "study"], cwd=tmp_path, check=True, capture_output=True)
     done = subprocess.run(
         [sys.executable, "-c", "\n".join(BLOCK.findall(TEXT))],
         cwd=tmp_path / "study",
-        env={**os.environ, "DSE_CACHE": str(tmp_path / "cache")},
+        env={**os.environ, "DSE_CACHE": str(built_before(tmp_path / "cache"))},
         capture_output=True,
         text=True,
         encoding="utf-8",

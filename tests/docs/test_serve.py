@@ -9,6 +9,7 @@ import shutil
 import subprocess
 import sys
 import urllib.request
+from collections.abc import Callable
 from pathlib import Path
 
 import pytest
@@ -29,8 +30,8 @@ def test_there_are_commands_of_each_kind() -> None:
 
 
 @pytest.mark.thorough
-def test_every_command_runs(tmp_path: Path) -> None:
-    cache = tmp_path / "cache"
+def test_every_command_runs(tmp_path: Path, built_before: Callable[[Path], Path]) -> None:
+    cache = built_before(tmp_path / "cache")
     assert run_dse(tmp_path, "init", "work", cache=cache).returncode == 0
     work = tmp_path / "work"
     # Studies come before servers of them.

@@ -5,6 +5,7 @@ from __future__ import annotations
 import csv
 import re
 import shlex
+from collections.abc import Callable
 from pathlib import Path
 
 import pytest
@@ -16,8 +17,8 @@ FILE = re.compile(r"(?:# |/\* )([\w./]+?)(?: \*/)?\n")
 
 
 @pytest.mark.thorough
-def test_the_page_leads_from_an_empty_folder_to_a_report(tmp_path: Path) -> None:
-    here, done = tmp_path, []
+def test_the_page_leads_from_an_empty_folder_to_a_report(tmp_path: Path, built_before: Callable[[Path], Path]) -> None:
+    here, done, cache = tmp_path, [], built_before(tmp_path / "cache")
     for kind, text in BLOCK.findall(TEXT):
         if kind in ("yaml", "c"):
             named = FILE.match(text)
@@ -34,7 +35,7 @@ def test_the_page_leads_from_an_empty_folder_to_a_report(tmp_path: Path) -> None
                 (here if command == "cd" else here / arguments[0]).mkdir(exist_ok=True)
                 continue
             assert command == "dse"
-            result = run_dse(here, *arguments, cache=tmp_path / "cache")
+            result = run_dse(here, *arguments, cache=cache)
             assert result.returncode == 0, (line, result.stdout, result.stderr)
             done.append((line, result.stdout))
     said = dict(done)

@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 import pytest
+from hard_contents import driven, furnished
 from report_pages import Open
 
 from dse.report.content.nouns import ReportContent
@@ -28,11 +29,11 @@ def complaints(page: Page, *rules: str) -> list[str]:
     return found
 
 
-@pytest.mark.parametrize("study", ["sliced", "scattered", "bench_only"])
+@pytest.mark.parametrize("study", ["sliced", "scattered", "bench_only", "conditions"])
 def test_axe_finds_nothing_in_any_view(study: str, open_report: Open, request: pytest.FixtureRequest) -> None:
     if not AXE.exists():
         pytest.fail("axe-core is missing: 'npm ci' in dse/report/web brings it")
-    content: ReportContent = request.getfixturevalue(study)
+    content: ReportContent = furnished(driven()) if study == "conditions" else request.getfixturevalue(study)
     page = open_report(content)
     page.evaluate(f"{AXE.read_text(encoding='utf-8')}\n;0")
     themes, found = set(), {}

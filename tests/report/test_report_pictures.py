@@ -34,7 +34,10 @@ def test_the_plot_saved_as_svg_is_the_plot_that_is_shown(
 
     hostile = '<b>&"no\x07 \ud83d'
     named = (dataclasses.replace(sliced.requirements[0], title=hostile), *sliced.requirements[1:])
-    page = open_report(dataclasses.replace(sliced, requirements=named))
+    # Numbers that are wide, so that the last stands at the very end of its axis.
+    gain, *others = sliced.variables
+    wide = dataclasses.replace(gain, low=1e5 * gain.low, high=1e5 * gain.high, values=1e5 * gain.values)
+    page = open_report(dataclasses.replace(sliced, requirements=named, variables=(wide, *others)))
     svg = saved_picture(page, "constraint-plot", "SVG", tmp_path / "plot.svg")
     png = saved_picture(page, "constraint-plot", "PNG", tmp_path / "plot.png")
     root = ET.parse(svg).getroot()  # noqa: S314  # written by the page a line before
@@ -54,6 +57,9 @@ def test_the_plot_saved_as_svg_is_the_plot_that_is_shown(
     width, height = (int(root.get(side, "0")) for side in ("width", "height"))
     drawn = browser.new_page(viewport={"width": width, "height": height}, device_scale_factor=2)
     drawn.goto(svg.as_uri())
+    assert "300000" in texts
+    ends = drawn.evaluate("[...document.querySelectorAll('text')].map(text => text.getBoundingClientRect().right)")
+    assert max(ends) <= width
     drawn.screenshot(path=tmp_path / "drawn.png")
     drawn.close()
     there, here = (blurred(imread(path)[..., :3]) for path in (tmp_path / "drawn.png", png))

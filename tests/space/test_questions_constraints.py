@@ -12,6 +12,7 @@ from question_spaces import EXAMPLES, asked, without_diagram
 from dse.errors import DseError
 from dse.space.questions.conflict import conflict
 from dse.space.questions.explain import broken_by
+from dse.space.questions.funnel import funnel
 from dse.space.questions.impact import impact
 from dse.space.questions.minimal import minimal_conflict
 from dse.space.questions.occurrence import occurrences
@@ -30,6 +31,14 @@ def test_the_table_counts_what_is_left_removed_and_freed(found):
         assert entry.after.exact
         assert entry.removes.exact
         assert entry.frees.exact
+
+
+@EXAMPLES
+@given(asked())
+def test_the_funnel_is_what_the_table_leaves(found):
+    assert funnel(found.engine) == tuple(entry.after for entry in impact(found.engine))
+    with pytest.raises(DseError, match="one after the other"):
+        funnel(without_diagram(found.engine))
 
 
 @EXAMPLES

@@ -151,6 +151,18 @@ REFUSED = {
         _with(section(0.0, "", lane(-1, more='<height sOffset="0" inner="0.1" outer="0.1"/>'))),
         "a lane with a <height> of its own is not supported on a path",
     ),
+    "a level lane beside a banked road": (
+        opendrive(
+            road(
+                "1",
+                LINE,
+                100.0,
+                section(0.0, "", lane(-1) + lane(-2, attributes=' level="true"')),
+                more=f'<lateralProfile><superelevation s="0"{factors(0.1)}/></lateralProfile>',
+            )
+        ),
+        "a lane for vehicles that is level beside a banked road is not supported",
+    ),
     "a virtual junction": (
         opendrive(road("1", LINE, 100.0, junction="5"), '<junction id="5" type="virtual"/>'),
         "a road in a virtual junction is not supported on a path",

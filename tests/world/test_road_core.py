@@ -79,6 +79,49 @@ def test_beside_a_corner_that_the_line_bends_at_the_corner_is_the_foot(new_road:
         assert part["lane.station"] == pytest.approx(50, abs=1e-9)
 
 
+def test_where_a_path_crosses_itself_the_host_stays_on_its_own_way(new_road: NewRoad) -> None:
+    loop = Traced([(100.0, 0.0, 0.0), (1.5 * math.pi * 40, 1 / 40, 1 / 40), (120.0, 0.0, 0.0)])
+    part = new_road(loop.path())
+    part.init()
+    for s in np.arange(0, loop.length, 0.5):
+        here = loop.at(s)
+        put(part, *here.beside(1.0), here.heading)
+        part.step()
+        assert part["lane.station"] == pytest.approx(s, abs=1e-9)
+        assert part["lane.offset"] == pytest.approx(1, abs=1e-9)
+
+
+def test_who_is_put_somewhere_else_is_found_there(new_road: NewRoad) -> None:
+    part = new_road(WINDING.path())
+    part.init()
+    for s in (10.0, 480.0, 200.0, 333.0, 0.0, 509.0):
+        here = WINDING.at(s)
+        put(part, *here.beside(-2.0), here.heading)
+        part.step()
+        assert part["lane.station"] == pytest.approx(s, abs=1e-9)
+        assert part["lane.offset"] == pytest.approx(-2, abs=1e-9)
+
+
+def test_where_the_line_jumps_to_its_side_lanes_go_on(new_road: NewRoad) -> None:
+    # Two roads meet whose reference lines lie on the two sides of the lane.
+    straight = Traced([(100.0, 0.0, 0.0)]).path()
+    borders = [cubics([(0.0, [a]), (50.0, [a - 3.5])]) for a in (0.0, -3.5)]
+    x = cubics([(0.0, [0, 1]), (50.0, [50, 1])])
+    path = replace(
+        straight, x=x, y=cubics([(0.0, [0.0]), (50.0, [3.5])]), lanes=(LaneBand(0, *borders, constant(1.0)),)
+    )
+    part = new_road(path, preview_spacing=4.0)
+    part.init()
+    for s in np.arange(1.0, 99.0, 0.7):
+        put(part, s, -1.5, 0.0, 10.0)
+        part.step()
+        assert part["lane.station"] == pytest.approx(s, abs=1e-9)
+        assert part["lane.offset"] == pytest.approx(0.25, abs=1e-9)
+        for i in (1, 12, 24):
+            assert part[f"preview[{i}].x"] == pytest.approx(4.0 * i, abs=1e-9)
+            assert part[f"preview[{i}].y"] == pytest.approx(-0.25, abs=1e-9)
+
+
 def test_beyond_its_ends_a_path_goes_straight_on_and_is_no_road(new_road: NewRoad) -> None:
     part = new_road(WINDING.path(height=cubics([(0.0, [5, 0.02])])))
     end, begin = WINDING.at(WINDING.length), WINDING.start

@@ -142,4 +142,6 @@ def _hermite(a: tuple[float, float, float], b: tuple[float, float, float], h: fl
 def cubics(rows: Sequence[tuple[float, Sequence[float]]]) -> Piecewise:
     """Polynomials from the given stations on."""
     most = max(len(row) for _, row in rows)
-    return Piecewise(np.array([s for s, _ in rows]), np.array([[*row, *[0.0] * (most - len(row))] for _, row in rows]))
+    return Piecewise(
+        np.array([s for s, _ in rows]), np.array([[*row, *[0.0] * (most - len(row))] for _, row in rows], float)
+    )

@@ -1,8 +1,11 @@
 #include "ars.h"
 
+#include <math.h>
+
 #define GAMMA 0.29289321881345247560   /* 1 - 1/sqrt(2) */
 #define DELTA (-0.70710678118654752440) /* 1 - 1/(2 gamma) */
 #define NO_LENGTH 1e-12
+#define LONGEST 0.01 /* s: the body is explicit, and has swings of 50 rad/s */
 
 void ars_rates(void *car, ars_stage *stage, ars_state *state) {
     ars_state at = *state;
@@ -11,6 +14,8 @@ void ars_rates(void *car, ars_stage *stage, ars_state *state) {
 }
 
 void ars_advance(void *car, ars_stage *stage, ars_state *state, double h, int substeps) {
+    int least = h < 1e4 ? (int)ceil(h / LONGEST - 1e-6) : 1000000;
+    if (substeps < least) substeps = least;
     if (substeps < 1) substeps = 1;
     double dt = h / substeps, gh = GAMMA * dt;
     ars_rates(car, stage, state);

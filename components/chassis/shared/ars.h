@@ -1,7 +1,7 @@
 /* ARS(2,2,2): a body, explicit, on wheels, implicit. Ascher, Ruuth, Spiteri, Appl. Numer. Math. 25 (1997), 2.6.
  *
  * Second order; the implicit part is L-stable and stiffly accurate. Two stages a step, and one more for each call, as
- * inputs may have changed in between.
+ * inputs may have changed in between. No step is longer than 10 ms.
  */
 #ifndef CHASSIS_ARS_H
 #define CHASSIS_ARS_H

@@ -45,7 +45,7 @@ def payload_of(content: ReportContent, shown: Sequence[ShownFigure] = ()) -> Pay
     if content.insight is not None:
         document["insight"] = insight_json(content.insight, columns)
         document["missing"] = [problem.what for problem in content.missing]
-        document |= notes_of(content)
+    document |= notes_of(content)
     document["columns"] = columns.directory
     document["waveforms"] = waveforms.directory
     return Payload(script_json(document), columns.text(), waveforms.text())

@@ -7,7 +7,7 @@ from dse.space.methods.engine import Engine
 from dse.space.methods.tally import Tally
 from dse.space.questions.impact import counted
 
-MOST_CONSTRAINTS = 60
+MOST_CONSTRAINTS = 40
 """Each takes about a tenth of a second."""
 
 

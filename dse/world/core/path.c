@@ -115,7 +115,7 @@ path_place path_find_along(const path_table *path, const path_lane *lane, double
             double step = (along - jet.value) / jet.first;
             slope = jet.first;
             u = fmin(fmax(u + step, 0), length);
-            if (fabs(step) < 1e-7) break; /* what is left is of the size of its square */
+            if (fabs(step) < 1e-5) break; /* what is left is of the size of its square */
         }
     }
     path_place place = {row, u, beyond / slope, piece};

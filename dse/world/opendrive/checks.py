@@ -21,6 +21,7 @@ KINK = 0.1
 
 _HIGHEST, _WIDEST = 1e4, 1e4  # m
 _STEEPEST = 1.4  # rad
+_BARELY = 1e-6  # m
 _SAMPLES = np.linspace(0.0, 1.0, 9)
 
 
@@ -46,6 +47,10 @@ def road_problems(road: Road) -> Iterator[Problem]:
     yield from _unfit(road.offsets, road.length, _WIDEST, "a lane offset of", "m")
     for section in road.sections:
         for lane in section.lanes.values():
+            first = (lane.widths or lane.borders)[0]
+            if first.s > section.s + _BARELY:
+                what = f"the width of lane {lane.id} begins {first.s - section.s:g} m behind its section"
+                yield Problem(what, first.where)
             yield from _unfit(lane.widths, section.end, _WIDEST, f"in lane {lane.id} a width of", "m", -GAP)
             yield from _unfit(() if lane.widths else lane.borders, section.end, _WIDEST, "a border at", "m")
 

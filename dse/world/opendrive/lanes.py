@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 from dse.errors import Location, Problem, Problems, fail
 from dse.formats import XmlElement, shortened
@@ -102,7 +102,9 @@ def _lane(element: XmlElement, s: float) -> Lane:
     limits: tuple[Limit, ...] = ()
     with refused:
         limits = tuple(read_limit(child, s + number(child, "sOffset", least=0.0)) for child in element.all("speed"))
-    lane = Lane(
+    if element.child("width") is None and element.child("border") is None:
+        raise fail(f"lane {whole(element, 'id')} has neither <width> nor <border>", element.where)
+    return Lane(
         whole(element, "id"),
         text(element, "type"),
         element.get("direction").strip() == "reversed",
@@ -115,18 +117,6 @@ def _lane(element: XmlElement, s: float) -> Lane:
         tuple(refused),
         element.where,
     )
-    if not lane.widths and not lane.borders:
-        raise fail(f"lane {lane.id} has neither <width> nor <border>", element.where)
-    return _from_the_start(lane, s)
-
-
-def _from_the_start(lane: Lane, s: float) -> Lane:
-    """The lane; refused where its width does not begin with its section."""
-    first = (lane.widths or lane.borders)[0]
-    if first.s > s + 1e-6:
-        problem = Problem(f"the width of lane {lane.id} begins {first.s - s:g} m behind its section", first.where)
-        return replace(lane, refused=(*lane.refused, problem))
-    return lane
 
 
 def _linked(lane: XmlElement, which: str) -> tuple[int, ...]:

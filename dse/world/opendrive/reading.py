@@ -9,6 +9,7 @@ from pathlib import Path
 from dse.errors import Problem, Problems, fail, raise_if_any
 from dse.formats import XmlElement, read_xml_file, real_of, shortened
 from dse.world.opendrive.checks import network_problems, road_problems
+from dse.world.opendrive.driving import DRIVEN
 from dse.world.opendrive.geometry import read_geometries
 from dse.world.opendrive.lanes import read_limit, read_offsets, read_sections
 from dse.world.opendrive.roadside import Cycle, read_cycle, read_signals, read_slicks
@@ -128,6 +129,10 @@ def _unsupported(road: XmlElement) -> Iterator[Problem]:
         for child in element.children:
             if child.tag in _UNFLAT and not _flat(child):
                 yield Problem(f"a road with {_UNFLAT[child.tag]} is not supported on a path", child.where)
+    if not all(_flat(element) for element in road.below("lateralProfile", "superelevation")):
+        for lane in (lane for side in ("left", "right") for lane in road.below("lanes", "laneSection", side, "lane")):
+            if lane.get("level") in {"true", "1"} and lane.get("type") in DRIVEN:
+                yield Problem("a lane for vehicles that is level beside a banked road is not supported", lane.where)
     for element in road.below("surface", "CRG"):
         yield Problem("a road with an OpenCRG <surface> is not supported on a path", element.where)
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable
 from typing import Any
 
@@ -17,7 +16,7 @@ def dry(_x: float, _y: float) -> tuple[float, float, float, float]:
 
 
 class Car:
-    """A chassis, asked and told by the names of its ports; *substeps* apart it has its own parameters."""
+    """A chassis on a ground, asked and told by the names of its ports."""
 
     def __init__(self, part: Any, ground: Ground) -> None:
         self.part, self.ground = part, ground
@@ -67,17 +66,3 @@ def new_car(new_part: NewPart) -> Callable[..., Car]:
         return Car(part, ground)
 
     return make
-
-
-def plane(slope_x: float, slope_y: float, friction: float = 1.0) -> Ground:
-    return lambda x, y: (slope_x * x + slope_y * y, slope_x, slope_y, friction)
-
-
-def cone(bank: float) -> Ground:
-    """A circular road around the origin, its inner side lower."""
-
-    def at(x: float, y: float) -> tuple[float, float, float, float]:
-        radius = math.hypot(x, y)
-        return math.tan(bank) * radius, math.tan(bank) * x / radius, math.tan(bank) * y / radius, 1.0
-
-    return at

@@ -170,7 +170,7 @@ function createChart(figure: Figure, index: number, box: HTMLElement): Chart {
       height: holder.clientHeight || 180,
       pxAlign: 0,
       legend: { show: false },
-      padding: [8, 14, 0, 0],
+      padding: [8, 22, 0, 0],
       scales: { x: { time: false }, y: { range: padded } },
       cursor: { sync: { key: "time" }, points: { size: 6 }, y: false },
       axes: [

@@ -11,7 +11,7 @@ import { createMatrix } from "./matrix";
 export const conditionsView: View = {
   name: "conditions",
   title: "Conditions",
-  suits: (study) => conditionsOf(study).length > 0,
+  suits: (study) => study.size > 0 && conditionsOf(study).length > 0,
   create(store) {
     const { study } = store;
     const conditions = conditionsOf(study);

@@ -101,7 +101,7 @@ function figureOf(model: Model, figure: Figure, index: number, runs: number[], b
       width: 480,
       height: HEIGHT,
       legend: { show: false },
-      padding: [8, 14, 0, 0],
+      padding: [8, 22, 0, 0],
       scales: { x: { time: false } },
       cursor: { sync: { key: "designs" }, points: { size: 6 }, y: false },
       axes: [{ ...axis, label: "time [s]", size: 34 }, { ...axis, label: axisLabel({ title: figure.current, unit: figure.unit }), size: 56 }],
