@@ -16,7 +16,10 @@ from dse.loading.schema import FILE_KINDS, file_schema
 
 ROOT = Path(__file__).parents[2]
 FILES = sorted(
-    path for folder in ("components", "designs", "roads", "testbenches") for path in (ROOT / folder).rglob("*.yaml")
+    path
+    for folder in ("components", "designs", "roads", "testbenches")
+    for path in (ROOT / folder).rglob("*.yaml")
+    if not path.name.startswith("_")  # only for including: a part of a file
 )
 MODELINE = re.compile(r"# yaml-language-server: \$schema=(\S+)\n")
 
