@@ -19,7 +19,7 @@ _PARAMETERS = ("start_station", "start_lane", "start_offset", "preview_spacing")
 
 
 class WaySection(Section):
-    """A way: ids of roads in order (none: the longest way straight on), and the lane it begins in."""
+    """A way: ids of roads in order (none: along the segments, else the longest way straight on), and the lane it begins in."""
 
     route: list[str | int] = []
     lane: int = 0

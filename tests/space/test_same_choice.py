@@ -50,7 +50,10 @@ def comparing(draw: st.DrawFn) -> Answers:
     return answers(replace(bare, constraints=constraints))
 
 
-@pytest.mark.parametrize("examples", [2, pytest.param(1000, marks=pytest.mark.thorough)])
+@pytest.mark.parametrize(
+    "examples",
+    [2, pytest.param(200, marks=pytest.mark.thorough), pytest.param(1000, marks=pytest.mark.nightly)],
+)
 def test_every_method_takes_an_absent_place_for_alike(examples):
     # Shrinking would take longer than reading what is found, which is small.
     quiet = settings(

@@ -129,7 +129,11 @@ class Box:
 
 def around(strips: Sequence[Strip], margin: float) -> Box:
     """What holds the *strips*, with a *margin* in m, and some more."""
-    points = np.concatenate([side for strip in strips for side in (strip.left, strip.right)])
+    return around_points(np.concatenate([side for strip in strips for side in (strip.left, strip.right)]), margin)
+
+
+def around_points(points: Floats, margin: float) -> Box:
+    """What holds the *points* (n, 2), with a *margin* in m, and some more."""
     (left, below), (right, above) = points.min(axis=0), points.max(axis=0)
     margin += 0.03 * float(max(right - left, above - below))
     return Box(float(left) - margin, float(right) + margin, float(below) - margin, float(above) + margin)

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from dse.report.content.nouns import Floats
-from dse.report.drawing.road_picture import Along, Box, RoadPicture, Strip, around, crossings
+from dse.report.drawing.road_picture import Along, Box, RoadPicture, Strip, around, around_points, crossings
 from dse.report.drawing.sheets import axes_of, gridded, say, style
 from dse.report.drawing.style import COLOURS, CURRENT, INK, LINE, MUTED, TARGET
 
@@ -29,6 +29,8 @@ def draw_road(picture: RoadPicture) -> Figure:
     from matplotlib.figure import Figure
 
     whole = around(picture.strips, 2.0)
+    for driven in picture.driven:
+        whole = whole.joined(around_points(np.stack([driven.x, driven.y], axis=1), 2.0))
     height = float(np.clip((_WIDTH - 0.9) * whole.tall / whole.wide, _LEAST, _MOST))
     metres = max(whole.wide / (_WIDTH - 0.9), whole.tall / height) / 72  # that a point of the sheet stands for
     details = list(crossings(picture.strips))[:_MOST_DETAILS] if metres > _DETAIL else []

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+
 from dse.domain.notes import Funnel, Notes
 from dse.report.content.nouns import ReportContent
 
@@ -9,6 +11,7 @@ Json = dict[str, object]
 
 _MOST_RUNS = 8
 _MOST_CAUSES = 12
+_TURNING = re.compile("[\u200e\u200f\u061c\u202a-\u202e\u2066-\u2069]")
 
 
 def notes_of(content: ReportContent) -> Json:
@@ -25,13 +28,19 @@ def notes_of(content: ReportContent) -> Json:
 
 def _notes(notes: Notes) -> Json:
     sources = [
-        {"kind": each.kind, "file": each.file, "text": each.text, "digest": each.digest} for each in notes.sources
+        {"kind": each.kind, "file": each.file, "text": _spelt(each.text), "digest": each.digest}
+        for each in notes.sources
     ]
     return {
         "sources": sources,
         "funnel": _funnel(notes.funnel) if notes.funnel else None,
         "unfunnelled": notes.unfunnelled,
     }
+
+
+def _spelt(text: str) -> str:
+    """*text* with marks that turn what stands after them spelt out: the page drops them, and a file has them."""
+    return _TURNING.sub(lambda mark: f"\\u{ord(mark[0]):04x}", text)
 
 
 def _funnel(funnel: Funnel) -> Json:

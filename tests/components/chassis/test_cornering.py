@@ -41,6 +41,27 @@ def test_steady_cornering_has_the_understeer_gradient_of_its_stiffnesses(
     assert car["motion.lateral_acceleration"] == pytest.approx(speed * rate, rel=1e-3)
 
 
+@pytest.mark.parametrize("name", ["longitudinal", *DYNAMIC])
+@pytest.mark.parametrize("torque", [150.0, -150.0])
+def test_at_walking_pace_a_car_goes_where_its_wheels_roll(new_car: NewCar, name: str, torque: float) -> None:
+    """From a stand, ahead and astern: the curvature of the rear axle's way is tan(steering) / wheelbase (KS)."""
+    car = new_car(name).start()
+    car["steering"], car["wheels.rear"] = 0.4, torque
+    rates: list[float] = []
+
+    def look() -> None:
+        if abs(car["speed"]) > 0.2:
+            rates.append(car["motion.yaw_rate"] / car["speed"] * WHEELBASE / math.tan(0.4))
+
+    car.drive(4.0, each=look)
+    assert math.copysign(car["speed"], torque) == car["speed"]
+    assert abs(car["speed"]) > 0.5
+    assert len(rates) > 100
+    # Slip angles at 2 m/s2 across are a hundredth of the steering; the tyres' springs swing when they start.
+    assert rates[-100:] == pytest.approx([1.0] * 100, abs=0.02)
+    assert rates == pytest.approx([1.0] * len(rates), abs=0.1)
+
+
 @pytest.mark.parametrize("name", DYNAMIC)
 @pytest.mark.parametrize("friction", [0.2, 0.6])
 def test_no_bend_takes_more_than_friction_gives(new_car: NewCar, name: str, friction: float) -> None:

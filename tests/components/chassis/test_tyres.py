@@ -5,6 +5,7 @@ from __future__ import annotations
 import ctypes
 import math
 import subprocess
+import sys
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -46,10 +47,12 @@ def grip(tmp_path_factory: pytest.TempPathFactory) -> Grip:
     """Forces per load, and their derivatives by the slip: of a tyre, its slip, slip angle, load and friction."""
     folder = tmp_path_factory.mktemp("tyre")
     (folder / "driver.c").write_text(DRIVER, encoding="utf-8")
-    target = folder / "driver.so"
-    options = ["-std=c99", "-O2", "-ffp-contract=off", "-shared", "-fPIC", f"-I{SHARED}"]
+    target = folder / f"driver{'.dll' if sys.platform == 'win32' else '.so'}"
+    options = ["-std=c99", "-O2", "-ffp-contract=off", "-shared", f"-I{SHARED}"]
+    options += [] if sys.platform == "win32" else ["-fPIC"]
+    math_library = [] if sys.platform == "win32" else ["-lm"]
     units = [str(SHARED / "tyre.c"), str(folder / "driver.c")]
-    subprocess.run([*find_compiler().command, *options, *units, "-o", str(target), "-lm"], check=True)
+    subprocess.run([*find_compiler().command, *options, *units, "-o", str(target), *math_library], check=True)
     library = ctypes.CDLL(str(target))
     library.drive.argtypes = [ctypes.c_double * 8, *[ctypes.c_double] * 4, ctypes.c_double * 4]
 

@@ -59,11 +59,6 @@ export function shortened(text: string, most: number): string {
   return letters.length > most ? letters.slice(0, most - 1).join("").trimEnd() + "\u2026" : letters.join("");
 }
 
-/** *text* with such marks spelt out, so that it reads as it is read by programs. */
-export function escaped(text: string): string {
-  return text.replace(TURNING, (mark) => `\\u${mark.codePointAt(0)!.toString(16)}`);
-}
-
 export function withUnit(text: string, unit: string): string {
   return unit ? `${text}\u202f${unit}` : text;
 }

@@ -1,5 +1,5 @@
 // What is kept with a study besides its runs, as dse/report/page/notes.py has it: the fields are called the same.
-import { escaped, shortened } from "./format";
+import { shortened } from "./format";
 
 const MOST_NAME = 80;
 const MOST_SENTENCE = 600;
@@ -47,7 +47,7 @@ export function readNotes(notes: Notes | null | undefined): Notes | null {
   const said = (text: string): string => shortened(text, MOST_SENTENCE);
   const { funnel } = notes;
   return {
-    sources: notes.sources.map((each) => ({ ...each, file: name(each.file), text: escaped(each.text) })),
+    sources: notes.sources.map((each) => ({ ...each, file: name(each.file) })),
     unfunnelled: said(notes.unfunnelled),
     funnel: funnel && {
       ...funnel,
