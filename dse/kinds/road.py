@@ -19,7 +19,7 @@ _PARAMETERS = ("start_station", "start_lane", "start_offset", "preview_spacing")
 
 
 class WaySection(Section):
-    """A way: ids of roads in order (none: along the segments, else the longest way straight on), and the lane it begins in."""
+    """A way: ids of roads in order (none: along the segments, else the longest straight on), and its first lane."""
 
     route: list[str | int] = []
     lane: int = 0

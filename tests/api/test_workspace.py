@@ -82,7 +82,7 @@ def test_notebooks_show_tables_with_everything_escaped(ws):
 
 def test_things_say_what_they_are(ws):
     assert repr(ws).endswith(f" {len(ws.components)} components, 3 designs, 5 benches, {len(ws.studies)} studies>")
-    assert repr(ws.designs) == "<designs: acc_vehicle, electric_acc>"
+    assert repr(ws.designs) == "<designs: acc_vehicle, electric_acc, road_acc>"
     assert repr(ws.designs["acc_vehicle"]) == "<Design acc_vehicle: 624 combinations, 7 constraints>"
     assert repr(ws.benches["acc_following"]).startswith("<Bench acc_following of acc_vehicle: 60 s")
     assert repr(ws.studies["small"]) == "<Study small on acc_following: controller.kp_speed, controller.kd_speed>"

@@ -15,12 +15,9 @@ from dse.loading.extensions import EXECUTORS, SAMPLERS
 from dse.loading.schema import FILE_KINDS, file_schema
 
 ROOT = Path(__file__).parents[2]
-FILES = sorted(
-    path
-    for folder in ("components", "designs", "roads", "testbenches")
-    for path in (ROOT / folder).rglob("*.yaml")
-    if not path.name.startswith("_")  # only for including: a part of a file
-)
+FOLDERS = ("components", "designs", "roads", "testbenches")
+# What is only for including has but a part of a file's keys.
+FILES = sorted(path for folder in FOLDERS for path in (ROOT / folder).rglob("[!_]*.yaml"))
 MODELINE = re.compile(r"# yaml-language-server: \$schema=(\S+)\n")
 
 
