@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from dataclasses import replace
+from dataclasses import asdict, replace
 
 import numpy as np
 import pytest
@@ -22,6 +22,7 @@ from dse.analysis import (
     robust_centre,
 )
 from dse.domain.definition import DefinedObjective, DefinedSampler
+from dse.domain.method import Algorithm, Method
 from dse.exploration import Band
 from dse.report import insight_of
 from dse.report.page.insight import insight_json
@@ -195,6 +196,15 @@ def test_of_several_objectives_the_volume_only_grows():
     volumes = [stage.volume for stage in search.stages]
     assert volumes == sorted(volumes)
     assert volumes[-1] == 1.0
+
+
+def test_of_a_method_is_told_what_is_not_plain():
+    table = plane(2)
+    definition = table.header.definition
+    in_turn = asdict(Method(algorithm=Algorithm.GAUSS_SEIDEL))
+    changed = replace(definition, simulation=replace(definition.simulation, method=in_turn))
+    told = insight_of(replace(table, header=replace(table.header, definition=changed))).asked.sentences
+    assert any(sentence.endswith(" s, algorithm gauss_seidel.") for sentence in told)
 
 
 @pytest.mark.parametrize("count", [0, 1, 2, 12])

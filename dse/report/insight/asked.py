@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import asdict
 
 from dse.domain.definition import DefinedVariable, StudyDefinition
+from dse.domain.method import PLAIN
 from dse.report.content.insight import Asked
 from dse.report.insight.naming import Naming
 from dse.storage import RunTable
@@ -35,7 +37,10 @@ def _sentences(table: RunTable, naming: Naming) -> Iterator[str]:
     bench = _titled(definition.bench.name, definition.bench.title)
     design = _titled(definition.design.name, definition.design.title)
     yield f"Bench {bench} on {_many(len(definition.configurations), 'configuration')} of the design space {design}."
-    method = "".join(f", {key} {value}" for key, value in simulation.method.items() if value)
+    plain = asdict(PLAIN)
+    method = "".join(
+        f", {key} {value}" for key, value in simulation.method.items() if value and value != plain.get(key)
+    )
     yield (
         f"Each run simulates {simulation.stop:g} s in steps of {simulation.step:g} s, "
         f"recorded every {simulation.record_every:g} s{method}."
