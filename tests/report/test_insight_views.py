@@ -287,6 +287,7 @@ def test_an_enumeration_is_a_choice_with_labels_in_every_view(open_report: Open)
     shown = (content.variables[0], dataclasses.replace(content.variables[1], labels=labels))
     page = opened(open_report(dataclasses.replace(content, variables=shown)), "conditions")
     assert page.locator("#matrix thead th").all_inner_texts()[1:] == list(labels)
+    assert "nothing between the values of surface" in opened(page, "plot").inner_text("#plane-note")
     opened(page, "understanding").select_option(".profile-control select", "2")
     settle(page)
     assert float(plain(page.inner_text("#prediction b")).split()[0]) > 1.5

@@ -54,7 +54,7 @@ def with_two_configurations(content: ReportContent) -> ReportContent:
 def test_bars_of_effects_are_as_long_as_the_shares(sliced: ReportContent) -> None:
     factors = (FactorAxis("kp", "1/s", 0, (0.0, 1.0)), FactorAxis("sensor", "", -1, (), ("a", "b")))
     response = Response(0, (Bar(0, (0.6, 0.5, 0.7)), Bar(1, (0.1, np.nan, np.nan))), (), None, ())
-    part = Part((0, 1), factors, 100, 100, 20, (), (response,))
+    part = Part((0, 1), factors, 100, 0, (), (response,))
     (figure,) = drawn("effects", with_insight(sliced, parts=(part,))).values()
     (axes,) = figure.axes
     assert [bar.get_width() for bar in axes.patches] == pytest.approx([10.0, 60.0])

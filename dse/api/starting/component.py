@@ -19,6 +19,7 @@ if TYPE_CHECKING:
 C, MODELICA = "c", "modelica"
 _ELSEWHERE = {
     "fmu": "'dse import fmu FILE.fmu' makes a component of a finished FMU",
+    "road": "a component.yaml that names the road's file is all: 'dse docs world'",
     "time_series": "columns of a file feed a bench under its 'inputs': 'dse docs formats'",
 }
 _C_TYPES = {Kind.REAL: "double", Kind.BOOLEAN: "bool", Kind.INTEGER: "int32_t", Kind.ENUMERATION: "int32_t"}

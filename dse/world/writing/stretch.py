@@ -27,14 +27,17 @@ def stretch(
     station, place = 0.0, start
     pieces: list[Piece] = []
     speeds: list[tuple[float, float]] = []
-    heights, banks, patches, changes, whole = [], [Cubic(0.0)], [], [(0.0, before, before)], []
+    heights: list[Cubic] = []
+    banks, patches, changes, whole = [Cubic(0.0)], [], [(0.0, before, before)], []
     lanes = before
     for segment in segments:
         made, pose = laid(place.pose, bends(segment))
-        pieces += made
+        pieces = _joined_lines([*pieces, *made])
         length = sum(piece.bend.length for piece in made)
         risen = list(_rise(segment, length, place))
-        heights += [replace(cubic, start=station + cubic.start) for cubic in risen]
+        for cubic in risen:
+            if not _goes_on(cubic, heights):
+                heights.append(replace(cubic, start=station + cubic.start))
         place = Place(pose, *_end(risen[-1], length))
         banks += [replace(cubic, start=station + cubic.start) for cubic in _banks(segment)]
         if not speeds or speeds[-1][1] != segment.speed_limit:
@@ -64,6 +67,23 @@ def stretch(
         patches=tuple(patches),
     )
     return road, place
+
+
+def _goes_on(cubic: Cubic, before: Sequence[Cubic]) -> bool:
+    """Whether the height rises as straight as it did *before*."""
+    return bool(before) and (before[-1].b, before[-1].c, before[-1].d) == (cubic.b, cubic.c, cubic.d) == (cubic.b, 0, 0)
+
+
+def _joined_lines(pieces: Sequence[Piece]) -> list[Piece]:
+    """The *pieces*, of which lines that follow each other are one."""
+    found: list[Piece] = []
+    for piece in pieces:
+        if found and not any((found[-1].bend.first, found[-1].bend.last, piece.bend.first, piece.bend.last)):
+            whole = Bend(found[-1].bend.length + piece.bend.length)
+            found[-1] = replace(found[-1], bend=whole)
+        else:
+            found.append(piece)
+    return found
 
 
 def bends(segment: Segment) -> tuple[Bend, ...]:

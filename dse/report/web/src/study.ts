@@ -128,7 +128,7 @@ export interface Study {
   waveforms: () => Promise<Map<string, Numbers>>;
 }
 
-const MOST_TITLE = 120;
+export const MOST_TITLE = 120;
 const MOST_UNIT = 20;
 
 interface Document {

@@ -94,13 +94,16 @@ function makePlane(study: Study, shown: Shown): Plane {
   const sliced = study.sampler === "sliced" && !study.slices.some((names) => names.includes(x) && names.includes(y));
   // Of a grid that is being made there are no levels yet to interpolate to.
   const spans = [horizontal, vertical].every(({ values, levels }) => new Set(on.map((run) => values[run])).size >= levels);
-  const lattice = sliced || !spans ? null : latticeOf(horizontal.values, vertical.values, runs);
+  const named = [horizontal, vertical].find(({ labels }) => labels.length > 0);
+  const lattice = sliced || !spans || named ? null : latticeOf(horizontal.values, vertical.values, runs);
   if (lattice) {
     const fields = latticeFields(study, lattice);
     return { ...base, on: runs, fields, note: fields.how };
   }
   const why = sliced
     ? "These two variables were not varied together in this study: only the runs are shown, no boundaries."
+    : named && runs.length
+      ? `There is nothing between the values of ${named.title}: only the runs are shown, no boundaries.`
     : runs.length
       ? "Too few runs of this plane have been made: only the runs are shown, no boundaries."
       : `No run of configuration ${study.configurations[configuration]?.id ?? ""} lies in this plane.`;

@@ -12,9 +12,9 @@ export function createAsked(study: Study, asked: Asked): HTMLElement {
       {},
       el("th", { scope: "row", title: variable.name }, variable.title),
       el("td", { class: "role" }, asked.roles[index] ?? ""),
-      el("td", { class: "numeric" }, withUnit(`${number(variable.low)} \u2026 ${number(variable.high)}`, variable.unit)),
+      el("td", { class: "numeric" }, variable.labels.length ? "" : withUnit(`${number(variable.low)} \u2026 ${number(variable.high)}`, variable.unit)),
       el("td", {}, asked.spreads[index] ?? ""),
-      el("td", { class: "numeric" }, withUnit(number(variable.nominal), variable.unit)),
+      el("td", { class: "numeric" }, variable.labels.length ? variable.text(variable.nominal) : withUnit(number(variable.nominal), variable.unit)),
     ),
   );
   const table = el(

@@ -1,7 +1,7 @@
 // Where on a factor's axis a value lies: 0 … 1, and back.
-import { number, withUnit } from "../../format";
+import { number, shortened, withUnit } from "../../format";
 import type { FactorAxis } from "../../insight";
-import type { Study, Variable } from "../../study";
+import { MOST_TITLE, type Study, type Variable } from "../../study";
 
 export function valueAt({ values }: FactorAxis, place: number): number {
   const at = place * (values.length - 1);
@@ -37,7 +37,7 @@ export function levelOf(study: Study, factor: FactorAxis, run: number): string {
 
 /** The variable that a choice is, if it is no place of the design space. */
 export function labelled(study: Study, factor: FactorAxis): Variable | undefined {
-  return study.variables.find(({ name, labels }) => labels.length > 0 && name === factor.title);
+  return study.variables.find(({ title, labels }) => labels.length > 0 && title === shortened(factor.title, MOST_TITLE));
 }
 
 /** The place of a run on each factor; of no run (-1) the nominal one, or the first level. */
