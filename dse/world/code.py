@@ -9,7 +9,8 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from dse.world.tables import LaneBand, Piecewise, RoadPath, RoadTables
+from dse.world.opendrive.roadside import COLOURS
+from dse.world.tables import LaneBand, Light, Piecewise, RoadPath, RoadTables
 
 STRUCT = "road"
 """The name of the struct in C, and of the header."""
@@ -67,10 +68,15 @@ def _path_text(path: RoadPath, number: int) -> tuple[str, str]:
         lanes.append(f"{{{lane.number}, {', '.join(places)}}}")
     patches = [_numbers((p.start, p.end, p.right, p.left, p.friction)) for p in path.patches]
     rows = np.hstack(columns.blocks)
+    numbered = [(light, f"phases_{number}_{i}") for i, light in enumerate(path.lights)]
+    phases = [_array(f"path_phase {name}", _phases(light)) for light, name in numbered if light.phases]
+    lights = [_light(light, name, _along(light.station, starts, lengths[0])) for light, name in numbered]
     arrays = [
         _array(f"double rows_{number}", [_numbers(row)[1:-1] for row in rows]),
         _array(f"path_lane lanes_{number}", lanes),
         *([_array(f"path_patch patches_{number}", patches)] if patches else []),
+        *phases,
+        *([_array(f"path_light lights_{number}", lights)] if lights else []),
     ]
     fields = {
         "length": repr(float(path.length)),
@@ -84,8 +90,25 @@ def _path_text(path: RoadPath, number: int) -> tuple[str, str]:
         "lanes": f"lanes_{number}",
         "patch_count": len(patches),
         "patches": f"patches_{number}" if patches else 0,
+        "light_count": len(lights),
+        "lights": f"lights_{number}" if lights else 0,
     }
     return "\n".join(arrays), "{" + ", ".join(f".{name} = {value}" for name, value in fields.items()) + "}"
+
+
+def _phases(light: Light) -> list[str]:
+    return [f"{{{1 + COLOURS.index(colour)}, {float(seconds)!r}}}" for colour, seconds in light.phases]
+
+
+def _light(light: Light, phases: str, along: float) -> str:
+    numbers = ", ".join(repr(float(each)) for each in (along, light.shift, sum(seconds for _, seconds in light.phases)))
+    return f"{{{numbers}, {len(light.phases)}, {phases if light.phases else 0}}}"
+
+
+def _along(station: float, starts: Array, lengths: Array) -> float:
+    """How far along the middle of a lane a station is, by its *lengths* on the pieces."""
+    piece = max(int(np.searchsorted(starts, station, side="right")) - 1, 0)
+    return float(np.polynomial.polynomial.polyval(station - starts[piece], lengths[piece]))
 
 
 def _slipperiness(lane: LaneBand, starts: Array) -> Array:

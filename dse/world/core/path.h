@@ -27,15 +27,29 @@ typedef struct {
     double start, end, right, left, friction;
 } path_patch;
 
+/* A traffic light, *along* the middle of the path's own lane; it shows one phase after the other from *shift* s on,
+ * and nothing if it has none. Colours are counted as in the interface road. */
+typedef struct {
+    int32_t colour;
+    double seconds;
+} path_phase;
+
+typedef struct {
+    double along, shift, cycle;
+    int32_t phase_count;
+    const path_phase *phases;
+} path_light;
+
 typedef struct {
     double length;
     bool closed, has_slippery_lanes;
     int32_t pieces, stride; /* rows, and numbers in each: where it starts, x (6), y (6), then the quantities */
     const double *rows;
     path_quantity height, bank, limit;
-    int32_t lane_count, patch_count;
+    int32_t lane_count, patch_count, light_count;
     const path_lane *lanes;
     const path_patch *patches;
+    const path_light *lights;
 } path_table;
 
 typedef struct {

@@ -8,6 +8,9 @@
 #define PI 3.14159265358979323846
 #define JUMP 10.0 /* m: what moves farther in a step was put there; its foot is looked for everywhere */
 #define NOBODY 0
+#define NO_LIGHT 0
+#define UNLIT 1
+#define SLACK 1e-9 /* s: a change of phase that is due now is not a step late */
 
 /* Where the host is. */
 typedef struct {
@@ -259,8 +262,32 @@ static void place_actor(road *self, const host_place *host, int32_t i) {
     }
 }
 
+/* The nearest light ahead: a light without phases is there, and unlit. */
+static void tell_light(road *self, const host_place *host) {
+    const path_light *nearest = NULL;
+    double distance = HUGE_VAL;
+    for (int32_t i = 0; i < host->path->light_count; ++i) {
+        double ahead = ahead_of(host, host->path->lights[i].along);
+        if (ahead >= 0 && ahead < distance) {
+            nearest = &host->path->lights[i];
+            distance = ahead;
+        }
+    }
+    self->out.light.distance = nearest ? distance : 0;
+    self->out.light.colour = nearest ? UNLIT : NO_LIGHT;
+    self->out.light.remaining = 0;
+    if (!nearest || nearest->phase_count == 0) return;
+    double time = self->base_time + (double)self->steps * self->step + SLACK - nearest->shift;
+    double into = time - nearest->cycle * floor(time / nearest->cycle);
+    const path_phase *phase = nearest->phases, *last = phase + nearest->phase_count - 1;
+    for (; phase < last && into >= phase->seconds; ++phase) into -= phase->seconds;
+    self->out.light.colour = phase->colour;
+    self->out.light.remaining = fmax(phase->seconds - into + SLACK, 0);
+}
+
 static void output(road *self) {
     host_place host = place_host(self);
+    tell_light(self, &host);
     tell_ground(self, &host);
     tell_lane(self, &host);
     tell_preview(self, &host);
@@ -288,10 +315,18 @@ void road_init(road *self) {
         self->mover_pieces[i] = 0;
         self->crosses[i] = false;
     }
+    self->base_time = 0;
+    self->step = 0;
+    self->steps = 0;
     output(self);
 }
 
 void road_step(road *self, double h) {
-    (void)h;
+    if (h != self->step) {
+        self->base_time += (double)self->steps * self->step;
+        self->step = h;
+        self->steps = 0;
+    }
+    self->steps += 1;
     output(self);
 }

@@ -57,6 +57,11 @@ typedef struct {
             double x, y, heading;
         } start;
         road_actor actors[ROAD_ACTORS];
+        struct {
+            double distance;
+            int32_t colour;
+            double remaining;
+        } light;
     } out;
     struct {
         double start_station, start_offset, preview_spacing; /* m; 0: no preview */
@@ -67,6 +72,8 @@ typedef struct {
     int32_t piece, mover_pieces[ROAD_ACTORS], crossing_pieces[ROAD_ACTORS];
     double crossing_stations[ROAD_ACTORS];
     bool crosses[ROAD_ACTORS];
+    double base_time, step; /* time is base_time + steps * step, never a sum of steps */
+    int64_t steps;
 } road;
 
 void road_init(road *self);

@@ -167,7 +167,7 @@ function createPen(width: number, height: number, definitions: string[]): { pen:
     drawImage(image, x, y, w, h) {
       const { a, d } = hidden.matrix;
       const [left, top] = place(x, y).split(" ");
-      put(`<image x="${left}" y="${top}" width="${round(a * w)}" height="${round(d * h)}" href="${image.toDataURL()}" style="image-rendering:pixelated"/>`);
+      put(`<image x="${left}" y="${top}" width="${round(a * w)}" height="${round(d * h)}" href="${image.toDataURL()}" image-rendering="pixelated"/>`);
     },
     tiled(side, draw) {
       const tile = createPen(side, side, definitions);
