@@ -6,6 +6,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 from pathlib import Path
+from typing import TypeVar
 
 import numpy as np
 
@@ -16,10 +17,12 @@ from dse.world.lane_graph import LaneGraph, LanePlace, lane_at, lane_graph
 from dse.world.opendrive.curves import curve_of
 from dse.world.opendrive.driving import runs_along
 from dse.world.opendrive.reading import read_network
-from dse.world.opendrive.structure import Cubic, Network, Road
+from dse.world.opendrive.structure import Cubic, Network, Road, Sign, Signal
 from dse.world.pieces import backwards, from_cubics, in_a_row, joined, quintics, steps
 from dse.world.routes import Route, Way, way_of
 from dse.world.tables import LaneBand, Light, Patch, Piecewise, RoadPath, RoadTables
+
+_Standing = TypeVar("_Standing", Signal, Sign)
 
 
 def read_road_tables(path: Path, file: str, routes: Sequence[Route] = ()) -> RoadTables:
@@ -56,6 +59,11 @@ class _Passage:
     def length(self) -> float:
         """How far it goes, in m."""
         return self.end - self.start
+
+    def from_start(self, s: float) -> float:
+        """How far along it a station of its road lies."""
+        s = min(s, self.road.length)
+        return s - self.start if self.along else self.end - s
 
     def turned(self, piecewise: Piecewise, sign: float = 1.0) -> Piecewise:
         """What counts from *start* on, in the direction of travel."""
@@ -172,7 +180,21 @@ def _speed_limit(passage: _Passage) -> Piecewise:
         values.append((section.s, before[-1] if before else 0.0))
         values += [(limit.s, limit.speed) for limit in road.limits if section.s < limit.s < until]
         values += [(limit.s, limit.speed) for limit in own]
-    return passage.turned(steps(values, passage.start, passage.end, 0.0))
+    written = passage.turned(steps(values, passage.start, passage.end, 0.0))
+    signs = [(passage.from_start(sign.s), sign.speed) for sign in _meant(passage, road.signs)]
+    return _with_signs(written, sorted(sign for sign in signs if sign[0] < passage.length))
+
+
+def _with_signs(written: Piecewise, signs: list[tuple[float, float]]) -> Piecewise:
+    """A sign holds until the next one, the next limit that is *written*, or the end of the road; 0 ends it."""
+    if not signs:
+        return written
+    changes = [*zip(written.starts.tolist(), written.coefficients[:, 0].tolist(), strict=True)]
+    told = dict(changes)
+    for station, speed in signs:
+        told[station] = speed or next(value for start, value in reversed(changes) if start <= station)
+    starts = sorted(told)
+    return Piecewise(np.array(starts), np.array([[told[start]] for start in starts]))
 
 
 def _patches(passage: _Passage, begin: float) -> Iterator[Patch]:
@@ -187,14 +209,17 @@ def _patches(passage: _Passage, begin: float) -> Iterator[Patch]:
 
 
 def _lights(passage: _Passage, begin: float) -> Iterator[Light]:
-    road = passage.road
-    facing = {"none", "+" if passage.along else "-"}
-    found: list[Light] = []
-    for signal in road.signals:
-        s = min(signal.s, road.length)
-        lanes = [p.lane for p in passage.places if road.sections[p.section].s <= s <= road.sections[p.section].end]
+    lights = _meant(passage, passage.road.signals)
+    found = [Light(light.id, begin + passage.from_start(light.s), light.phases, light.shift) for light in lights]
+    yield from sorted(found, key=lambda light: light.station)
+
+
+def _meant(passage: _Passage, signals: Iterable[_Standing]) -> Iterator[_Standing]:
+    """Those that look at who drives here, and are for the lane."""
+    sections, facing = passage.road.sections, {"none", "+" if passage.along else "-"}
+    for signal in signals:
+        s = min(signal.s, passage.road.length)
+        lanes = [p.lane for p in passage.places if sections[p.section].s <= s <= sections[p.section].end]
         meant = not signal.lanes or any(min(pair) <= lane <= max(pair) for pair in signal.lanes for lane in lanes)
         if signal.orientation in facing and lanes and meant:
-            station = s - passage.start if passage.along else passage.end - s
-            found.append(Light(signal.id, begin + station, signal.phases, signal.shift))
-    yield from sorted(found, key=lambda light: light.station)
+            yield signal

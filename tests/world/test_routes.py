@@ -181,6 +181,26 @@ def test_a_lane_that_goes_on_elsewhere_is_refused_with_the_line_of_the_road(tmp_
         road_tables(network(tmp_path, *moved))
 
 
+def test_a_sign_limits_who_drives_towards_it_until_the_next_limit(tmp_path: Path) -> None:
+    signs = (
+        '<type s="0" type="town"><speed max="100" unit="km/h"/></type><type s="40" type="town"><speed max="20"/></type>'
+        '<signals><signal id="1" s="10" t="-4" orientation="+" country="DE" type="274" value="30" unit="mph"/>'
+        '<signal id="2" s="25" t="-4" dynamic="no" orientation="+" country="OpenDRIVE" type="278"/>'
+        '<signal id="3" s="50" t="4" dynamic="no" orientation="-" country="DE" type="274" value="-1" subtype="60"/>'
+        '<signal id="4" s="30" t="4" dynamic="no" orientation="+" country="US" type="274" value="5"/>'
+        '<signal id="5" s="30" t="4" dynamic="no" orientation="none" country="DE" type="274" value="5">'
+        '<validity fromLane="2" toLane="2"/></signal>'
+        '<signal id="6" s="60" t="-4" orientation="+" country="DE" type="274" value="5"/></signals>'
+    )
+    one = road("1", geometry(0.0, 0.0, 0.0, 0.0, 60.0), 60.0, section(0.0, lane(1), lane(-1)), more=signs)
+    along, against = (road_tables(network(tmp_path, one), [Route(("1",), id_)]).paths[0] for id_ in (-1, 1))
+    written, told = 100 / 3.6, 30 * 0.44704
+    stations = np.array([5.0, 15.0, 35.0, 45.0])
+    assert value(along.speed_limit, stations) == pytest.approx([written, told, written, 20.0])
+    # Against the stations the sign stands 10 m after the start, and what is written changes at 20 m.
+    assert value(against.speed_limit, np.array([5.0, 15.0, 25.0])) == pytest.approx([20.0, 60 / 3.6, written])
+
+
 def test_limits_lights_and_slippery_patches_lie_along_the_path(tmp_path: Path) -> None:
     limits = '<type s="0" type="town"><speed max="50" unit="km/h"/></type><type s="30" type="town"/>'
     own = '<speed sOffset="40" max="20" unit="mph"/><material sOffset="25" friction="0.3"/>'

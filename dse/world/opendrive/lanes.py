@@ -12,7 +12,7 @@ from dse.world.opendrive.structure import Cubic, Lane, Limit, Section
 from dse.world.opendrive.values import cubic, in_order, number, text, whole
 
 _KMH = 1000.0 / 3600.0
-_UNITS = {"m/s": 1.0, "km/h": _KMH, "mph": 1609.344 / 3600.0}
+SPEED_UNITS = {"m/s": 1.0, "km/h": _KMH, "mph": 1609.344 / 3600.0}
 _UNLIMITED = ("no limit", "undefined")
 
 
@@ -57,9 +57,9 @@ def read_limit(element: XmlElement, s: float) -> Limit:
     if element.get("max").strip() in _UNLIMITED:
         return Limit(s, 0.0)
     unit = element.get("unit", "m/s").strip() or "m/s"
-    if unit not in _UNITS:
+    if unit not in SPEED_UNITS:
         raise fail(f"<speed>: '{shortened(unit)}' is no unit of a speed", element.where, "possible: km/h, m/s, mph")
-    return Limit(s, number(element, "max", least=0.0) * _UNITS[unit])
+    return Limit(s, number(element, "max", least=0.0) * SPEED_UNITS[unit])
 
 
 def _completed(raw: tuple[_Raw, ...], length: float) -> Iterator[Section]:

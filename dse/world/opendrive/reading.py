@@ -12,8 +12,8 @@ from dse.world.opendrive.checks import network_problems, road_problems
 from dse.world.opendrive.driving import DRIVEN
 from dse.world.opendrive.geometry import read_geometries
 from dse.world.opendrive.lanes import read_limit, read_offsets, read_sections
-from dse.world.opendrive.roadside import Cycle, read_cycle, read_signals, read_slicks
-from dse.world.opendrive.structure import Connection, Cubic, End, Junction, Limit, Network, Road, RoadLink, Signal
+from dse.world.opendrive.roadside import Cycle, read_cycle, read_signals, read_signs, read_slicks
+from dse.world.opendrive.structure import Connection, Cubic, End, Junction, Limit, Network, Road, RoadLink, Sign, Signal
 from dse.world.opendrive.values import cubic, in_order, number, text, whole
 
 _UNFLAT = {"shape": "a lateral <shape>", "crossfall": "a <crossfall>", "crossSectionSurface": "a <crossSectionSurface>"}
@@ -88,8 +88,10 @@ def _road(element: XmlElement, named: Mapping[str, XmlElement], cycles: Mapping[
     refused = Problems(_unsupported(element))
     limits: tuple[Limit, ...] = ()
     signals: tuple[Signal, ...] = ()
+    signs: tuple[Sign, ...] = ()
     with refused:
         limits, signals = tuple(_limits(element)), tuple(read_signals(element, named, cycles))
+        signs = tuple(read_signs(element, named))
     road = Road(
         text(element, "id"),
         length,
@@ -104,6 +106,7 @@ def _road(element: XmlElement, named: Mapping[str, XmlElement], cycles: Mapping[
         limits,
         tuple(read_slicks(element, refused)),
         signals,
+        signs,
         (),
         element.where,
     )

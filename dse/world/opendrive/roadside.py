@@ -1,4 +1,4 @@
-"""What stands on a road: traffic lights and patches that are slippery."""
+"""What stands on a road: traffic lights, speed limits and patches that are slippery."""
 
 from __future__ import annotations
 
@@ -7,7 +7,8 @@ from collections.abc import Iterator, Mapping
 
 from dse.errors import Problem, fail
 from dse.formats import XmlElement, real_of, shortened
-from dse.world.opendrive.structure import Signal, Slick
+from dse.world.opendrive.lanes import SPEED_UNITS
+from dse.world.opendrive.structure import Sign, Signal, Slick
 from dse.world.opendrive.values import number, text, whole
 
 PHASES, SHIFT = "dse.phases", "dse.shift"
@@ -18,6 +19,9 @@ COLOURS = ("off", "red", "red_yellow", "yellow", "green")
 
 _LIGHTS = {"1000001", "1000009", "1000010", "1000011", "1000012"}
 """Lights for vehicles in the catalogue of OpenDRIVE; those for pedestrians and trams are not obeyed by cars."""
+
+_LIMIT, _LIMIT_ENDS = "274", "278"
+_GERMAN = {"de", "deu", "opendrive", ""}
 
 Cycle = tuple[tuple[tuple[str, float], ...], float]
 """Phases and their shift."""
@@ -40,15 +44,19 @@ def read_signals(road: XmlElement, named: Mapping[str, XmlElement], cycles: Mapp
 
     Raises DseError located where one cannot be understood.
     """
-    for element in road.below("signals", "signal"):
-        if _is_light(element):
-            yield _signal(element, element, cycles)
-    for element in road.below("signals", "signalReference"):
-        signal = named.get(text(element, "id"))
-        if signal is None:
-            raise fail(f"there is no signal '{shortened(element.get('id'))}'", element.where)
+    for stands, signal in _standing(road, named):
         if _is_light(signal):
-            yield _signal(element, signal, cycles)
+            yield _signal(stands, signal, cycles)
+
+
+def read_signs(road: XmlElement, named: Mapping[str, XmlElement]) -> Iterator[Sign]:
+    """The speed limits that signs of a road tell: 274 and its end, 278, of the German catalogue, which OpenDRIVE's
+    examples use. Raises DseError located where one cannot be understood."""
+    for stands, signal in _standing(road, named):
+        if signal.get("country", "OpenDRIVE").lower() in _GERMAN and signal.get("type") in {_LIMIT, _LIMIT_ENDS}:
+            speed = 0.0 if signal.get("type") == _LIMIT_ENDS else _told_speed(signal)
+            if speed is not None:
+                yield Sign(*_place(stands), speed)
 
 
 def read_slicks(road: XmlElement, refused: list[Problem]) -> Iterator[Slick]:
@@ -64,6 +72,29 @@ def read_slicks(road: XmlElement, refused: list[Problem]) -> Iterator[Slick]:
             refused.append(Problem(what, element.where))
         else:
             yield Slick(*sides, number(material, "friction", least=0.0), element.where)
+
+
+def _standing(road: XmlElement, named: Mapping[str, XmlElement]) -> Iterator[tuple[XmlElement, XmlElement]]:
+    """What says where a signal stands, and what says what it is."""
+    for element in road.below("signals", "signal"):
+        yield element, element
+    for element in road.below("signals", "signalReference"):
+        signal = named.get(text(element, "id"))
+        if signal is None:
+            raise fail(f"there is no signal '{shortened(element.get('id'))}'", element.where)
+        yield element, signal
+
+
+def _told_speed(signal: XmlElement) -> float | None:
+    """In m/s: the sign's value, else its subtype in km/h as the catalogue has it (274-50); None if it has neither."""
+    told, unit = real_of(signal.get("value")), signal.get("unit", "km/h").strip() or "km/h"
+    if told is None or told <= 0.0:
+        told, unit = real_of(signal.get("subtype")), "km/h"
+    if told is None or not 0.0 < told < math.inf:
+        return None
+    if unit not in SPEED_UNITS:
+        raise fail(f"'{shortened(unit)}' is no unit of a speed", signal.where, f"possible: {', '.join(SPEED_UNITS)}")
+    return told * SPEED_UNITS[unit]
 
 
 def _rectangle(element: XmlElement) -> tuple[float, float, float, float] | None:
@@ -94,11 +125,16 @@ def _signal(stands: XmlElement, signal: XmlElement, cycles: Mapping[str, Cycle])
     id_ = text(signal, "id")
     own = read_cycle(signal)
     phases, shift = own if own[0] else cycles.get(id_, own)
+    return Signal(id_, *_place(stands), phases, shift, stands.where)
+
+
+def _place(stands: XmlElement) -> tuple[float, str, tuple[tuple[int, int], ...]]:
+    """Where a signal stands, which way it looks, and the lanes it is for."""
     lanes = tuple((whole(v, "fromLane"), whole(v, "toLane")) for v in stands.all("validity"))
     orientation = stands.get("orientation", "none").strip()
     if orientation not in {"+", "-", "none"}:
         raise fail(f"<{stands.tag}>: 'orientation' is '{shortened(orientation)}'", stands.where, "possible: +, -, none")
-    return Signal(id_, number(stands, "s", least=0.0), orientation, lanes, phases, shift, stands.where)
+    return number(stands, "s", least=0.0), orientation, lanes
 
 
 def _phase(data: XmlElement, part: str) -> tuple[str, float]:

@@ -164,6 +164,16 @@ class Signal:
 
 
 @dataclass(frozen=True, slots=True)
+class Sign:
+    """A speed limit in m/s (0: its end) that a sign tells, which stands as a Signal does."""
+
+    s: float
+    orientation: str
+    lanes: tuple[tuple[int, int], ...]
+    speed: float
+
+
+@dataclass(frozen=True, slots=True)
 class Road:
     """A road: its reference line, heights, lanes and what stands on it.
 
@@ -184,6 +194,7 @@ class Road:
     limits: tuple[Limit, ...]
     slicks: tuple[Slick, ...]
     signals: tuple[Signal, ...]
+    signs: tuple[Sign, ...]
     refused: tuple[Problem, ...]
     where: Location
 
