@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 import pytest
-from report_pages import Open
+from report_pages import Open, open_tab
 
 from dse.domain.notes import Absent, Funnel, Left, Notes, SourceText, digest_of
 from dse.report.content.insight import Asked, Insight
@@ -36,7 +36,7 @@ def _with(content: ReportContent, notes: Notes | None, *retried: Retried) -> Rep
 def test_files_are_shown_as_text_and_nothing_else(sliced: ReportContent, open_report: Open) -> None:
     source = SourceText("study", f"gains{HOSTILE}.yaml", TEXT, digest_of(TEXT))
     page = open_report(_with(sliced, Notes((source,))))
-    page.click("#tab-overview")
+    open_tab(page, "overview")
     page.click("#sources summary")
     shown = page.text_content("#sources pre")
     assert shown == TEXT.replace("\u202e", "\\u202e")
@@ -47,7 +47,7 @@ def test_files_are_shown_as_text_and_nothing_else(sliced: ReportContent, open_re
 
 def test_a_study_without_its_files_says_so(sliced: ReportContent, open_report: Open) -> None:
     page = open_report(_with(sliced, None))
-    page.click("#tab-overview")
+    open_tab(page, "overview")
     assert "not kept with this study" in page.inner_text("#sources")
 
 
@@ -58,7 +58,7 @@ def test_tries_that_were_made_again_are_warned_of(sliced: ReportContent, open_re
         Retried("", (5,)),
     )
     page = open_report(_with(sliced, None, *retried))
-    page.click("#tab-overview")
+    open_tab(page, "overview")
     lines = {text for text in page.locator("#warnings li").all_inner_texts() if "more than one try" in text}
     assert len(lines) == 3
     assert any("20 runs (0, 1, 2, 3, 4, 5, 6, 7, …) needed more than one try: worker crashed" in line for line in lines)
@@ -68,7 +68,7 @@ def test_tries_that_were_made_again_are_warned_of(sliced: ReportContent, open_re
 
 def test_what_constraints_leave_is_a_waterfall(sliced: ReportContent, open_report: Open) -> None:
     page = open_report(_with(sliced, Notes(funnel=FUNNEL)))
-    page.click("#tab-designs")
+    open_tab(page, "designs")
     rows = page.locator("#funnel tbody tr").all()
     assert [row.locator("td").first.inner_text() for row in rows][:3] == [
         "624 (100\u202f%)",
