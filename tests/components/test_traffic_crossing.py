@@ -40,7 +40,7 @@ def arrival(offsets: list[float], conflict: float) -> float:
 
 
 def test_it_reaches_the_conflict_point_when_the_host_does(new_part: NewPart) -> None:
-    @settings(max_examples=40, deadline=None, derandomize=True)
+    @settings(max_examples=15, deadline=None, derandomize=True)
     @given(host=st.floats(5, 30), seconds=st.floats(20, 24), **WAYS)
     def check(host: float, seconds: float, **ways: Any) -> None:
         part = crosser(new_part, station=1000.0, **ways)
@@ -57,7 +57,7 @@ def test_it_reaches_the_conflict_point_when_the_host_does(new_part: NewPart) -> 
 
 
 def test_it_reaches_the_conflict_point_at_the_time_set_and_moves_as_a_body_does(new_part: NewPart) -> None:
-    @settings(max_examples=40, deadline=None, derandomize=True)
+    @settings(max_examples=15, deadline=None, derandomize=True)
     @given(at=st.floats(1, 24), **WAYS)
     def check(at: float, **ways: Any) -> None:
         part = crosser(new_part, timing="time", conflict_time=at, **ways)
