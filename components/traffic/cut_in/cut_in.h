@@ -1,0 +1,38 @@
+/* A vehicle that changes lanes before the host, and one that may stand where it drove. The parameters of UN R157
+   (annex 4, appendix 3, guidance on critical scenarios): its speed Vo0 against the host's Ve0, the gap dx0
+   at which it begins, the lateral speed Vy (here its greatest, in the middle of the quintic), of a cut-out the gap
+   dx0_f to the one that stands. Once it has begun it does not mind the host. */
+#ifndef CUT_IN_H
+#define CUT_IN_H
+
+#include "../profile/lane_shift.h"
+#include "../profile/speed_profile.h"
+#include "../profile/traffic.h"
+
+typedef struct {
+    traffic_in in;
+    traffic_out out;
+    struct {
+        int32_t vehicle, speed_over, begin;
+        int32_t from_lane, to_lane, host_lane;
+        double lane_width, lateral_speed;
+        double initial_gap, host_front, lap_length;
+        double speed, begin_time, begin_gap;
+        double change_delay, change_rate, final_speed;
+        bool standing;
+        double standing_gap, standing_length, standing_width, standing_height;
+        double length, width, height;
+    } par;
+    double start, standing_at;      /* stations of their centres */
+    double speed, travelled;        /* at the start; m since */
+    double sense;                   /* 1: the gap gets smaller until it begins, -1: larger */
+    bool has_begun;
+    double begun_at;                /* s */
+    lane_shift shift;
+    counted_time time;
+} cut_in;
+
+void cut_in_init(cut_in *self);
+void cut_in_step(cut_in *self, double h);
+
+#endif
