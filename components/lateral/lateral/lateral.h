@@ -8,16 +8,22 @@
 #define LATERAL_POINTS 24
 
 typedef struct {
-    struct {
-        double x, y, heading, speed, lateral_speed, yaw_rate, acceleration, lateral_acceleration;
-    } motion;
-    struct {
-        double station, offset, heading, curvature, width, grade, bank, speed_limit;
-        bool on_road;
-    } lane;
-    struct {
-        double distance, x, y, heading, curvature;
-    } preview[LATERAL_POINTS];
+    double x, y, heading, speed, lateral_speed, yaw_rate, acceleration, lateral_acceleration;
+} lateral_motion;
+
+typedef struct {
+    double station, offset, heading, curvature, width, grade, bank, speed_limit;
+    bool on_road;
+} lateral_lane;
+
+typedef struct {
+    double distance, x, y, heading, curvature;
+} lateral_preview;
+
+typedef struct {
+    lateral_motion motion;
+    lateral_lane lane;
+    lateral_preview preview[LATERAL_POINTS];
 } lateral_in;
 
 typedef struct {

@@ -1,30 +1,17 @@
 #include "range_sensor.h"
 
+#include "../sensing/sensing.h"
+
 #include <math.h>
 
 #define LENGTH (RANGE_SENSOR_LATENCY + 1)
-
-/* SplitMix64 (Steele, Lea, Flood 2014): uniform on (0, 1], never 0 so that its logarithm exists. */
-static double uniform(uint64_t *state) {
-    uint64_t z = *state += UINT64_C(0x9E3779B97F4A7C15);
-    z = (z ^ (z >> 30)) * UINT64_C(0xBF58476D1CE4E5B9);
-    z = (z ^ (z >> 27)) * UINT64_C(0x94D049BB133111EB);
-    z ^= z >> 31;
-    return (double)((z >> 11) + 1) * 0x1p-53;
-}
-
-/* What a rain or snow of *rate* m/s takes from a wave, 1/m, one way. */
-static double attenuation(double rate, double loss, double exponent) {
-    if (!(rate > 0 && loss > 0)) return 0;
-    return loss * pow(rate * 3.6e6, exponent) * (log(10) / 10 / 1000);
-}
 
 /* The range in this weather; that in clear air, to the bit, where nothing lies between. */
 static double reach(const range_sensor *self) {
     double range = self->par.max_range;
     double lost = self->par.fog_share * self->in.visibility.fog_extinction +
-                  attenuation(self->in.visibility.rain_rate, self->par.rain_loss, self->par.rain_exponent) +
-                  attenuation(self->in.visibility.snow_rate, self->par.snow_loss, self->par.snow_exponent);
+                  sensing_attenuation(self->in.visibility.rain_rate, self->par.rain_loss, self->par.rain_exponent) +
+                  sensing_attenuation(self->in.visibility.snow_rate, self->par.snow_loss, self->par.snow_exponent);
     if (self->in.visibility.darkness > 0 && self->par.night_range > 0 && self->par.night_range < range) {
         range += fmin(self->in.visibility.darkness, 1) * (self->par.night_range - range);
     }
@@ -47,8 +34,8 @@ static range_sensor_target measured(range_sensor *self, range_sensor_target last
     /* Two numbers are drawn per sample, seen or not: noise does not depend on what was seen before. */
     double radius = 0, angle = 0;
     if (self->par.gap_noise > 0 || self->par.closing_speed_noise > 0) {
-        radius = sqrt(-2 * log(uniform(&self->random)));
-        angle = 6.283185307179586 * uniform(&self->random);
+        radius = sqrt(-2 * log(sensing_uniform(&self->random)));
+        angle = 6.283185307179586 * sensing_uniform(&self->random);
     }
     now.detected = self->in.scene.hit && self->in.scene.range <= reach(self) &&
                    2 * fabs(azimuth) <= self->par.field_of_view;

@@ -1,0 +1,334 @@
+"""Object sensors against geometry done another way, closed forms of their physics, and statistics of their noise."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import given, settings, strategies as st
+from numpy.typing import NDArray
+
+NewPart = Callable[..., Any]
+Point = tuple[float, float]
+SENSORS = ["object_radar_long", "object_radar_mid", "object_lidar", "object_camera", "object_perfect"]
+CLEAN: dict[str, Any] = {
+    "range_noise": 0.0, "relative_noise": 0.0, "azimuth_noise": 0.0, "doppler_noise": 0.0,
+    "dropout": 0.0, "latency": 0, "mount": 0.0,
+}  # fmt: skip
+CAR: dict[str, Any] = {"class": "car", "length": 4.0, "width": 2.0, "height": 1.5}
+WALKER: dict[str, Any] = {"class": "pedestrian", "length": 0.4, "width": 0.6, "height": 1.8}
+TRUCK: dict[str, Any] = {"class": "truck", "length": 12.0, "width": 2.5, "height": 4.0}
+
+
+def clean(new_part: NewPart, name: str, **parameters: Any) -> Any:
+    part = new_part(name)
+    for key, value in (CLEAN | parameters).items():
+        if key in part.slots:
+            part[key] = value
+    return part
+
+
+def place(part: Any, number: int, x: float, y: float = 0.0, heading: float = 0.0, **values: Any) -> None:
+    for name, value in {**CAR, "id": number, "x": x, "y": y, "heading": heading, **values}.items():
+        part[f"actors[{number}].{name}"] = value
+
+
+def seen(part: Any) -> list[dict[str, float]]:
+    part.step()
+    return told(part)
+
+
+def told(part: Any) -> list[dict[str, float]]:
+    keys = ("range", "azimuth", "range_rate", "strength", "class", "width")
+    return [{k: part[f"detections[{i}].{k}"] for k in keys} for i in range(1, 17) if part[f"detections[{i}].valid"]]
+
+
+def corners(x: float, y: float, heading: float, length: float, width: float) -> list[Point]:
+    c, s = math.cos(heading), math.sin(heading)
+    ends = [(-length, -width), (length, -width), (length, width), (-length, width)]
+    return [(x + (a * c - b * s) / 2, y + (a * s + b * c) / 2) for a, b in ends]
+
+
+def fan(boxes: list[list[Point]], azimuths: NDArray[np.float64]) -> tuple[Any, Any, Any]:
+    """Of each ray from the origin: the distance it goes, the box and the side of it that it meets (-1: none)."""
+    dx, dy = np.cos(azimuths), np.sin(azimuths)
+    best, which, side = np.full(len(dx), np.inf), np.full(len(dx), -1), np.full(len(dx), -1)
+    for number, box in enumerate(boxes):
+        for k, ((ax, ay), (bx, by)) in enumerate(zip(box, box[1:] + box[:1], strict=True)):
+            ex, ey = bx - ax, by - ay
+            with np.errstate(divide="ignore", invalid="ignore"):
+                far, share = (ax * ey - ay * ex) / (dx * ey - dy * ex), (ax * dy - ay * dx) / (dx * ey - dy * ex)
+            met = (far > 0) & (share >= 0) & (share <= 1) & (far < best)
+            best[met], which[met], side[met] = far[met], number, k
+    return best, which, side
+
+
+@pytest.mark.parametrize("name", SENSORS)
+def test_range_azimuth_and_width_are_those_of_the_rear_face_ahead(new_part: NewPart, name: str) -> None:
+    part = clean(new_part, name, mount=2.5, beam_spacing=0.0)
+    part["motion.x"], part["motion.y"], part["motion.heading"] = 100.0, -20.0, 0.7
+    ahead, aside = 45.0, 4.0
+    c, s = math.cos(0.7), math.sin(0.7)
+    place(part, 3, 100 + ahead * c - aside * s, -20 + ahead * s + aside * c, heading=0.7)
+    part.init()
+    (found,) = told(part)
+    x = ahead - 2.0 - 2.5
+    assert found["range"] == pytest.approx(math.hypot(x, aside), rel=1e-12)
+    assert found["azimuth"] == pytest.approx(math.atan2(aside, x), rel=1e-12)
+    span = math.atan2(aside + 1, x) - math.atan2(aside - 1, x)
+    width = 2 * math.hypot(x, aside) * math.tan(span / 2) if "tells_width" in part.slots else 0.0
+    assert found["width"] == pytest.approx(width, rel=1e-12)
+    assert found["class"] == (1 if "tells_class" in part.slots else 0)
+
+
+def test_what_is_seen_of_boxes_that_hide_each_other_equals_a_dense_fan_of_rays(new_part: NewPart) -> None:
+    part = clean(new_part, "object_radar_long", range_cell=0.0, threshold=1e-9, min_visible=0.05)
+    part["field_of_view"], spacing = 2.0, 1e-4
+    azimuths = np.arange(-1 + spacing / 2, 1, spacing)
+    hidden = []
+
+    @settings(max_examples=30, deadline=None, derandomize=True)
+    @given(
+        st.lists(
+            st.tuples(st.floats(-4, 4), st.floats(0.5, 12), st.floats(0.5, 3), st.floats(-9, 9)), min_size=2, max_size=8
+        )
+    )
+    def check(shapes: Any) -> None:
+        for number in range(1, 9):
+            part[f"actors[{number}].class"] = "none"
+        boxes = []
+        for number, (turn, length, width, y) in enumerate(shapes):  # one row behind another: no two overlap
+            x = 12.0 + 13 * number
+            place(part, number + 1, x, y, turn, length=length, width=width)
+            boxes.append(corners(x, y, turn, length, width))
+        part.init()
+        _, which, side = fan(boxes, azimuths)
+        wanted = []
+        for number, box in enumerate(boxes):
+            mine = which == number
+            alone = int(np.sum(fan([box], np.arange(-3, 3, spacing))[1] == 0))
+            share = np.sum(mine) / alone
+            counts = [int(np.sum(mine & (side == k))) for k in range(4)]
+            second, first = sorted(counts)[-2:]
+            if abs(share - 0.05) < 0.01 or (share >= 0.05 and first - second < 5):
+                return  # on the edge of what a fan can tell
+            hidden.append(share < 0.999)
+            if share < 0.05:
+                continue
+            k = counts.index(first)
+            rays = azimuths[mine & (side == k)]
+            ends = []
+            for azimuth in (rays[0] - spacing / 2, rays[-1] + spacing / 2):
+                (ax, ay), (bx, by) = box[k], box[(k + 1) % 4]
+                dx, dy = math.cos(azimuth), math.sin(azimuth)
+                along = (ax * dy - ay * dx) / (dx * (by - ay) - dy * (bx - ax))
+                along = min(max(along, 0.0), 1.0)
+                ends.append((ax + along * (bx - ax), ay + along * (by - ay), abs(dx * (by - ay) - dy * (bx - ax))))
+            x, y = (ends[0][0] + ends[1][0]) / 2, (ends[0][1] + ends[1][1]) / 2
+            grazing = min(ends[0][2], ends[1][2]) / math.dist(box[k], box[(k + 1) % 4])
+            wanted.append((math.hypot(x, y), math.atan2(y, x), 110 * spacing / max(grazing, 1e-3)))
+        found = told(part)
+        assert len(found) == len(wanted)
+        for one, (distance, azimuth, blur) in zip(found, sorted(wanted), strict=True):
+            assert one["range"] == pytest.approx(distance, abs=2 * blur)
+            assert one["azimuth"] == pytest.approx(azimuth, abs=2 * blur / distance)
+
+    check()
+    assert sum(hidden) > 20
+
+
+def test_a_truck_hides_a_pedestrian_until_the_line_of_sight_past_its_corner(new_part: NewPart) -> None:
+    part = clean(new_part, "object_radar_mid", min_visible=0.5)
+    place(part, 1, 26.0, **TRUCK)  # rear at 20 m, front at 32 m; its rear left corner hides up to y = x * 1.25 / 20
+    edge = 40.0 * 1.25 / 20
+    part.init()
+    # Seen of a face 0.6 m wide at 40 m: more than half of its angle once its middle is past the line.
+    place(part, 2, 40.2, edge - 0.02, **WALKER)
+    assert len(seen(part)) == 1
+    place(part, 2, 40.2, edge + 0.03, **WALKER)
+    found = seen(part)
+    assert [round(one["range"], 1) for one in found] == [20.0, 40.1]
+    assert found[1]["azimuth"] > math.atan2(1.25, 20)  # told is the middle of the part that shows
+
+
+def test_what_hides_lessens_the_echo_by_the_share_it_hides(new_part: NewPart) -> None:
+    part = clean(new_part, "object_radar_long")
+    place(part, 1, 52.0)
+    part.init()
+    (whole,) = seen(part)
+    place(part, 2, 20.0, -1.0, length=0.01, width=2.0)  # hides all to the right
+    half = next(one for one in seen(part) if one["range"] > 40)
+    assert half["strength"] == pytest.approx(whole["strength"] / 2 * (50 / math.hypot(50, 0.5)) ** 4, rel=1e-9)
+    assert half["azimuth"] == pytest.approx(math.atan2(0.5, 50), rel=1e-9)
+
+
+@pytest.mark.parametrize("name", ["object_radar_long", "object_lidar"])
+@pytest.mark.parametrize("kind", ["car", "truck", "motorcycle", "bicycle", "pedestrian"])
+def test_an_echo_is_detected_up_to_the_range_of_the_radar_equation(new_part: NewPart, name: str, kind: str) -> None:
+    part = clean(new_part, name, beam_spacing=0.0, layer_spacing=0.0)
+    reach = part["max_range"] * (part[kind] / part["car"]) ** (1 / part["echo_exponent"])
+    kinds: dict[str, Any] = {"class": kind}
+    part.init()
+    place(part, 1, reach * (1 - 1e-9) + 2, **kinds)
+    (found,) = seen(part)
+    assert found["strength"] == pytest.approx(part["threshold"], rel=1e-6)
+    place(part, 1, reach * (1 + 1e-9) + 2, **kinds)
+    assert seen(part) == []
+
+
+@pytest.mark.parametrize(
+    ("name", "weather", "lost"),
+    [
+        ("object_radar_long", {"rain_rate": 50 / 3.6e6}, 1.132 * 50**0.718 * math.log(10) / 1e4),
+        ("object_radar_long", {"fog_extinction": 0.06}, 0.0),
+        ("object_lidar", {"rain_rate": 50 / 3.6e6}, 1.076 * 50**0.67 * math.log(10) / 1e4),
+        ("object_lidar", {"fog_extinction": 0.06}, 0.06),
+    ],
+)
+def test_weather_takes_from_an_echo_what_it_takes_on_both_ways(
+    new_part: NewPart, name: str, weather: dict[str, float], lost: float
+) -> None:
+    part = clean(new_part, name, beam_spacing=0.0, layer_spacing=0.0, threshold=1e-3)
+    place(part, 1, 22.0)
+    part.init()
+    (dry,) = seen(part)
+    for key, value in weather.items():
+        part[f"visibility.{key}"] = value
+    (wet,) = seen(part)
+    assert wet["strength"] / dry["strength"] == pytest.approx(math.exp(-2 * lost * 20), rel=1e-12)
+
+
+def test_a_camera_sees_as_far_as_contrast_in_fog_and_lamps_by_night(new_part: NewPart) -> None:
+    part = clean(new_part, "object_camera")
+    part.init()
+    for weather, reach in (({}, 120.0), ({"fog_extinction": 0.06}, -math.log(0.05) / 0.06), ({"darkness": 1.0}, 60.0)):
+        part["visibility.fog_extinction"] = weather.get("fog_extinction", 0.0)
+        part["visibility.darkness"] = weather.get("darkness", 0.0)
+        place(part, 1, reach * (1 - 1e-9) + 2)
+        assert len(seen(part)) == 1
+        place(part, 1, reach * (1 + 1e-9) + 2)
+        assert seen(part) == []
+
+
+def test_doppler_is_the_rate_of_the_range_of_two_cars_that_move(new_part: NewPart) -> None:
+    part = clean(new_part, "object_radar_mid", mount=2.5, range_cell=0.0)
+
+    def look(t: float) -> dict[str, float]:
+        """A car that drives 20 m/s and slips and turns, and one that crosses before it; both by their motions."""
+        turn = 0.1 * t
+        part["motion.x"] = 20 * t - 0.5 * turn * t  # to first order in t: slip to the left 0.5 m/s
+        part["motion.y"], part["motion.heading"] = 0.5 * t, turn
+        part["motion.speed"], part["motion.lateral_speed"], part["motion.yaw_rate"] = 20.0, 0.5, 0.1
+        vx, vy = 9 * math.cos(1.2) + 0.3 * math.sin(1.2), 9 * math.sin(1.2) - 0.3 * math.cos(1.2)
+        place(part, 1, 40 + vx * t, -6 + vy * t, 1.2, speed=9.0, lateral_speed=-0.3)
+        (found,) = seen(part)
+        return found
+
+    part.init()
+    now, h = look(0.0), 1e-5
+    # The told point stays on the car: the middle of a face that is seen whole.
+    assert now["range_rate"] == pytest.approx((look(h)["range"] - look(-h)["range"]) / (2 * h), abs=1e-4)
+    assert now["range_rate"] < -5
+
+
+@pytest.mark.parametrize(("apart", "count"), [("range", 2), ("azimuth", 2), ("doppler", 2), ("nothing", 1)])
+def test_objects_are_told_apart_by_range_azimuth_or_doppler_and_else_merge(
+    new_part: NewPart, apart: str, count: int
+) -> None:
+    part = clean(new_part, "object_radar_long", min_visible=0.0)
+    x, y, v = 60.0, 0.0, 0.0
+    x += 1.01 * part["range_cell"] if apart == "range" else 0.5 * part["range_cell"]
+    y += x * math.tan(1.01 * part["azimuth_cell"]) if apart == "azimuth" else 0.0
+    v += 1.01 * part["doppler_cell"] if apart == "doppler" else 0.0
+    place(part, 1, 62.0)
+    place(part, 2, x + 2.0, y, speed=v)
+    part.init()
+    found = told(part)
+    assert len(found) == count
+    if count == 1:
+        weights = np.array([60.0**-4, x**-4])
+        assert found[0]["range"] == pytest.approx(weights @ [60, x] / weights.sum(), rel=1e-12)
+        assert found[0]["strength"] == pytest.approx(20 * 250**4 * weights.sum(), rel=1e-12)
+
+
+def test_a_lidar_sees_what_a_beam_and_a_layer_meet_and_measures_width_by_its_beams(new_part: NewPart) -> None:
+    part = clean(new_part, "object_lidar", max_range=400.0)
+    part.init()
+    place(part, 1, 52.0)
+    (found,) = seen(part)
+    spacing = math.radians(0.25)
+    beams = 2 * math.floor(math.atan(1 / 50) / spacing)  # spacings between the outermost beams that meet it
+    assert found["width"] == pytest.approx(2 * 50 * math.tan(beams * spacing / 2), rel=1e-12)
+    place(part, 1, 152.0, 152 * math.tan(1.5 * spacing), width=0.3, length=0.3)  # between two beams
+    assert seen(part) == []
+    place(part, 1, 20.0, width=2.0, height=0.2)  # the lowest layer is 0.5 - 18 tan(1.2 deg) = 0.12 m above the road
+    assert len(seen(part)) == 1
+    place(part, 1, 13.0, width=2.0, height=0.2)  # and 0.27 m at 11 m
+    assert seen(part) == []
+
+
+@pytest.mark.parametrize("name", SENSORS)
+def test_nobody_is_seen_beyond_the_field_of_view(new_part: NewPart, name: str) -> None:
+    part = clean(new_part, name, beam_spacing=0.0, min_visible=0.9)
+    assert float(part.component.properties["range"].si) == part["max_range"]
+    assert float(part.component.properties["field_of_view"].si) == pytest.approx(part["field_of_view"])
+    part.init()
+    for turn, count in ((-0.03, 1), (0.03, 1 if name == "object_perfect" else 0)):
+        azimuth = min(part["field_of_view"] / 2, 3.0) + turn
+        place(part, 1, 30 * math.cos(azimuth), 30 * math.sin(azimuth), azimuth, length=0.1, width=0.2)
+        assert len(seen(part)) == count
+
+
+def test_the_perfect_sensor_sees_behind_a_truck_and_behind_the_car(new_part: NewPart) -> None:
+    part = clean(new_part, "object_perfect")
+    place(part, 1, 26.0, **TRUCK)
+    place(part, 2, 40.0, **WALKER)
+    place(part, 3, -30.0)
+    part.init()
+    assert [one["range"] for one in told(part)] == pytest.approx([20.0, 28.0, 39.8], rel=1e-12)
+
+
+@pytest.mark.parametrize("latency", [0, 1, 15])
+def test_a_sample_is_told_as_many_samples_late_as_set(new_part: NewPart, latency: int) -> None:
+    part = clean(new_part, "object_radar_mid", latency=latency)
+    place(part, 1, 12.0)
+    part.init()
+    for k in range(1, 40):
+        place(part, 1, 12.0 + k)
+        assert seen(part)[0]["range"] == pytest.approx(10.0 + max(k - latency, 0), rel=1e-14)
+
+
+def test_noise_and_dropouts_are_as_large_as_asked_for(new_part: NewPart) -> None:
+    n, sigmas = 8000, {"range": 0.3, "azimuth": 0.01, "range_rate": 0.08}
+    part = clean(
+        new_part, "object_radar_mid", range_noise=0.3, azimuth_noise=0.01, doppler_noise=0.08, dropout=0.2, seed=5
+    )
+    place(part, 1, 52.0, speed=4.0)
+    part.init()
+    rows = [found[0] for found in (seen(part) for _ in range(n)) if found]
+    # Each of these holds with 99.7 % (three standard errors).
+    assert abs(len(rows) / n - 0.8) < 3 * math.sqrt(0.8 * 0.2 / n)
+    columns = []
+    for (key, sigma), true in zip(sigmas.items(), (50.0, 0.0, 4.0), strict=True):
+        column = np.array([row[key] for row in rows]) - true
+        assert abs(column.mean()) < 3 * sigma / math.sqrt(len(rows))
+        assert abs(column.std(ddof=1) - sigma) < 3 * sigma / math.sqrt(2 * len(rows))
+        assert abs(np.corrcoef(column[1:], column[:-1])[0, 1]) < 3 / math.sqrt(len(rows))
+        columns.append(column)
+    assert np.abs(np.corrcoef(columns) - np.eye(3)).max() < 3 / math.sqrt(len(rows))
+
+
+def test_the_same_seed_gives_the_same_bits_and_nobodys_noise_depends_on_others(new_part: NewPart) -> None:
+    def ranges(seed: int, *, crowd: bool) -> list[float]:
+        part = new_part("object_camera", seed=seed, dropout=0.0)
+        place(part, 1, 30.0)
+        part.init()
+        if crowd:
+            place(part, 2, 60.0, 12.0)
+        return [min(one["range"] for one in seen(part)) for _ in range(20)]
+
+    assert ranges(3, crowd=False) == ranges(3, crowd=True)
+    assert not set(ranges(3, crowd=False)) & set(ranges(4, crowd=False))
