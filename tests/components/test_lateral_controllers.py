@@ -21,7 +21,7 @@ B = SHARE * LENGTH
 A = LENGTH - B
 CF, CR = FRONT * SHARE * MASS * G, REAR * (1 - SHARE) * MASS * G
 UNDERSTEER = MASS * (B / CF - A / CR) / LENGTH
-CONTROLLERS = ["pure_pursuit", "lq_preview", "preview_driver"]
+CONTROLLERS = ["pure_pursuit", "lq_preview", "preview_driver", "stanley"]
 FREE = {"max_steering": 1.2, "max_steering_rate": 10.0}
 
 
@@ -300,6 +300,84 @@ def test_the_look_ahead_grows_with_the_speed_between_its_bounds(new_part: NewPar
         assert part["steering"] == pytest.approx(-math.atan(2 * LENGTH * offset / ahead**2), rel=1e-9)
 
 
+# Stanley
+
+
+@pytest.mark.parametrize("radius", [15.0, -40.0, 300.0])
+def test_stanley_at_rest_turns_the_front_wheels_along_the_circle_that_the_front_axle_is_on(
+    new_part: NewPart, radius: float
+) -> None:
+    rear = math.copysign(math.sqrt(radius**2 - LENGTH**2), radius)  # of the rear axle's circle
+    part = new_part("stanley", **FREE)
+    centre = math.copysign(math.hypot(rear, B), radius)
+    look(part, circle(radius), 100.0, radius - centre, -math.atan(B / rear), 1.0)
+    move(part, 0.0, 0.0, 0.0)
+    part.init()
+    assert part["steering"] == pytest.approx(math.asin(LENGTH / radius), rel=1e-4)  # cubics between the points
+
+
+@pytest.mark.parametrize("spacing", [0.3, 4.0])
+def test_stanleys_law_on_a_straight_road_is_that_of_the_paper(new_part: NewPart, spacing: float) -> None:
+    gain, softening, damping, speed, yaw_rate = 1.7, 0.8, 0.13, 14.0, 0.07
+    part = new_part("stanley", gain=gain, softening=softening, yaw_damping=damping, **FREE)
+    for offset, turn in [(0.6, 0.1), (-1.5, 0.2), (4.0, -0.4), (-0.2, 0.0)]:
+        look(part, STRAIGHT, 100.0, offset, turn, spacing)
+        move(part, speed, 0.3, yaw_rate)
+        part.init()
+        front = offset + A * math.sin(turn)
+        expected = -turn - math.atan(gain * front / (softening + speed)) - damping * yaw_rate
+        assert part["steering"] == pytest.approx(expected, rel=1e-9)
+
+
+def test_stanley_without_a_preview_goes_straight_on_from_where_the_car_is_beside_the_path(new_part: NewPart) -> None:
+    part = new_part("stanley", **FREE)
+    look(part, STRAIGHT, 100.0, 0.7, 0.1)
+    move(part, 9.0, 0.0, 0.0)
+    part.init()
+    seen = part["steering"]
+    for point in range(POINTS):
+        part[f"preview[{point + 1}].distance"] = 0.0
+    part.init()
+    assert part["steering"] == pytest.approx(seen, rel=1e-9)
+
+
+def test_the_front_axle_comes_back_as_the_papers_differential_equation_says(new_part: NewPart) -> None:
+    """Front wheels that do not slip: e' = -v gain e / sqrt((softening + v)^2 + gain^2 e^2), and its first integral."""
+    gain, soft, speed = 2.0, 1.5, 6.0
+    part = new_part("stanley", gain=gain, softening=soft, yaw_damping=0.0, **FREE)
+    front, turn, s, h, rows = 1.5, 0.0, 100.0, 0.001, []
+    for k in range(150):
+        look(part, STRAIGHT, s - A * math.cos(turn), front - A * math.sin(turn), turn)
+        move(part, speed, 0.0, 0.0)
+        part.init()
+        rows.append((k * T, front))
+        for _ in range(round(T / h)):
+            steering = part["steering"]
+            front += h * speed * math.sin(turn + steering)
+            s += h * speed * math.cos(turn + steering)
+            turn += h * speed * math.sin(steering) / LENGTH
+
+    def first_integral(e: float) -> float:
+        c, root = soft + speed, math.hypot(soft + speed, gain * e)
+        return root - c * math.log((c + root) / (gain * e))
+
+    for time, e in rows[10::20]:
+        # Steering that is held for a sample while the car turns: T/2 of 1/gain.
+        assert (first_integral(1.5) - first_integral(e)) / (speed * gain) == pytest.approx(time, rel=0.03, abs=T)
+    assert rows[-1][1] < 0.02
+
+
+@pytest.mark.parametrize("bank", [0.0, -0.05])
+def test_stanley_holds_the_front_axle_on_a_banked_circle(new_part: NewPart, bank: float) -> None:
+    radius, speed = 400.0, 20.0
+    rows = drive(new_part("stanley"), circle(radius, bank), speed, 12.0)
+    *_, offset, turn, steering = rows[-1]
+    heading, expected = balance(speed, 1 / radius, bank)
+    assert offset + A * turn - A**2 / (2 * radius) == pytest.approx(0.0, abs=2e-3)
+    assert steering == pytest.approx(expected, rel=2e-3)
+    assert turn == pytest.approx(heading, abs=1e-4)
+
+
 # The driver
 
 
@@ -367,7 +445,9 @@ def test_a_driver_with_slower_reactions_swings_more(new_part: NewPart) -> None:
 # All
 
 
-@pytest.mark.parametrize(("name", "worst"), [("pure_pursuit", 0.5), ("lq_preview", 0.005), ("preview_driver", 0.06)])
+@pytest.mark.parametrize(
+    ("name", "worst"), [("pure_pursuit", 0.5), ("lq_preview", 0.005), ("preview_driver", 0.06), ("stanley", 0.1)]
+)
 def test_a_spiral_into_120_m_radius_at_70_km_h_is_followed(new_part: NewPart, name: str, worst: float) -> None:
     rows = drive(new_part(name), CURVE, 70 / 3.6, 18.0)
     assert rows[-1, 1] > 340  # all of the curve

@@ -25,7 +25,7 @@ static knot knot_at(const lateral_in *in, int index) {
         return ahead;
     }
     double turn = in->lane.heading, offset = in->lane.offset;
-    knot beside = {0, offset * sin(turn), -offset * cos(turn), -turn, in->lane.curvature};
+    knot beside = {0, -offset * sin(turn), -offset * cos(turn), -turn, in->lane.curvature};
     return beside;
 }
 
@@ -123,4 +123,56 @@ lateral_point lateral_path_on_circle(const lateral_in *in, double behind, double
         }
     }
     return point_at(&s, low);
+}
+
+/* How far a point of the path is beyond that of the car, along *direction* there. */
+static double beyond(lateral_point point, lateral_point direction, double ahead) {
+    return (point.x - ahead) * direction.x + point.y * direction.y;
+}
+
+static lateral_point direction_at(const segment *s, double u) {
+    lateral_point direction = {
+        s->x[1] + u * (2 * s->x[2] + u * 3 * s->x[3]),
+        s->y[1] + u * (2 * s->y[2] + u * 3 * s->y[3]),
+    };
+    return direction;
+}
+
+lateral_place lateral_place_of(const lateral_in *in, double ahead) {
+    int last = count(in), index = 0;
+    knot before = knot_at(in, 0), next = before;
+    lateral_point point = {before.x, before.y}, direction = {cos(before.heading), sin(before.heading)};
+    bool is_before = beyond(point, direction, ahead) < 0, is_between = false;
+    while (is_before && !is_between && index < last) {
+        before = next;
+        next = knot_at(in, ++index);
+        lateral_point end = {next.x, next.y}, there = {cos(next.heading), sin(next.heading)};
+        is_between = beyond(end, there, ahead) >= 0;
+        point = end;
+        direction = there;
+    }
+    double distance = next.distance;
+    if (is_between) {
+        segment s = segment_between(&before, &next);
+        double low = 0, high = 1;
+        for (int halving = 0; halving < 50; ++halving) { /* to the last digits of a double */
+            double middle = 0.5 * (low + high);
+            if (beyond(point_at(&s, middle), direction_at(&s, middle), ahead) < 0) {
+                low = middle;
+            } else {
+                high = middle;
+            }
+        }
+        point = point_at(&s, low);
+        direction = direction_at(&s, low);
+        distance = before.distance + low * (next.distance - before.distance);
+    }
+    int from = 0;
+    double size = hypot(direction.x, direction.y);
+    lateral_place place = {
+        -(direction.x * point.y + direction.y * (ahead - point.x)) / size,
+        -atan2(direction.y, direction.x),
+        lateral_curvature(in, distance, &from),
+    };
+    return place;
 }

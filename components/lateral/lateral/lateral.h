@@ -50,6 +50,15 @@ lateral_point lateral_path(const lateral_in *in, double distance, int *from);
  * the car if that is outside. */
 lateral_point lateral_path_on_circle(const lateral_in *in, double behind, double radius);
 
+/* Where a point of the car stands against the path. */
+typedef struct {
+    double offset, heading; /* of it to the left of the path; of the car against the path */
+    double curvature;
+} lateral_place;
+
+/* The place of the point *ahead* m ahead of the centre of gravity, on the path of lateral_path. */
+lateral_place lateral_place_of(const lateral_in *in, double ahead);
+
 double lateral_clamp(double value, double low, double high);
 
 #endif

@@ -1,0 +1,92 @@
+#include "speed_assistant.h"
+
+#include <math.h>
+
+#define NEXT_LIGHT 1.0 /* m: a light that is this much further than before is another one */
+
+/* Square of the speed that a curvature that far ahead allows here. */
+static double allowed(const speed_assistant_par *par, double curvature, double distance) {
+    double there = curvature != 0 ? par->lateral_acceleration / fabs(curvature) : HUGE_VAL;
+    return there + 2 * par->deceleration * fmax(distance, 0);
+}
+
+/* The least of it on a piece of the path whose curvature is linear. */
+static double allowed_on(const speed_assistant_par *par, double k0, double k1, double from, double to) {
+    double least = fmin(allowed(par, k0, from), allowed(par, k1, to));
+    if (from < 0 && to > 0) { /* up to 0 the largest curvature counts, wherever it is */
+        k0 += (k1 - k0) * -from / (to - from);
+        from = 0;
+        least = fmin(least, allowed(par, k0, 0));
+    }
+    double slope = fabs(k1 - k0) / (to - from);
+    double worst = sqrt(par->lateral_acceleration * slope / (2 * par->deceleration));
+    bool is_rising = fabs(k1) > worst && (fabs(k0) < worst || k0 * k1 < 0);
+    if (to > 0 && slope > 0 && is_rising) least = fmin(least, allowed(par, worst, to - (fabs(k1) - worst) / slope));
+    return least;
+}
+
+static double curve_speed(const speed_assistant *self, double lead) {
+    const speed_assistant_in *in = &self->in;
+    double least = allowed(&self->par, in->lane.curvature, 0), last = 0, curvature = in->lane.curvature;
+    for (int i = 0; i < ASSISTANT_POINTS && in->preview[i].distance > last; ++i) {
+        double next = in->preview[i].distance;
+        least = fmin(least, allowed_on(&self->par, curvature, in->preview[i].curvature, last - lead, next - lead));
+        curvature = in->preview[i].curvature;
+        last = next;
+    }
+    return sqrt(least);
+}
+
+/* Decides what is done about the light. *room* is what is left to come to a stop. */
+static int32_t light_at(const speed_assistant *self, double room) {
+    const speed_assistant_in *in = &self->in;
+    bool is_another = in->light.distance > self->light_distance + NEXT_LIGHT;
+    int32_t before = is_another ? LIGHT_FREE : self->light;
+    switch (in->light.colour) {
+    case COLOUR_YELLOW:
+        if (before != LIGHT_FREE) return before;
+        return room > 0 && in->motion.speed * in->motion.speed <= 2 * self->par.yellow_deceleration * room
+                   ? LIGHT_STOPS
+                   : LIGHT_PASSED_LATE;
+    case COLOUR_RED:
+    case COLOUR_RED_YELLOW:
+        if (before != LIGHT_FREE) return before;
+        return in->light.distance > self->par.front_length ? LIGHT_STOPS : LIGHT_PASSED_LATE;
+    default: return LIGHT_FREE;
+    }
+}
+
+static void bound(speed_assistant_out *out, double speed, int32_t reason) {
+    if (speed >= out->set_speed) return;
+    out->set_speed = speed;
+    out->reason = reason;
+}
+
+static void choose(speed_assistant *self) {
+    const speed_assistant_in *in = &self->in;
+    double lead = fmax(in->motion.speed, 0) * self->par.lead_time;
+    double room = in->light.distance - self->par.front_length - self->par.stop_gap - lead;
+    self->light = light_at(self, room);
+    self->light_distance = in->light.distance;
+
+    self->out.set_speed = fmax(in->wish, 0);
+    self->out.reason = REASON_WISH;
+    bound(&self->out, self->limited, REASON_LIMIT);
+    bound(&self->out, curve_speed(self, lead), REASON_CURVE);
+    if (self->light == LIGHT_STOPS) bound(&self->out, sqrt(2 * self->par.deceleration * fmax(room, 0)), REASON_LIGHT);
+}
+
+void speed_assistant_init(speed_assistant *self) {
+    self->limited = self->in.lane.speed_limit > 0 ? self->in.lane.speed_limit : HUGE_VAL;
+    self->light = LIGHT_FREE;
+    self->light_distance = self->in.light.distance;
+    choose(self);
+}
+
+void speed_assistant_step(speed_assistant *self) {
+    double limit = self->in.lane.speed_limit > 0 ? self->in.lane.speed_limit : HUGE_VAL;
+    /* Down to a new limit from the speed that was set or is driven, whichever is the higher. */
+    double from = fmin(self->limited, fmax(self->out.set_speed, self->in.motion.speed));
+    self->limited = fmax(limit, from - self->par.deceleration * ASSISTANT_STEP);
+    choose(self);
+}

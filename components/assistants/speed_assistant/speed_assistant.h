@@ -1,0 +1,69 @@
+/* The speed to drive: the driver's wish, the speed limit, what bends ahead allow, and a stop at a red light.
+ *
+ * A speed u that must not be exceeded a distance D ahead allows sqrt(u^2 + 2 deceleration D) here: a car that keeps to it
+ * slows down evenly and is at u just there. Bends: u^2 = lateral_acceleration/|k|, with the curvature k linear between
+ * where the car is and the points of the preview. Where |k| grows by m per metre, u^2 + 2 d D is least where
+ * k^2 = lateral_acceleration m/(2 d), or at an end: so no spiral is entered too fast between two points.
+ * Red: u = 0 with the front bumper stop_gap before the light. Yellow: as red, if the deceleration
+ * (v^2/2)/(D - v lead_time) is not above yellow_deceleration when it becomes yellow; else the car drives on, and past
+ * a red that follows (Gazis, Herman, Maradudin: The problem of the amber signal light, Operations Research 8, 112, 1960).
+ * Controllers follow a falling set speed late: all distances are shorter by v lead_time. A P law is deceleration/kp too
+ * fast; with a lead_time of 1/kp a third of that is left where the bend begins, with 2/kp an eighth.
+ * A limit is not told before it begins: from there the set speed falls by *deceleration* to it.
+ *
+ * Lateral comfort of 2 m/s2: ISO 15622 for curves. The bank of the road ahead is not told: bends count as level. */
+#ifndef SPEED_ASSISTANT_H
+#define SPEED_ASSISTANT_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+#define ASSISTANT_STEP 0.02 /* s; the step in the component.yaml */
+#define ASSISTANT_POINTS 24
+
+enum { REASON_WISH, REASON_LIMIT, REASON_CURVE, REASON_LIGHT };
+enum { COLOUR_NONE, COLOUR_OFF, COLOUR_RED, COLOUR_RED_YELLOW, COLOUR_YELLOW, COLOUR_GREEN };
+enum { LIGHT_FREE, LIGHT_STOPS, LIGHT_PASSED_LATE };
+
+typedef struct {
+    struct {
+        double x, y, heading, speed, lateral_speed, yaw_rate, acceleration, lateral_acceleration;
+    } motion;
+    struct {
+        double station, offset, heading, curvature, width, grade, bank, speed_limit;
+        bool on_road;
+    } lane;
+    struct {
+        double distance, x, y, heading, curvature;
+    } preview[ASSISTANT_POINTS];
+    struct {
+        double distance;
+        int32_t colour;
+        double remaining;
+    } light;
+    double wish;
+} speed_assistant_in;
+
+typedef struct {
+    double set_speed;
+    int32_t reason;
+} speed_assistant_out;
+
+typedef struct {
+    double lateral_acceleration, deceleration, yellow_deceleration;
+    double lead_time, stop_gap, front_length;
+} speed_assistant_par;
+
+typedef struct {
+    speed_assistant_in in;
+    speed_assistant_out out;
+    speed_assistant_par par;
+    double limited;        /* m/s: the limit, or on the way down to it; HUGE_VAL: none */
+    double light_distance; /* m: a sample ago */
+    int32_t light;         /* what is done about it */
+} speed_assistant;
+
+void speed_assistant_init(speed_assistant *self);
+void speed_assistant_step(speed_assistant *self);
+
+#endif

@@ -1,0 +1,85 @@
+#include "two_stage_aeb.h"
+
+#include <math.h>
+
+#define STANDSTILL 0.1 /* m/s */
+
+/* The gap at which a stage of braking begins. */
+static double beginning(const two_stage_aeb_par *par, double closing, double ttc, double required) {
+    return fmax(ttc * closing, closing * par->lost_time + closing * closing / (2 * required) + par->standing_gap);
+}
+
+/* The stage that an object in the way asks for; the warning's beginning stretched by *stretch*. */
+static int32_t stage_for(const two_stage_aeb_par *par, const emergency_meeting *meeting, double stretch) {
+    double partial = beginning(par, meeting->closing, par->partial_ttc, par->partial_required);
+    double full = beginning(par, meeting->closing, par->full_ttc, par->full_required);
+    if (meeting->gap <= full) return STAGE_FULL;
+    if (meeting->gap <= partial) return STAGE_PARTIAL;
+    double warning = fmax(partial, full) + par->warning_lead * meeting->closing;
+    return meeting->gap <= warning * stretch ? STAGE_WARNING : STAGE_NONE;
+}
+
+typedef struct {
+    int32_t begins, stays; /* the highest stage that now begins; that may go on if it has begun */
+} demand;
+
+static demand demand_of(const two_stage_aeb *self) {
+    const two_stage_aeb_par *par = &self->par;
+    demand all = {STAGE_NONE, STAGE_NONE};
+    for (int i = 0; i < EMERGENCY_TRACKS; ++i) {
+        emergency_meeting meeting = emergency_meet(&self->in, i, par->front_length, par->width);
+        if (!meeting.is_ahead || self->in.tracks[i].age < par->min_age) continue;
+        int32_t class = self->in.tracks[i].class;
+        bool is_vulnerable = class == CLASS_PEDESTRIAN || class == CLASS_BICYCLE;
+        double margin = is_vulnerable ? par->vulnerable_margin : par->vehicle_margin;
+        int32_t highest = class == CLASS_NONE ? par->unknown_class : STAGE_FULL;
+        if (meeting.clearance < margin) {
+            int32_t stage = stage_for(par, &meeting, 1);
+            if (stage > highest) stage = highest;
+            if (stage > all.begins) all.begins = stage;
+        }
+        if (meeting.clearance < margin + par->margin_hysteresis) {
+            int32_t stage = self->out.stage > STAGE_WARNING ? self->out.stage
+                                                           : stage_for(par, &meeting, 1 + par->warning_hysteresis);
+            if (stage > highest) stage = highest;
+            if (stage > all.stays) all.stays = stage;
+        }
+    }
+    return all;
+}
+
+static int32_t samples(double time) {
+    return (int32_t)floor(time / EMERGENCY_STEP + 0.5);
+}
+
+void two_stage_aeb_init(two_stage_aeb *self) {
+    self->calm = 0;
+    self->out.stage = STAGE_NONE;
+    self->out.deceleration = 0;
+    self->out.brake_torque = 0;
+}
+
+void two_stage_aeb_step(two_stage_aeb *self) {
+    const two_stage_aeb_par *par = &self->par;
+    double speed = self->in.motion.speed;
+    bool is_braking = self->out.stage > STAGE_WARNING;
+    double patience = is_braking && speed < STANDSTILL ? par->holding_time : par->release_time;
+    demand now = demand_of(self);
+    if (!is_braking && (speed < par->min_speed || speed > par->max_speed)) now.begins = now.stays = STAGE_NONE;
+
+    if (now.begins >= self->out.stage) {
+        self->out.stage = now.begins;
+        self->calm = 0;
+    } else if (now.stays >= self->out.stage) {
+        self->calm = 0;
+    } else if (++self->calm >= samples(patience)) {
+        self->out.stage = now.begins > now.stays ? now.begins : now.stays;
+        self->calm = 0;
+    }
+    double wanted = self->out.stage == STAGE_FULL      ? par->full_deceleration
+                    : self->out.stage == STAGE_PARTIAL ? par->partial_deceleration
+                                                       : 0;
+    self->out.deceleration =
+        emergency_build_up(wanted, self->out.deceleration, par->build_up_jerk, par->release_jerk);
+    self->out.brake_torque = par->nominal_mass * self->out.deceleration * par->wheel_radius;
+}
