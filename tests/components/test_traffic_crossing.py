@@ -4,15 +4,11 @@ from __future__ import annotations
 
 import itertools
 import math
-import shutil
 from collections.abc import Callable
-from pathlib import Path
 from typing import Any
 
 import pytest
 from hypothesis import given, settings, strategies as st
-
-import dse
 
 NewPart = Callable[..., Any]
 H, FRONT = 0.01, 2.3
@@ -121,60 +117,3 @@ def test_on_a_closed_path_the_host_comes_round(new_part: NewPart) -> None:
 def test_a_conflict_point_beside_its_way_has_no_answer(new_part: NewPart) -> None:
     for ways in ({"conflict_offset": 7.0}, {"conflict_offset": -6.1}, {"end_offset": -6.0}):
         assert math.isnan(crosser(new_part, **ways)["movers[1].offset"])
-
-
-DESIGN = """
-design: coasting
-title: A car without a powertrain
-root:
-  compound:
-    car: single_track
-    road: {alternatives: [road_straight]}
-  connections:
-    - road.ground -> car.ground
-    - road.start -> car.start
-    - car.motion -> road.motion
-    - car.contacts -> road.contacts
-"""
-BENCH = """
-testbench: collision_course
-title: Someone crosses
-design: coasting
-test_components:
-  traffic: {component: crossing, parameters: {station: 150 m, conflict_offset: 0.3 m}}
-connections:
-  - road.lane -> traffic.lane
-  - car.motion -> traffic.motion
-  - traffic.movers -> road.movers
-parameters:
-  car.initial_speed: 40 km/h
-  car.steering: 0 deg
-  car.wheels.front: 0 N.m
-  car.wheels.rear: 0 N.m
-  car.brake.front: 0 N.m
-  car.brake.rear: 0 N.m
-  car.drag_area: 0 m2
-  car.rolling_resistance: 0
-  road.start_station: 20 m
-simulation: {stop: 12 s, step: 10 ms, algorithm: gauss_seidel, record: ["road.actors[1].ahead", "road.actors[1].aside"]}
-metrics:
-  end: {title: Its place at the end, expression: "final(road.actors[1].aside)", unit: m}
-"""
-
-
-@pytest.mark.thorough
-def test_on_a_road_both_meet_to_one_tick(tmp_path: Path) -> None:
-    root = Path(__file__).parents[2]
-    for name in ("components", "roads"):
-        shutil.copytree(root / name, tmp_path / name)
-    for folder, name, text in (("designs", "coasting", DESIGN), ("testbenches", "collision_course", BENCH)):
-        (tmp_path / folder).mkdir()
-        (tmp_path / folder / f"{name}.yaml").write_text(text, encoding="utf-8")
-    bench = dse.open(tmp_path).benches["collision_course"]
-    configuration, *_ = bench.design.list(1)
-    run = bench.simulate(configuration, fuse=True)
-    rows = run.waveforms.to_pandas()
-    ahead, aside = rows["road.actors[1].ahead"].to_numpy(), rows["road.actors[1].aside"].to_numpy()
-    host_there, it_there = int((ahead > FRONT).sum()), int((aside < 0.3).sum())
-    assert abs(host_there - it_there) <= 1
-    assert 1000 < host_there < 1200
