@@ -1,9 +1,10 @@
 /* Sees several objects at once: radar, lidar, camera and the perfect sensor by their parameters.
  *
  * What is seen. Objects are upright boxes that hide each other. Between the directions of all their corners one box is
- * nearest, so what is seen of each is found exactly, but where boxes overlap. Of a box two faces show at most; told is the
- * middle of what is seen of the one that fills more of the view, from its outermost seen point to the other. Doppler is
- * the speed of that point against the sensor, which turns with the car, along the ray.
+ * nearest, so what is seen of each is found exactly, but where boxes overlap; a box around the sensor itself is not seen.
+ * Of a box two faces show at most; told is the middle of what is seen of the one that fills more of the view, from its
+ * outermost seen point to the other. Doppler is the speed of that point against the sensor, which turns with the car,
+ * along the ray; that the object turns is left out, as actors do not tell it.
  *
  * How strong it is. An echo falls with R^n exp(2 a R) (n = 4 for radar: radar equation; n = 2 for a target that fills the
  * beam of a lidar), grows with the object's reflection s and with the share of it that is seen:
