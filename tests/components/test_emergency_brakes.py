@@ -200,7 +200,8 @@ def test_on_a_curve_the_way_bends(new_part: NewPart, radius: float) -> None:
     speed = 14.0
     for aside, expected in [(3.5, {NONE}), (-3.5, {NONE}), (0.0, {NONE, WARNING, PARTIAL, FULL})]:
         part = begin(new_part("two_stage_aeb"), speed, speed / radius)
-        found, begun = set(), {}
+        found: set[int] = set()
+        begun: dict[int, int] = {}
         for tick in range(300):
             turned, from_centre = (60.0 - speed * T * tick + FRONT) / radius, radius - aside
             x, y = from_centre * math.sin(turned), radius - from_centre * math.cos(turned)
@@ -212,25 +213,45 @@ def test_on_a_curve_the_way_bends(new_part: NewPart, radius: float) -> None:
             assert begun[FULL] == math.ceil((60.0 - beginning(speed, 0.7, 6.0)) / (speed * T))
     # Exactly ahead of the bumper stands a car of the outer lane.
     outer = radius + math.copysign(3.5, radius)
-    for yaw_rate, expected in [(speed / radius, NONE), (0.0, WARNING)]:
+    for yaw_rate, seen in [(speed / radius, NONE), (0.0, WARNING)]:
         part = begin(new_part("two_stage_aeb"), speed, yaw_rate)
         see(part, math.sqrt(outer**2 - radius**2) - FRONT)
-        assert min(stage(part), WARNING) == expected
+        assert min(stage(part), WARNING) == seen
 
 
-def test_a_car_that_drives_ahead_in_the_same_curve_counts_with_its_speed_along_it(new_part: NewPart) -> None:
-    radius, speed, lead, along = 80.0, 15.0, 9.0, 18.0
-    turned = (along + FRONT) / radius
-    part = begin(new_part("two_stage_aeb"), speed, speed / radius)
-    place = radius * math.sin(turned) - FRONT, radius * (1 - math.cos(turned))
-    see(part, *place, along=lead * math.cos(turned), across=lead * math.sin(turned))
-    closing = speed - lead
-    assert beginning(closing, 1.2, 4.0) + 0.9 * closing < along + 0.01
-    assert stage(part, 10) == NONE
-    part = begin(new_part("two_stage_aeb"), speed, speed / radius)
-    see(part, *place, along=(lead - 3) * math.cos(turned), across=(lead - 3) * math.sin(turned))
-    assert beginning(closing + 3, 1.2, 4.0) < along < beginning(closing + 3, 1.2, 4.0) + 0.9 * (closing + 3)
-    assert stage(part, 10) == WARNING
+@pytest.mark.parametrize("aside", [0.0, 0.8, -0.8])
+def test_a_car_that_drives_ahead_in_the_same_curve_counts_with_its_speed_along_it(
+    new_part: NewPart, aside: float
+) -> None:
+    """On a circle beside the host's it covers stations of the host's circle the faster, the further inside it is."""
+    radius, speed, lead = 40.0, 12.0, 6.0
+    closing = speed - lead * radius / (radius - aside)
+    gap = beginning(closing, 1.2, 4.0) + 0.9 * closing
+    for along, expected in [(gap + 0.01, NONE), (gap - 0.01, WARNING)]:
+        turned = (along + FRONT) / radius
+        x, y = (radius - aside) * math.sin(turned), radius - (radius - aside) * math.cos(turned)
+        part = begin(new_part("two_stage_aeb"), speed, speed / radius)
+        see(part, x - FRONT, y, along=lead * math.cos(turned), across=lead * math.sin(turned))
+        assert stage(part, 10) == expected
+
+
+@pytest.mark.parametrize("radius", [40.0, -40.0])
+@pytest.mark.parametrize("side", [1, -1])
+def test_the_edge_of_the_way_bends_as_well(new_part: NewPart, radius: float, side: int) -> None:
+    turned = (12.0 + FRONT) / radius
+    for out, expected in [(0.01, NONE), (-0.01, FULL)]:
+        from_centre = radius - side * (WIDTH + 0.1 + out)
+        part = begin(new_part("two_stage_aeb"), 14.0, 14.0 / radius)
+        see(part, from_centre * math.sin(turned) - FRONT, radius - from_centre * math.cos(turned))
+        assert stage(part) == expected
+
+
+def test_the_warning_comes_before_full_braking_that_comes_first(new_part: NewPart) -> None:
+    gap = beginning(15.0, 0.7, 6.0) + 0.9 * 15.0
+    for more, expected in [(0.01, NONE), (-0.01, WARNING)]:
+        part = begin(new_part("two_stage_aeb", **LATE), 15.0)
+        see(part, gap + more)
+        assert stage(part) == expected
 
 
 @pytest.mark.parametrize("kmh", [20, 40, 60])
@@ -272,9 +293,9 @@ def test_the_highest_stage_of_all_tracks_counts(new_part: NewPart) -> None:
 
 
 def test_young_tracks_empty_places_and_what_is_behind_are_no_danger(new_part: NewPart) -> None:
-    for gap, more in [(3.0, {"age": 0.09}), (-FRONT - 0.1, {}), (-30.0, {})]:
+    for gap, age in [(3.0, 0.09), (-FRONT - 0.1, 1.0), (-30.0, 1.0)]:
         part = begin(new_part("two_stage_aeb"), 15.0)
-        see(part, gap, **more)
+        see(part, gap, age=age)
         assert stage(part, 20) == NONE
     see(part, 3.0)
     part["tracks[1].id"] = 0
