@@ -139,7 +139,7 @@ class StudyReader:
             return read_attempts(self._connection)
 
     def retried(self) -> dict[str, list[int]]:
-        """What tries came to that were made again, each with its runs; "" are runs of which nothing is told."""
+        """What tries came to that were made again, each with its runs."""
         with located(self.path):
             return read_retried(self._connection)
 

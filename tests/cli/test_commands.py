@@ -41,7 +41,7 @@ def test_check_counts_what_it_read(dse):
     done = dse("check")
     assert done.returncode == 0
     assert done.stdout.startswith("ok: ")
-    assert "4 studies" in done.stdout
+    assert "7 studies" in done.stdout
 
 
 @pytest.mark.thorough

@@ -90,7 +90,7 @@ def test_tries_that_were_made_again_are_told_by_their_causes(stored: Path) -> No
         folder.add_attempts(tries)
     with StudyFolder.open(stored) as folder:
         # Run 9 was never tried again.
-        assert folder.retried() == {"crashed": [0, 1], STOPPED: [1], "": [2]}
+        assert folder.retried() == {"crashed": [0, 1], STOPPED: [1]}
 
 
 def _definition(stored: Path):

@@ -57,17 +57,18 @@ def read_attempts(connection: sqlite3.Connection) -> list[Attempt]:
 
 
 def read_retried(connection: sqlite3.Connection) -> dict[str, list[int]]:
-    """The causes of tries at runs that were tried more than once, each with its runs; "" where none is told."""
+    """The causes for which runs were tried more than once, each with its runs.
+
+    A run that was made again without a cause, as for its waveforms, is none of them.
+    """
     if are_early(connection):
         return {}
-    query = """SELECT DISTINCT cause, run FROM attempts WHERE run IN
+    query = """SELECT DISTINCT cause, run FROM attempts WHERE cause <> '' AND run IN
         (SELECT run FROM attempts GROUP BY run HAVING count(*) > 1) ORDER BY cause, run"""
     found: dict[str, list[int]] = {}
     for cause, run in connection.execute(query):
         found.setdefault(cause, []).append(run)
-    told = {run for cause, runs in found.items() if cause for run in runs}
-    silent = [run for run in found.pop("", []) if run not in told]
-    return found | ({"": silent} if silent else {})
+    return found
 
 
 def are_early(connection: sqlite3.Connection) -> bool:

@@ -1,6 +1,6 @@
 // The plane of two design variables that is shown: which runs lie in it, and the fields between them.
 import type { State } from "../store";
-import type { Study } from "../study";
+import type { Study, Variable } from "../study";
 import { group } from "../format";
 import type { Fields } from "./fields";
 import { latticeFields, latticeOf } from "./lattice";
@@ -94,7 +94,7 @@ function makePlane(study: Study, shown: Shown): Plane {
   const sliced = study.sampler === "sliced" && !study.slices.some((names) => names.includes(x) && names.includes(y));
   // Of a grid that is being made there are no levels yet to interpolate to.
   const spans = [horizontal, vertical].every(({ values, levels }) => new Set(on.map((run) => values[run])).size >= levels);
-  const named = [horizontal, vertical].find(({ labels }) => labels.length > 0);
+  const named = namedAxis(study, x, y);
   const lattice = sliced || !spans || named ? null : latticeOf(horizontal.values, vertical.values, runs);
   if (lattice) {
     const fields = latticeFields(study, lattice);
@@ -103,11 +103,20 @@ function makePlane(study: Study, shown: Shown): Plane {
   const why = sliced
     ? "These two variables were not varied together in this study: only the runs are shown, no boundaries."
     : named && runs.length
-      ? `There is nothing between the values of ${named.title}: only the runs are shown, no boundaries.`
+      ? nothingBetween(named)
     : runs.length
       ? "Too few runs of this plane have been made: only the runs are shown, no boundaries."
       : `No run of configuration ${study.configurations[configuration]?.id ?? ""} lies in this plane.`;
   return { ...base, on: runs, fields: null, note: why };
+}
+
+/** The first axis whose values are names. */
+function namedAxis(study: Study, x: number, y: number): Variable | undefined {
+  return [study.variables[x]!, study.variables[y]!].find(({ labels }) => labels.length > 0);
+}
+
+function nothingBetween({ title }: Variable): string {
+  return `There is nothing between the values of ${title}: only the runs are shown, no boundaries.`;
 }
 
 function scatteredPlane(study: Study, { configuration, x, y, fixed }: Shown): Plane {
@@ -130,11 +139,14 @@ function scatteredPlane(study: Study, { configuration, x, y, fixed }: Shown): Pl
     }
   }
   const radial = study.configurations[configuration]?.radial ?? null;
-  const fields = radial ? radialFields(study, radial, x, y, fixed) : null;
+  const named = namedAxis(study, x, y);
+  const fields = radial && !named ? radialFields(study, radial, x, y, fixed) : null;
   const most = study.mostCentres;
   const faint = rest.length ? " Runs away from this plane are drawn fainter." : "";
   const note = fields
     ? fields.how + faint
+    : named
+      ? nothingBetween(named)
     : on.length + beside.length > most
       ? `More than ${group(most)} scattered runs: interpolating through all of them is too slow for a page, so only the runs are shown.`
       : "Too few runs to interpolate: only the runs are shown.";

@@ -79,8 +79,8 @@ function missing(study: Study): Warning[] {
 function retried(study: Study): Warning[] {
   return study.retried.map(({ cause, count: runs, runs: first }) => {
     const numbers = first.join(", ") + (runs > first.length ? ", \u2026" : "");
-    const why = cause ? `: ${cause.split("\n")[0]!.slice(0, 200)}` : ", as it was asked for again or two programs made them";
-    return { level: cause.startsWith("stopped") || !cause ? "note" : "warn", text: `${count(runs, "run")} (${numbers}) needed more than one try${why}.` };
+    const why = cause.split("\n")[0]!.slice(0, 200);
+    return { level: cause.startsWith("stopped") ? "note" : "warn", text: `${count(runs, "run")} (${numbers}) needed more than one try: ${why}.` };
   });
 }
 
