@@ -30,3 +30,15 @@ chassis_inputs chassis_within_reason(const chassis_inputs *in, double steering_l
     out.air.wind_y = chassis_limited(in->air.wind_y, -100, 100);
     return out;
 }
+
+void chassis_tell_motion(chassis_outputs *out, const double *body, double acceleration, double lateral_acceleration) {
+    out->motion.x = body[0];
+    out->motion.y = body[1];
+    out->motion.heading = body[2];
+    out->motion.speed = out->speed = body[3];
+    out->motion.lateral_speed = body[4];
+    out->motion.yaw_rate = body[5];
+    out->motion.acceleration = out->acceleration = acceleration;
+    out->motion.lateral_acceleration = lateral_acceleration;
+    out->position = body[6];
+}

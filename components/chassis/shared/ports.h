@@ -44,6 +44,9 @@ typedef struct {
  * friction of 0.001 to 2; air that does not tell its density has 1.2 kg/m3. */
 chassis_inputs chassis_within_reason(const chassis_inputs *in, double steering_limit);
 
+/* Of a body whose first states are x, y, heading, speed, lateral speed, yaw rate and the way that it has gone. */
+void chassis_tell_motion(chassis_outputs *out, const double *body, double acceleration, double lateral_acceleration);
+
 double chassis_limited(double value, double low, double high);
 
 #endif

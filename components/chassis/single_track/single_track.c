@@ -112,15 +112,7 @@ static void output(single_track *self, const car *c) {
     double ahead[4] = {c->front, c->front, -c->rear, -c->rear}, left[4] = {half, -half, half, -half};
     plane_contacts(&p, y[X], y[Y], ahead, left, out->contacts);
     plane_attitude(&p, &out->roll, &out->pitch);
-    out->motion.x = y[X];
-    out->motion.y = y[Y];
-    out->motion.heading = y[HEADING];
-    out->motion.speed = out->speed = y[SPEED];
-    out->motion.lateral_speed = y[LATERAL];
-    out->motion.yaw_rate = y[YAW];
-    out->motion.acceleration = out->acceleration = self->acceleration;
-    out->motion.lateral_acceleration = self->lateral_acceleration;
-    out->position = y[WAY];
+    chassis_tell_motion(out, y, self->acceleration, self->lateral_acceleration);
     out->wheel_speed.front = self->state.wheel[0].spin;
     out->wheel_speed.rear = self->state.wheel[1].spin;
     for (int i = 0; i < 4; ++i) {

@@ -161,15 +161,7 @@ static void output(two_track *self, const car *c) {
     plane_contacts(&p, y[X], y[Y], c->ahead, c->left, out->contacts);
     out->roll = asin(chassis_limited(y[ROLL], -1, 1));
     out->pitch = asin(chassis_limited(y[PITCH], -1, 1));
-    out->motion.x = y[X];
-    out->motion.y = y[Y];
-    out->motion.heading = y[HEADING];
-    out->motion.speed = out->speed = y[SPEED];
-    out->motion.lateral_speed = y[LATERAL];
-    out->motion.yaw_rate = y[YAW];
-    out->motion.acceleration = out->acceleration = self->acceleration;
-    out->motion.lateral_acceleration = self->lateral_acceleration;
-    out->position = y[WAY];
+    chassis_tell_motion(out, y, self->acceleration, self->lateral_acceleration);
     out->wheel_speed.front = 0.5 * (w[0].spin + w[1].spin);
     out->wheel_speed.rear = 0.5 * (w[2].spin + w[3].spin);
     for (int i = 0; i < 4; ++i) {
