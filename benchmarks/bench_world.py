@@ -102,6 +102,26 @@ def contender(
     return Contender(title, along("road_motorway", chassis, car, traffic, preview), DRIVER, "scene.out.gap", goal)
 
 
+def crowd(title: str, goal: float = 0, **road: float) -> Contender:
+    """200 vehicles on three lanes, nothing else."""
+    given = {"count": 200, "left_lane": 2, "minds_host": False, **road}
+    return Contender(title, {"traffic": ("stream_traffic", given)}, "", "traffic.out.everyone[0].station", goal, ())
+
+
+OBJECT_SENSORS = (
+    "object_radar_long", "object_radar_mid", "object_lidar", "object_camera", "object_stereo", "object_perfect",
+)  # fmt: skip
+
+
+def sensing(title: str, *sensors: str) -> Contender:
+    parts = along("road_motorway", "single_track", {}, MANY, 0)
+    eyes: dict[str, tuple[str, Given]] = {f"eye{number}": (name, {}) for number, name in enumerate(sensors)}
+    wires = [f"{end} -> {eye}.{end.partition('.')[2]}" for eye in eyes for end in ("car.motion", "way.actors")]
+    goal = 150e3 if len(sensors) == 3 else 0
+    watched = "eye0.out.scan.returns[0].range"
+    return Contender(title, parts | eyes, DRIVER, watched, goal, (*WORLD, *wires))
+
+
 CONTENDERS = (
     Contender("straight_road, 1 target, 121 rays", {"world": ("straight_road", STRAIGHT_ROAD)}, STRAIGHT,
               "world.out.gap", 2e6, ()),
@@ -110,9 +130,18 @@ CONTENDERS = (
     contender("longitudinal, road, 1 target", "longitudinal", LEAD),
     contender("single track, road, 1 target", "single_track", LEAD, 600e3),
     contender("single track, road, 1 target, preview", "single_track", LEAD, preview=2.5),
+    sensing("single track, 8 targets, 3 sensors", "object_radar_long", "object_lidar", "object_camera"),
+    sensing("same, 6 sensors", *OBJECT_SENSORS),
     contender("two-track (10 ms), road, 8 targets", "two_track", MANY, 200e3, substeps=1),
     contender("two-track (2 ms), road, 8 targets", "two_track", MANY, 200e3, substeps=5),
     contender("two-track (2 ms), same with preview", "two_track", MANY, preview=2.5, substeps=5),
+    Contender("traffic alone, 8 vehicles", {"traffic": ("idm_traffic", {**EIGHT, "left_lane": 1, "minds_host": False})},
+              "", "traffic.out.movers[0].station", wires=()),
+    crowd("traffic alone, 200 on a ring of 5 km", path_length=5000.0, closed=True, goal=20e3),
+    crowd("traffic alone, 200 in and out of 5 km", path_length=5000.0),
+    crowd("traffic alone, 200 in a jam", path_length=1300.0, closed=True),
+    Contender("single track, road, 200 others", along("road_motorway", "single_track", {}, ("stream_traffic", {
+        "count": 200, "path_length": 8000.0, "left_lane": 1}), 0.0), DRIVER, "scene.out.gap"),
 )  # fmt: skip
 
 

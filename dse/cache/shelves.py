@@ -49,6 +49,7 @@ SHELVES = (
     Shelf("fused/parts", "components of fused configurations"),
     Shelf("fused/names", "names in the C of fused components"),
     Shelf("generated", "C written by kinds of components"),
+    Shelf("sumo", "roads as networks of SUMO"),
     Shelf("modelica", "Modelica models, translated"),
     Shelf("objects", "Modelica models, compiled"),
     Shelf("checked", "Modelica models found right"),

@@ -200,6 +200,8 @@ class CSource(Source):
     Ports live in the struct as ``in.<port>`` and ``out.<port>``, parameters as ``par.<parameter>`` (dots
     are nested structs). With *step* the code is sampled: ``void step(T *)`` runs every *step* seconds.
     Without it the code is a plant: ``void step(T *, double h)`` runs once per communication step.
+    With a *partner*, a module of dse, a process of its own does the work (dse/fmu/runtime/partner.h), with *resources*
+    by name: ``init`` and ``step`` fill the array ``ask``, and ``void <struct>_take(T *)`` empties ``answer``.
     """
 
     kind = "c"
@@ -211,6 +213,8 @@ class CSource(Source):
     init: str
     step_function: str
     step: float | None
+    partner: str = ""
+    resources: tuple[tuple[str, bytes], ...] = field(default=(), repr=False)
 
     @property
     def sample_time(self) -> float | None:

@@ -196,13 +196,15 @@ class Experiment:
 
 @dataclass(frozen=True, slots=True)
 class Host:
-    """The process an FMU's library is in, if that is of another system: how it is started, () if there is none.
+    """The process an FMU's library is in, if that is of another system, or that works for it: how it is started.
 
-    *settings* are variables of its environment besides those of ours.
+    *command* is () if there is none. *settings* are variables of its environment besides those of ours. What *is_wine*
+    has a server outside of every sandbox.
     """
 
     command: tuple[str, ...] = ()
     settings: Mapping[str, str] = field(default_factory=dict)
+    is_wine: bool = False
 
 
 @dataclass(frozen=True, slots=True)

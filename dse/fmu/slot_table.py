@@ -5,6 +5,9 @@ from __future__ import annotations
 import json
 from dataclasses import astuple, dataclass
 
+PARTNER = "resources/partner.txt"
+"""What in an FMU names the module of dse that is run as its partner (dse/fmu/runtime/partner.h)."""
+
 SLOT_TABLE = "slots.json"
 """Its file, below ``sources/``."""
 

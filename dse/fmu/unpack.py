@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+import sys
 from dataclasses import fields
 from pathlib import Path
 
@@ -11,6 +13,7 @@ from dse.domain.fmu import FmiInterface, FmuModel, Host
 from dse.errors import DseError, Location, Problem, fail
 from dse.fmu.reading.build_description import has_recipe
 from dse.fmu.reading.description import Description, read_description
+from dse.fmu.slot_table import PARTNER
 from dse.fmu.source_build import build_from_sources
 from dse.fmu.toolchain.platforms import this_platform
 from dse.fmu.windows import bridge_to, needed_for_wine, windows_library
@@ -81,12 +84,12 @@ def _library(
     """The library, the host that it needs, and what is wrong with the sources that it is used instead of."""
     platform = this_platform()
     for path in _libraries(folder, description):
-        return path, Host(), ()
+        return path, _partner(folder, where), ()
     unused: tuple[Problem, ...] = ()
     for_windows = windows_library(folder, description)
     if has_recipe(folder, description):
         try:
-            return build_from_sources(folder, description, where.file, cache), Host(), ()
+            return build_from_sources(folder, description, where.file, cache), _partner(folder, where), ()
         except DseError as error:
             if not for_windows:
                 raise
@@ -99,6 +102,17 @@ def _library(
         where,
         f"export it for this platform, or with its sources{needed_for_wine(folder, description)}",
     )
+
+
+def _partner(folder: Path, where: Location) -> Host:
+    """The process that does the work of an FMU that names a module of dse for it (dse/fmu/runtime/partner.h)."""
+    named = folder / PARTNER
+    if not named.is_file():
+        return Host()
+    module = named.read_text("utf-8", "replace")
+    if not re.fullmatch(r"dse(\.[a-z_]+)+", module, re.ASCII):
+        raise fail(f"'{module[:80]}' in {PARTNER} is no module of dse", where, "build the FMU again")
+    return Host((sys.executable, "-P", "-m", module, str((folder / PARTNER).parent.absolute())))
 
 
 def _held(folder: Path, description: Description) -> str:

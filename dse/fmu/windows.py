@@ -65,7 +65,7 @@ def bridge_to(library: Path, identifier: str, where: Location, cache: Path | Non
     key = content_key([("bridge", content), ("library", os.fsencode(place))])
     bridge = keep_files(cache_folder(cache) / "bridges" / key, lambda: {name: content}) / name
     command = (wine, str((made / "host.exe").absolute()), "Z:" + str(place).replace("/", "\\"))
-    return bridge, Host(command, _settings(prefix))
+    return bridge, Host(command, _settings(prefix), is_wine=True)
 
 
 def find_wine() -> str:

@@ -7,14 +7,15 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from dse.domain.component import Component, Source
-from dse.errors import Location, Problem, closest, raise_if_any
+from dse.errors import Location, Problem, closest, fail, raise_if_any
 from dse.kinds._generated import build_generated
 from dse.loading import ComponentKind, Section, SourcePlace, SourceSection, Workspace
 
 if TYPE_CHECKING:
-    from dse.world import RoadTables
+    from dse.world import Network, RoadTables
 
 _INTERFACE = "road"
+_MOST = {"paths": 8, "traffic lights": 16, "conflicts, each counted on both of its paths": 16}
 _PARAMETERS = ("start_station", "start_lane", "start_offset", "preview_spacing")
 
 
@@ -67,9 +68,7 @@ class RoadKind(ComponentKind[RoadSection, RoadSource]):
     def read(self, section: RoadSection, place: SourcePlace) -> RoadSource:
         """The host's way, and those under ``paths``. The file is opened when it is needed."""
         file = place.file(section.file, (".xodr", ".yaml"), "file")
-        ways = [_way("host", section, place.at("route"))]
-        ways += [_way(name, way, place.at("paths", name)) for name, way in section.paths.items()]
-        return RoadSource(file, place.inside, tuple(ways))
+        return RoadSource(file, place.inside, written_ways(section, place))
 
     def build(self, component: Component, source: RoadSource, *, version: int, cache: Path | None) -> Path:
         """The FMU. Raises DseError with what is wrong with the roads and the ways through them."""
@@ -84,16 +83,39 @@ class RoadKind(ComponentKind[RoadSection, RoadSource]):
         return ()
 
 
+def tables_along(source: RoadSource) -> RoadTables:
+    """The paths along the ways of *source*. Raises DseError with what is wrong with them and the roads."""
+    from dse.world import Route, road_tables
+
+    routes = [Route(way.roads, way.lane, way.name, way.where) for way in source.ways]
+    return road_tables(roads_of(source), routes)
+
+
+def written_ways(section: RoadSection, place: SourcePlace) -> tuple[WrittenWay, ...]:
+    """The host's way, and those under ``paths``."""
+    ways = [_way("host", section, place.at("route"))]
+    return (*ways, *(_way(name, way, place.at("paths", name)) for name, way in section.paths.items()))
+
+
+def roads_of(source: RoadSource) -> Network:
+    """The roads that its ways lead through. Raises DseError with what is wrong with them."""
+    from dse.world import open_roads
+
+    return open_roads(str(source.file), Workspace(source.inside))
+
+
 def _way(name: str, section: WaySection, where: Location) -> WrittenWay:
     return WrittenWay(name, tuple(map(str, section.route)), section.lane, where)
 
 
 def _tables(component: Component, source: RoadSource) -> RoadTables:
-    from dse.world import Route, open_roads, road_tables
-
     raise_if_any(_misfits(component))
-    routes = [Route(way.roads, way.lane, way.name, way.where) for way in source.ways]
-    tables = road_tables(open_roads(str(source.file), Workspace(source.inside)), routes)
+    tables = tables_along(source)
+    counts = len(tables.paths), sum(len(path.lights) for path in tables.paths), len(tables.conflicts)
+    for (what, most), count in zip(_MOST.items(), counts, strict=True):
+        if count > most:
+            said = f"{count} {what}: a road tells at most {most}"
+            raise fail(said, source.ways[-1].where, "leave out paths that nobody drives")
     lanes = [lane.number for lane in tables.paths[0].lanes]
     start = component.parameter("start_lane")
     if start is not None and start.start not in lanes:

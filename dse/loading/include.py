@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -12,14 +13,15 @@ from dse.loading.paths import named_file
 
 _DEEPEST = 20
 _MOST = 200
+_Marked = tuple[Mapping[str, Any], Mapping[str, Any]]  # a mapping and the marks of its entries
 
 
 def read_document(path: Path, inside: Path) -> Entry:
     """All of *path* and of what it includes, relative to the including file.
 
-    Mappings at the top level are joined key by key, lists are appended; a key that stands in both files is
-    a problem. Included files must lie in the workspace *inside*. Raises DseError, also when files include each other in
-    a circle, too deeply or too often.
+    Sections at the top level are joined key by key, or appended if they are lists; so are the ``compound`` and the
+    ``connections`` of a design's ``root``. Any other key that both files have is a problem. Included files must lie
+    in the workspace *inside*. Raises DseError, also when files include each other in a circle, too deeply or too often.
     """
     return _read(path, (), inside, []).top
 
@@ -69,7 +71,7 @@ def _at(problem: Problem, where: Location) -> Problem:
 
 def _join(mine: Document, other: Document, problems: Problems) -> Document:
     """*mine* with what *other* says besides; what both say is added to *problems*."""
-    data, marks, pieces = {**mine.data}, {**mine.mark[2]}, {**mine.pieces}
+    pieces = {**mine.pieces}
 
     def twice(path: KeyPath) -> None:
         what = f"'{'.'.join(map(str, path))}' stands in an including file too"
@@ -79,31 +81,36 @@ def _join(mine: Document, other: Document, problems: Problems) -> Document:
         found = {path: origin for path, origin in other.pieces.items() if path[: len(source)] == source}
         pieces.update({target + path[len(source) :]: origin for path, origin in found.items()})
 
-    for section, value in other.data.items():
-        own = data.get(section)
-        line, column, mark = other.mark[2][section]
-        if own is None:
-            data[section], marks[section] = value, [line, column, _of(other, mark)]
-            take((section,), (section,))
-        elif isinstance(own, dict) and isinstance(value, dict):
-            new = {key: entry for key, entry in value.items() if key not in own}
-            for key in value:
-                if key in own:
-                    twice((section, key))
-            below = {key: [*mark[2][key][:2], _of(other, mark[2][key][2], mark)] for key in new}
-            data[section] = own | new
-            marks[section] = _with(marks[section], marks[section][2][2] | below)
-            for key in new:
-                take((section, key), (section, key))
-        elif isinstance(own, list) and isinstance(value, list):
-            data[section] = own + value
-            further = [_of(other, entry, mark) for entry in mark[2]]
-            marks[section] = _with(marks[section], marks[section][2][2] + further)
-            for i in range(len(value)):
-                take((section, i), (section, len(own) + i))
-        else:
-            twice((section,))
+    def join(path: KeyPath, ours: _Marked, theirs: _Marked, around: tuple[Mark, ...]) -> _Marked:
+        """Two mappings at one *path*; *around* are the marks of what holds *theirs*."""
+        data, marks = {**ours[0]}, {**ours[1]}
+        for key, value in theirs[0].items():
+            line, column, mark = theirs[1][key]
+            own = data.get(key)
+            below = (*path, key)
+            if key not in data or (own is None and not path):
+                data[key], marks[key] = value, [line, column, _of(other, mark, *around)]
+                take(below, below)
+            elif isinstance(own, list) and isinstance(value, list) and _is_joined(below):
+                data[key] = own + value
+                further = [_of(other, entry, mark, *around) for entry in mark[2]]
+                marks[key] = _with(marks[key], marks[key][2][2] + further)
+                for i in range(len(value)):
+                    take((*below, i), (*below, len(own) + i))
+            elif isinstance(own, dict) and isinstance(value, dict) and _is_joined(below):
+                data[key], joined = join(below, (own, marks[key][2][2]), (value, mark[2]), (mark, *around))
+                marks[key] = _with(marks[key], joined)
+            else:
+                twice(below)
+        return data, marks
+
+    data, marks = join((), (mine.data, mine.mark[2]), (other.data, other.mark[2]), ())
     return replace(mine, data=data, mark=[*mine.mark[:2], marks], pieces=pieces)
+
+
+def _is_joined(path: KeyPath) -> bool:
+    """Whether what two files say there goes together: sections, and in a design the parts and wires of the root."""
+    return len(path) == 1 or path in (("root", "compound"), ("root", "connections"))
 
 
 def _of(document: Document, mark: Mark, *around: Mark) -> Mark:

@@ -10,9 +10,9 @@ from typing import TYPE_CHECKING
 
 from dse.domain.component import Component, Interface
 from dse.errors import Location, Problems, closest, fail, raise_if_any
-from dse.formats import remember, shown
+from dse.formats import Entry, remember, shown
 from dse.loading.component.component import read_collection, read_component
-from dse.loading.component.interfaces import read_interfaces, read_types
+from dse.loading.component.interfaces import read_interfaces, read_stand_ins, read_types
 from dse.loading.paths import find_root
 
 if TYPE_CHECKING:
@@ -74,6 +74,12 @@ class Workspace:
         return found
 
     @cached_property
+    def stand_ins(self) -> dict[str, Entry]:
+        """Where interfaces say what their components stand for in designs, by their names."""
+        paths = self._components_yaml.get("interfaces.yaml", [])
+        return {name: entry for path in paths for name, entry in read_stand_ins(path, self.root).items()}
+
+    @cached_property
     def component_files(self) -> dict[str, Path]:
         """The file of every component by its name: a ``component.yaml`` by that of its folder, or one with many."""
         found: dict[str, Path] = {}
@@ -128,7 +134,7 @@ class Workspace:
         if path not in self._designs:
             from dse.loading.design.design import read_design
 
-            design = read_design(path, self.component, self.interfaces, self.root)
+            design = read_design(path, self.component, self.interfaces, self.stand_ins, self.root)
             _require_name(design.name, path, ".yaml", design.where)
             self._designs[path] = design
         return self._designs[path]

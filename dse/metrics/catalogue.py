@@ -105,6 +105,7 @@ def _times_seconds(dimension: Dimension) -> Dimension:
 _X = Argument("x", Wants.WAVEFORM, any_unit=True)
 _TARGET = Argument("target", Wants.CONSTANT)
 _BAND = Argument("band", Wants.CONSTANT, "", 0.02)
+_CONDITION = Argument("condition", Wants.CONDITION)
 _WINDOW = Argument("window", Wants.CONSTANT, "s", 1.0)
 
 
@@ -139,10 +140,11 @@ FUNCTIONS: Mapping[str, Function] = {
     "maximum": Function((_X,), same, _of_waveform(functions.maximum)),
     "initial": Function((_X,), same, _of_waveform(functions.initial)),
     "final": Function((_X,), same, _of_waveform(functions.final)),
+    "at_first": Function((_X, _CONDITION), same, _of_waveform(functions.at_first)),
     "mean": Function((_X,), same, _over_rows(functions.average)),
     "rms": Function((_X,), same, _over_rows(functions.root_average_square)),
     "integral": Function((_X,), _times_seconds, _over_rows(functions.weighted_sum)),
-    "duration": Function((Argument("condition", Wants.CONDITION),), _seconds, _over_rows(functions.time_held)),
+    "duration": Function((_CONDITION,), _seconds, _over_rows(functions.time_held)),
     "time_to_collision": Function(
         (Argument("gap", Wants.WAVEFORM, "m"), Argument("closing_speed", Wants.WAVEFORM, "m/s")),
         _seconds,

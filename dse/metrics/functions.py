@@ -78,6 +78,12 @@ def final(x: Waveform) -> float:
     return x.item(-1)
 
 
+def at_first(x: Waveform, condition: Condition) -> float:
+    """The value in the first row in which *condition* holds, in x's unit; NaN if it never does."""
+    row = int(np.argmax(condition))
+    return x.item(row) if condition[row] else math.nan
+
+
 def time_to_collision(gap: Waveform, closing_speed: Waveform) -> Waveform:
     """gap / closing_speed row by row, in seconds; infinite where the gap does not close.
 

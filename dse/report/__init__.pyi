@@ -35,6 +35,7 @@ from .figure import (
 from .figures.waveforms import draw_run as draw_run
 from .insight.reading import insight_of as insight_of, read_insight as read_insight, read_report as read_report
 from .page.html import (
+    HEAD as HEAD,
     ICON as ICON,
     bundle as bundle,
     hash_of as hash_of,
@@ -43,3 +44,7 @@ from .page.html import (
 )
 from .page.printing import print_report as print_report
 from .roads import road_picture as road_picture, with_driven as with_driven
+from .scene.ground import ground_of as ground_of, straight_ground as straight_ground
+from .scene.html import scene_page as scene_page, write_scene as write_scene
+from .scene.nouns import Ground as Ground, Scene as Scene
+from .scene.telling import Told as Told

@@ -17,6 +17,7 @@ from dse.world import (
     RoadPath,
     borders_of,
     curve_of,
+    from_cubics,
     lane_middle,
     place,
     road_tables,
@@ -80,11 +81,13 @@ class _Line:
             borders = borders_of(self._road, section)
             stations = self._between(section.s, section.end)
             for id_, lane in section.lanes.items():
-                right, left = (self._xy(stations, value(border, stations - section.s)) for border in borders[id_])
+                ts = [value(border, stations - section.s) for border in borders[id_]]
+                right, left = (np.column_stack([self._xy(stations, t), self._z(stations, t)]) for t in ts)
                 if not runs_along(self._road, lane):
                     right, left = left[::-1], right[::-1]
                 if lane.type != "none":
-                    yield Strip(left, right, lane.type in DRIVEN, bool(self._road.junction))
+                    sides = left[:, :2], right[:, :2], left[:, 2], right[:, 2]
+                    yield Strip(*sides, lane.type in DRIVEN, bool(self._road.junction))
 
     def areas(self) -> Iterator[Area]:
         """What is not as dry asphalt: lanes, and patches upon them."""
@@ -122,6 +125,12 @@ class _Line:
         """Stations from *start* to *end*, between which straight lines are drawn."""
         inner = self._bends[(self._bends > start) & (self._bends < end)]
         return np.unique(np.concatenate([np.linspace(start, end, 17), inner]))
+
+    def _z(self, stations: Floats, t: Floats) -> Floats:
+        """Heights at *stations*, *t* to the left of the line."""
+        end = self._road.length
+        height, bank = (from_cubics(cubics, 0.0, end) for cubics in (self._road.elevation, self._road.superelevation))
+        return value(height, stations) + t * np.tan(value(bank, stations))
 
     def _xy(self, stations: Floats, t: Floats) -> Floats:
         """Points (n, 2) at *stations*, *t* to the left of the line."""

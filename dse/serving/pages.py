@@ -10,19 +10,11 @@ from urllib.parse import quote
 from dse.api import Glance
 from dse.domain.bench import VERDICTS, Verdict
 from dse.errors import DseError
-from dse.report import ICON, bundle, hash_of
+from dse.report import HEAD, ICON, bundle, hash_of
 
-_PAGE = """<!doctype html>
-<html lang="en">
-<head>
-<meta charset="utf-8">
-<meta http-equiv="Content-Security-Policy" content="{policy}">
-<meta name="viewport" content="width=device-width, initial-scale=1">
-<meta name="generator" content="dse">
-<title>{title}</title>
-<link rel="icon" href="{icon}">
-<style>{style}</style>
-<script>{script}</script>
+_PAGE = (
+    HEAD
+    + """<script>{script}</script>
 </head>
 <body>
 <header><h1>{title}</h1>{beside}<span class="spring"></span><button id="theme" type="button" hidden></button></header>
@@ -32,6 +24,7 @@ _PAGE = """<!doctype html>
 </body>
 </html>
 """
+)
 
 CLASSES = {
     Verdict.PASS: "pass",

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dse.world.opendrive.roadside import COLOURS
-from dse.world.tables import LaneBand, Light, Piecewise, RoadPath, RoadTables
+from dse.world.tables import Conflict, LaneBand, Light, Piecewise, RoadPath, RoadTables
 
 STRUCT = "road"
 """The name of the struct in C, and of the header."""
@@ -26,11 +26,22 @@ _LINE_NUMBERS = 6  # of x and of y in a row; the core counts on it
 def road_files(tables: RoadTables) -> dict[str, str]:
     """The files by name, for the FMU of a component of the interface ``road``."""
     files = {path.name: path.read_text("utf-8") for path in sorted(_CORE.glob("*.[ch]"))}
-    texts = [_path_text(path, number) for number, path in enumerate(tables.paths)]
-    paths = _array("path_table paths", [table for _, table in texts])
-    network = f"const road_network road_tables = {{{len(texts)}, paths}};\n"
-    files["road_tables.c"] = "\n".join(['#include "path.h"\n', *(numbers for numbers, _ in texts), paths, network])
+    laid = [_lengths(path, _common_starts(path)) for path in tables.paths]
+    texts = [_path_text(path, number, *laid[number]) for number, path in enumerate(tables.paths)]
+    arrays = [_array("path_table paths", [table for _, table in texts])]
+    if tables.conflicts:
+        rows = [_conflict(each, tables.paths, laid) for each in tables.conflicts]
+        arrays.append(_array("path_conflict conflicts", rows))
+    count, conflicts = len(tables.conflicts), "conflicts" if tables.conflicts else "0"
+    network = f"const road_network road_tables = {{{len(texts)}, {count}, paths, {conflicts}}};\n"
+    files["road_tables.c"] = "\n".join(['#include "path.h"\n', *(numbers for numbers, _ in texts), *arrays, network])
     return files
+
+
+def along_own_lane(path: RoadPath) -> Piecewise:
+    """How far along the middle of the path's own lane its stations are, in m, as the core has it."""
+    starts, lengths = _lengths(path, _common_starts(path))
+    return Piecewise(starts, lengths[0])
 
 
 class _Columns:
@@ -49,9 +60,8 @@ class _Columns:
         return f"{{{at}, {count}}}"
 
 
-def _path_text(path: RoadPath, number: int) -> tuple[str, str]:
+def _path_text(path: RoadPath, number: int, starts: Array, lengths: list[Array]) -> tuple[str, str]:
     """The numbers of a path, and the table that says what they mean."""
-    starts, lengths = _lengths(path, _common_starts(path))
     columns = _Columns(starts)
     for line in (path.x, path.y):
         columns.blocks.append(_wide(_moved(line, starts), _LINE_NUMBERS))
@@ -91,6 +101,8 @@ def _path_text(path: RoadPath, number: int) -> tuple[str, str]:
         "patch_count": len(patches),
         "patches": f"patches_{number}" if patches else 0,
         "light_count": len(lights),
+        "leftmost": path.leftmost,
+        "rightmost": path.rightmost,
         "lights": f"lights_{number}" if lights else 0,
     }
     return "\n".join(arrays), "{" + ", ".join(f".{name} = {value}" for name, value in fields.items()) + "}"
@@ -103,6 +115,22 @@ def _phases(light: Light) -> list[str]:
 def _light(light: Light, phases: str, along: float) -> str:
     numbers = ", ".join(repr(float(each)) for each in (along, light.shift, sum(seconds for _, seconds in light.phases)))
     return f"{{{numbers}, {len(light.phases)}, {phases if light.phases else 0}}}"
+
+
+def _conflict(conflict: Conflict, paths: Sequence[RoadPath], laid: Sequence[tuple[Array, list[Array]]]) -> str:
+    def along(path: int, station: float) -> float:
+        starts, lengths = laid[path]
+        rounds, rest = divmod(station, paths[path].length) if paths[path].closed else (0.0, station)
+        return rounds * _along(paths[path].length, starts, lengths[0]) + _along(rest, starts, lengths[0])
+
+    one, other = (
+        [str(path), *(repr(along(path, station)) for station in stations)]
+        for path, *stations in (
+            (conflict.path, conflict.entry, conflict.exit),
+            (conflict.other_path, conflict.other_entry, conflict.other_exit),
+        )
+    )
+    return "{" + ", ".join([*one, *other, str(conflict.gives_way).lower()]) + "}"
 
 
 def _along(station: float, starts: Array, lengths: Array) -> float:

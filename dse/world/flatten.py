@@ -15,14 +15,16 @@ from dse.world.continuity import broken
 from dse.world.cross_section import Band, bands_of, overlaps
 from dse.world.lane_graph import LaneGraph, LanePlace, lane_at, lane_graph
 from dse.world.opendrive.curves import curve_of
-from dse.world.opendrive.driving import runs_along
+from dse.world.opendrive.driving import DRIVEN, runs_along
 from dse.world.opendrive.reading import read_network
-from dse.world.opendrive.structure import Cubic, Network, Road, Sign, Signal
+from dse.world.opendrive.structure import Cubic, Network, Order as Ordered, Road, Sign, Signal
 from dse.world.pieces import backwards, from_cubics, in_a_row, joined, quintics, steps
+from dse.world.right_of_way import conflicts
 from dse.world.routes import Route, Way, way_of
-from dse.world.tables import LaneBand, Light, Patch, Piecewise, RoadPath, RoadTables
+from dse.world.tables import LaneBand, Leg, Light, Order, Patch, Piecewise, RoadPath, RoadTables
 
-_Standing = TypeVar("_Standing", Signal, Sign)
+_Standing = TypeVar("_Standing", Signal, Sign, Ordered)
+_NO_LANE = 1e-3  # m: a lane that is narrower is not there yet
 
 
 def read_road_tables(path: Path, file: str, routes: Sequence[Route] = ()) -> RoadTables:
@@ -39,7 +41,8 @@ def road_tables(network: Network, routes: Sequence[Route] = ()) -> RoadTables:
     Raises DseError with all that keeps a path from being followed, where it stands.
     """
     graph = lane_graph(network)
-    return RoadTables(tuple(path_along(graph, way_of(graph, route), route.name) for route in routes or (Route(),)))
+    paths = tuple(path_along(graph, way_of(graph, route), route.name) for route in routes or (Route(),))
+    return RoadTables(paths, tuple(conflicts(network, paths)))
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -85,6 +88,8 @@ def path_along(graph: LaneGraph, way: Way, name: str) -> RoadPath:
     def along(parts: Iterable[Piecewise]) -> Piecewise:
         return joined(list(zip(parts, lengths, strict=True)))
 
+    lanes = tuple(_lanes(passages))
+    leftmost, rightmost = _same_direction(passages[0], lanes)
     path = RoadPath(
         name,
         begins[-1],
@@ -94,9 +99,13 @@ def path_along(graph: LaneGraph, way: Way, name: str) -> RoadPath:
         along(p.cubics(p.road.elevation) for p in passages),
         along(p.cubics(p.road.superelevation, -1.0) for p in passages),
         along(_speed_limit(p) for p in passages),
-        tuple(_lanes(passages)),
+        lanes,
         tuple(patch for p, begin in zip(passages, begins, strict=False) for patch in _patches(p, begin)),
         tuple(light for p, begin in zip(passages, begins, strict=False) for light in _lights(p, begin)),
+        tuple(order for p, begin in zip(passages, begins, strict=False) for order in _orders(p, begin)),
+        tuple(_leg(p, begin) for p, begin in zip(passages, begins, strict=False)),
+        leftmost,
+        rightmost,
     )
     begun = [p.road.where for p in passages]
     raise_if_any(broken(path, begins[1:-1], begun))
@@ -212,6 +221,35 @@ def _lights(passage: _Passage, begin: float) -> Iterator[Light]:
     lights = _meant(passage, passage.road.signals)
     found = [Light(light.id, begin + passage.from_start(light.s), light.phases, light.shift) for light in lights]
     yield from sorted(found, key=lambda light: light.station)
+
+
+def _orders(passage: _Passage, begin: float) -> Iterator[Order]:
+    orders = _meant(passage, passage.road.orders)
+    found = [Order(begin + passage.from_start(order.s), order.kind) for order in orders]
+    yield from sorted(found, key=lambda order: order.station)
+
+
+def _leg(passage: _Passage, begin: float) -> Leg:
+    return Leg(begin, passage.road.id, passage.road.junction, passage.road.left_hand)
+
+
+def _same_direction(passage: _Passage, lanes: Sequence[LaneBand]) -> tuple[int, int]:
+    """The leftmost and rightmost of the lanes beside the path's own that are driven with it where it begins."""
+    road, place = passage.road, passage.places[0]
+    section = road.sections[place.section]
+    ids = sorted(i for i, lane in section.lanes.items() if i == place.lane or lane.type in DRIVEN)
+    own, sign = ids.index(place.lane), 1 if passage.along else -1
+    along = {sign * (i - own) for i, id_ in enumerate(ids) if runs_along(road, section.lanes[id_]) == passage.along}
+    wide = {lane.number for lane in lanes if float(np.subtract(*_edges_at_start(lane))) > _NO_LANE}
+    found = [0, 0]
+    for i, step in enumerate((1, -1)):
+        while found[i] + step in along & wide:
+            found[i] += step
+    return found[0], found[1]
+
+
+def _edges_at_start(lane: LaneBand) -> tuple[float, float]:
+    return float(lane.left.coefficients[0, 0]), float(lane.right.coefficients[0, 0])
 
 
 def _meant(passage: _Passage, signals: Iterable[_Standing]) -> Iterator[_Standing]:

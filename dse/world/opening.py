@@ -11,6 +11,12 @@ from dse.world.opendrive.structure import Network
 from dse.world.writing.opendrive import opendrive_of
 
 
+def opendrive_text(name: str, workspace: Workspace) -> bytes:
+    """The OpenDRIVE of a road of *workspace*, or of the file *name*, as it stands. Raises DseError."""
+    path = Path(name)
+    return path.read_bytes() if path.suffix.lower() == ".xodr" else opendrive_of(workspace.road(name)).encode()
+
+
 def open_roads(name: str, workspace: Workspace) -> Network:
     """The network in a road of *workspace*, or in the file *name*: YAML, or OpenDRIVE (``.xodr``).
 

@@ -60,6 +60,40 @@ class Light:
     shift: float
 
 
+@dataclass(frozen=True)
+class Leg:
+    """A road that a path passes, from *start*, a station of the path, on; *junction* is "" outside of junctions."""
+
+    start: float
+    road: str
+    junction: str
+    left_hand: bool
+
+
+@dataclass(frozen=True)
+class Order:
+    """A sign at a *station* of a path that says who has the right of way, by its number in the German catalogue."""
+
+    station: float
+    kind: str
+
+
+@dataclass(frozen=True)
+class Conflict:
+    """Where a path crosses or joins another one, by stations; both are counted from 0.
+
+    *gives_way* says whether who is on the path does; neither does where lights see to it.
+    """
+
+    path: int
+    entry: float
+    exit: float
+    other_path: int
+    other_entry: float
+    other_exit: float
+    gives_way: bool
+
+
 @dataclass(frozen=True, eq=False)
 class RoadPath:
     """A way through a road network in its direction of travel: a reference line, and all that lies along it.
@@ -69,7 +103,7 @@ class RoadPath:
     side, and the borders of the lanes with it, so that the lanes go on without a jump. *height* in m, *bank* in rad
     (> 0: left side higher) belong to the reference line; a point at t to its left is t tan(bank) above it, and t is
     measured in the plane. *speed_limit* in m/s, 0 where there is none, is constant in pieces. *lanes* has the path's
-    own lane first.
+    own lane first; from *leftmost* to *rightmost* they are driven in its direction where it begins.
     """
 
     name: str
@@ -83,10 +117,15 @@ class RoadPath:
     lanes: tuple[LaneBand, ...]
     patches: tuple[Patch, ...] = ()
     lights: tuple[Light, ...] = ()
+    orders: tuple[Order, ...] = ()
+    legs: tuple[Leg, ...] = ()
+    leftmost: int = 0
+    rightmost: int = 0
 
 
 @dataclass(frozen=True, eq=False)
 class RoadTables:
-    """The paths of a network that a road component carries; the host drives the first."""
+    """The paths of a network that a road component carries, and where they meet; the host drives the first."""
 
     paths: tuple[RoadPath, ...]
+    conflicts: tuple[Conflict, ...] = ()

@@ -5,6 +5,7 @@ from __future__ import annotations
 import shutil
 
 import pytest
+from example_study import example_benches, example_designs, example_studies
 
 import dse
 
@@ -19,9 +20,9 @@ def test_without_one_the_error_says_how_to_get_one(tmp_path):
 
 
 def test_everything_is_listed_by_name_without_reading_it(ws):
-    assert list(ws.designs) == ["acc_vehicle", "electric_acc", "road_acc"]
-    assert [name for name in ws.benches if not name.startswith("road_")] == ["acc_following", "electric_acc_motorway"]
-    assert list(ws.studies)[:3] == ["acc_gains", "acc_gains_4d", "electric_acc_search"]
+    assert list(ws.designs) == example_designs()
+    assert list(ws.benches) == example_benches()
+    assert list(ws.studies) == sorted([*example_studies(), "small"])
     assert "pd_acc" in ws.components
     assert len(ws.components) > 75
 
@@ -70,7 +71,7 @@ def test_check_reads_the_files_as_they_are_now(folder, tmp_path):
 
 
 def test_notebooks_show_tables_with_everything_escaped(ws):
-    assert "<td>acc_gains, acc_gains_4d, electric_acc_search, " in ws._repr_html_()
+    assert f"<td>{', '.join(list(ws.studies))}</td>" in ws._repr_html_()
     shown = ws.benches["acc_following"]._repr_html_()
     assert "<td>R1</td>" in shown
     assert "<td>speed P gain</td>" in ws.studies["acc_gains"]._repr_html_()
@@ -81,8 +82,11 @@ def test_notebooks_show_tables_with_everything_escaped(ws):
 
 
 def test_things_say_what_they_are(ws):
-    assert repr(ws).endswith(f" {len(ws.components)} components, 3 designs, 5 benches, {len(ws.studies)} studies>")
-    assert repr(ws.designs) == "<designs: acc_vehicle, electric_acc, road_acc>"
+    assert repr(ws).endswith(
+        f" {len(ws.components)} components, {len(example_designs())} designs, "
+        f"{len(example_benches())} benches, {len(ws.studies)} studies>"
+    )
+    assert repr(ws.designs) == f"<designs: {', '.join(example_designs())}>"
     assert repr(ws.designs["acc_vehicle"]) == "<Design acc_vehicle: 624 combinations, 7 constraints>"
     assert repr(ws.benches["acc_following"]).startswith("<Bench acc_following of acc_vehicle: 60 s")
     assert repr(ws.studies["small"]) == "<Study small on acc_following: controller.kp_speed, controller.kd_speed>"

@@ -7,6 +7,7 @@ import subprocess
 import sys
 
 import pytest
+from example_study import example_benches, example_designs, example_studies
 
 # As the console script does: shells know the program as 'dse'.
 DSE = [sys.executable, "-c", "import sys; sys.argv[0] = 'dse'; from dse.cli import main; main()"]
@@ -38,23 +39,19 @@ def workspace(dse_in, tmp_path_factory):
     return folder / "work"
 
 
-ROAD_BENCHES = ["road_braking", "road_clear", "road_following"]
-ROAD_STUDIES = ["road_acc", "road_gains", "road_lateral"]
-
-
 @pytest.mark.sampled(4)
 @pytest.mark.parametrize(
     ("line", "offered"),
     [
         ("dse expl", ["explore"]),
-        ("dse explore ", ["acc_gains", "acc_gains_4d", "electric_acc_search", *ROAD_STUDIES]),
+        ("dse explore ", example_studies()),
         ("dse explore acc_gains_", ["acc_gains_4d"]),
         ("dse explore acc_gains --sh", ["--shard"]),
-        ("dse run ", ["acc_following", "electric_acc_motorway", *ROAD_BENCHES]),
+        ("dse run ", example_benches()),
         ("dse simulate e", ["electric_acc_motorway"]),
         ("dse report ", ["acc_gains", "all"]),
         ("dse merge al", ["all"]),
-        ("dse enumerate ", ["acc_vehicle", "electric_acc", "road_acc"]),
+        ("dse enumerate ", example_designs()),
         ("dse space count el", ["electric_acc"]),
         ("dse space cou", ["count"]),
         ("dse build radar", ["radar_77ghz_long", "radar_77ghz_mid"]),

@@ -9,6 +9,7 @@ import shutil
 from collections import Counter
 
 import pytest
+from example_study import example_benches, example_designs
 
 
 @pytest.fixture
@@ -25,8 +26,8 @@ def workspace(dse_in, explored, tmp_path):
 
 def test_designs_benches_and_studies_are_listed_with_what_they_are_about(workspace, dse_in):
     listed = json.loads(dse_in(workspace, "list", "--format", "json").stdout)
-    assert [each["name"] for each in listed["designs"]] == ["acc_vehicle", "electric_acc", "road_acc"]
-    assert [each["name"] for each in listed["benches"]][:3] == ["acc_following", "broken", "electric_acc_motorway"]
+    assert [each["name"] for each in listed["designs"]] == example_designs()
+    assert [each["name"] for each in listed["benches"]] == sorted([*example_benches(), "broken"])
     study = next(each for each in listed["studies"] if each["name"] == "acc_gains_4d")
     assert study == {
         "name": "acc_gains_4d",

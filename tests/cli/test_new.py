@@ -57,7 +57,10 @@ def starts(files: Files, kind: str) -> Iterator[str]:
 
 @pytest.mark.thorough
 def test_a_component_in_c_can_be_started_for_every_interface_of_the_example(example_files):
-    assert set(starts(example_files, "c")) == set(example_files.interfaces)
+    interfaces = example_files.interfaces.items()
+    numbers = {name for name, each in interfaces if all(port.type.kind.is_number for port in each.ports)}
+    assert len(interfaces) - len(numbers) == 3  # messages of OSI: how large they are, nobody but their author knows
+    assert set(starts(example_files, "c")) == numbers
     assert Workspace(example_files).check() == ()
 
 

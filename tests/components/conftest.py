@@ -9,6 +9,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import partial
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -19,7 +20,31 @@ from dse.loading.workspace import Workspace
 
 ROOT = Path(__file__).parents[2]
 WARNINGS = ("-Wall", "-Wextra", "-Wpedantic", "-Wconversion", "-Wshadow", "-Werror")
-Slot = ctypes.c_double | ctypes.c_bool | ctypes.c_int32
+
+
+class Binary:
+    """A binary: its bytes, those of a struct of their number and of room for more."""
+
+    def __init__(self, address: int, size: int) -> None:
+        self._size = ctypes.c_size_t.from_address(address)
+        self._room = (ctypes.c_uint8 * (size - ctypes.sizeof(self._size))).from_address(
+            address + ctypes.sizeof(self._size)
+        )
+
+    @property
+    def value(self) -> bytes:
+        return bytes(self._room[: self._size.value])
+
+    @value.setter
+    def value(self, data: bytes) -> None:
+        self._room[: len(data)] = list(data)
+        self._size.value = len(data)
+
+    def __bytes__(self) -> bytes:
+        return self.value
+
+
+Slot = ctypes.c_double | ctypes.c_bool | ctypes.c_int32 | Binary
 
 
 @dataclass(frozen=True)
@@ -31,10 +56,10 @@ class Part:
     memory: ctypes.Array[ctypes.c_uint64]
     slots: dict[str, tuple[Type, Slot]] = field(repr=False)
 
-    def __getitem__(self, name: str) -> float:
+    def __getitem__(self, name: str) -> Any:
         return self.slots[name][1].value
 
-    def __setitem__(self, name: str, value: Value) -> None:
+    def __setitem__(self, name: str, value: Value | bytes) -> None:
         type_, slot = self.slots[name]
         slot.value = type_.items.index(value) if isinstance(value, str) else value
 
@@ -70,7 +95,7 @@ class Shelf:
         ports = sorted(component.interface.ports, key=lambda port: port.causality != "input")  # as `slots` has them
         types = {p.name: p.type for p in (*ports, *component.parameters)}
         found = {
-            slot: (type_, _slot(type_.kind, address + library.shim_offset(i)))
+            slot: (type_, _slot(type_.kind, address + library.shim_offset(i), library.shim_room(i)))
             for i, (slot, type_) in enumerate(types.items())
         }
         part = Part(component, library, memory, found)
@@ -86,18 +111,20 @@ class Shelf:
         shim.write_text(_shim(component), encoding="utf-8")
         source = component.source
         assert isinstance(source, CSource)
-        units = [str(file) for file in (*source.files, shim)]
+        units = [str(file) for file in (*source.files, shim) if file.suffix == ".c"]
         options = ["-std=c99", "-O2", "-ffp-contract=off", "-shared", *WARNINGS]
         options += [] if sys.platform == "win32" else ["-fPIC"]
         math = [] if sys.platform == "win32" else ["-lm"]
         subprocess.run([*find_compiler().command, *options, *units, "-o", str(target), *math], check=True)
         library = ctypes.CDLL(str(target))
-        library.shim_size.restype = library.shim_offset.restype = ctypes.c_size_t
+        library.shim_size.restype = library.shim_offset.restype = library.shim_room.restype = ctypes.c_size_t
         return library
 
 
-def _slot(kind: Kind, address: int) -> Slot:
+def _slot(kind: Kind, address: int, size: int) -> Slot:
     match kind:
+        case Kind.BINARY:
+            return Binary(address, size)
         case Kind.REAL:
             return ctypes.c_double.from_address(address)
         case Kind.BOOLEAN:
@@ -111,15 +138,18 @@ def _shim(component: Component) -> str:
     assert isinstance(source, CSource)
     members = [slot.member for slot in slots(component)]
     offsets = ", ".join(f"offsetof({source.struct}, {member})" for member in members)
+    rooms = ", ".join(f"sizeof((({source.struct} *)0)->{member})" for member in members)
     call = f"{source.step_function}(self)" if source.step else f"{source.step_function}(self, h)"
     return f"""#include <stddef.h>
 #include "{source.header.as_posix()}"
 size_t shim_size(void);
 size_t shim_offset(int slot);
+size_t shim_room(int slot);
 void shim_init({source.struct} *self);
 void shim_step({source.struct} *self, double h);
 size_t shim_size(void) {{ return sizeof({source.struct}); }}
 size_t shim_offset(int slot) {{ const size_t at[] = {{{offsets}}}; return at[slot]; }}
+size_t shim_room(int slot) {{ const size_t rooms[] = {{{rooms}}}; return rooms[slot]; }}
 void shim_init({source.struct} *self) {{ {source.init}(self); }}
 void shim_step({source.struct} *self, double h) {{ (void)h; {call}; }}
 """

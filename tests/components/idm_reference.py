@@ -7,19 +7,19 @@ from typing import Any
 
 import numpy as np
 
-HOST = 8
+HOST = -1
 
 
 @dataclass
 class Traffic:
-    """Rows are the eight vehicles and the host, which is a vehicle whose state is given."""
+    """Rows are the vehicles and, as the last one, the host, which is a vehicle whose state is given."""
 
-    there: Any  # bool[9]
+    there: Any  # bool[n + 1]
     x: Any  # m, centres
     v: Any  # m/s
-    lane: Any  # int[9]; of the host unused
+    lane: Any  # int[n + 1]; of the host unused
     length: Any  # m
-    driver: Any  # [8, 5]: desired speed, time gap, standstill gap, acceleration, comfortable deceleration
+    driver: Any  # [n, 5]: desired speed, time gap, standstill gap, acceleration, comfortable deceleration
     plus: bool = False
     lap: float = 0.0
     lanes: tuple[int, int] = (0, 0)
@@ -30,8 +30,11 @@ class Traffic:
     safe: float = 4.0
     brakes: float = 9.0
     host_lanes: tuple[int, ...] = (0,)
-    old: Any = None  # int[9]: the lane a vehicle comes from
-    u: Any = field(default_factory=lambda: np.ones(9))
+    old: Any = None  # int[n + 1]: the lane a vehicle comes from
+    u: Any = field(init=False)
+
+    def __post_init__(self) -> None:
+        self.u = np.ones(len(self.x))
 
     def members(self, lane: int) -> Any:
         leaving = (self.u < 0.6) & (self.old == lane)
@@ -70,12 +73,13 @@ class Traffic:
         if new_gap <= 0 or ahead <= 0:
             return -np.inf
         other = replace(self, lane=self.lane.copy(), old=self.old.copy())
+        other.u = self.u
         other.lane[i] = other.old[i] = lane
         own = other.acceleration(i, lane, i)
         gains = 0.0
         for follower, where in ((new, lane), (old, here)):
             if follower >= 0:
-                judge = i if follower == HOST else follower
+                judge = i if follower == len(self.x) - 1 else follower
                 after = other.acceleration(follower, where, judge)
                 gains += after - self.acceleration(follower, where, judge)
                 if where == lane and after < -self.safe:
@@ -86,7 +90,7 @@ class Traffic:
         return own - self.acceleration(i, here, i) + self.politeness * gains - self.threshold - bias
 
     def step(self, h: float) -> None:
-        for i in range(8):
+        for i in range(len(self.x) - 1):
             if not self.there[i] or self.u[i] < 1 or self.v[i] == 0:
                 continue
             options = [int(self.lane[i]) + 1, int(self.lane[i]) - 1]
@@ -94,8 +98,8 @@ class Traffic:
             best = max(chances, default=(0.0, 0))
             if best[0] > 0:
                 self.old[i], self.lane[i], self.u[i] = self.lane[i], best[1], 0.0
-        a = np.zeros(9)
-        for i in range(8):
+        a = np.zeros(len(self.x))
+        for i in range(len(self.x) - 1):
             if self.there[i]:
                 a[i] = self.acceleration(i, int(self.lane[i]), i)
                 if self.u[i] < 0.6:

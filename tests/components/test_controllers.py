@@ -93,7 +93,7 @@ def test_full_acceleration_towards_a_far_target_stays_in_speed_mode(new_part: Ne
     assert net_demand(part) == pytest.approx(torque(2.0, 0), rel=EXACT)
 
 
-@pytest.mark.parametrize("name", ["pd_acc", "pi_time_gap_acc", "idm_acc"])
+@pytest.mark.parametrize("name", ["pd_acc", "pi_time_gap_acc", "idm_acc", "lq_acc"])
 @pytest.mark.parametrize(
     ("setting", "wanted"), [("fixed", 40.0), ("long", 4 + 2 * 25), ("middle", 4 + 1.5 * 25), ("short", 4 + 25)]
 )
@@ -106,7 +106,7 @@ def test_the_gap_setting_chooses_a_fixed_gap_or_a_time_gap(
     assert part["reference.gap"] == pytest.approx(wanted, rel=EXACT)
 
 
-@pytest.mark.parametrize("name", ["pd_acc", "pi_time_gap_acc"])
+@pytest.mark.parametrize("name", ["pd_acc", "pi_time_gap_acc", "lq_acc"])
 def test_at_the_wanted_gap_and_the_leads_speed_only_the_road_load_is_asked_for(new_part: NewPart, name: str) -> None:
     part = new_part(name)
     part["set_speed"], part["set_gap"] = 70 / 3.6, 40.0

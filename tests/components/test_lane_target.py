@@ -121,3 +121,30 @@ def test_a_lost_target_keeps_its_last_gap_and_says_it_is_not_detected(new_part: 
     part.step()
     assert not part["target.detected"]
     assert [part["target.gap"], part["target.closing_speed"]] == pytest.approx([38.0, 5.0], abs=1e-6)
+
+
+@pytest.mark.parametrize("radius", RADII)
+@pytest.mark.parametrize("side", [-1, 1])
+def test_who_will_be_in_the_lane_within_the_horizon_is_followed_already(
+    new_part: NewPart, radius: float, side: int
+) -> None:
+    """From the middle of the next lane to the border are half a lane's width, however the lane bends."""
+    part = new_part("cut_in_target", horizon=1.0)
+    stand(part, radius)
+    for share, followed in ((1.01, True), (0.99, False), (-1.0, False)):
+        track(part, 1, radius, 40.0, side * WIDTH, speed=20.0)
+        _, _, heading = on_lane(radius, 40.0, 0.0)
+        across = -side * share * WIDTH / 2
+        part["tracks[1].vx"] -= across * math.sin(heading)
+        part["tracks[1].vy"] += across * math.cos(heading)
+        part.init()
+        assert part["target.detected"] == followed
+
+
+def test_who_crosses_the_lane_within_the_horizon_is_followed_too(new_part: NewPart) -> None:
+    part = new_part("cut_in_target", horizon=1.0)
+    stand(part, math.inf)
+    track(part, 1, math.inf, 40.0, 4.0)
+    part["tracks[1].vy"] = -20.0  # on the other side long before the horizon
+    part.init()
+    assert part["target.detected"]

@@ -90,7 +90,7 @@ def test_the_nominal_gains_suit_every_sensor(new_part: NewPart, sensor: str) -> 
 
 
 @pytest.mark.parametrize("powertrain", ["combustion_ideal", "bev_ideal"])
-@pytest.mark.parametrize("controller", ["pd_acc", "pi_time_gap_acc"])
+@pytest.mark.parametrize("controller", ["pd_acc", "pi_time_gap_acc", "lq_acc"])
 def test_controllers_with_a_fixed_gap_end_behind_the_lead_with_every_powertrain(
     new_part: NewPart, controller: str, powertrain: str
 ) -> None:

@@ -49,6 +49,15 @@ def test_uniform_configurations_are_different_ones_and_all_points_together_fill_
             assert stratum(column[start : start + 4], 4) == [0, 1, 2, 3]
 
 
+@pytest.mark.parametrize(
+    "sampler", [Uniform(configurations=5), Stratified(configurations=5), Combinations(choices=["sensor"])]
+)
+def test_configurations_alone_can_be_asked_for_where_nothing_else_is_varied(sampler: Sampler, acc: OpenedSpace) -> None:
+    candidates = asked(sampler, brief((), space=acc.architectures()))
+    assert len({name for name, _ in candidates}) == len(candidates) >= 4
+    assert {tuple(point) for _, point in candidates} == {()}
+
+
 def test_of_more_configurations_than_there_are_all_are_taken(acc: OpenedSpace) -> None:
     candidates = asked(Uniform(configurations=400), brief(variables(1), space=acc.architectures()))
     assert {name for name, _ in candidates} == {configuration.id for configuration in acc.configurations()}

@@ -85,10 +85,27 @@ def road() -> Files:
     }
 
 
+def sumo() -> Files:
+    """A lane and traffic that minds nobody."""
+    root = Path(__file__).parents[2] / "components"
+    ours = (root / "traffic" / "sumo_traffic" / "component.yaml").read_text("utf-8")
+    text = ours.replace("component: sumo_traffic", "component: twice").replace(
+        "../../../roads/motorway", "../../roads/lane"
+    )
+    return {
+        "interfaces.yaml": (root / "interfaces.yaml").read_bytes(),
+        "twice/component.yaml": text.replace("minds_host: {start: true", "minds_host: {start: false"),
+        "../roads/lane.yaml": (
+            "road: lane\nlanes: {forward: 1, backward: 0}\nspeed_limit: 50 km/h\nsegments: [{straight: 900 m}]\n"
+        ),
+    }
+
+
 EXAMPLES: dict[str, Callable[[], Files]] = {
     "c": c,
     "fmu": fmu,
     "modelica": modelica,
     "road": road,
+    "sumo": sumo,
     "time_series": time_series,
 }

@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import os
+
 import pytest
 from kinds.examples import EXAMPLES, written
+from sumo_here import IS_HERE
 
 from dse.errors import DseError
 from dse.fmu.building import build
@@ -14,6 +17,8 @@ from dse.testing.kinds import Files, KindSuite, lay_out, the_component
 class TestBuiltInKinds(KindSuite):
     @pytest.fixture(params=[name for name in KINDS.names() if KINDS.package(name) == "dse"])
     def example(self, request: pytest.FixtureRequest) -> Files:
+        if request.param == "sumo" and not (IS_HERE or os.environ.get("CI")):
+            pytest.skip("SUMO is not installed")
         assert request.param in EXAMPLES, "write an example of the new kind into tests/kinds/examples.py"
         return EXAMPLES[request.param]()
 
@@ -25,7 +30,7 @@ def test_a_planned_kind_is_read_and_refused_when_it_is_built(tmp_path, word):
     assert kind_of(component) is None
     with pytest.raises(DseError, match=f"sources of the kind '{word}' cannot be built in this version") as caught:
         build(component, cache=tmp_path / "cache")
-    assert caught.value.problems[0].hint == "use a source of the kind c, fmu, modelica, road or time_series"
+    assert caught.value.problems[0].hint == "use a source of the kind c, fmu, modelica, road, sumo or time_series"
 
 
 @pytest.mark.parametrize(

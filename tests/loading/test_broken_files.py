@@ -360,6 +360,16 @@ def test_included_constraints_keep_their_own_place(files):
     assert where.startswith("designs/more.yaml:2:")
 
 
+@pytest.mark.parametrize(
+    ("more", "place"),
+    [("root:\n  compound: {horn: nobody}\n", "2:20"), ("root:\n  connections: [sensor.target]\n", "2:17")],
+)
+def test_included_parts_and_wires_of_a_design_are_joined_and_keep_their_places(files, more, place):
+    files.edit("designs/car.yaml", "design: car", "include: [more.yaml]\ndesign: car")
+    files.write("designs/more.yaml", more)
+    assert {str(problem.where) for problem in problems(everything, files.root)} == {f"designs/more.yaml:{place}"}
+
+
 def test_a_constraint_in_both_files_is_refused(files):
     files.edit("designs/car.yaml", "design: car", "include: [more.yaml]\ndesign: car")
     files.write("designs/more.yaml", "constraints:\n  budget: {require: sum(cost) <= 1 EUR}\n")

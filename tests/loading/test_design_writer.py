@@ -64,7 +64,7 @@ def test_the_example_design_comes_back(tmp_path):
     space = workspace.design("acc_vehicle")
     path = tmp_path / "acc_vehicle.yaml"
     path.write_text(write_design(space), encoding="utf-8")
-    assert_same(read_design(path, workspace.component, workspace.interfaces, tmp_path), space)
+    assert_same(read_design(path, workspace.component, workspace.interfaces, workspace.stand_ins, tmp_path), space)
 
 
 EVERYTHING = """\

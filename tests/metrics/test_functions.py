@@ -152,6 +152,13 @@ def test_time_to_collision_is_infinite_where_the_gap_does_not_close():
     assert math.isnan(f.time_to_collision(np.array([1.0]), np.array([math.nan]))[0])
 
 
+def test_at_first_is_the_value_in_the_first_row_of_a_condition():
+    x = np.array([4.0, 3.0, 2.0, 1.0])
+    assert f.at_first(x, np.array([False, True, False, True])) == 3.0
+    assert f.at_first(x, np.array([True, True, True, True])) == 4.0
+    assert math.isnan(f.at_first(x, np.full(4, fill_value=False)))
+
+
 def test_duration_gives_each_row_half_the_way_to_its_neighbours():
     time = np.array([0.0, 1.0, 2.0, 4.0])
     assert value("duration", np.array([True, False, True, True]), time=time) == pytest.approx(0.5 + 1.5 + 1.0)

@@ -80,6 +80,7 @@ def value(text):
         ("mean(world.lead_speed)", 15.0),
         ("rms(world.lead_speed)", 15.0),
         ("integral(world.lead_speed)", 45.0),
+        ("at_first(world.gap, world.gap < 99 m)", 38.0),
         ("duration(world.gap < 99 m)", 1.5),
         ("duration(world.gap between 38 m and 40 m and world.detected)", 1.5),
         ("duration(not world.detected)", 1.5),

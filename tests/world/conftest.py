@@ -9,7 +9,7 @@ import pytest
 from components.conftest import WORKSPACE, Shelf
 
 from dse.domain.component import Component, CSource, Kind, Parameter, Type
-from dse.world import RoadPath, RoadTables, road_files
+from dse.world import Conflict, RoadPath, RoadTables, road_files
 
 PARAMETERS = (
     Parameter("start_station", Type(Kind.REAL), 0.0),
@@ -25,8 +25,8 @@ def new_road(tmp_path_factory: pytest.TempPathFactory) -> Callable[..., Any]:
     shelf = Shelf(tmp_path_factory.mktemp("roads"), WORKSPACE)
     known: dict[str, Component] = {}
 
-    def new(*paths: RoadPath, **parameters: float) -> Any:
-        files = road_files(RoadTables(paths))
+    def new(*paths: RoadPath, conflicts: tuple[Conflict, ...] = (), **parameters: float) -> Any:
+        files = road_files(RoadTables(paths, conflicts))
         text = files["road_tables.c"]
         if text not in known:
             name = f"road_{len(known)}"

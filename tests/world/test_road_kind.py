@@ -28,9 +28,10 @@ RECORD = ["car.motion.x", "car.motion.speed", "road.lane.station", "road.lane.of
           "road.actors[1].heading", "scene.scene.range", "scene.gap", "sensor.target.gap"]  # fmt: skip
 
 
-def single_wires() -> Iterator[str]:
-    components = {part: WORKSPACE.component(name) for part, name in PARTS.items()}
-    for wire in WIRES:
+def wired(parts: dict[str, str], wires: list[str]) -> Iterator[str]:
+    """The wires between single ports that wires between groups of them mean."""
+    components = {part: WORKSPACE.component(name) for part, name in parts.items()}
+    for wire in wires:
         (giving, source), (taking, target) = (end.split(".", 1) for end in wire.split(" -> "))
         ends = zip(components[giving].interface.group(source), components[taking].interface.group(target), strict=True)
         yield from (f"{giving}.{a.name} -> {taking}.{b.name}" for a, b in ends)
@@ -42,7 +43,7 @@ def single_wires() -> Iterator[str]:
 def test_a_world_is_the_same_bits_fused_or_not_and_again(tmp_path: Path, algorithm: Algorithm) -> None:
     workshop = Workshop(tmp_path, tmp_path / "cache", method=Method(algorithm))
     models = {part: workshop.built(WORKSPACE.component(name)) for part, name in PARTS.items()}
-    system = system_of(models, list(single_wires()), RECORD)
+    system = system_of(models, list(wired(PARTS, WIRES)), RECORD)
     start = {"car.initial_speed": 20.0, "road.start_station": 250.0, "traffic.initial_gap": 40.0,
              "weather.rain_rate": 5e-6, "weather.fog_visibility": 300.0, "car.wheels.front": 150.0}  # fmt: skip
     first, _, again = both_ways(

@@ -29,7 +29,7 @@ root:
     - chassis.motion -> eye.motion
     - road.actors -> eye.actors
     - chassis.motion -> tracker.motion
-    - eye.detections -> tracker.first
+    - eye.scan -> tracker.first
     - tracker.tracks -> sensor.tracks
     - chassis.motion -> sensor.motion
     - road.lane -> sensor.lane
@@ -63,21 +63,68 @@ metrics:
 """
 
 
-@pytest.mark.thorough
-def test_a_cruise_control_keeps_its_gap_in_a_curve_by_what_a_noisy_radar_tells(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, built_before: Callable[[Path], Path]
-) -> None:
+STUDY = """
+study: {name}
+title: Which eyes
+testbench: tracked
+configurations: {{where: "{where}"}}
+conditions: {{controller.set_speed: {{values: [70 km/h, 80 km/h]}}}}
+"""
+
+
+@pytest.fixture
+def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, built_before: Callable[[Path], Path]) -> Path:
     monkeypatch.setenv("DSE_CACHE", str(built_before(tmp_path / "cache")))
     for name in ("components", "roads"):
         shutil.copytree(ROOT / name, tmp_path / name)
     wired = (ROOT / "designs" / "_road.yaml").read_text("utf-8").split("  connections:\n")[1]
-    for file, text in (("designs/tracked_acc.yaml", DESIGN + wired), ("testbenches/tracked.yaml", BENCH)):
-        (tmp_path / file).parent.mkdir()
-        (tmp_path / file).write_text(text.lstrip(), encoding="utf-8")
-    bench = dse.open(tmp_path).benches["tracked"]
+    write(tmp_path, "designs/tracked_acc.yaml", DESIGN + wired)
+    write(tmp_path, "testbenches/tracked.yaml", BENCH)
+    return tmp_path
+
+
+def write(folder: Path, file: str, text: str) -> None:
+    (folder / file).parent.mkdir(exist_ok=True)
+    (folder / file).write_text(text.lstrip(), encoding="utf-8")
+
+
+@pytest.mark.thorough
+def test_a_cruise_control_keeps_its_gap_in_a_curve_by_what_a_noisy_radar_tells(folder: Path) -> None:
+    bench = dse.open(folder).benches["tracked"]
     configuration, *_ = bench.design.list(1)
     found = bench.simulate(configuration)
     assert 39.5 < found.metrics["least_gap"] <= found.metrics["gap"] < 41
     assert 0 < abs(found.metrics["gap_error"]) < 0.3  # the radar's standard deviation is 0.1 m
     assert 0 < abs(found.metrics["speed_error"]) < 0.12  # and this that of its Doppler
     assert bench.simulate(configuration, fuse=True).metrics == found.metrics
+
+
+@pytest.mark.thorough
+def test_sensors_of_a_design_are_exchanged_without_another_word_and_workers_change_no_bit(folder: Path) -> None:
+    """A radar alone by one worker and FMI calls; it and others, with a second sensor or none, by two workers, fused."""
+    design = (folder / "designs" / "tracked_acc.yaml").read_text("utf-8")
+    design = design.replace(
+        "    eye: object_radar_long\n",
+        "    eye: {alternatives: [object_radar_long, object_stereo]}\n"
+        "    second: {optional: object_camera}\n    lanes: lane_camera\n",
+    )
+    for port in ("lane", "preview"):
+        design = design.replace(f"road.{port} -> lateral.{port}", f"lanes.seen.{port} -> lateral.{port}")
+        design += f"    - road.{port} -> lanes.{port}\n"
+    for seer in ("second", "lanes"):
+        design += f"    - chassis.motion -> {seer}.motion\n"
+    design += "    - road.actors -> second.actors\n    - second.scan -> tracker.second\n"
+    write(folder, "designs/tracked_acc.yaml", design)
+    alone = "eye is object_radar_long and second is absent"
+    tables = {}
+    for name, workers, fuse, where in (("alone", 1, False, alone), ("all", 2, True, "eye is present")):
+        write(folder, f"testbenches/{name}.pet.yaml", STUDY.format(name=name, where=where))
+        results = dse.open(folder).studies[name].explore(folder / name, workers=workers, fuse=fuse, fresh=True)
+        table = results.to_pandas()
+        tables[name] = table
+    assert len(tables["all"]) == 8
+    assert (tables["all"]["least_gap"] > 20).all()
+    assert (tables["all"]["gap_error"].abs() < 4).all()  # two eyes see 80 m ahead, and 40 m to within 2 m
+    same = tables["all"][(tables["all"]["eye"] == "object_radar_long") & tables["all"]["second"].isna()]
+    for column in ("least_gap", "gap", "gap_error", "speed_error"):
+        assert set(same[column]) == set(tables["alone"][column])

@@ -2,8 +2,6 @@
 
 #include <math.h>
 
-#define NEXT_LIGHT 1.0 /* m: a light that is this much further than before is another one */
-
 /* Square of the speed that a curvature that far ahead allows here. */
 static double allowed(const speed_assistant_par *par, double curvature, double distance) {
     double there = curvature != 0 ? par->lateral_acceleration / fabs(curvature) : HUGE_VAL;
@@ -37,23 +35,13 @@ static double curve_speed(const speed_assistant *self, double lead) {
     return sqrt(least);
 }
 
-/* Decides what is done about the light. *room* is what is left to come to a stop. */
+/* What is done about the light. *room* is what is left to come to a stop. */
 static int32_t light_at(const speed_assistant *self, double room) {
-    const speed_assistant_in *in = &self->in;
-    bool is_another = in->light.distance > self->light_distance + NEXT_LIGHT;
-    int32_t before = is_another ? LIGHT_FREE : self->light;
-    switch (in->light.colour) {
-    case COLOUR_YELLOW:
-        if (before != LIGHT_FREE) return before;
-        return room > 0 && in->motion.speed * in->motion.speed <= 2 * self->par.yellow_deceleration * room
-                   ? LIGHT_STOPS
-                   : LIGHT_PASSED_LATE;
-    case COLOUR_RED:
-    case COLOUR_RED_YELLOW:
-        if (before != LIGHT_FREE) return before;
-        return in->light.distance > self->par.front_length ? LIGHT_STOPS : LIGHT_PASSED_LATE;
-    default: return LIGHT_FREE;
-    }
+    light_case is = {
+        self->in.light.distance, self->light_distance, room, self->in.motion.speed, self->par.yellow_deceleration,
+        self->par.front_length,
+    };
+    return light_choice(self->light, self->in.light.colour, &is);
 }
 
 static void bound(speed_assistant_out *out, double speed, int32_t reason) {

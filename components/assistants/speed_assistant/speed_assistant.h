@@ -18,12 +18,12 @@
 #include <stdbool.h>
 #include <stdint.h>
 
+#include "../lights/light_choice.h"
+
 #define ASSISTANT_STEP 0.02 /* s; the step in the component.yaml */
 #define ASSISTANT_POINTS 24
 
 enum { REASON_WISH, REASON_LIMIT, REASON_CURVE, REASON_LIGHT };
-enum { COLOUR_NONE, COLOUR_OFF, COLOUR_RED, COLOUR_RED_YELLOW, COLOUR_YELLOW, COLOUR_GREEN };
-enum { LIGHT_FREE, LIGHT_STOPS, LIGHT_PASSED_LATE };
 
 typedef struct {
     struct {

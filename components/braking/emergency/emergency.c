@@ -17,25 +17,32 @@ static double width_of(int32_t class) {
     }
 }
 
-emergency_meeting emergency_meet(const emergency_in *in, int index, double front, double width) {
-    emergency_meeting meeting = {false, 0, 0, 0};
-    if (in->tracks[index].id == 0) return meeting;
+emergency_place emergency_place_of(const emergency_in *in, int index, double front, double width) {
+    emergency_place place = {false, 0, 0, 0, 0, 0, 0};
+    if (in->tracks[index].id == 0) return place;
     double x = in->tracks[index].x, y = in->tracks[index].y;
     double k = in->motion.yaw_rate / fmax(in->motion.speed, SLOW);
     /* From the circle's centre, in radii. */
     double radius = hypot(k * x, 1 - k * y);
     double turned = atan2(k * x, 1 - k * y), along = fabs(k) < STRAIGHT ? x : turned / k;
-    if (along <= 0 || radius < NEAR_CENTRE || cos(turned) < 0) return meeting;
-    double aside = (2 * y - k * (x * x + y * y)) / (1 + radius); /* (1 - radius)/k */
+    if (along <= 0 || radius < NEAR_CENTRE || cos(turned) < 0) return place;
+    place.is_ahead = true;
+    place.gap = fmax(along - front, 0);
+    place.aside = (2 * y - k * (x * x + y * y)) / (1 + radius); /* (1 - radius)/k */
     double vx = in->tracks[index].vx, vy = in->tracks[index].vy;
-    double ahead = (vx * cos(turned) + vy * sin(turned)) / radius, across = vy * cos(turned) - vx * sin(turned);
-    meeting.closing = in->motion.speed - ahead;
-    meeting.gap = fmax(along - front, 0);
-    meeting.is_ahead = meeting.closing > 0;
-    if (!meeting.is_ahead) return meeting;
+    place.speed = (vx * cos(turned) + vy * sin(turned)) / radius;
+    place.across = vy * cos(turned) - vx * sin(turned);
+    place.closing = in->motion.speed - place.speed;
     double given = in->tracks[index].width;
-    double object = given > 0 ? given : width_of(in->tracks[index].class);
-    meeting.clearance = fabs(aside + across * meeting.gap / meeting.closing) - 0.5 * (width + object);
+    place.touching = 0.5 * (width + (given > 0 ? given : width_of(in->tracks[index].class)));
+    return place;
+}
+
+emergency_meeting emergency_meet(const emergency_in *in, int index, double front, double width) {
+    emergency_place place = emergency_place_of(in, index, front, width);
+    emergency_meeting meeting = {place.is_ahead && place.closing > 0, place.gap, place.closing, 0};
+    if (!meeting.is_ahead) return meeting;
+    meeting.clearance = fabs(place.aside + place.across * place.gap / place.closing) - place.touching;
     return meeting;
 }
 

@@ -5,14 +5,18 @@
 #define GRAVITY 9.81     /* m/s2 */
 #define AIR_DENSITY 1.2  /* kg/m3 */
 
-double acc_wanted_gap(int32_t setting, double standstill_gap, const acc_in *in) {
+double acc_time_gap(int32_t setting) {
     /* ISO 15622: time gaps not below 0.8 s, at least one of them between 1.5 s and 2.2 s. */
     switch (setting) {
-    case ACC_GAP_LONG: return standstill_gap + 2.0 * in->speed;
-    case ACC_GAP_MIDDLE: return standstill_gap + 1.5 * in->speed;
-    case ACC_GAP_SHORT: return standstill_gap + 1.0 * in->speed;
-    default: return in->set_gap;
+    case ACC_GAP_LONG: return 2.0;
+    case ACC_GAP_MIDDLE: return 1.5;
+    case ACC_GAP_SHORT: return 1.0;
+    default: return 0;
     }
+}
+
+double acc_wanted_gap(int32_t setting, double standstill_gap, const acc_in *in) {
+    return setting == ACC_GAP_FIXED ? in->set_gap : standstill_gap + acc_time_gap(setting) * in->speed;
 }
 
 void acc_demand(const acc_car *car, double acceleration, const acc_in *in, acc_out *out) {

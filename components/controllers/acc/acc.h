@@ -33,6 +33,9 @@ typedef struct {
     double mass, wheel_radius, drag_area, rolling_resistance;
 } acc_car;
 
+/* s: of long, middle and short; 0 of a fixed gap. */
+double acc_time_gap(int32_t setting);
+
 /* Gap the driver wants: set_gap, or standstill gap + time gap * speed for long, middle and short. */
 double acc_wanted_gap(int32_t setting, double standstill_gap, const acc_in *in);
 

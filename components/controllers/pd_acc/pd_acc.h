@@ -1,4 +1,5 @@
-/* Bimodal cruise control of the paper: a PD law for the speed, a PD law for the gap, the lower demand wins. */
+/* Bimodal cruise control of the paper (ADAS Virtual Prototyping using Modelica and Unity Co-simulation via OpenMETA,
+ * 1st Japanese Modelica Conference, 2016): a PD law for the speed, a PD law for the gap, the lower demand wins. */
 #ifndef PD_ACC_H
 #define PD_ACC_H
 

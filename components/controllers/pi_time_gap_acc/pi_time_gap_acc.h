@@ -1,4 +1,6 @@
-/* Cascaded cruise control: a P law turns the gap into a speed to drive, a PI law with feed-forward drives that speed. */
+/* Cascaded cruise control: a P law turns the gap into a speed to drive, a PI law with feed-forward drives that speed
+ * (upper and lower controller as in Rajamani: Vehicle Dynamics and Control, 2012, chapters 5 and 6; the integral stops at
+ * a limit, Astrom, Hagglund: Advanced PID Control, 2006, 3.5). */
 #ifndef PI_TIME_GAP_ACC_H
 #define PI_TIME_GAP_ACC_H
 

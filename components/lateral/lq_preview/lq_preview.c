@@ -2,7 +2,8 @@
 
 #include <math.h>
 
-#include "riccati.h"
+#include "../../controllers/riccati/riccati.h"
+#include "../lateral/car_model.h"
 
 static car_model car_of(const lq_preview_par *par) {
     car_model car = {
@@ -23,7 +24,7 @@ static void design(lq_preview *self, int row) {
     double effort = 1 / (par->steering_effort * par->steering_effort);
     car_model car = car_of(par);
     car_motion motion = car_motion_over(&car, speed, LATERAL_STEP);
-    regulator best = regulator_of(&motion, weights, effort);
+    regulator best = regulator_of((const double(*)[4])motion.transition, motion.steering, weights, effort);
     double heading = car_balance_on(&car, speed, 1, 0).heading; /* z* */
     double reached[4], stiffness = effort;
     for (int i = 0; i < 4; ++i) {

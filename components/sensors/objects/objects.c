@@ -4,8 +4,12 @@
 #include "view.h"
 
 #include <math.h>
+#include <string.h>
 
-#define LENGTH (OBJECTS_LATENCY + 1)
+#define PI 3.141592653589793
+#define DRAWN 5                   /* uniform numbers of one noise */
+#define FOUND (3 * OBJECTS_ACTORS) /* objects, their images in a rail, their double bounces */
+#define LEAST_RATE_DEVIATION 1e-3 /* m/s */
 
 /* Standard normal numbers and a uniform one, the same for an object whatever else is seen. */
 typedef struct {
@@ -13,8 +17,8 @@ typedef struct {
 } noise;
 
 static noise draw(uint64_t *state) {
-    double first = sqrt(-2 * log(sensing_uniform(state))), a = 6.283185307179586 * sensing_uniform(state);
-    double second = sqrt(-2 * log(sensing_uniform(state))), b = 6.283185307179586 * sensing_uniform(state);
+    double first = sqrt(-2 * log(sensing_uniform(state))), a = 2 * PI * sensing_uniform(state);
+    double second = sqrt(-2 * log(sensing_uniform(state))), b = 2 * PI * sensing_uniform(state);
     noise drawn = {first * cos(a), first * sin(a), second * cos(b), sensing_uniform(state)};
     return drawn;
 }
@@ -48,7 +52,8 @@ static double strength(const objects *self, double reflected, double share, doub
         reach += fmin(dark, 1) * (self->par.night_range - reach);
     }
     if (range > reach) return 0;
-    double contrast = self->par.contrast > 0 ? exp(-loss * range) / self->par.contrast : 1;
+    double veil = sensing_veil(self->in.sun.azimuth - self->in.motion.heading, self->in.sun.elevation, self->in.sun.glare);
+    double contrast = self->par.contrast > 0 ? exp(-loss * range) / ((1 + veil) * self->par.contrast) : 1;
     return self->par.threshold * contrast * contrast;
 }
 
@@ -70,9 +75,15 @@ static bool layers_meet(const objects *self, double height, double range) {
     return false;
 }
 
+/* How fast the range grows of what moves over ground along the car and to its left. */
+static double rate(const objects *self, double vx, double vy, const view_part *part, double range) {
+    double own = self->in.motion.lateral_speed + self->in.motion.yaw_rate * self->par.mount;
+    return ((vx - self->in.motion.speed) * part->x + (vy - own) * part->y) / range;
+}
+
 /* What one object gives, without noise; valid if it is detected. */
 static objects_detection detected(const objects *self, const objects_actor *actor, view_part part, double loss) {
-    objects_detection told = {false, 0, 0, 0, 0, 0, 0};
+    objects_detection told = {false, 0, 0, 0, 0, 0, 0, 0, 0, 0};
     if (!(part.share > 0) || part.share < self->par.min_visible || !beams_meet(self, &part)) return told;
     double range = sqrt(part.x * part.x + part.y * part.y);
     if (!(range > 0) || !layers_meet(self, actor->height, range)) return told;
@@ -82,13 +93,43 @@ static objects_detection detected(const objects *self, const objects_actor *acto
     told.azimuth = atan2(part.y, part.x);
     if (self->par.doppler) {
         double turned = actor->heading - self->in.motion.heading, c = cos(turned), s = sin(turned);
-        double vx = actor->speed * c - actor->lateral_speed * s - self->in.motion.speed;
-        double vy = actor->speed * s + actor->lateral_speed * c - self->in.motion.lateral_speed -
-                    self->in.motion.yaw_rate * self->par.mount;
-        told.range_rate = (vx * part.x + vy * part.y) / range;
+        double vx = actor->speed * c - actor->lateral_speed * s, vy = actor->speed * s + actor->lateral_speed * c;
+        told.range_rate = rate(self, vx, vy, &part, range);
     }
     if (self->par.tells_class) told.class = actor->class;
-    if (self->par.tells_width) told.width = 2 * tan(0.5 * (part.left - part.right)); /* at a range of 1 m */
+    if (self->par.tells_width) told.width = 2 * part.across * tan(0.5 * (part.left - part.right)); /* at a range of 1 m */
+    return told;
+}
+
+/* Where an object's image in the rail is, as *told*; not valid if there is none. */
+static objects_detection mirrored(const objects *self, const objects_actor *actor, view_part part, double loss) {
+    objects_detection told = {false, 0, 0, 0, 0, 0, 0, 0, 0, 0};
+    double turned = self->in.lane.heading, nx = sin(turned), ny = cos(turned); /* to the left of the lane */
+    double rail = self->par.rail - self->in.lane.offset - self->par.mount * nx, beyond = rail - nx * part.x - ny * part.y;
+    if (!(rail * beyond > 0)) return told; /* behind the rail */
+    view_part image = part;
+    image.x += 2 * beyond * nx;
+    image.y += 2 * beyond * ny;
+    told.range = sqrt(image.x * image.x + image.y * image.y);
+    told.azimuth = atan2(image.y, image.x);
+    told.strength = self->par.rail_reflection * self->par.rail_reflection *
+                    strength(self, reflection(self, actor->class), part.share, told.range, loss);
+    told.valid = told.strength >= self->par.threshold && fabs(told.azimuth) < 0.5 * self->par.field_of_view;
+    if (!self->par.doppler) return told;
+    double turn = actor->heading - self->in.motion.heading, c = cos(turn), s = sin(turn);
+    double vx = actor->speed * c - actor->lateral_speed * s, vy = actor->speed * s + actor->lateral_speed * c;
+    double towards = nx * vx + ny * vy;
+    told.range_rate = rate(self, vx - 2 * towards * nx, vy - 2 * towards * ny, &image, told.range);
+    return told;
+}
+
+/* An echo that went to the object a second time. */
+static objects_detection bounced(const objects *self, const objects_actor *actor, objects_detection told, double share, double loss) {
+    double sphere = 4 * PI * told.range * told.range, reflected = reflection(self, actor->class) * share;
+    told.strength *= reflected * self->par.own_reflection / (sphere * sphere) * exp(-2 * loss * told.range);
+    told.valid = told.strength >= self->par.threshold;
+    told.range *= 2;
+    told.range_rate *= 2;
     return told;
 }
 
@@ -98,17 +139,17 @@ static bool one_cell(const objects *self, const objects_detection *a, const obje
 }
 
 /* Strongest first, each takes in the weaker ones of its cell. */
-static void merge(const objects *self, objects_detection found[OBJECTS_ACTORS]) {
-    bool done[OBJECTS_ACTORS] = {false};
+static void merge(const objects *self, objects_detection *found, int32_t count) {
+    bool done[FOUND] = {false};
     for (;;) {
         int32_t top = -1;
-        for (int32_t i = 0; i < OBJECTS_ACTORS; ++i) {
+        for (int32_t i = 0; i < count; ++i) {
             if (found[i].valid && !done[i] && (top < 0 || found[i].strength > found[top].strength)) top = i;
         }
         if (top < 0) return;
         objects_detection first = found[top], *sum = &found[top];
         done[top] = true;
-        for (int32_t i = 0; i < OBJECTS_ACTORS; ++i) {
+        for (int32_t i = 0; i < count; ++i) {
             if (!found[i].valid || done[i] || !one_cell(self, &first, &found[i])) continue;
             double weight = found[i].strength / (sum->strength + found[i].strength);
             sum->range += weight * (found[i].range - sum->range);
@@ -120,21 +161,47 @@ static void merge(const objects *self, objects_detection found[OBJECTS_ACTORS]) 
     }
 }
 
+static double range_deviation(const objects *self, double range) {
+    double relative = self->par.relative_noise * range, eyes = self->par.focal_length * self->par.baseline;
+    double stereo = eyes > 0 ? self->par.disparity_noise * range * range / eyes : 0;
+    return sqrt(self->par.range_noise * self->par.range_noise + relative * relative + stereo * stereo);
+}
+
 static void disturb(const objects *self, objects_detection *told, const noise *drawn) {
-    double sigma = sqrt(self->par.range_noise * self->par.range_noise +
-                        self->par.relative_noise * self->par.relative_noise * told->range * told->range);
-    told->range = fmax(told->range + sigma * drawn->range, 0);
+    told->range = fmax(told->range + range_deviation(self, told->range) * drawn->range, 0);
     told->azimuth += self->par.azimuth_noise * drawn->azimuth;
     if (self->par.doppler) told->range_rate += self->par.doppler_noise * drawn->doppler;
     told->width *= told->range;
+    told->range_deviation = range_deviation(self, told->range);
+    told->azimuth_deviation = self->par.azimuth_noise;
+    told->rate_deviation = self->par.doppler ? fmax(self->par.doppler_noise, LEAST_RATE_DEVIATION) : 0;
+}
+
+/* The noise of object, image or bounce *number* of this scan: the same whatever else is seen. */
+static noise noise_of(const objects *self, int32_t number) {
+    uint64_t state = self->random;
+    sensing_skip(&state, (uint64_t)number * DRAWN);
+    return draw(&state);
+}
+
+static void ghosts(const objects *self, const view_part *parts, objects_detection found[FOUND], double loss) {
+    bool is_radar = self->par.echo_exponent > 0;
+    for (int32_t i = 0; i < OBJECTS_ACTORS && is_radar && self->par.ghost_share > 0; ++i) {
+        objects_detection *image = &found[OBJECTS_ACTORS + i], *bounce = &found[2 * OBJECTS_ACTORS + i];
+        if (!found[i].valid) continue;
+        if (self->par.rail != 0) *image = mirrored(self, &self->in.actors[i], parts[i], loss);
+        if (self->par.own_reflection > 0) *bounce = bounced(self, &self->in.actors[i], found[i], parts[i].share, loss);
+    }
+    for (int32_t i = OBJECTS_ACTORS; i < FOUND; ++i) {
+        if (found[i].valid) found[i].valid = noise_of(self, i).uniform <= self->par.ghost_share;
+    }
 }
 
 static objects_sample measured(objects *self) {
     view_box boxes[OBJECTS_ACTORS];
     view_part parts[OBJECTS_ACTORS];
-    objects_detection found[OBJECTS_ACTORS];
-    noise drawn[OBJECTS_ACTORS];
-    double c = cos(self->in.motion.heading), s = sin(self->in.motion.heading);
+    objects_detection found[FOUND];
+    double c = cos(self->in.motion.heading), s = sin(self->in.motion.heading), loss = lost(self);
     for (int32_t i = 0; i < OBJECTS_ACTORS; ++i) {
         const objects_actor *actor = &self->in.actors[i];
         double dx = actor->x - self->in.motion.x, dy = actor->y - self->in.motion.y;
@@ -143,38 +210,60 @@ static objects_sample measured(objects *self) {
                         0.5 * actor->length, 0.5 * actor->width};
         if (actor->class == 0) box.length = -1;
         boxes[i] = box;
-        drawn[i] = draw(&self->random);
     }
     view_of(boxes, 0.5 * self->par.field_of_view, !(self->par.min_visible > 0), parts);
-    double loss = lost(self);
+    for (int32_t i = 0; i < FOUND; ++i) found[i].valid = false;
     for (int32_t i = 0; i < OBJECTS_ACTORS; ++i) found[i] = detected(self, &self->in.actors[i], parts[i], loss);
-    merge(self, found);
-    objects_sample sample = {{{false, 0, 0, 0, 0, 0, 0}}};
+    ghosts(self, parts, found, loss);
+    merge(self, found, FOUND);
+    objects_sample sample = {{{false, 0, 0, 0, 0, 0, 0, 0, 0, 0}}};
     int32_t count = 0;
-    for (int32_t i = 0; i < OBJECTS_ACTORS; ++i) {
-        if (!found[i].valid || drawn[i].uniform <= self->par.dropout) continue;
-        disturb(self, &found[i], &drawn[i]);
-        int32_t at = count++; /* nearest first */
-        for (; at > 0 && sample.detections[at - 1].range > found[i].range; --at) {
-            sample.detections[at] = sample.detections[at - 1];
+    for (int32_t i = 0; i < FOUND; ++i) {
+        if (!found[i].valid) continue;
+        noise drawn = noise_of(self, i);
+        if (i < OBJECTS_ACTORS && drawn.uniform <= self->par.dropout) continue;
+        disturb(self, &found[i], &drawn);
+        int32_t at = count; /* nearest first */
+        if (count < OBJECTS_RETURNS) {
+            ++count;
+        } else if (!(sample.returns[--at].range > found[i].range)) {
+            continue;
         }
-        sample.detections[at] = found[i];
+        for (; at > 0 && sample.returns[at - 1].range > found[i].range; --at) sample.returns[at] = sample.returns[at - 1];
+        sample.returns[at] = found[i];
     }
+    sensing_skip(&self->random, FOUND * DRAWN);
     return sample;
 }
 
-void objects_init(objects *self) {
+static int32_t steps_of(double seconds, int32_t least) {
+    int32_t steps = (int32_t)(seconds / OBJECTS_STEP + 0.5);
+    return steps > least ? steps : least;
+}
+
+static void restart(objects *self) {
     self->random = (uint64_t)self->par.seed;
-    self->newest = 0;
-    self->out = measured(self);
-    for (int32_t i = 0; i < LENGTH; ++i) self->samples[i] = self->out;
+    self->tick = -1;
+    self->told = 0;
 }
 
 void objects_step(objects *self) {
-    self->newest = (self->newest + 1) % LENGTH;
-    self->samples[self->newest] = measured(self);
-    int32_t latency = self->par.latency;
-    if (latency < 0) latency = 0;
-    if (latency > OBJECTS_LATENCY) latency = OBJECTS_LATENCY;
-    self->out = self->samples[(self->newest - latency + LENGTH) % LENGTH];
+    int32_t every = steps_of(self->par.period, 1), late = steps_of(self->par.latency, 0), tick = ++self->tick;
+    if (late >= every * OBJECTS_KEPT) late = every * OBJECTS_KEPT - 1;
+    if (tick % every == 0) self->made[(tick / every + 1) % OBJECTS_KEPT] = measured(self);
+    if (tick < late) return;
+    int32_t number = (tick - late) / every + 1;
+    if (number != self->told) {
+        memcpy(self->out.scan.returns, self->made[number % OBJECTS_KEPT].returns, sizeof self->out.scan.returns);
+        self->told = self->out.scan.number = number;
+    }
+    self->out.scan.age = (tick - (number - 1) * every) * OBJECTS_STEP;
+}
+
+void objects_init(objects *self) {
+    memset(&self->out, 0, sizeof self->out);
+    self->out.scan.mount = self->par.mount;
+    restart(self);
+    objects_step(self);
+    restart(self); /* the first step is at time 0, too */
 }

@@ -3,18 +3,37 @@
  * What is seen. Objects are upright boxes that hide each other. Between the directions of all their corners one box is
  * nearest, so what is seen of each is found exactly, but where boxes overlap; a box around the sensor itself is not seen.
  * Of a box two faces show at most; told is the middle of what is seen of the one that fills more of the view, from its
- * outermost seen point to the other. Doppler is the speed of that point against the sensor, which turns with the car,
- * along the ray; that the object turns is left out, as actors do not tell it.
+ * outermost seen point to the other; its width is what of that lies across the sensor's axis, so the long side of a lorry
+ * on the next lane is next to none. What reaches beyond the field of view is completed, as sensors that tell objects do
+ * (ISO 23150 has their boxes): else the point would slide along a lorry that is passed, at half the closing speed.
+ * Doppler is the speed of that point against the sensor, which turns with the car, along the ray; that the object
+ * turns is left out, as actors do not tell it.
  *
  * How strong it is. An echo falls with R^n exp(2 a R) (n = 4 for radar: radar equation; n = 2 for a target that fills the
  * beam of a lidar), grows with the object's reflection s and with the share of it that is seen:
  *   signal / noise = threshold (s / s_car) share (max_range / R)^n exp(-2 a R),
  * so that max_range is where a whole car, in clear air, is just detected. a as in range_sensor.h. A camera (n = 0) sees by
- * contrast, signal / noise = threshold (exp(-a R) / contrast)^2 up to max_range, or night_range in the dark.
+ * contrast, signal / noise = threshold (exp(-a R) / ((1 + veil) contrast))^2 up to max_range, or night_range in the dark;
+ * the veil is that of the sun (sensing.h).
  *
  * What it tells apart. Two objects nearer to each other than a cell in range, azimuth and Doppler, in all three of them, are
  * one detection: the strongest takes in the weaker ones, each with its power as weight. A lidar looks in directions of
  * its grid only, and in layers, over a flat road.
+ *
+ * What is not there. Two ways of a wave that is reflected more than once (Kraus, Scheiner, Ritter, Dietmayer: The Radar
+ * Ghost Dataset, IROS 2021, have both in measurements), each seen in *ghost_share* of the scans:
+ * - a guard rail *rail* m left of the lane's middle, along the lane's tangent beside the car, mirrors: an object that is seen
+ *   is seen again where its image is, at the image's range, azimuth and Doppler, its echo weaker by *rail_reflection* for
+ *   each of the two reflections on the rail (radar equation at the image's range);
+ * - between object and own car a wave goes to and fro twice: twice the range and Doppler in the same direction, weaker by
+ *   s own_reflection exp(-2 a R) / (4 pi R^2)^2, s and own_reflection in m2 (bistatic radar equation, Skolnik).
+ *
+ * How far. Standard deviations of range: range_noise and relative_noise R, and that of two eyes *baseline* apart,
+ * disparity_noise R^2 / (focal_length baseline), from R = f b / d (Szeliski, Computer Vision, 2nd ed. 2022, 12.1), f and d in
+ * pixels.
+ *
+ * When. It looks every *period*, first at time 0, and tells of it *latency* later, as it was then. Deviations told are those
+ * of the noise, at the range that was measured; that of a Doppler without noise is 1 mm/s, as 0 says that there is none.
  */
 #ifndef OBJECTS_H
 #define OBJECTS_H
@@ -23,9 +42,10 @@
 #include <stdint.h>
 
 #define OBJECTS_ACTORS 8
-#define OBJECTS_DETECTIONS 16
+#define OBJECTS_RETURNS 16
 #define OBJECTS_CLASSES 7  /* none, car, truck, motorcycle, bicycle, pedestrian, obstacle */
-#define OBJECTS_LATENCY 15 /* longest latency, in samples */
+#define OBJECTS_KEPT 16    /* scans that are under way at most */
+#define OBJECTS_STEP 0.01  /* s; the step in the component.yaml of every such sensor */
 
 typedef struct {
     int32_t id, class;
@@ -41,11 +61,11 @@ typedef struct {
     bool valid;
     double range, azimuth, range_rate, strength;
     int32_t class;
-    double width;
+    double width, range_deviation, azimuth_deviation, rate_deviation;
 } objects_detection;
 
 typedef struct {
-    objects_detection detections[OBJECTS_DETECTIONS];
+    objects_detection returns[OBJECTS_RETURNS];
 } objects_sample;
 
 typedef struct {
@@ -55,10 +75,23 @@ typedef struct {
         } motion;
         objects_actor actors[OBJECTS_ACTORS];
         struct {
+            double station, offset, heading, curvature, width, grade, bank, speed_limit;
+            bool on_road;
+        } lane;
+        struct {
             double rain_rate, snow_rate, fog_extinction, darkness;
         } visibility;
+        struct {
+            double azimuth, elevation, glare;
+        } sun;
     } in;
-    objects_sample out;
+    struct {
+        struct {
+            int32_t number;
+            double age, mount;
+            objects_detection returns[OBJECTS_RETURNS];
+        } scan;
+    } out;
     struct {
         double mount, mount_height;      /* m ahead of the centre of gravity; m above the road */
         double max_range, field_of_view; /* m; rad, from edge to edge */
@@ -71,14 +104,16 @@ typedef struct {
         double beam_spacing, layer_spacing;            /* rad; 0: looks everywhere */
         int32_t layers;
         double range_noise, relative_noise, azimuth_noise, doppler_noise; /* standard deviations; relative: per range */
+        double baseline, focal_length, disparity_noise;                   /* m, pixels, pixels; baseline 0: one eye */
         double dropout;                                                   /* share of detections that are lost */
-        int32_t latency;                                                  /* samples */
+        double rail, rail_reflection, own_reflection, ghost_share;        /* m, 0: no rail; share of power; m2 */
+        double period, latency; /* s, in whole steps: between two scans; from a scan until it is told */
         int32_t seed;
         double rain_loss, rain_exponent, snow_loss, snow_exponent; /* dB/km at 1 mm/h */
         double fog_share, contrast, night_range;                   /* as range_sensor has them */
     } par;
-    objects_sample samples[OBJECTS_LATENCY + 1];
-    int32_t newest;
+    objects_sample made[OBJECTS_KEPT]; /* scan n at n % OBJECTS_KEPT */
+    int32_t tick, told;                /* of this step; the number of the scan that out has */
     uint64_t random;
 } objects;
 

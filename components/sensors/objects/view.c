@@ -3,7 +3,8 @@
 #include <math.h>
 
 #define PI 3.141592653589793
-#define EDGES (4 * OBJECTS_ACTORS + 4)
+#define EDGES (4 * OBJECTS_ACTORS + 4) /* of boxes, of the circle and of the field of view */
+#define LEAST_ACROSS 1e-3 /* a width of 0 says that it is not known */
 
 typedef struct {
     double range;
@@ -15,85 +16,128 @@ typedef struct {
     double angle, from, to, right, left;
 } stretch;
 
+/* A box as rays from the sensor meet it: the sensor seen from the box, and between which directions the box lies. */
+typedef struct {
+    double from[2], half[2];
+    double right, width; /* rad; width 0: nothing is seen of it */
+    double inside;       /* rad that are seen in the field of view */
+} target;
+
+/* A direction, seen from a box. */
+typedef struct {
+    double along[2];
+} ray;
+
+static ray ray_to(const view_box *box, double c, double s) {
+    ray one = {{box->cosine * c + box->sine * s, box->cosine * s - box->sine * c}};
+    return one;
+}
+
+static double wrapped(double angle) { return angle > PI ? angle - 2 * PI : angle <= -PI ? angle + 2 * PI : angle; }
+
+static bool is_towards(const target *box, double azimuth) {
+    double left = azimuth - box->right;
+    return left > 0 ? left < box->width : left + 2 * PI < box->width;
+}
+
 /* Where a ray enters the box: through the last of the faces towards it. The sensor is not inside. */
-static hit cast(const view_box *box, double azimuth) {
+static hit cast(const target *box, ray one) {
     hit none = {HUGE_VAL, -1}, found = {-HUGE_VAL, -1};
-    double c = cos(azimuth), s = sin(azimuth), out = HUGE_VAL;
-    double from[2] = {-box->cosine * box->x - box->sine * box->y, box->sine * box->x - box->cosine * box->y};
-    double along[2] = {box->cosine * c + box->sine * s, box->cosine * s - box->sine * c};
-    double half[2] = {box->length, box->width};
+    double out = HUGE_VAL;
     for (int32_t axis = 0; axis < 2; ++axis) {
-        if (along[axis] == 0) {
-            if (fabs(from[axis]) > half[axis]) return none;
+        if (one.along[axis] == 0) {
+            if (fabs(box->from[axis]) > box->half[axis]) return none;
             continue;
         }
-        double middle = -from[axis] / along[axis], reach = half[axis] / fabs(along[axis]);
+        double inverse = 1 / one.along[axis], middle = -box->from[axis] * inverse, reach = box->half[axis] * fabs(inverse);
         if (middle - reach > found.range) {
             found.range = middle - reach;
-            found.face = 2 * axis + (along[axis] < 0);
+            found.face = 2 * axis + (one.along[axis] < 0);
         }
         if (middle + reach < out) out = middle + reach;
     }
     return found.range > 0 && found.range < out ? found : none;
 }
 
-/* Where along a face a ray in that direction meets its line, from its middle. */
-static double place_on(const view_box *box, int32_t face, double azimuth) {
-    double c = cos(azimuth), s = sin(azimuth);
-    double from[2] = {-box->cosine * box->x - box->sine * box->y, box->sine * box->x - box->cosine * box->y};
-    double along[2] = {box->cosine * c + box->sine * s, box->cosine * s - box->sine * c};
-    double half[2] = {box->length, box->width};
+/* Where along a face a ray meets its line, from its middle. */
+static double place_on(const target *box, int32_t face, ray one) {
     int32_t axis = face / 2, other = 1 - axis;
-    double range = ((face & 1 ? half[axis] : -half[axis]) - from[axis]) / along[axis];
-    double place = from[other] + range * along[other];
-    return place < -half[other] ? -half[other] : place > half[other] ? half[other] : place;
+    double range = ((face & 1 ? box->half[axis] : -box->half[axis]) - box->from[axis]) / one.along[axis];
+    double place = box->from[other] + range * one.along[other];
+    return place < -box->half[other] ? -box->half[other] : place > box->half[other] ? box->half[other] : place;
 }
 
-static void add(stretch *seen, const view_box *box, int32_t face, double right, double left) {
-    double a = place_on(box, face, right), b = place_on(box, face, left);
-    double low = fmin(a, b), high = fmax(a, b);
+/* Directions, with their cosines and sines. */
+typedef struct {
+    double azimuth, cosine, sine;
+} edge;
+
+static void add(stretch *seen, const view_box *box, const target *rays, int32_t face, const edge *right, const edge *left) {
+    double a = place_on(rays, face, ray_to(box, right->cosine, right->sine));
+    double b = place_on(rays, face, ray_to(box, left->cosine, left->sine));
+    double low = a < b ? a : b, high = a < b ? b : a;
     if (!(seen->angle > 0) || low < seen->from) seen->from = low;
     if (!(seen->angle > 0) || high > seen->to) seen->to = high;
-    if (!(seen->angle > 0) || right < seen->right) seen->right = right;
-    if (!(seen->angle > 0) || left > seen->left) seen->left = left;
-    seen->angle += left - right;
+    double behind = left->azimuth <= rays->right ? 2 * PI : 0; /* past the direction backwards */
+    if (!(seen->angle > 0) || right->azimuth + behind < seen->right) seen->right = right->azimuth + behind;
+    if (!(seen->angle > 0) || left->azimuth + behind > seen->left) seen->left = left->azimuth + behind;
+    seen->angle += left->azimuth - right->azimuth;
 }
 
-static void insert(double edges[EDGES], int32_t *count, double edge) {
+static void insert(edge edges[EDGES], int32_t *count, edge one) {
     int32_t at = (*count)++;
-    for (; at > 0 && edges[at - 1] > edge; --at) edges[at] = edges[at - 1];
-    edges[at] = edge;
+    for (; at > 0 && edges[at - 1].azimuth > one.azimuth; --at) edges[at] = edges[at - 1];
+    edges[at] = one;
 }
 
-/* Directions between which no box begins or ends and no face does. */
-static int32_t edges_of(const view_box boxes[OBJECTS_ACTORS], double half, double edges[EDGES]) {
+/* Directions all around, those of the field of view's edges, too, between which no box begins or ends and no face does; and
+ * where the boxes are. */
+static int32_t edges_of(const view_box boxes[OBJECTS_ACTORS], double half, edge edges[EDGES], target targets[OBJECTS_ACTORS]) {
+    edge first = {-PI, -1, 0}, last = {PI, -1, 0};
+    edge right_end = {-half, cos(half), -sin(half)}, left_end = {half, cos(half), sin(half)};
     int32_t count = 0;
-    insert(edges, &count, -PI);
-    insert(edges, &count, PI);
+    insert(edges, &count, first);
+    insert(edges, &count, last);
     if (half < PI) {
-        insert(edges, &count, -half);
-        insert(edges, &count, half);
+        insert(edges, &count, right_end);
+        insert(edges, &count, left_end);
     }
     for (int32_t i = 0; i < OBJECTS_ACTORS; ++i) {
         const view_box *box = &boxes[i];
+        target *rays = &targets[i];
+        rays->width = rays->inside = 0;
         if (box->length < 0) continue;
+        rays->from[0] = -box->cosine * box->x - box->sine * box->y;
+        rays->from[1] = box->sine * box->x - box->cosine * box->y;
+        rays->half[0] = box->length;
+        rays->half[1] = box->width;
+        if (fabs(rays->from[0]) <= box->length && fabs(rays->from[1]) <= box->width) continue; /* around the sensor */
         double ax = box->cosine * box->length, ay = box->sine * box->length;
         double bx = -box->sine * box->width, by = box->cosine * box->width;
+        double begin = 0, right = 0, left = 0;
         for (int32_t corner = 0; corner < 4; ++corner) {
             double x = box->x + (corner & 1 ? ax : -ax) + (corner & 2 ? bx : -bx);
             double y = box->y + (corner & 1 ? ay : -ay) + (corner & 2 ? by : -by);
-            insert(edges, &count, atan2(y, x));
+            double azimuth = atan2(y, x), range = sqrt(x * x + y * y);
+            if (corner == 0) begin = azimuth;
+            double turn = wrapped(azimuth - begin);
+            if (turn < right) right = turn;
+            if (turn > left) left = turn;
+            edge one = {azimuth, x / range, y / range};
+            insert(edges, &count, one);
         }
+        rays->right = wrapped(begin + right);
+        rays->width = left - right;
     }
     return count;
 }
 
-static view_part part_of(const view_box *box, const stretch seen[4], double alone) {
+static view_part part_of(const view_box *box, const stretch seen[4], const target *rays) {
     int32_t best = 0;
     for (int32_t face = 1; face < 4; ++face) {
         if (seen[face].angle > seen[best].angle) best = face;
     }
-    view_part part = {0, 0, 0, 0, 0};
+    view_part part = {0, 0, 0, 0, 0, 0};
     if (!(seen[best].angle > 0)) return part;
     double middle = 0.5 * (seen[best].from + seen[best].to), sign = best & 1 ? 1 : -1;
     double along = best < 2 ? sign * box->length : middle, across = best < 2 ? middle : sign * box->width;
@@ -101,31 +145,39 @@ static view_part part_of(const view_box *box, const stretch seen[4], double alon
     part.y = box->y + box->sine * along + box->cosine * across;
     part.right = seen[best].right;
     part.left = seen[best].left;
-    double all = 0;
-    for (int32_t face = 0; face < 4; ++face) all += seen[face].angle;
-    part.share = all / alone;
+    part.across = fmax(fabs(best < 2 ? box->cosine : box->sine), LEAST_ACROSS);
+    part.share = rays->inside / rays->width;
     return part;
 }
 
 void view_of(const view_box boxes[OBJECTS_ACTORS], double half, bool through, view_part parts[OBJECTS_ACTORS]) {
-    double edges[EDGES], alone[OBJECTS_ACTORS] = {0};
+    edge edges[EDGES];
+    target targets[OBJECTS_ACTORS];
     stretch seen[OBJECTS_ACTORS][4] = {{{0, 0, 0, 0, 0}}};
-    int32_t count = edges_of(boxes, half, edges);
+    int32_t count = edges_of(boxes, half, edges, targets);
     for (int32_t k = 0; k + 1 < count; ++k) {
-        double right = edges[k], left = edges[k + 1], azimuth = 0.5 * (right + left);
-        if (!(left > right)) continue;
-        hit hits[OBJECTS_ACTORS];
+        const edge *right = &edges[k], *left = &edges[k + 1];
+        double azimuth = 0.5 * (right->azimuth + left->azimuth), c = 0, s = 0;
+        if (!(left->azimuth > right->azimuth)) continue;
+        hit best = {HUGE_VAL, -1};
         int32_t nearest = -1;
         for (int32_t i = 0; i < OBJECTS_ACTORS; ++i) {
-            if (boxes[i].length < 0) continue;
-            hits[i] = cast(&boxes[i], azimuth);
-            if (hits[i].face < 0) continue;
-            alone[i] += left - right;
-            if (nearest < 0 || hits[i].range < hits[nearest].range) nearest = i;
-            if (through && fabs(azimuth) < half) add(&seen[i][hits[i].face], &boxes[i], hits[i].face, right, left);
+            if (!is_towards(&targets[i], azimuth)) continue;
+            if (c == 0 && s == 0) {
+                c = cos(azimuth);
+                s = sin(azimuth);
+            }
+            hit found = cast(&targets[i], ray_to(&boxes[i], c, s));
+            if (found.face < 0) continue;
+            if (through && fabs(azimuth) < half) targets[i].inside += left->azimuth - right->azimuth;
+            if (through) add(&seen[i][found.face], &boxes[i], &targets[i], found.face, right, left);
+            if (!(found.range < best.range)) continue;
+            best = found;
+            nearest = i;
         }
-        if (nearest < 0 || through || !(fabs(azimuth) < half)) continue;
-        add(&seen[nearest][hits[nearest].face], &boxes[nearest], hits[nearest].face, right, left);
+        if (nearest < 0 || through) continue;
+        if (fabs(azimuth) < half) targets[nearest].inside += left->azimuth - right->azimuth;
+        add(&seen[nearest][best.face], &boxes[nearest], &targets[nearest], best.face, right, left);
     }
-    for (int32_t i = 0; i < OBJECTS_ACTORS; ++i) parts[i] = part_of(&boxes[i], seen[i], alone[i]);
+    for (int32_t i = 0; i < OBJECTS_ACTORS; ++i) parts[i] = part_of(&boxes[i], seen[i], &targets[i]);
 }

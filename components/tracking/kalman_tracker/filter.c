@@ -25,6 +25,14 @@ void filter_predict(double state[4], double cov[4][4], double T, double dx, doub
     }
 }
 
+void filter_spread(double cov[4][4], double length, double width, double c, double s) {
+    double along = length * length / 12, across = width * width / 12;
+    cov[0][0] += c * c * along + s * s * across;
+    cov[1][1] += s * s * along + c * c * across;
+    cov[0][1] += c * s * (along - across);
+    cov[1][0] += c * s * (along - across);
+}
+
 /* What was measured against what was expected, P H', and the lower triangle L of S = H P H' + R = L L'. */
 typedef struct {
     double error[M], across[4][M], root[M][M];

@@ -5,66 +5,57 @@
 #include <math.h>
 #include <string.h>
 
-#define STEP KALMAN_TRACKER_STEP
 #define KEPT KALMAN_TRACKER_KEPT
+#define CLASSES 7 /* of actor_class */
+#define DRIVES 2.0 /* m/s: what is faster points where it moves */
+#define LEAST_WIDTH 1e-3 /* m; 0 says that it is not known */
 
 typedef struct {
-    double mount, range_noise, relative_noise, azimuth_noise, doppler_noise;
-} sensor;
+    filter_measurement measured[TRACKER_RETURNS];
+    bool taken[TRACKER_RETURNS], fed[KEPT];
+} pairing;
 
-static sensor sensor_of(const kalman_tracker *self, int32_t number) {
-    sensor first = {self->par.first_mount, self->par.first_range_noise, self->par.first_relative_noise,
-                    self->par.first_azimuth_noise, self->par.first_doppler_noise};
-    sensor second = {self->par.second_mount, self->par.second_range_noise, self->par.second_relative_noise,
-                     self->par.second_azimuth_noise, self->par.second_doppler_noise};
-    return number == 0 ? first : second;
-}
-
-/* Place, with the errors of range and azimuth turned into the car's axes, and speed along the ray. */
-static filter_measurement measurement_of(const tracker_detection *seen, const tracker_motion *motion, const sensor *by) {
-    tracker_place place = tracker_place_of(seen, motion, by->mount);
-    double c = place.cosine, s = place.sine, away = by->relative_noise * seen->range;
-    double along = by->range_noise * by->range_noise + away * away + 1e-12; /* never quite exact: S stays regular */
-    double across = seen->range * by->azimuth_noise;
+/* Place then, with the errors of range and azimuth turned into the car's axes of now, and speed along the ray. */
+static filter_measurement measurement_of(const tracker_detection *seen, const tracker_scan *scan, const tracker_past *then) {
+    tracker_place place = tracker_place_of(seen, scan->mount, then);
+    double c = place.cosine, s = place.sine, age = scan->age;
+    double along = seen->range_deviation * seen->range_deviation + 1e-12; /* never quite exact: S stays regular */
+    double across = seen->range * seen->azimuth_deviation;
     across = across * across + 1e-12;
     filter_measurement measured = {
-        by->doppler_noise > 0 ? 3 : 2,
+        seen->rate_deviation > 0 ? 3 : 2,
         {place.x, place.y, place.speed},
-        {{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, c, s}},
+        {{1, 0, -age, 0}, {0, 1, 0, -age}, {0, 0, c, s}},
         {{c * c * along + s * s * across, c * s * (along - across), 0},
          {c * s * (along - across), s * s * along + c * c * across, 0},
-         {0, 0, by->doppler_noise * by->doppler_noise}},
+         {0, 0, seen->rate_deviation * seen->rate_deviation}},
     };
     return measured;
 }
 
 static void move(kalman_tracker *self) {
-    const tracker_motion *now = &self->in.motion, *last = &self->last;
-    double speed = 0.5 * (now->speed + last->speed), aside = 0.5 * (now->lateral_speed + last->lateral_speed);
-    double angle = 0.5 * (now->yaw_rate + last->yaw_rate) * STEP, half = 0.5 * angle;
-    /* The chord of an arc: sin(a/2) / (a/2) of its length, turned by a/2. */
-    double shrink = fabs(half) > 1e-6 ? sin(half) / half : 1, c = shrink * cos(half), s = shrink * sin(half);
-    double dx = (speed * c - aside * s) * STEP, dy = (speed * s + aside * c) * STEP;
+    bool is_first = self->history.count == 0;
+    tracker_move moved = tracker_remember(&self->history, &self->in.motion);
+    if (is_first) return;
     for (int32_t i = 0; i < KEPT; ++i) {
         kalman_tracker_kept *kept = &self->kept[i];
         if (kept->id == 0) continue;
-        filter_predict(kept->state, kept->cov, STEP, dx, dy, angle, self->par.acceleration_noise);
-        kept->age += STEP;
-        kept->missed += STEP;
+        filter_predict(kept->state, kept->cov, TRACKER_STEP, moved.x, moved.y, moved.angle, self->par.acceleration_noise);
+        kept->age += TRACKER_STEP;
+        kept->missed += TRACKER_STEP;
     }
-    self->last = *now;
 }
 
 static void look_at(kalman_tracker_kept *kept, const tracker_detection *seen, int32_t number) {
     if (kept->sensor == number) ++kept->hits;
-    if (seen->class != 0) kept->class = seen->class;
+    if (seen->class > 0 && seen->class < CLASSES) kept->class = seen->class;
     kept->missed = 0;
     if (!(seen->width > 0)) return;
     ++kept->widths; /* mean of the first ten, then of about the last ten */
     kept->width += (seen->width - kept->width) / (kept->widths < 10 ? kept->widths : 10);
 }
 
-static void begin(kalman_tracker *self, const tracker_detection *seen, filter_measurement measured, int32_t number) {
+static void begin(kalman_tracker *self, const tracker_detection *seen, filter_measurement measured, double age, int32_t number) {
     int32_t at = 0;
     while (at < KEPT && self->kept[at].id != 0) ++at;
     if (at == KEPT) return; /* no room: whoever is kept was there before */
@@ -79,46 +70,74 @@ static void begin(kalman_tracker *self, const tracker_detection *seen, filter_me
         filter_measurement doppler = {1, {measured.value[2]}, {{0, 0, measured.row[2][2], measured.row[2][3]}}, {{measured.noise[2][2]}}};
         filter_update(made.state, made.cov, &doppler);
     }
+    filter_predict(made.state, made.cov, age, 0, 0, 0, 0);
     look_at(&made, seen, number);
     self->kept[at] = made;
 }
 
-static void read(kalman_tracker *self, const tracker_detection seen[TRACKER_DETECTIONS], int32_t number) {
-    sensor by = sensor_of(self, number);
-    filter_measurement measured[TRACKER_DETECTIONS];
-    double distance[KEPT][TRACKER_DETECTIONS];
-    bool taken[TRACKER_DETECTIONS], fed[KEPT] = {false};
-    for (int32_t d = 0; d < TRACKER_DETECTIONS; ++d) {
-        taken[d] = !seen[d].valid;
-        if (seen[d].valid) measured[d] = measurement_of(&seen[d], &self->in.motion, &by);
-    }
+/* As if the point that is seen now were any of its body: one without class may be as large as a lorry. */
+static void spread(kalman_tracker_kept *kept) {
+    static const double length[CLASSES] = {16, 4.5, 16, 2.2, 1.8, 0.5, 1}, width[CLASSES] = {2.55, 1.8, 2.55, 0.8, 0.6, 0.5, 1};
+    double vx = kept->state[2], vy = kept->state[3], speed = sqrt(vx * vx + vy * vy);
+    bool drives = speed > fmax(DRIVES, 2 * sqrt(kept->cov[2][2] + kept->cov[3][3])); /* and is known to do so */
+    filter_spread(kept->cov, length[kept->class], width[kept->class], drives ? vx / speed : 1, drives ? vy / speed : 0);
+}
+
+/* The nearest pairs of what is left of both; *elsewhere*: of the same body, but maybe at another point of it. */
+static void pair(kalman_tracker *self, pairing *all, const tracker_detection *seen, int32_t number, bool elsewhere) {
+    double distance[KEPT][TRACKER_RETURNS];
     for (int32_t i = 0; i < KEPT; ++i) {
-        kalman_tracker_kept *kept = &self->kept[i];
-        if (kept->id == 0) continue;
-        if (kept->sensor == number) ++kept->looks;
-        for (int32_t d = 0; d < TRACKER_DETECTIONS; ++d) {
-            if (seen[d].valid) distance[i][d] = filter_distance(kept->state, kept->cov, &measured[d]);
+        kalman_tracker_kept kept = self->kept[i];
+        if (kept.id == 0 || all->fed[i]) continue;
+        if (elsewhere) spread(&kept);
+        for (int32_t d = 0; d < TRACKER_RETURNS; ++d) {
+            if (!all->taken[d]) distance[i][d] = filter_distance(kept.state, kept.cov, &all->measured[d]);
         }
     }
     for (;;) {
         int32_t track = -1, best = -1;
         double least = self->par.gate;
         for (int32_t i = 0; i < KEPT; ++i) {
-            if (self->kept[i].id == 0 || fed[i]) continue;
-            for (int32_t d = 0; d < TRACKER_DETECTIONS; ++d) {
-                if (taken[d] || !(distance[i][d] < least)) continue;
+            if (self->kept[i].id == 0 || all->fed[i]) continue;
+            for (int32_t d = 0; d < TRACKER_RETURNS; ++d) {
+                if (all->taken[d] || !(distance[i][d] < least)) continue;
                 least = distance[i][d];
                 track = i;
                 best = d;
             }
         }
         if (track < 0) break;
-        fed[track] = taken[best] = true;
-        filter_update(self->kept[track].state, self->kept[track].cov, &measured[best]);
-        look_at(&self->kept[track], &seen[best], number);
+        kalman_tracker_kept *kept = &self->kept[track];
+        all->fed[track] = all->taken[best] = true;
+        double aside = fabs(kept->state[1]);
+        if (elsewhere) spread(kept);
+        filter_update(kept->state, kept->cov, &all->measured[best]);
+        if (elsewhere) { /* another face is as wide as it says; until it does, the body ends where it did */
+            kept->widths = 0;
+            if (kept->width > 0) kept->width = fmax(kept->width - 2 * (aside - fabs(kept->state[1])), LEAST_WIDTH);
+        }
+        look_at(kept, &seen[best], number);
     }
-    for (int32_t d = 0; d < TRACKER_DETECTIONS; ++d) {
-        if (!taken[d]) begin(self, &seen[d], measured[d], number);
+}
+
+static void read(kalman_tracker *self, const tracker_scan *scan, int32_t number) {
+    if (scan->number == self->read[number]) return;
+    self->read[number] = scan->number;
+    if (scan->number <= 0) return;
+    const tracker_detection *seen = scan->returns;
+    tracker_past then = tracker_ago(&self->history, scan->age);
+    pairing all = {.fed = {false}};
+    for (int32_t d = 0; d < TRACKER_RETURNS; ++d) {
+        all.taken[d] = !seen[d].valid;
+        if (seen[d].valid) all.measured[d] = measurement_of(&seen[d], scan, &then);
+    }
+    for (int32_t i = 0; i < KEPT; ++i) {
+        if (self->kept[i].id != 0 && self->kept[i].sensor == number) ++self->kept[i].looks;
+    }
+    pair(self, &all, seen, number, false);
+    pair(self, &all, seen, number, true);
+    for (int32_t d = 0; d < TRACKER_RETURNS; ++d) {
+        if (!all.taken[d]) begin(self, &seen[d], all.measured[d], scan->age, number);
     }
 }
 
@@ -155,28 +174,22 @@ static void tell(kalman_tracker *self) {
     }
 }
 
-static bool is_due(int32_t tick, double period) {
-    int32_t every = period > STEP ? (int32_t)fmin(period / STEP + 0.5, 1e6) : 1;
-    return tick % every == 0;
+static void clear(kalman_tracker *self) {
+    memset(self->kept, 0, sizeof self->kept);
+    self->history.count = self->read[0] = self->read[1] = 0;
+    self->next_id = 1;
 }
 
-static void sense(kalman_tracker *self) {
-    if (is_due(self->tick, self->par.first_period)) read(self, self->in.first, 0);
-    if (is_due(self->tick, self->par.second_period)) read(self, self->in.second, 1);
+void kalman_tracker_step(kalman_tracker *self) {
+    move(self);
+    read(self, &self->in.first, 0);
+    read(self, &self->in.second, 1);
     judge(self);
     tell(self);
 }
 
 void kalman_tracker_init(kalman_tracker *self) {
-    memset(self->kept, 0, sizeof self->kept);
-    self->next_id = 1;
-    self->tick = 0;
-    self->last = self->in.motion;
-    sense(self);
-}
-
-void kalman_tracker_step(kalman_tracker *self) {
-    ++self->tick;
-    move(self);
-    sense(self);
+    clear(self);
+    kalman_tracker_step(self);
+    clear(self); /* the first step is at time 0, too */
 }

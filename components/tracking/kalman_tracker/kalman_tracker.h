@@ -4,19 +4,27 @@
  *
  * State: place from the car's centre of gravity, velocity over ground, both along the car's axes. In a step the car moves
  * on by d and turns by a, from the means of its motion at both ends: p' = R(-a) (p + v T - d), v' = R(-a) v.
- * Measured: place, and the speed along the ray where the sensor has Doppler (doppler_noise > 0).
+ * Measured: place, with the deviations of range and azimuth that the sensor tells, and the speed along the ray where it has
+ * Doppler (rate_deviation > 0).
  *
- * A sensor is read once in each of its periods. Of all pairs of track and detection within the gate (squared Mahalanobis
- * distance) the nearest is taken, again and again. What no track takes begins one; it is told of once the sensor that
- * began it has hit it in *confirm* of its first *of* looks, and forgotten if it does not, or after *coast* without a hit.
- * Told are the nearest. The latency of a sensor is not compensated. */
+ * A scan is as old as it says. What it tells is turned and moved by how the car has moved since, and measures where the
+ * object was then: p - v age; the noise of its acceleration since then is left out.
+ *
+ * A scan is read once, when its number is another one. Of all pairs of track and detection within the gate (squared
+ * Mahalanobis distance) the nearest is taken, again and again. A sensor tells one point of a body, and another one when it
+ * sees another face; so do two sensors. So of what is left, pairs are made again as if the point might be any of a body of
+ * the track's class: the covariance of its place grows by that of a uniform one on length by width, extent^2/12 each, along
+ * its velocity (slower than 2 m/s or two of its deviations: along the car).
+ * Such a pair moves the place, and hardly the velocity; the width told of the other face counts, and until there is one, the
+ * side that is nearer to the car stays where it was.
+ * What no track takes begins one; it is told of once the sensor that began it has hit it in *confirm* of its first *of*
+ * scans, and forgotten if it does not, or after *coast* without a hit. Told are the nearest. */
 #ifndef KALMAN_TRACKER_H
 #define KALMAN_TRACKER_H
 
 #include "../tracker/tracker.h"
 
-#define KALMAN_TRACKER_STEP 0.02 /* s; the step in the component.yaml */
-#define KALMAN_TRACKER_KEPT 24   /* tracks, confirmed or not */
+#define KALMAN_TRACKER_KEPT 24 /* tracks, confirmed or not */
 
 typedef struct {
     int32_t id, class; /* id 0: free */
@@ -32,21 +40,16 @@ typedef struct {
     tracker_in in;
     tracker_out out;
     struct {
-        double first_mount, second_mount;                              /* m */
-        double first_period, second_period;                            /* s */
-        double first_range_noise, second_range_noise;                  /* standard deviations */
-        double first_relative_noise, second_relative_noise;            /* of the range, per range */
-        double first_azimuth_noise, second_azimuth_noise;              /* rad */
-        double first_doppler_noise, second_doppler_noise;              /* m/s; 0: does not measure it */
-        double acceleration_noise;                                     /* m/s2, standard deviation over a step */
-        double speed_deviation;                                        /* m/s, of a new track against standing still */
-        double gate;                                                   /* squared */
+        double acceleration_noise; /* m/s2, standard deviation over a step */
+        double speed_deviation;    /* m/s, of a new track against standing still */
+        double gate;               /* squared */
         int32_t confirm, of;
         double coast; /* s */
     } par;
     kalman_tracker_kept kept[KALMAN_TRACKER_KEPT];
-    tracker_motion last;
-    int32_t next_id, tick;
+    tracker_history history;
+    int32_t read[2]; /* numbers of the scans that were read last */
+    int32_t next_id;
 } kalman_tracker;
 
 void kalman_tracker_init(kalman_tracker *self);

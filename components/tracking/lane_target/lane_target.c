@@ -3,9 +3,10 @@
 #include <math.h>
 #include <string.h>
 
-/* A track in the lane: distance of its foot along the middle, how far it lies to its left, and how fast the foot goes. */
+/* A track in the lane: distance of its foot along the middle, how far it lies to its left, how fast the foot goes, and how fast
+   the track goes to the left of it. */
 typedef struct {
-    double distance, offset, speed;
+    double distance, offset, speed, across;
 } place;
 
 static double square_to(const lateral_in *lane, double distance, double x, double y) {
@@ -75,7 +76,14 @@ static place place_of(const lateral_in *lane, const tracker_track *track) {
     from = 0;
     double stretch = 1 - lateral_curvature(lane, found.distance, &from) * found.offset;
     found.speed = (c * track->vx + s * track->vy) / (stretch > 0.1 ? stretch : 0.1);
+    found.across = c * track->vy - s * track->vx;
     return found;
+}
+
+/* How near the middle it comes from now on, until *horizon*. */
+static double least_offset(const place *at, double horizon) {
+    double later = at->offset + horizon * at->across;
+    return at->offset * later < 0 ? 0 : fmin(fabs(at->offset), fabs(later));
 }
 
 static double own_speed(const lateral_in *lane) {
@@ -94,7 +102,7 @@ static void choose(lane_target *self) {
         if (track->id == 0 || !(track->x > 0)) continue;
         place at = place_of(&lane, track);
         double share = self->par.share + (track->id == self->followed ? self->par.hold : 0);
-        if (fabs(at.offset) > 0.5 * share * lane.lane.width) continue;
+        if (least_offset(&at, self->par.horizon) > 0.5 * share * lane.lane.width) continue;
         if (!(at.distance > 1e-6 && at.distance < least)) continue;
         least = at.distance;
         speed = at.speed;

@@ -2,19 +2,26 @@
 
 #include <math.h>
 
-void no_tracker_init(no_tracker *self) {
+void no_tracker_step(no_tracker *self) {
+    const tracker_scan *scan = &self->in.first;
     int32_t count = 0;
-    for (int32_t i = 0; i < TRACKER_DETECTIONS && count < TRACKER_TRACKS; ++i) {
-        const tracker_detection *seen = &self->in.first[i];
+    tracker_remember(&self->history, &self->in.motion);
+    tracker_past then = tracker_ago(&self->history, scan->age);
+    for (int32_t i = 0; i < TRACKER_RETURNS && count < TRACKER_TRACKS && scan->number > 0; ++i) {
+        const tracker_detection *seen = &scan->returns[i];
         if (!seen->valid) continue;
-        tracker_place place = tracker_place_of(seen, &self->in.motion, self->par.mount);
+        tracker_place place = tracker_place_of(seen, scan->mount, &then);
         bool is_ahead = fabs(place.cosine) > 0.1; /* beside the car the ray says nothing about speed along it */
-        double speed = self->par.doppler && is_ahead ? place.speed / place.cosine : 0;
-        tracker_track track = {i + 1, seen->class, place.x, place.y, speed, 0, seen->width, 0};
+        double speed = seen->rate_deviation > 0 && is_ahead ? place.speed / place.cosine : 0;
+        tracker_track track = {i + 1, seen->class, place.x + speed * scan->age, place.y, speed, 0, seen->width, 0};
         self->out.tracks[count++] = track;
     }
     tracker_track none = {0, 0, 0, 0, 0, 0, 0, 0};
     while (count < TRACKER_TRACKS) self->out.tracks[count++] = none;
 }
 
-void no_tracker_step(no_tracker *self) { no_tracker_init(self); }
+void no_tracker_init(no_tracker *self) {
+    self->history.count = 0;
+    no_tracker_step(self);
+    self->history.count = 0; /* the first step is at time 0, too */
+}

@@ -1,27 +1,14 @@
-/* Vehicles that follow each other and the host by the IDM (following.h) and change lanes by MOBIL: A. Kesting,
-   M. Treiber, D. Helbing: Transportation Research Record 1999, 86 (2007), the symmetric rule, with a bias to the right
-   if one is set. All see the state at the beginning of a step, then move by the ballistic update: M. Treiber,
-   A. Kesting: Traffic Flow Dynamics, 2013, 10.2; who would drive backwards stands. Who changes lanes is in both until
-   it has done 0.6 of the change's time, and is placed from the middle of the path's own lane by lanes of one width:
-   nobody jumps, whatever the road's lanes do. The host is in every lane that its body, or that of a vehicle of that
-   lane, would share; a vehicle judges the host behind it as if it drove like itself. */
+/* Up to eight vehicles, each with a place and a driver of its own, in traffic as flow.h has it. */
 #ifndef IDM_TRAFFIC_H
 #define IDM_TRAFFIC_H
 
-#include "../profile/lane_shift.h"
-#include "../profile/traffic.h"
-
-typedef struct {
-    double station, speed; /* m along the path, of its centre */
-    int32_t lane, old_lane; /* where it is or goes, where it came from */
-    lane_shift shift;
-} idm_traffic_vehicle;
+#include "../flow/flow.h"
 
 typedef struct {
     traffic_in in;
     traffic_out out;
     struct {
-        int32_t class[TRAFFIC_MOVERS], lane_number[TRAFFIC_MOVERS];
+        int32_t class[TRAFFIC_MOVERS], path[TRAFFIC_MOVERS], lane_number[TRAFFIC_MOVERS];
         double station[TRAFFIC_MOVERS], speed[TRAFFIC_MOVERS];
         double desired_speed[TRAFFIC_MOVERS], time_gap[TRAFFIC_MOVERS], standstill_gap[TRAFFIC_MOVERS];
         double max_acceleration[TRAFFIC_MOVERS], comfortable_deceleration[TRAFFIC_MOVERS];
@@ -31,11 +18,13 @@ typedef struct {
         int32_t right_lane, left_lane;
         double lane_width, change_duration;
         double politeness, change_threshold, keep_right, safe_deceleration;
+        double reaction_time, critical_gap, together[TRAFFIC_CONFLICTS];
         bool minds_host;
         int32_t host_lane;
         double host_front, host_rear, host_width, lap_length;
     } par;
-    idm_traffic_vehicle vehicles[TRAFFIC_MOVERS];
+    flow_user users[TRAFFIC_MOVERS];
+    flow_place order[TRAFFIC_MOVERS];
 } idm_traffic;
 
 void idm_traffic_init(idm_traffic *self);

@@ -7,9 +7,17 @@
 #include <stdint.h>
 
 #define TRAFFIC_MOVERS 8
+#define TRAFFIC_PATHS 8
+#define TRAFFIC_HEADS 16
+#define TRAFFIC_CONFLICTS 16
 #define TRAFFIC_CAR 1 /* of actor_class */
+#define TRAFFIC_TRUCK 2
+#define TRAFFIC_MOTORCYCLE 3
 #define TRAFFIC_BICYCLE 4
 #define TRAFFIC_PEDESTRIAN 5
+#define TRAFFIC_RED 2 /* of the colours of light_head; below: none, off; above: red_yellow, yellow, green */
+#define TRAFFIC_RED_YELLOW 3
+#define TRAFFIC_YELLOW 4
 #define TRAFFIC_QUARTER_TURN 1.57079632679489661923 /* rad */
 
 typedef struct {
@@ -28,6 +36,25 @@ typedef struct {
     struct {
         double x, y, heading, speed, lateral_speed, yaw_rate, acceleration, lateral_acceleration;
     } motion;
+    struct {
+        double length;
+        bool closed;
+        int32_t leftmost, rightmost;
+        double lane_width;
+    } paths[TRAFFIC_PATHS];
+    struct {
+        int32_t path;
+        double station;
+        int32_t colour;
+        double remaining;
+    } light_heads[TRAFFIC_HEADS];
+    struct {
+        int32_t path;
+        double entry, exit;
+        int32_t other_path;
+        double other_entry, other_exit;
+        bool gives_way;
+    } conflicts[TRAFFIC_CONFLICTS];
 } traffic_in;
 
 typedef struct {

@@ -10,6 +10,9 @@ typedef struct {
         double rain_rate, snow_rate, fog_extinction, darkness;
     } visibility;
     struct {
+        double azimuth, elevation, glare;
+    } sun;
+    struct {
         double friction_loss, water_film, temperature;
     } surface;
 } weather_out;

@@ -38,6 +38,9 @@ static void output(set_weather *self) {
     self->out.visibility.snow_rate = self->par.snow_rate;
     self->out.visibility.fog_extinction = self->par.fog_visibility > 0 ? -log(0.05) / self->par.fog_visibility : 0;
     self->out.visibility.darkness = self->par.darkness;
+    self->out.sun.azimuth = self->par.sun_azimuth;
+    self->out.sun.elevation = self->par.sun_elevation;
+    self->out.sun.glare = self->par.sun_glare;
     self->out.surface.friction_loss = friction_loss(self, film);
     self->out.surface.water_film = film;
     self->out.surface.temperature = self->par.temperature;

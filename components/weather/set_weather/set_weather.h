@@ -25,7 +25,7 @@ typedef enum { SET_WEATHER_DRY, SET_WEATHER_WET, SET_WEATHER_SNOW, SET_WEATHER_I
 typedef struct {
     weather_out out;
     struct {
-        double rain_rate, snow_rate, fog_visibility, darkness, temperature, pressure;
+        double rain_rate, snow_rate, fog_visibility, darkness, sun_azimuth, sun_elevation, sun_glare, temperature, pressure;
         int32_t road;
         double drainage_length, drainage_fall, standing_film, critical_film;
         double wet_loss, snow_loss, ice_loss;

@@ -55,7 +55,7 @@ def replay(stored: Run, *, source: str | Path | None = None, fmi: int = 2, tell:
     from dse.testbench import bench_study, with_values
 
     point = {name: value for name, value in stored.point.items() if name != TESTBENCH}
-    first, *others = (with_values(bench, point) for bench in _benches(stored.definition, source))
+    first, *others = (with_values(bench, point) for bench in benches_of(stored.definition, source))
     study = replace(bench_study(first, Selection((stored.configuration,))), others=tuple(others))
     made, planned = alone(study, fmi, on=int(stored.point.get(TESTBENCH, 0)), tell=tell)
     # Alone it has number 0 and its point is the bench's own.
@@ -68,7 +68,7 @@ def replay(stored: Run, *, source: str | Path | None = None, fmi: int = 2, tell:
     )
 
 
-def _benches(definition: StudyDefinition, source: str | Path | None) -> tuple[TestBench, ...]:
+def benches_of(definition: StudyDefinition, source: str | Path | None) -> tuple[TestBench, ...]:
     """The benches of the study, found by its name in the workspace around the current folder, or in *source*."""
     is_bench = not definition.variables
     name = str(source) if source else definition.bench.name if is_bench else definition.study

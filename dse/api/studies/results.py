@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from dse.analysis import Finding, Ranking
+    from dse.api.studies.exploring import Tell
     from dse.api.studies.replaying import Replay
     from dse.domain import study as nouns
     from dse.domain.definition import StudyDefinition
@@ -74,8 +75,8 @@ class Summary:
 class Results:
     """The runs in *folder*; each question reads the folder anew. *explored* is what made them, if it was done here."""
 
-    def __init__(self, folder: Path, explored: Explored | None = None) -> None:
-        self.folder = folder
+    def __init__(self, folder: str | Path, explored: Explored | None = None) -> None:
+        self.folder = Path(folder)
         self.explored = explored
         self.definition: StudyDefinition = self._read(lambda store: store.require_definition())
 
@@ -124,6 +125,20 @@ class Results:
         if kind not in EXPORTS:
             raise fail(f"results cannot be written as '{kind}'", None, closest(kind, EXPORTS))
         return self._read(EXPORTS[kind])
+
+    def write_scene(
+        self, run: int, target: str | Path, *, source: str | Path | None = None, tell: Tell | None = None
+    ) -> Path:
+        """Write a page in which the *run* of this number is driven again in three dimensions; returns where it is.
+
+        The run is simulated once more: its study is found in the workspace around here, or in the file *source*.
+        Raises DseError if that gives something else, or if nothing in it says where a car is.
+        """
+        from dse.api.studies.scenes import scene_of
+        from dse.report import write_scene
+
+        write_scene(scene_of(self.run(run), source=source, tell=tell), Path(target))
+        return Path(target)
 
     def report(
         self,

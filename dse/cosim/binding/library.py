@@ -71,7 +71,7 @@ class _Bridge(ctypes.CDLL):
 
 def _hosted(bridge: _Bridge, model: FmuModel) -> _Bridge:
     """*bridge*, its host started, unless it was; OSError that says why that cannot load the library."""
-    if is_inside():
+    if model.host.is_wine and is_inside():
         what = f"{model.identifier}: an FMU for Windows cannot be run in a sandbox, as wine has a server outside of it"
         raise fail(what, hint="export it for this platform; leave --sandbox out only if you trust it")
     environment = {**os.environ, **model.host.settings}

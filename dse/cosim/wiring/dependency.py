@@ -179,7 +179,14 @@ def _strong(graph: Graph) -> list[list[ElementPort]]:
     """Strong components, each sorted."""
     ports = sorted(graph)
     number = {port: n for n, port in enumerate(ports)}
-    return [[ports[n] for n in component] for component in components([[number[a] for a in graph[p]] for p in ports])]
+    # Outputs of an element often depend on all its inputs: one more node stands for what follows from them alike.
+    hubs: dict[tuple[int, ...], int] = {}
+    needs: list[Sequence[int]] = []
+    for port in ports:
+        afters = tuple(number[after] for after in graph[port])
+        needs.append(afters if len(afters) < 2 else (hubs.setdefault(afters, len(ports) + len(hubs)),))
+    found = ([n for n in component if n < len(ports)] for component in components([*needs, *hubs]))
+    return [[ports[n] for n in component] for component in found if component]
 
 
 def _moves(ports: Iterable[ElementPort], waiting: _Waiting) -> Iterator[Read | Write]:
@@ -210,14 +217,16 @@ def _loop(border: Border, graph: dict[ElementPort, list[ElementPort]]) -> Algebr
     )
     torn = {port for port in graph if port.is_output and not border.is_real(port)}
     rest: dict[ElementPort, list[ElementPort]] = {port: [] if port in torn else after for port, after in graph.items()}
-    while cycles := _cycles(rest):
-        # The output that is on most paths, in the first component: few unknowns, and always the same ones.
-        part = _within(rest, cycles[0])
+    cycles = _cycles(rest)
+    while cycles:
+        # The output that is on most paths of the component: few unknowns, and always the same ones.
+        part = _within(rest, cycles.pop())
         befores = Counter(after for afters in part.values() for after in afters)
         outputs = [port for port in part if port.is_output]
         best = max(outputs, key=lambda port: (befores[port] * len(part[port]), -border.variable(port).size))
         torn.add(best)
-        rest[best] = []
+        rest[best] = part[best] = []
+        cycles += _cycles(part)
     walk: list[Read | Write] = []
     waiting: _Waiting = {}
     for generation in _generations(rest):

@@ -166,11 +166,11 @@ def _readable(element: Element, links: Mapping[str, Link]) -> tuple[Variable, ..
 
 def _texts_out(element: Element, links: Mapping[str, Link]) -> tuple[Variable, ...]:
     """Those that are wired: strings and binaries are not recorded."""
-    sources = {link.source for link in links.values()}
+    sources, inputs = {link.source for link in links.values()}, {variable.name for variable in element.inputs}
     return tuple(
         variable
         for variable in _readable(element, links)
-        if variable in element.inputs or any(f"{element.name}.{label}" in sources for label in variable.labels)
+        if variable.name in inputs or any(f"{element.name}.{label}" in sources for label in variable.labels)
     )
 
 

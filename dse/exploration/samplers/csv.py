@@ -87,7 +87,9 @@ def _columns(path: Path, head: Sequence[str], variables: Sequence[DesignVariable
     found: dict[str, tuple[int, Unit]] = {}
     known = {variable.name: variable for variable in variables}
     for index, heading in enumerate(head):
-        name, bracket, symbol = (part.strip() for part in heading.partition("["))
+        # An element of an array has brackets of its own: those of the unit are the last ones.
+        is_plain = heading.strip() in known or "[" not in heading
+        name, bracket, symbol = (part.strip() for part in ((heading, "", "") if is_plain else heading.rpartition("[")))
         if name not in known:
             problems.append(Problem(f"the column '{name}' is no design variable", line, closest(name, known)))
         elif name in found:

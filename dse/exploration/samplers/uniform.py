@@ -55,7 +55,8 @@ class Uniform(ProposingOnce):
         there = _points_there(brief)
         for each, unit in zip(drawn, slices, strict=True):
             known = there.get(each.id, [])
-            old = np.array(known[: self.samples]).reshape(-1, len(brief.variables))
+            taken = known[: self.samples]
+            old = np.array(taken).reshape(len(taken), len(brief.variables))
             # Drawn again, it has the others.
             there[each.id] = known[self.samples :]
             fresh = _without_nearest(unit, unit_of(old, brief.variables))

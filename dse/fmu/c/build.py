@@ -14,7 +14,7 @@ from dse.fmu.c.describe import Subject, describe, describe_sources, model_identi
 from dse.fmu.c.glue import Demand, glue, slot_rows
 from dse.fmu.c.slots import slots
 from dse.fmu.c.staging import LIST_IT, StagedSources, stage
-from dse.fmu.slot_table import SLOT_TABLE, SlotTable
+from dse.fmu.slot_table import PARTNER, SLOT_TABLE, SlotTable
 from dse.fmu.toolchain.compilation import LANGUAGE_OPTIONS, CompilationError, Diagnostic, compile_library, options
 from dse.fmu.toolchain.compiler import Compiler, with_compiler
 from dse.fmu.toolchain.platforms import this_platform
@@ -60,9 +60,14 @@ def _contents(
 ) -> tuple[dict[str, bytes], Subject, Mapping[int, Demand]]:
     """Every file of the FMU but its library, by path; the same for the same component on every machine."""
     variables = slots(component)
-    runtime = {f"sources/runtime/{name}": (_RUNTIME / name).read_bytes() for name in _RUNTIME_FILES[version]}
     user = {f"sources/component/{name}": content for name, content in staged.contents.items()}
     user[f"sources/{SLOT_TABLE}"] = SlotTable(f"component/{staged.header}", slot_rows(variables)).to_bytes()
+    names: tuple[str, ...] = _RUNTIME_FILES[version]
+    if source.partner:
+        names = (*names, "partner.h")
+        user |= {f"resources/{name}": content for name, content in source.resources}
+        user[PARTNER] = source.partner.encode()
+    runtime = {f"sources/runtime/{name}": (_RUNTIME / name).read_bytes() for name in names}
     subject = Subject(
         name=component.name,
         identifier=model_identifier(component.name),
@@ -72,6 +77,7 @@ def _contents(
         slots=variables,
         files=(f"runtime/fmi{version}.c", *(f"component/{unit}" for unit in staged.units)),
         include_folder=posixpath.dirname(f"component/{staged.header}"),
+        has_state=not source.partner,
     )
 
     def generated(token: str) -> tuple[dict[str, bytes], Mapping[int, Demand]]:

@@ -27,6 +27,7 @@ class Subject:
     slots: tuple[Slot, ...]
     files: tuple[str, ...]
     include_folder: str
+    has_state: bool = True
 
 
 def describe(subject: Subject, version: int) -> bytes:
@@ -80,7 +81,8 @@ def xml_text(root: ET.Element) -> bytes:
 def _add_interface(root: ET.Element, subject: Subject, version: int) -> None:
     state = "FMUstate" if version == 2 else "FMUState"
     frugal = ("canNotUseMemoryManagementFunctions",) if version == 2 else ()
-    able = ("canHandleVariableCommunicationStepSize", *frugal, f"canGetAndSet{state}", f"canSerialize{state}")
+    saved = (f"canGetAndSet{state}", f"canSerialize{state}") if subject.has_state else ()
+    able = ("canHandleVariableCommunicationStepSize", *frugal, *saved)
     told = {"modelIdentifier": subject.identifier, **dict.fromkeys(able, "true")}
     interface = ET.SubElement(root, "CoSimulation", told)
     if version == 2:

@@ -39,6 +39,8 @@ def glue(source: CSource, slots: tuple[Slot, ...], header: str, token: str) -> G
     page = _Page(source.header, source.struct)
     page.add("/* Generated: how the FMU runtime reaches this component. */")
     page.add("#ifndef DSE_MODEL_H", "#define DSE_MODEL_H", '#include "slot.h"', f'#include "{header}"')
+    if source.partner:
+        page.add("#define DSE_PARTNER", f"#define dse_component_take {source.struct}_take")
     page.demand(
         "",
         f"typedef {source.struct} dse_component;",

@@ -66,5 +66,5 @@ def unknown_place(element: Element, variable: Variable) -> Problem:
 
 def not_ours(element: Element, reason: str) -> Problem:
     """The problem of an FMU that cannot be built once more."""
-    hint = _AGAIN if "version" in reason else _FROM_SOURCE
+    hint = _AGAIN if "version" in reason else _PLAIN_ONLY if "process" in reason else _FROM_SOURCE
     return Problem(f"{element.name}: the FMU {element.model.archive.name} {reason}, so it cannot be fused", hint=hint)

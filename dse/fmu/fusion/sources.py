@@ -10,7 +10,7 @@ from pathlib import Path
 
 from dse.csolve import headers
 from dse.domain.fmu import FmuModel
-from dse.fmu.slot_table import SLOT_TABLE, Row, SlotTable
+from dse.fmu.slot_table import PARTNER, SLOT_TABLE, Row, SlotTable
 
 _RUNTIME = Path(__file__).parent.parent / "runtime"
 _MODEL = "runtime/model.h"
@@ -52,6 +52,8 @@ def own_sources(model: FmuModel) -> OwnSources:
             raise NotOursError(_OLDER)
     if SLOT_TABLE not in files:
         raise NotOursError(_OLDER)
+    if (model.folder / PARTNER).is_file():
+        raise NotOursError("has a process of its own do its work")
     table = SlotTable.from_bytes(files[SLOT_TABLE])
     is_model = not table.header
     written = () if is_model else sorted(name for name in files if name.startswith("component/") and name[-2:] == ".c")

@@ -11,6 +11,23 @@
 #define DSE_TAKE_BINARIES(instance, function) true
 #endif
 
+#ifdef DSE_PARTNER
+/* What init or step has put into *ask* goes to the partner, its *answer* to where the component wants it. */
+static bool dse_ask_partner(struct dse_instance *instance, const char *function, uint32_t kind) {
+    dse_component *now = &instance->at.now;
+    char said[DSE_PARTNER_LONGEST + 1];
+    if (!dse_partner_ask(&instance->partner, kind, now->ask, sizeof now->ask / sizeof *now->ask, now->answer,
+                         sizeof now->answer / sizeof *now->answer, said)) {
+        return dse_refuse(instance, function, "%s", said);
+    }
+    dse_component_take(now);
+    return true;
+}
+#define DSE_ASK_PARTNER(instance, function, kind) dse_ask_partner(instance, function, kind)
+#else
+#define DSE_ASK_PARTNER(instance, function, kind) true
+#endif
+
 static DSE_APART bool dse_refresh(struct dse_instance *instance, const char *function) {
     (void)function;
     if (!DSE_TAKE_BINARIES(instance, function)) {
@@ -19,6 +36,9 @@ static DSE_APART bool dse_refresh(struct dse_instance *instance, const char *fun
     DSE_CHANGED(instance);
     memcpy(&instance->at.now, &instance->at.start, sizeof instance->at.now);
     dse_component_init(&instance->at.now);
+    if (!DSE_ASK_PARTNER(instance, function, DSE_PARTNER_START)) {
+        return false;
+    }
     instance->at.is_stale = 0;
     return true;
 }
@@ -51,6 +71,9 @@ static inline bool dse_do_step(struct dse_instance *instance, const char *functi
 #else
     dse_component_step(&at->now, step);
 #endif
+    if (!DSE_ASK_PARTNER(instance, function, DSE_PARTNER_STEP)) {
+        return false;
+    }
     at->time = time + step;
     return true;
 }

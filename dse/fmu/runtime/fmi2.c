@@ -1,4 +1,5 @@
 /* The functions of FMI 2.0 over one component: co-simulation, and of a model from Modelica model exchange too. */
+#define _POSIX_C_SOURCE 200809L /* for partner.h, where there is one */
 #include "fmi2_abi.h"
 #include "model.h"
 #ifdef DSE_BINARIES

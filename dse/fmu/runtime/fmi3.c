@@ -1,5 +1,6 @@
 /* The functions of FMI 3.0 over one component. Those of model exchange are in fmi3_exchange.h; those that are
  * refused in fmi3_refused.h. */
+#define _POSIX_C_SOURCE 200809L /* for partner.h, where there is one */
 #include "fmi3_abi.h"
 #include "model.h"
 /* In FMI 3.0 time is a variable; it comes after the component's own. */

@@ -16,6 +16,9 @@
 
 #include "model.h"
 #include "slot.h"
+#ifdef DSE_PARTNER
+#include "partner.h"
+#endif
 
 #if defined _WIN32
 #define DSE_EXPORT __declspec(dllexport)
@@ -75,6 +78,9 @@ struct dse_instance {
     void *environment;
     char *name;
     bool is_exchange; /* the importer has the solver */
+#ifdef DSE_PARTNER
+    struct dse_partner partner;
+#endif
 #ifdef DSE_OSMP
     struct dse_osmp osmp; /* last: what lies before it is the same without */
 #endif
@@ -154,6 +160,9 @@ static struct dse_instance *dse_create(const char *name) {
 
 static void dse_destroy(struct dse_instance *instance) {
     if (instance) {
+#ifdef DSE_PARTNER
+        dse_partner_end(&instance->partner);
+#endif
         free(instance->name);
         free(instance);
     }
@@ -199,6 +208,9 @@ static inline bool dse_is_step_possible(struct dse_instance *instance, const cha
 
 static bool dse_keep(
     struct dse_instance *instance, const char *function, const struct dse_snapshot *from, void **state) {
+#ifdef DSE_PARTNER
+    return dse_refuse(instance, function, "the state of its process cannot be saved");
+#endif
     if (!*state) {
         *state = malloc(sizeof *from);
     }

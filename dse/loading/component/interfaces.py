@@ -22,6 +22,14 @@ MOST_VALUES = 20_000
 """Of the inputs or outputs of an interface: each value of an array is one."""
 
 
+class StandIn(Section):
+    """What designs put around a component, which is called ``model`` there, so that it implements another interface."""
+
+    implements: str
+    compound: dict[str, str]
+    connections: list[str]
+
+
 class InterfaceSection(Section):
     """One interface: ports by name, groups of ports nested."""
 
@@ -29,6 +37,7 @@ class InterfaceSection(Section):
     inputs: dict[str, Any] = {}
     optional: list[str] = []
     outputs: dict[str, Any] = {}
+    stands_for: StandIn | None = None
 
 
 class InterfacesFile(Section):
@@ -90,6 +99,13 @@ def read_interfaces(path: Path, inside: Path, types: NamedTypes) -> dict[str, In
         result[name] = Interface(name, tuple(ports), entry.key, tuple(section.optional))
     raise_if_any(problems)
     return result
+
+
+def read_stand_ins(path: Path, inside: Path) -> dict[str, Entry]:
+    """Where the interfaces of one file say what their components stand for, by their names. Raises DseError."""
+    file = read_document(path, inside)
+    sections = read_section(file, InterfacesFile).interfaces
+    return {name: file["interfaces"][name]["stands_for"] for name in sections if sections[name].stands_for}
 
 
 _WORDS = ("bool", "int", "enum", "string", "binary", "real")

@@ -9,6 +9,7 @@ from typing import Any
 from dse.domain.component import Interface
 from dse.domain.design import DesignSpace, candidates
 from dse.errors import Problems, raise_if_any
+from dse.formats import Entry
 from dse.loading.design.constraints import ConstraintSetSection, Rules, read_constraints, read_sets
 from dse.loading.design.exchangeable import misfits
 from dse.loading.design.forms import ConstraintSection
@@ -28,16 +29,23 @@ class DesignFile(Section):
     constraint_sets: dict[str, ConstraintSetSection] = {}
 
 
-def read_design(path: Path, find: FindComponent, interfaces: Mapping[str, Interface], inside: Path) -> DesignSpace:
+def read_design(
+    path: Path,
+    find: FindComponent,
+    interfaces: Mapping[str, Interface],
+    stand_ins: Mapping[str, Entry],
+    inside: Path,
+) -> DesignSpace:
     """One file of ``designs/`` of the workspace *inside*. Raises DseError with every problem in it.
 
+    Components whose interface is one of *stand_ins* become the architectures that stand there.
     Among the problems are alternatives whose ports do not fit their place; what the names in constraints and the
     ends of connections mean is `dse.space.check`'s business.
     """
     entry = read_document(path, inside)
     file = read_section(entry, DesignFile)
     problems = Problems()
-    tree = read_tree(entry["root"], file.design, file.root, find, interfaces, problems)
+    tree = read_tree(entry["root"], file.design, file.root, find, interfaces, stand_ins, problems)
     is_sound = not problems
     sets = read_sets(entry["constraint_sets"], file.constraint_sets, problems)
     of_the_whole = (Rules(entry["constraints"], Scope(), ()),) if file.constraints else ()

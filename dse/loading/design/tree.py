@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 from dse.domain.component import Component, Interface
@@ -18,6 +18,8 @@ from dse.loading.names import check_choice, check_name
 FindComponent = Callable[[str, Location], Component]
 """Returns the component of that name, or raises DseError at the location."""
 
+MODEL = "model"
+"""What a component is called within what stands for it."""
 _COMPOUND = ("compound", "connections", "implements", "constraints")
 
 
@@ -35,10 +37,11 @@ def read_tree(
     written: dict[str, Any],
     find: FindComponent,
     interfaces: Mapping[str, Interface],
+    stand_ins: Mapping[str, Entry],
     problems: Problems,
 ) -> Tree:
     """The containers of the design space *name*, whose root is *written* so; what is wrong is added to *problems*."""
-    reader = _TreeReader(find, interfaces, problems)
+    reader = _TreeReader(find, interfaces, stand_ins, problems)
     root = reader.compound(name, entry, written, Scope())
     return Tree(root, tuple(reader.rules))
 
@@ -46,9 +49,16 @@ def read_tree(
 class _TreeReader:
     """Goes on after a problem so that all are found at once."""
 
-    def __init__(self, find: FindComponent, interfaces: Mapping[str, Interface], problems: Problems) -> None:
+    def __init__(
+        self,
+        find: FindComponent,
+        interfaces: Mapping[str, Interface],
+        stand_ins: Mapping[str, Entry],
+        problems: Problems,
+    ) -> None:
         self.find = find
         self.interfaces = interfaces
+        self.stand_ins = stand_ins
         self.problems = problems
         self.rules: list[Rules] = []
 
@@ -125,11 +135,20 @@ class _TreeReader:
         self.problems.add(what, entry.where, "- hybrid: {compound: {…}, connections: […]}")
         return None
 
-    def part(self, entry: Entry, name: str) -> Part | None:
+    def part(self, entry: Entry, name: str) -> Part | Compound | None:
         where = entry.where
         with self.problems:
-            return Part(self.find(name, where), where)
+            part = Part(self.find(name, where), where)
+            stand_in = self.stand_ins.get(part.component.interface.name)
+            return self.within(stand_in, part) if stand_in else part
         return None
+
+    def within(self, stand_in: Entry, part: Part) -> Compound | None:
+        """What is put around the *part*, which is called `MODEL` there and has nothing around it any more."""
+        rest = {name: entry for name, entry in self.stand_ins.items() if name != part.component.interface.name}
+        reader = _TreeReader(self.find, self.interfaces, rest, self.problems)
+        around = reader.compound(part.name, stand_in, stand_in.data, Scope())
+        return around and replace(around, parts={**around.parts, MODEL: part}, where=part.where)
 
     def interface(self, entry: Entry, name: Any) -> Interface | None:
         if isinstance(name, str) and name in self.interfaces:

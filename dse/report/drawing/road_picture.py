@@ -15,11 +15,14 @@ from dse.report.content.nouns import Floats
 class Strip:
     """A lane in the plane: *left* and *right* border (n, 2) in m, in the direction in which it is driven.
 
-    *is_driven*: vehicles use it; *is_inside*: it is in a junction.
+    *left_height*, *right_height* (n) are those of the borders. *is_driven*: vehicles use it; *is_inside*: it is in a
+    junction.
     """
 
     left: Floats
     right: Floats
+    left_height: Floats
+    right_height: Floats
     is_driven: bool
     is_inside: bool
 

@@ -15,7 +15,7 @@ from dse.report.figure import ShownFigure, shown_figures
 from dse.report.page.payload import payload_of, script_json
 from dse.scratch import write_whole
 
-_PAGE = """<!doctype html>
+HEAD = """<!doctype html>
 <html lang="en">
 <head>
 <meta charset="utf-8">
@@ -25,7 +25,12 @@ _PAGE = """<!doctype html>
 <title>{title}</title>
 <link rel="icon" href="{icon}">
 <style>{style}</style>
-</head>
+"""
+"""How each page of ours begins."""
+
+_PAGE = (
+    HEAD
+    + """</head>
 <body>
 <div id="page"><noscript>This report draws itself with JavaScript, which is switched off.</noscript></div>
 <script type="application/json" id="document">{document}</script>
@@ -35,6 +40,7 @@ _PAGE = """<!doctype html>
 </body>
 </html>
 """
+)
 
 ICON = "data:image/svg+xml;base64," + base64.b64encode(
     b'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 16 16"><rect width="16" height="16" rx="3" fill="#1f4e9e"/>'

@@ -11,9 +11,15 @@ await build({ ...code, entryPoints: ["src/serve.ts"], outfile: "dist/serve.js" }
 await build({ ...common, entryPoints: ["src/style/serve.css"], outfile: "dist/serve.css" });
 await build({ ...common, entryPoints: ["src/style/report.css"], outfile: "dist/report.css" });
 
-const text = readFileSync("dist/report.js", "utf8") + licences(Object.keys(script.metafile.inputs));
-if (/<\/script|<!--/i.test(text)) throw new Error("dist/report.js could not stand inside a script element");
-writeFileSync("dist/report.js", text);
+// A run in three dimensions, a page of its own.
+const scene = await build({ ...code, entryPoints: ["src/scene.ts"], outfile: "dist/scene.js" });
+await build({ ...common, entryPoints: ["src/style/scene.css"], outfile: "dist/scene.css" });
+
+for (const [file, { metafile }] of [["dist/report.js", script], ["dist/scene.js", scene]]) {
+  const text = readFileSync(file, "utf8") + licences(Object.keys(metafile.inputs));
+  if (/<\/script|<!--/i.test(text)) throw new Error(`${file} could not stand inside a script element`);
+  writeFileSync(file, text);
+}
 
 // The libraries' licences ask that their text goes where their code goes.
 function licences(inputs) {

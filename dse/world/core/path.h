@@ -46,15 +46,25 @@ typedef struct {
     int32_t pieces, stride; /* rows, and numbers in each: where it starts, x (6), y (6), then the quantities */
     const double *rows;
     path_quantity height, bank, limit;
-    int32_t lane_count, patch_count, light_count;
+    int32_t lane_count, patch_count, light_count, leftmost, rightmost;
     const path_lane *lanes;
     const path_patch *patches;
     const path_light *lights;
 } path_table;
 
+/* Where a path crosses or joins another one, along the middles of their own lanes. */
 typedef struct {
-    int32_t count;
+    int32_t path;
+    double entry, exit;
+    int32_t other_path;
+    double other_entry, other_exit;
+    bool gives_way;
+} path_conflict;
+
+typedef struct {
+    int32_t count, conflict_count;
     const path_table *paths;
+    const path_conflict *conflicts;
 } road_network;
 
 extern const road_network road_tables; /* written by dse for each road */

@@ -262,7 +262,22 @@ static void place_actor(road *self, const host_place *host, int32_t i) {
     }
 }
 
-/* The nearest light ahead: a light without phases is there, and unlit. */
+typedef struct {
+    int32_t colour;
+    double remaining;
+} shown;
+
+/* What a light shows now: one without phases is there, and unlit. */
+static shown show(const road *self, const path_light *light) {
+    if (light->phase_count == 0) return (shown){UNLIT, 0};
+    double time = self->base_time + (double)self->steps * self->step + SLACK - light->shift;
+    double into = time - light->cycle * floor(time / light->cycle);
+    const path_phase *phase = light->phases, *last = phase + light->phase_count - 1;
+    for (; phase < last && into >= phase->seconds; ++phase) into -= phase->seconds;
+    return (shown){phase->colour, fmax(phase->seconds - into + SLACK, 0)};
+}
+
+/* The nearest one ahead. */
 static void tell_light(road *self, const host_place *host) {
     const path_light *nearest = NULL;
     double distance = HUGE_VAL;
@@ -273,21 +288,53 @@ static void tell_light(road *self, const host_place *host) {
             distance = ahead;
         }
     }
+    shown now = nearest ? show(self, nearest) : (shown){NO_LIGHT, 0};
     self->out.light.distance = nearest ? distance : 0;
-    self->out.light.colour = nearest ? UNLIT : NO_LIGHT;
-    self->out.light.remaining = 0;
-    if (!nearest || nearest->phase_count == 0) return;
-    double time = self->base_time + (double)self->steps * self->step + SLACK - nearest->shift;
-    double into = time - nearest->cycle * floor(time / nearest->cycle);
-    const path_phase *phase = nearest->phases, *last = phase + nearest->phase_count - 1;
-    for (; phase < last && into >= phase->seconds; ++phase) into -= phase->seconds;
-    self->out.light.colour = phase->colour;
-    self->out.light.remaining = fmax(phase->seconds - into + SLACK, 0);
+    self->out.light.colour = now.colour;
+    self->out.light.remaining = now.remaining;
+}
+
+/* Path after path; python sees to it that there is room for all. */
+static void tell_light_heads(road *self) {
+    int32_t row = 0;
+    for (int32_t i = 0; i < road_tables.count; ++i) {
+        const path_table *path = &road_tables.paths[i];
+        for (int32_t k = 0; k < path->light_count && row < ROAD_LIGHTS; ++k, ++row) {
+            shown now = show(self, &path->lights[k]);
+            self->out.light_heads[row].path = i;
+            self->out.light_heads[row].station = path->lights[k].along;
+            self->out.light_heads[row].colour = now.colour;
+            self->out.light_heads[row].remaining = now.remaining;
+        }
+    }
+}
+
+/* What stays as it is. */
+static void tell_network(road *self) {
+    for (int32_t i = 0; i < road_tables.count && i < ROAD_PATHS; ++i) {
+        const path_table *path = &road_tables.paths[i];
+        self->out.paths[i].length = path_whole_length(path, &path->lanes[0]);
+        self->out.paths[i].closed = path->closed;
+        self->out.paths[i].leftmost = path->leftmost;
+        self->out.paths[i].rightmost = path->rightmost;
+        self->out.paths[i].lane_width = path_value(path_find(path, 0, 0), path->lanes[0].width).value;
+    }
+    for (int32_t i = 0; i < road_tables.conflict_count && i < ROAD_CONFLICTS; ++i) {
+        const path_conflict *conflict = &road_tables.conflicts[i];
+        self->out.conflicts[i].path = conflict->path;
+        self->out.conflicts[i].entry = conflict->entry;
+        self->out.conflicts[i].exit = conflict->exit;
+        self->out.conflicts[i].other_path = conflict->other_path;
+        self->out.conflicts[i].other_entry = conflict->other_entry;
+        self->out.conflicts[i].other_exit = conflict->other_exit;
+        self->out.conflicts[i].gives_way = conflict->gives_way;
+    }
 }
 
 static void output(road *self) {
     host_place host = place_host(self);
     tell_light(self, &host);
+    tell_light_heads(self);
     tell_ground(self, &host);
     tell_lane(self, &host);
     tell_preview(self, &host);
@@ -318,6 +365,7 @@ void road_init(road *self) {
     self->base_time = 0;
     self->step = 0;
     self->steps = 0;
+    tell_network(self);
     output(self);
 }
 

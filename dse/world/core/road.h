@@ -8,6 +8,9 @@
 #define ROAD_WHEELS 4
 #define ROAD_ACTORS 8
 #define ROAD_PREVIEW 24
+#define ROAD_PATHS 8
+#define ROAD_LIGHTS 16
+#define ROAD_CONFLICTS 16
 
 typedef struct {
     double x, y, heading, speed, lateral_speed, yaw_rate, acceleration, lateral_acceleration;
@@ -62,6 +65,25 @@ typedef struct {
             int32_t colour;
             double remaining;
         } light;
+        struct {
+            double length;
+            bool closed;
+            int32_t leftmost, rightmost;
+            double lane_width;
+        } paths[ROAD_PATHS];
+        struct {
+            int32_t path;
+            double station;
+            int32_t colour;
+            double remaining;
+        } light_heads[ROAD_LIGHTS];
+        struct {
+            int32_t path;
+            double entry, exit;
+            int32_t other_path;
+            double other_entry, other_exit;
+            bool gives_way;
+        } conflicts[ROAD_CONFLICTS];
     } out;
     struct {
         double start_station, start_offset, preview_spacing; /* m; 0: no preview */

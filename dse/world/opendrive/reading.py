@@ -12,8 +12,20 @@ from dse.world.opendrive.checks import network_problems, road_problems
 from dse.world.opendrive.driving import DRIVEN
 from dse.world.opendrive.geometry import read_geometries
 from dse.world.opendrive.lanes import read_limit, read_offsets, read_sections
-from dse.world.opendrive.roadside import Cycle, read_cycle, read_signals, read_signs, read_slicks
-from dse.world.opendrive.structure import Connection, Cubic, End, Junction, Limit, Network, Road, RoadLink, Sign, Signal
+from dse.world.opendrive.roadside import Cycle, read_cycle, read_orders, read_signals, read_signs, read_slicks
+from dse.world.opendrive.structure import (
+    Connection,
+    Cubic,
+    End,
+    Junction,
+    Limit,
+    Network,
+    Order,
+    Road,
+    RoadLink,
+    Sign,
+    Signal,
+)
 from dse.world.opendrive.values import cubic, in_order, number, text, whole
 
 _UNFLAT = {"shape": "a lateral <shape>", "crossfall": "a <crossfall>", "crossSectionSurface": "a <crossSectionSurface>"}
@@ -62,7 +74,7 @@ def network_in(root: XmlElement) -> Network:
     if not roads:
         raise fail("there is no <road>", root.where)
     route = (id_ for data in root.all("userData") if data.get("code") == ROUTE for id_ in data.get("value").split())
-    network = Network(roads, junctions, root.where, tuple(route))
+    network = Network(roads, junctions, root.where, tuple(route), tuple(_roundabouts(root)))
     raise_if_any(network_problems(network))
     return network
 
@@ -89,9 +101,10 @@ def _road(element: XmlElement, named: Mapping[str, XmlElement], cycles: Mapping[
     limits: tuple[Limit, ...] = ()
     signals: tuple[Signal, ...] = ()
     signs: tuple[Sign, ...] = ()
+    orders: tuple[Order, ...] = ()
     with refused:
         limits, signals = tuple(_limits(element)), tuple(read_signals(element, named, cycles))
-        signs = tuple(read_signs(element, named))
+        signs, orders = tuple(read_signs(element, named)), tuple(read_orders(element, named))
     road = Road(
         text(element, "id"),
         length,
@@ -107,6 +120,7 @@ def _road(element: XmlElement, named: Mapping[str, XmlElement], cycles: Mapping[
         tuple(read_slicks(element, refused)),
         signals,
         signs,
+        orders,
         (),
         element.where,
     )
@@ -168,7 +182,14 @@ def _junction(element: XmlElement) -> Junction:
     kind = element.get("type", "default").strip() or "default"
     followed = kind in {"default", "direct"}
     connections = tuple(_connection(child, kind) for child in element.all("connection")) if followed else ()
-    return Junction(text(element, "id"), kind, connections, element.where)
+    ranks = tuple((p.get("high"), p.get("low")) for p in element.all("priority"))
+    return Junction(text(element, "id"), kind, connections, ranks, element.where)
+
+
+def _roundabouts(root: XmlElement) -> Iterator[frozenset[str]]:
+    for group in root.all("junctionGroup"):
+        if group.get("type") == "roundabout":
+            yield frozenset(each.get("junction") for each in group.all("junctionReference"))
 
 
 def _connection(element: XmlElement, kind: str) -> Connection:

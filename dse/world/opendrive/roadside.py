@@ -8,7 +8,7 @@ from collections.abc import Iterator, Mapping
 from dse.errors import Problem, fail
 from dse.formats import XmlElement, real_of, shortened
 from dse.world.opendrive.lanes import SPEED_UNITS
-from dse.world.opendrive.structure import Sign, Signal, Slick
+from dse.world.opendrive.structure import Order, Sign, Signal, Slick
 from dse.world.opendrive.values import number, text, whole
 
 PHASES, SHIFT = "dse.phases", "dse.shift"
@@ -21,6 +21,7 @@ _LIGHTS = {"1000001", "1000009", "1000010", "1000011", "1000012"}
 """Lights for vehicles in the catalogue of OpenDRIVE; those for pedestrians and trams are not obeyed by cars."""
 
 _LIMIT, _LIMIT_ENDS = "274", "278"
+_ORDERS = {"205", "206", "301", "306", "307"}
 _GERMAN = {"de", "deu", "opendrive", ""}
 
 Cycle = tuple[tuple[tuple[str, float], ...], float]
@@ -53,10 +54,17 @@ def read_signs(road: XmlElement, named: Mapping[str, XmlElement]) -> Iterator[Si
     """The speed limits that signs of a road tell: 274 and its end, 278, of the German catalogue, which OpenDRIVE's
     examples use. Raises DseError located where one cannot be understood."""
     for stands, signal in _standing(road, named):
-        if signal.get("country", "OpenDRIVE").lower() in _GERMAN and signal.get("type") in {_LIMIT, _LIMIT_ENDS}:
+        if _is_sign(signal, {_LIMIT, _LIMIT_ENDS}):
             speed = 0.0 if signal.get("type") == _LIMIT_ENDS else _told_speed(signal)
             if speed is not None:
                 yield Sign(*_place(stands), speed)
+
+
+def read_orders(road: XmlElement, named: Mapping[str, XmlElement]) -> Iterator[Order]:
+    """The signs of a road that say who has the right of way: 205, 206, 301, 306 and 307 of the same catalogue."""
+    for stands, signal in _standing(road, named):
+        if _is_sign(signal, _ORDERS):
+            yield Order(*_place(stands), signal.get("type"))
 
 
 def read_slicks(road: XmlElement, refused: list[Problem]) -> Iterator[Slick]:
@@ -111,6 +119,10 @@ def _rectangle(element: XmlElement) -> tuple[float, float, float, float] | None:
     s, t = number(element, "s", least=0.0), number(element, "t")
     half, side = number(element, "length", least=0.0) / 2, number(element, "width", least=0.0) / 2
     return s - half, s + half, t - side, t + side
+
+
+def _is_sign(signal: XmlElement, kinds: set[str]) -> bool:
+    return signal.get("country", "OpenDRIVE").lower() in _GERMAN and signal.get("type") in kinds
 
 
 def _is_light(element: XmlElement) -> bool:

@@ -174,6 +174,19 @@ class Sign:
 
 
 @dataclass(frozen=True, slots=True)
+class Order:
+    """A sign of the German catalogue that says who has the right of way, which stands as a Signal does.
+
+    *kind* is 205 (give way), 206 (stop), 301 (right of way at the next junction), 306 (priority road) or 307 (its end).
+    """
+
+    s: float
+    orientation: str
+    lanes: tuple[tuple[int, int], ...]
+    kind: str
+
+
+@dataclass(frozen=True, slots=True)
 class Road:
     """A road: its reference line, heights, lanes and what stands on it.
 
@@ -195,6 +208,7 @@ class Road:
     slicks: tuple[Slick, ...]
     signals: tuple[Signal, ...]
     signs: tuple[Sign, ...]
+    orders: tuple[Order, ...]
     refused: tuple[Problem, ...]
     where: Location
 
@@ -215,19 +229,27 @@ class Connection:
 
 @dataclass(frozen=True, slots=True)
 class Junction:
-    """Where roads meet; *kind* is "default", "direct" or one that is not followed."""
+    """Where roads meet; *kind* is "default", "direct" or one that is not followed.
+
+    *priorities* are pairs of ids: who is on the first road goes before who is on the second.
+    """
 
     id: str
     kind: str
     connections: tuple[Connection, ...]
+    priorities: tuple[tuple[str, str], ...]
     where: Location
 
 
 @dataclass(frozen=True, slots=True)
 class Network:
-    """All roads and junctions of a file, by their ids, in its order; *route*: the roads of the way it was made for."""
+    """All roads and junctions of a file, by their ids, in its order; *route*: the roads of the way it was made for.
+
+    *roundabouts* are the ids of the junctions of each.
+    """
 
     roads: Mapping[str, Road]
     junctions: Mapping[str, Junction]
     where: Location
     route: tuple[str, ...] = ()
+    roundabouts: tuple[frozenset[str], ...] = ()

@@ -168,7 +168,7 @@ class _Made:
         for side, arm in arms.items():
             self._attach(arm, ids[side], junction)
         lights = () if shape.lights is None else tuple(self._lights(shape.lights, arms, ids))
-        self._junctions.append(Junction(junction, f"intersection_{junction}", tuple(connections), lights))
+        self._junctions.append(Junction(junction, f"intersection_{junction}", tuple(connections), lights=lights))
 
     def _attach(self, arm: Arm, road: int, junction: int) -> None:
         (self._behind if arm.side == COMING else self._before)[road] = Link(junction, "")
@@ -235,7 +235,8 @@ class _Made:
                 Connection(came.id, off[side], -1),
                 Connection(ids[side], onto[side], into),
             )
-            self._junctions.append(Junction(junction, f"roundabout_{side}_{junction}", connections))
+            before_entering = ((past[side], onto[side]),)
+            self._junctions.append(Junction(junction, f"roundabout_{side}_{junction}", connections, before_entering))
         sides = [arm.side for arm in around]
         comes = sides.index(COMING)
         passed = [*sides[comes + 1 :], *sides[:comes]]

@@ -119,11 +119,12 @@ class LightGroup:
 
 @dataclass(frozen=True, slots=True)
 class Junction:
-    """Where roads meet, with its lights."""
+    """Where roads meet, with its lights; *priorities* are pairs of roads in it of which the first goes before."""
 
     id: int
     name: str
     connections: tuple[Connection, ...]
+    priorities: tuple[tuple[int, int], ...] = ()
     lights: tuple[LightGroup, ...] = ()
 
 

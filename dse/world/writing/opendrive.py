@@ -232,6 +232,8 @@ def _junction(junction: Junction) -> Lines:
                 "contactPoint": "start",
             }
             yield from _tag("connection", head, 2, _tag("laneLink", {"from": connection.lane, "to": -1}, 3))
+        for high, low in junction.priorities:
+            yield from _tag("priority", {"high": high, "low": low}, 2)
         for number in range(len(junction.lights)):
             yield from _tag("controller", {"id": _controller_id(junction, number), "type": "0"}, 2)
 

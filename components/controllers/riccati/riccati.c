@@ -78,12 +78,12 @@ static double doubled(matrix a, matrix g, matrix h) {
     return new / size;
 }
 
-regulator regulator_of(const car_motion *motion, const double weights[4], double effort) {
+regulator regulator_of(const double transition[4][4], const double input[4], const double weights[4], double effort) {
     matrix a, g, h;
     for (int i = 0; i < N; ++i) {
         for (int j = 0; j < N; ++j) {
-            a[i][j] = motion->transition[i][j];
-            g[i][j] = motion->steering[i] * motion->steering[j] / effort;
+            a[i][j] = transition[i][j];
+            g[i][j] = input[i] * input[j] / effort;
             h[i][j] = i == j ? weights[i] : 0;
         }
     }
@@ -95,20 +95,20 @@ regulator regulator_of(const car_motion *motion, const double weights[4], double
     double carried[N], stiffness = effort;
     for (int j = 0; j < N; ++j) {
         carried[j] = 0;
-        for (int i = 0; i < N; ++i) carried[j] += motion->steering[i] * h[i][j];
+        for (int i = 0; i < N; ++i) carried[j] += input[i] * h[i][j];
     }
-    for (int i = 0; i < N; ++i) stiffness += carried[i] * motion->steering[i];
+    for (int i = 0; i < N; ++i) stiffness += carried[i] * input[i];
     for (int j = 0; j < N; ++j) {
         double sum = 0;
         for (int i = 0; i < N; ++i) {
-            sum += carried[i] * motion->transition[i][j];
+            sum += carried[i] * transition[i][j];
             found.cost[i][j] = h[i][j];
         }
         found.gain[j] = sum / stiffness;
     }
     for (int i = 0; i < N; ++i) {
         for (int j = 0; j < N; ++j) {
-            found.closed[i][j] = motion->transition[i][j] - motion->steering[i] * found.gain[j];
+            found.closed[i][j] = transition[i][j] - input[i] * found.gain[j];
         }
     }
     return found;

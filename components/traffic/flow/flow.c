@@ -1,0 +1,273 @@
+#include "flow.h"
+
+#include <math.h>
+
+#include "right_of_way.h"
+
+#define LEFT_ITS_LANE 0.6 /* of a change's time */
+#define AWAY INT32_MAX    /* the path of who is nobody: at the end of the order */
+#define BESIDE 1e-9       /* m: the order and the way tell who is ahead of whom but for their rounding */
+
+static bool is_changing(const flow_user *user) {
+    return user->lane != user->old_lane && user->shift.progress < 1;
+}
+
+void flow_set_paths(flow *self, const flow_path *otherwise) {
+    for (int32_t p = 0; p < TRAFFIC_PATHS; ++p) {
+        flow_path *path = &self->paths[p];
+        *path = *otherwise;
+        if (!(self->in->paths[p].length > 0)) continue;
+        path->length = self->in->paths[p].length;
+        path->lap = self->in->paths[p].closed ? path->length : 0;
+        path->right = self->in->paths[p].rightmost;
+        path->left = self->in->paths[p].leftmost;
+        if (self->in->paths[p].lane_width > 0) path->lane_width = self->in->paths[p].lane_width;
+    }
+}
+
+/* Whether user *i* would have to mind the host on that lane. */
+static bool shares_with_host(const flow *self, int32_t i, int32_t lane) {
+    const flow_rules *rules = &self->rules;
+    const flow_user *user = &self->users[i];
+    if (!rules->minds_host || user->path != 0) return false;
+    double width = self->paths[0].lane_width, aside = self->in->lane.offset + (rules->host_lane - lane) * width;
+    return fabs(aside) < 0.5 * fmax(width, rules->host_width + user->width);
+}
+
+/* Of its centre. */
+static double station_of(const flow *self, int32_t who) {
+    return who == FLOW_HOST ? self->in->lane.station + 0.5 * (self->rules.host_front - self->rules.host_rear)
+                            : self->users[who].station;
+}
+
+static double speed_of(const flow *self, int32_t who) {
+    return who == FLOW_HOST ? self->in->motion.speed : self->users[who].speed;
+}
+
+static double length_of(const flow *self, int32_t who) {
+    return who == FLOW_HOST ? self->rules.host_front + self->rules.host_rear : self->users[who].length;
+}
+
+/* From the centre of who is behind to that of who is ahead, in the direction of travel; on a closed path less than a lap. */
+static double way_between(const flow *self, int32_t path, int32_t behind, int32_t ahead) {
+    double way = station_of(self, ahead) - station_of(self, behind), lap = self->paths[path].lap;
+    return lap > 0 ? way - lap * floor(way / lap) : way;
+}
+
+flow_neighbour flow_next(const flow *self, int32_t i, int32_t lane, bool is_ahead) {
+    const flow_user *user = &self->users[i];
+    flow_neighbour next = {FLOW_NOBODY, HUGE_VAL};
+    double nearest = HUGE_VAL, lap = self->paths[user->path].lap;
+    int32_t who = (is_ahead ? user->ahead : user->behind)[lane - user->lane + 1];
+    if (who != FLOW_NOBODY) {
+        int32_t behind = is_ahead ? i : who, ahead = is_ahead ? who : i;
+        double way = way_between(self, user->path, behind, ahead);
+        if (lap > 0 && way > lap - BESIDE) way -= lap;
+        if (!(way == 0 && ahead > behind)) {
+            nearest = way;
+            next.who = who;
+        }
+    }
+    if (shares_with_host(self, i, lane)) {
+        double way = is_ahead ? way_between(self, 0, i, FLOW_HOST) : way_between(self, 0, FLOW_HOST, i);
+        if (!(way < 0 || (way == 0 && is_ahead) || way >= nearest)) {
+            nearest = way;
+            next.who = FLOW_HOST;
+        }
+    }
+    if (next.who != FLOW_NOBODY) next.gap = nearest - 0.5 * (length_of(self, i) + length_of(self, next.who));
+    return next;
+}
+
+static bool comes_before(const flow_place *one, const flow_place *other) {
+    if (one->path != other->path) return one->path < other->path;
+    return one->station < other->station || (one->station == other->station && one->who > other->who);
+}
+
+/* Nearly in order since the last time: users pass each other now and then. */
+static void sort(flow *self) {
+    flow_place *order = self->order;
+    for (int32_t k = 0; k < self->count; ++k) {
+        const flow_user *user = &self->users[order[k].who];
+        double lap = user->class == 0 ? 0 : self->paths[user->path].lap, station = user->station;
+        order[k].path = user->class == 0 ? AWAY : user->path;
+        order[k].station = user->class == 0 ? 0 : lap > 0 ? station - lap * floor(station / lap) : station;
+    }
+    for (int32_t k = 1; k < self->count; ++k) {
+        flow_place place = order[k];
+        int32_t at = k;
+        for (; at > 0 && comes_before(&place, &order[at - 1]); --at) order[at] = order[at - 1];
+        order[at] = place;
+    }
+}
+
+static void set_lanes(flow_user *user) {
+    bool in_both = is_changing(user) && user->shift.progress < LEFT_ITS_LANE;
+    int32_t other = in_both ? user->old_lane : user->lane;
+    user->low = user->lane < other ? user->lane : other;
+    user->high = user->lane < other ? other : user->lane;
+}
+
+/* Those of one path, from order[begin] to order[end - 1], from one end to the other; on a closed one twice, as the last
+   one sees the first one. */
+static void look_along(flow *self, int32_t begin, int32_t end, bool is_ahead) {
+    int32_t seen[2 * FLOW_LANES + 3];
+    int32_t *of_lane = seen + FLOW_LANES + 1;
+    bool is_closed = self->paths[self->order[begin].path].lap > 0;
+    for (int32_t lane = -FLOW_LANES - 1; lane <= FLOW_LANES + 1; ++lane) of_lane[lane] = FLOW_NOBODY;
+    for (int32_t round = is_closed ? 0 : 1; round < 2; ++round) {
+        for (int32_t k = 0; k < end - begin; ++k) {
+            int32_t who = self->order[is_ahead ? end - 1 - k : begin + k].who;
+            flow_user *user = &self->users[who];
+            if (user->lane < -FLOW_LANES || user->lane > FLOW_LANES) continue;
+            if (round == 1) {
+                int32_t *next = is_ahead ? user->ahead : user->behind;
+                for (int32_t n = 0; n < 3; ++n) {
+                    int32_t found = of_lane[user->lane + n - 1];
+                    next[n] = found == who ? FLOW_NOBODY : found;
+                }
+            }
+            for (int32_t lane = user->low; lane <= user->high; ++lane) of_lane[lane] = who;
+        }
+    }
+}
+
+/* Those of one path, as one of them has changed lanes, or all have moved. */
+static void look_around(flow *self, int32_t path) {
+    int32_t begin = 0, end = 0;
+    while (begin < self->count && self->order[begin].path < path) ++begin;
+    for (end = begin; end < self->count && self->order[end].path == path;) ++end;
+    if (begin == end) return;
+    look_along(self, begin, end, true);
+    look_along(self, begin, end, false);
+}
+
+void flow_look(flow *self) {
+    sort(self);
+    for (int32_t i = 0; i < self->count; ++i) {
+        if (!self->users[i].walks) set_lanes(&self->users[i]);
+    }
+    for (int32_t begin = 0, end; begin < self->count && self->order[begin].path != AWAY; begin = end) {
+        for (end = begin; end < self->count && self->order[end].path == self->order[begin].path;) ++end;
+        look_along(self, begin, end, true);
+        look_along(self, begin, end, false);
+    }
+}
+
+void flow_begin(flow *self) {
+    for (int32_t i = 0; i < self->count; ++i) {
+        self->order[i].who = i;
+        self->users[i].stop = self->users[i].stopped = self->users[i].limit = HUGE_VAL;
+        self->users[i].head = 0;
+        self->users[i].goes = 0;
+    }
+    flow_look(self);
+}
+
+/* The acceleration of *who* behind *ahead* at that gap; of the host as *judge* would drive. */
+static double acceleration_of(const flow *self, int32_t who, int32_t judge, double gap, int32_t ahead) {
+    const following_driver *driver = &self->users[who == FLOW_HOST ? judge : who].driver;
+    return following_acceleration(driver, speed_of(self, who), gap, ahead == FLOW_NOBODY ? 0 : speed_of(self, ahead));
+}
+
+static double own_acceleration(const flow *self, int32_t i, int32_t lane) {
+    flow_neighbour ahead = flow_next(self, i, lane, true);
+    return acceleration_of(self, i, i, ahead.gap, ahead.who);
+}
+
+/* What who is behind *i* on *lane* gains if *i* comes (or, sign -1, goes), and its acceleration with *i* ahead. */
+static double gain_behind(const flow *self, int32_t i, int32_t lane, double sign, double *with) {
+    flow_neighbour behind = flow_next(self, i, lane, false), ahead = flow_next(self, i, lane, true);
+    *with = 0;
+    if (behind.who == FLOW_NOBODY || (behind.who != FLOW_HOST && self->users[behind.who].walks)) return 0;
+    bool alone = ahead.who == FLOW_NOBODY || ahead.who == behind.who; /* then, on a closed path, it is ahead of itself */
+    double whole = behind.gap + length_of(self, i) + ahead.gap;
+    double without = acceleration_of(self, behind.who, i, alone ? HUGE_VAL : whole, alone ? FLOW_NOBODY : ahead.who);
+    *with = acceleration_of(self, behind.who, i, behind.gap, i);
+    return sign * (*with - without);
+}
+
+/* MOBIL's advantage over its threshold of a change to *lane*; negative where it may not be. */
+static double incentive(const flow *self, int32_t i, int32_t lane) {
+    const flow_user *user = &self->users[i];
+    const flow_rules *rules = &self->rules;
+    flow_neighbour ahead = flow_next(self, i, lane, true), behind = flow_next(self, i, lane, false);
+    if (ahead.gap <= 0 || behind.gap <= 0) return -HUGE_VAL;
+    double follows, followed, there = own_acceleration(self, i, lane), here = own_acceleration(self, i, user->lane);
+    double gains = gain_behind(self, i, lane, 1, &follows) + gain_behind(self, i, user->lane, -1, &followed);
+    if (follows < -rules->safe_deceleration || there < -rules->safe_deceleration) return -HUGE_VAL;
+    double bias = lane > user->lane ? rules->keep_right : -rules->keep_right;
+    return there - here + rules->politeness * gains - rules->change_threshold - bias;
+}
+
+/* One after the other, so that two do not take one gap. */
+static void change_lanes(flow *self) {
+    for (int32_t i = 0; i < self->count; ++i) {
+        flow_user *user = &self->users[i];
+        if (self->rules.deciding > 1 && (self->steps + i) % self->rules.deciding != 0) continue;
+        if (!flow_drives(user) || is_changing(user) || user->speed == 0) continue;
+        const flow_path *path = &self->paths[user->path];
+        int32_t left = user->lane + 1, right = user->lane - 1;
+        double leftwards = left <= path->left && left < FLOW_LANES ? incentive(self, i, left) : -HUGE_VAL;
+        double rightwards = right >= path->right && right > -FLOW_LANES ? incentive(self, i, right) : -HUGE_VAL;
+        if (!(leftwards > 0 || rightwards > 0)) continue;
+        int32_t lane = leftwards >= rightwards ? left : right;
+        lane_shift shift = {user->lane * path->lane_width, lane * path->lane_width, self->rules.change_duration, 0};
+        user->old_lane = user->lane;
+        user->lane = lane;
+        user->shift = shift;
+        set_lanes(user);
+        look_around(self, user->path);
+    }
+}
+
+/* Of who changes lanes the smaller one of both. */
+static double wanted_acceleration(const flow *self, int32_t i) {
+    const flow_user *user = &self->users[i];
+    double wanted = own_acceleration(self, i, user->lane);
+    if (is_changing(user) && user->shift.progress < LEFT_ITS_LANE) {
+        wanted = fmin(wanted, own_acceleration(self, i, user->old_lane));
+    }
+    if (user->stop < HUGE_VAL) wanted = fmin(wanted, following_acceleration(&user->driver, user->speed, user->stop, 0));
+    return fmin(wanted, user->limit);
+}
+
+static void move(flow_user *user, double h) {
+    double before = user->speed, after = before + user->acceleration * h;
+    double travelled = after < 0 ? -0.5 * before * before / user->acceleration : 0.5 * (before + after) * h;
+    user->speed = fmax(after, 0);
+    user->station += travelled;
+    user->acceleration = (user->speed - before) / h;
+    lane_shift_advance(&user->shift, travelled, h);
+}
+
+void flow_step(flow *self, double h) {
+    flow_look(self);
+    change_lanes(self);
+    right_of_way(self);
+    for (int32_t i = 0; i < self->count; ++i) {
+        if (flow_drives(&self->users[i])) self->users[i].acceleration = wanted_acceleration(self, i);
+    }
+    for (int32_t i = 0; i < self->count; ++i) {
+        if (flow_drives(&self->users[i])) move(&self->users[i], h);
+    }
+}
+
+traffic_mover flow_mover(const flow *self, int32_t i) {
+    const flow_user *user = &self->users[i];
+    lane_shift_pose pose = lane_shift_at(&user->shift, user->speed);
+    traffic_mover mover = {
+        .id = user->id,
+        .class = user->class,
+        .length = user->length,
+        .width = user->width,
+        .height = user->height,
+        .path = user->path,
+        .station = user->station,
+        .offset = pose.offset,
+        .turn = pose.turn,
+        .speed = pose.speed,
+        .acceleration = user->acceleration,
+    };
+    return mover;
+}

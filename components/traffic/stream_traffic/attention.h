@@ -1,0 +1,11 @@
+/* Which eight are told, and in which place. */
+#ifndef ATTENTION_H
+#define ATTENTION_H
+
+#include "stream_traffic.h"
+
+/* All places at once. */
+void attention_begin(stream_traffic *self, const flow *all);
+void attention_step(stream_traffic *self, const flow *all);
+
+#endif

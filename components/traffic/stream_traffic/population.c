@@ -1,0 +1,235 @@
+#include "population.h"
+
+#include <math.h>
+
+#include "walkers.h"
+
+#define IDM_PLUS 1          /* of model */
+#define SPREAD_OF_GAPS 0.8  /* of what is free between two vehicles at the start */
+#define BEFORE_PLACE 10.0   /* m */
+#define TRUCK_EFFORT 0.5    /* of the acceleration of others */
+
+typedef struct {
+    double length, width, height;
+} size;
+
+static const size SIZES[] = {{0, 0, 0}, {4.5, 1.8, 1.5}, {12, 2.5, 3.5}, {2.2, 0.8, 1.5}};
+
+double population_draw(const stream_traffic *self, int32_t id, int32_t number) {
+    uint64_t z = (uint64_t)self->par.seed * 1000003u + (uint64_t)id * 64u + (uint64_t)number;
+    z = (z + 1) * 0x9E3779B97F4A7C15u;
+    z = (z ^ (z >> 30)) * 0xBF58476D1CE4E5B9u;
+    z = (z ^ (z >> 27)) * 0x94D049BB133111EBu;
+    return (double)((z ^ (z >> 31)) >> 11) / 9007199254740992.0;
+}
+
+/* Mean 0, standard deviation 1, never beyond 3.5: the sum of four. */
+static double normal(const stream_traffic *self, int32_t id, int32_t number) {
+    double sum = 0;
+    for (int32_t n = 0; n < 4; ++n) sum += population_draw(self, id, number + n);
+    return (sum - 2) * sqrt(3);
+}
+
+static int32_t class_of(const stream_traffic *self, int32_t id) {
+    double drawn = population_draw(self, id, 0);
+    if (drawn < self->par.truck_share) return TRAFFIC_TRUCK;
+    return drawn < self->par.truck_share + self->par.motorcycle_share ? TRAFFIC_MOTORCYCLE : TRAFFIC_CAR;
+}
+
+/* Somebody new, on no lane yet. */
+static flow_user vehicle(stream_traffic *self, int32_t path) {
+    int32_t id = ++self->ids, class = class_of(self, id);
+    bool is_truck = class == TRAFFIC_TRUCK;
+    double mean = is_truck ? self->par.truck_speed : self->par.desired_speed;
+    flow_user user = {
+        .id = id,
+        .class = class,
+        .path = path,
+        .length = SIZES[class].length,
+        .width = SIZES[class].width,
+        .height = SIZES[class].height,
+        .stop = HUGE_VAL,
+        .stopped = HUGE_VAL,
+        .limit = HUGE_VAL,
+    };
+    user.driver = (following_driver){
+        fmax(1 + self->par.speed_spread * normal(self, id, 1), 0.1) * mean,
+        self->par.time_gap,
+        self->par.standstill_gap,
+        self->par.max_acceleration * (is_truck ? TRUCK_EFFORT : 1),
+        self->par.comfortable_deceleration,
+        self->par.max_deceleration,
+        self->par.model == IDM_PLUS,
+    };
+    return user;
+}
+
+static void set_lane(flow_user *user, const flow *all, int32_t lane) {
+    double offset = lane * all->paths[user->path].lane_width;
+    user->lane = user->old_lane = lane;
+    user->shift = (lane_shift){offset, offset, all->rules.change_duration, 1};
+}
+
+static int32_t lanes_of(const flow_path *path) {
+    return path->left >= path->right ? path->left - path->right + 1 : 1;
+}
+
+/* How many vehicles begin on each path. */
+static int32_t shared_out(const stream_traffic *self, const flow *all, int32_t *counts) {
+    double sum = 0, before = 0;
+    int32_t total = 0;
+    for (int32_t p = 0; p < TRAFFIC_PATHS; ++p) sum += self->par.path_share[p];
+    for (int32_t p = 0; p < TRAFFIC_PATHS; ++p) {
+        double share = sum > 0 ? self->par.path_share[p] / sum : 0, wanted = self->par.count;
+        if (self->par.density > 0) {
+            wanted = self->par.density * all->paths[p].length * lanes_of(&all->paths[p]) * (share > 0 ? 1 : 0);
+            counts[p] = (int32_t)fmin(rint(wanted), STREAM_USERS + 1);
+        } else {
+            counts[p] = (int32_t)(rint(wanted * (before + share)) - rint(wanted * before));
+            before += share;
+        }
+        total += counts[p];
+    }
+    return total;
+}
+
+/* The vehicles of a path, row by row. */
+static bool fill(stream_traffic *self, flow *all, int32_t path, int32_t count) {
+    const flow_path *way = &all->paths[path];
+    int32_t lanes = lanes_of(way), rows = (count + lanes - 1) / lanes;
+    double from = self->par.start_from, to = self->par.start_to > 0 ? self->par.start_to : way->length;
+    double longest = SIZES[self->par.truck_share > 0 ? TRAFFIC_TRUCK : TRAFFIC_CAR].length;
+    double spacing = rows > 0 ? (to - from) / rows : HUGE_VAL, room = spacing - longest - self->par.standstill_gap;
+    if (rows > 0 && !(room >= 0 && to <= way->length)) return false;
+    double speed = (1 - SPREAD_OF_GAPS) * room / self->par.time_gap;
+    for (int32_t n = 0; n < count; ++n) {
+        flow_user user = vehicle(self, path);
+        double moved = SPREAD_OF_GAPS * (population_draw(self, user.id, 8) - 0.5);
+        user.station = from + (n / lanes + 0.5) * spacing + moved * room;
+        user.speed = fmin(speed, user.driver.desired_speed);
+        set_lane(&user, all, way->right + n % lanes);
+        self->users[self->count++] = user;
+    }
+    return true;
+}
+
+static bool has_room(const flow *all, int32_t i, double *speed) {
+    const flow_user *user = &all->users[i];
+    const following_driver *driver = &user->driver;
+    flow_neighbour ahead = flow_next(all, i, user->lane, true), behind = flow_next(all, i, user->lane, false);
+    *speed = driver->desired_speed;
+    if (ahead.who != FLOW_NOBODY) {
+        double its = ahead.who == FLOW_HOST ? all->in->motion.speed : all->users[ahead.who].speed;
+        if (!(ahead.gap > 2 * driver->standstill_gap)) return false;
+        *speed = fmin(*speed, (ahead.gap - driver->standstill_gap) / driver->time_gap);
+        *speed = fmin(*speed, its + sqrt(driver->comfortable_deceleration * ahead.gap));
+    }
+    if (behind.who == FLOW_NOBODY) return true;
+    double its = behind.who == FLOW_HOST ? all->in->motion.speed : all->users[behind.who].speed;
+    double closing = fmax(its - *speed, 0);
+    return behind.gap > driver->standstill_gap + its * driver->time_gap +
+                            closing * closing / (2 * driver->comfortable_deceleration);
+}
+
+/* Whether it would begin where its path meets one of a smaller number, or could hardly stop before. */
+static bool is_where_paths_meet(const stream_traffic *self, const flow *all, const flow_user *user) {
+    double least = 0.5 * user->speed * user->speed / user->driver.comfortable_deceleration + BEFORE_PLACE;
+    for (int32_t n = 0; n < TRAFFIC_CONFLICTS; ++n) {
+        double entry = self->in.conflicts[n].entry, in = self->in.conflicts[n].exit - entry + self->par.together[n];
+        if (self->in.conflicts[n].path != user->path || self->in.conflicts[n].other_path >= user->path) continue;
+        double way = traffic_ahead(all->paths[user->path].lap, user->station + 0.5 * user->length, entry);
+        if (in > 0 && way < least && -way - user->length < in) return true;
+    }
+    return false;
+}
+
+static void keep_places_free(stream_traffic *self, const flow *all) {
+    for (int32_t i = 0; i < self->count; ++i) {
+        flow_user *user = &self->users[i];
+        if (!flow_drives(user) || !is_where_paths_meet(self, all, user)) continue;
+        self->waiting[i] = user->path + 1;
+        user->class = 0;
+    }
+}
+
+/* Who has no room at the start, as the host is there, waits for it. False: all have. */
+static bool make_room_for_host(stream_traffic *self, const flow *all) {
+    double speed = self->in.motion.speed;
+    bool is_changed = false;
+    for (int32_t i = 0; i < self->count; ++i) {
+        flow_user *user = &self->users[i];
+        if (!flow_drives(user)) continue;
+        for (int32_t side = 0; side < 2; ++side) {
+            flow_neighbour next = flow_next(all, i, user->lane, side == 1);
+            double closing = fmax(side == 1 ? user->speed - speed : speed - user->speed, 0);
+            double least = self->par.standstill_gap + fmax(user->speed, speed) * self->par.time_gap +
+                           closing * closing / (2 * self->par.comfortable_deceleration);
+            if (next.who != FLOW_HOST || !(next.gap < least)) continue;
+            self->waiting[i] = user->path + 1;
+            is_changed = true;
+        }
+    }
+    for (int32_t i = 0; i < self->count; ++i) {
+        if (self->waiting[i]) self->users[i].class = 0;
+    }
+    return is_changed;
+}
+
+bool population_begin(stream_traffic *self, flow *all) {
+    int32_t counts[TRAFFIC_PATHS];
+    self->count = self->ids = 0;
+    for (int32_t i = 0; i < STREAM_USERS; ++i) {
+        self->users[i] = (flow_user){0};
+        self->walkers[i] = (stream_walker){0};
+        self->waiting[i] = 0;
+    }
+    if (shared_out(self, all, counts) + self->par.cyclists + self->par.pedestrians > STREAM_USERS) return false;
+    for (int32_t p = 0; p < TRAFFIC_PATHS; ++p) {
+        if (!fill(self, all, p, counts[p])) return false;
+    }
+    for (int32_t n = 0; n < self->par.cyclists; ++n) walkers_add(self, all, TRAFFIC_BICYCLE, false);
+    int32_t crossing = (int32_t)rint(self->par.pedestrians * self->par.crossing_share);
+    for (int32_t n = 0; n < self->par.pedestrians; ++n) walkers_add(self, all, TRAFFIC_PEDESTRIAN, n < crossing);
+    all->count = self->count;
+    keep_places_free(self, all);
+    do {
+        flow_begin(all);
+    } while (make_room_for_host(self, all));
+    return true;
+}
+
+/* The first one who waits for room on a path tries its lanes in turn. */
+static void come_in(stream_traffic *self, flow *all, int32_t i) {
+    const flow_path *path = &all->paths[self->waiting[i] - 1];
+    double speed;
+    int32_t ids = self->ids;
+    self->users[i] = vehicle(self, self->waiting[i] - 1);
+    self->users[i].station = 0.5 * self->users[i].length;
+    set_lane(&self->users[i], all, path->right + (int32_t)(self->steps % lanes_of(path)));
+    flow_look(all);
+    if (has_room(all, i, &speed)) {
+        self->users[i].speed = speed;
+        self->waiting[i] = 0;
+    } else {
+        self->users[i].class = 0;
+        self->ids = ids;
+    }
+}
+
+void population_exchange(stream_traffic *self, flow *all) {
+    bool has_tried[TRAFFIC_PATHS] = {false};
+    for (int32_t i = 0; i < self->count; ++i) {
+        flow_user *user = &self->users[i];
+        const flow_path *path = &all->paths[user->path];
+        bool is_out = flow_drives(user) && path->lap == 0 && user->station + 0.5 * user->length >= path->length;
+        if (!is_out) continue;
+        user->class = 0;
+        self->waiting[i] = user->path + 1;
+    }
+    for (int32_t i = 0; i < self->count; ++i) {
+        int32_t path = self->waiting[i] - 1;
+        if (path < 0 || has_tried[path]) continue;
+        has_tried[path] = true;
+        come_in(self, all, i);
+    }
+}

@@ -1,0 +1,16 @@
+/* Who there is: made from the seed at the start, and anew where paths begin. */
+#ifndef POPULATION_H
+#define POPULATION_H
+
+#include "stream_traffic.h"
+
+/* From 0 to less than 1: the *number*-th that belongs to that id (splitmix64; G. Steele, D. Lea, C. Flood: OOPSLA 2014). */
+double population_draw(const stream_traffic *self, int32_t id, int32_t number);
+
+/* Everybody at the start. False: they do not fit on the road. */
+bool population_begin(stream_traffic *self, flow *all);
+
+/* Who is at the end of an open path leaves; somebody new comes in. */
+void population_exchange(stream_traffic *self, flow *all);
+
+#endif

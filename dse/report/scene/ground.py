@@ -1,0 +1,45 @@
+"""The ground of a scene: what is near the way that was driven."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from dse.report.content.nouns import Floats
+from dse.report.drawing.road_picture import Area, Strip
+from dse.report.roads import road_picture
+from dse.report.scene.nouns import Ground
+from dse.world import Network
+
+_LANE = 3.5
+
+
+def ground_of(network: Network, way: Floats, reach: float) -> Ground:
+    """What of *network* is within *reach* m of the box around *way* (n, 2). Raises DseError if nothing is driven on."""
+    picture = road_picture(network, "")
+    strips = tuple(strip for strip in picture.strips if _is_near(strip.left, way, reach))
+    areas = tuple(area for area in picture.areas if _is_near(area.outline, way, reach))
+    lights = picture.lights[[_is_near(light[None], way, reach) for light in picture.lights]]
+    return Ground(strips, areas, np.reshape(lights, (-1, 2)))
+
+
+def straight_ground(way: Floats, reach: float) -> Ground:
+    """Two lanes along the x-axis, the host in the right one."""
+    x = np.linspace(way[:, 0].min() - reach / 5, way[:, 0].max() + reach, 41)
+    zero = np.zeros_like(x)
+
+    def strip(right: float, left: float, *, is_back: bool = False) -> Strip:
+        sides = [
+            np.column_stack([x, zero + t])[:: -1 if is_back else 1]
+            for t in ((right, left) if is_back else (left, right))
+        ]
+        return Strip(sides[0], sides[1], zero, zero, is_driven=True, is_inside=False)
+
+    return Ground((strip(-_LANE / 2, _LANE / 2), strip(_LANE / 2, 1.5 * _LANE, is_back=True)), _NONE, np.empty((0, 2)))
+
+
+_NONE: tuple[Area, ...] = ()
+
+
+def _is_near(points: Floats, way: Floats, reach: float) -> bool:
+    low, high = way.min(axis=0) - reach, way.max(axis=0) + reach
+    return bool(np.any(np.all((points >= low) & (points <= high), axis=1)))

@@ -1,0 +1,107 @@
+"""One offline HTML file in which a run is driven again, in three dimensions."""
+
+from __future__ import annotations
+
+import html
+from pathlib import Path
+
+import numpy as np
+
+from dse.report.content.nouns import Floats
+from dse.report.drawing.road_picture import Strip
+from dse.report.page.html import HEAD, ICON, bundle, hash_of
+from dse.report.page.packing import Block
+from dse.report.page.payload import script_json
+from dse.report.scene.nouns import CLASSES, Scene
+from dse.scratch import write_whole
+
+_PAGE = (
+    HEAD
+    + """</head>
+<body>
+<div id="scene"><noscript>This scene draws itself with JavaScript, which is switched off.</noscript></div>
+<script type="application/json" id="document">{document}</script>
+<script type="application/octet-stream;base64" id="columns">{columns}</script>
+<script>{script}</script>
+</body>
+</html>
+"""
+)
+
+
+def write_scene(scene: Scene, target: Path) -> None:
+    """Write the page to *target*, whole or not at all. Raises DseError if the file or the bundle cannot be used."""
+    write_whole(target, scene_page(scene))
+
+
+def scene_page(scene: Scene) -> str:
+    """The page as text; the same scene gives the same text."""
+    script, style = bundle("scene.js"), bundle("scene.css")
+    policy = (
+        f"default-src 'none'; script-src '{hash_of(script)}'; style-src '{hash_of(style)}' 'unsafe-inline'; "
+        "img-src data: blob:; base-uri 'none'; form-action 'none'"
+    )
+    columns = Block()
+    document = _document(scene, columns)
+    document["columns"] = columns.directory
+    return _PAGE.format(
+        policy=policy,
+        title=html.escape(scene.title),
+        icon=ICON,
+        style=style,
+        document=script_json(document),
+        columns=columns.text(),
+        script=script,
+    )
+
+
+def _document(scene: Scene, columns: Block) -> dict[str, object]:
+    def add(stem: str, of: dict[str, Floats] | None) -> None:
+        for name, values in (of or {}).items():
+            columns.add(f"{stem}.{name}", "f4", values)
+
+    add("host", dict(scene.host.columns))
+    add("weather", dict(scene.weather))
+    for number, other in enumerate(scene.others):
+        add(f"other.{number}", dict(other))
+    for number, sensor in enumerate(scene.sensors):
+        for place, each in enumerate(sensor.returns):
+            add(f"sensor.{number}.{place}", dict(each))
+    for number, instrument in enumerate(scene.instruments):
+        columns.add(f"instrument.{number}", "f4", instrument.values)
+        if instrument.target is not None:
+            columns.add(f"target.{number}", "f4", instrument.target)
+    steps = len(scene.time)
+    return {
+        "title": scene.title,
+        "subtitle": scene.subtitle,
+        "steps": steps,
+        "step": float(scene.time[1] - scene.time[0]) if steps > 1 else 0.0,
+        "classes": CLASSES,
+        "strips": [_strip(strip) for strip in scene.ground.strips],
+        "areas": [[np.round(area.outline, 2).reshape(-1).tolist(), area.friction] for area in scene.ground.areas],
+        "lights": np.round(scene.ground.lights, 2).tolist(),
+        "host": {"length": scene.host.length, "width": scene.host.width, "front": scene.host.front},
+        "others": len(scene.others),
+        "sensors": [
+            {
+                "name": s.name,
+                "title": s.title,
+                "mount": s.mount,
+                "reach": s.reach,
+                "angle": s.angle,
+                "returns": len(s.returns),
+            }
+            for s in scene.sensors
+        ],
+        "instruments": [
+            {"title": i.title, "unit": i.unit, "items": list(i.items), "hasTarget": i.target is not None}
+            for i in scene.instruments
+        ],
+    }
+
+
+def _strip(strip: Strip) -> dict[str, object]:
+    sides = ((strip.left, strip.left_height), (strip.right, strip.right_height))
+    left, right = (np.round(np.column_stack(side), 2).reshape(-1).tolist() for side in sides)
+    return {"left": left, "right": right, "isDriven": strip.is_driven, "isInside": strip.is_inside}

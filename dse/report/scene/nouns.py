@@ -1,0 +1,76 @@
+"""What a run looks like from outside: a road, the host, other road users, what sensors see, weather, instruments."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from dse.report.content.nouns import Floats
+from dse.report.drawing.road_picture import Area, Strip
+
+CLASSES = ("none", "car", "truck", "motorcycle", "bicycle", "pedestrian", "obstacle")
+"""The items of `actor_class`, in their order."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Ground:
+    """What is driven on: lanes, slippery areas, and where traffic lights stand ((n, 2) in m)."""
+
+    strips: tuple[Strip, ...]
+    areas: tuple[Area, ...]
+    lights: Floats
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Host:
+    """The car itself: *columns* over time by their names (x, y, z in m of its centre of gravity on the road; heading,
+    roll, pitch, steering in rad; speed in m/s), and its size in m;
+    *front* is from its centre of gravity to its bumper."""
+
+    columns: Mapping[str, Floats]
+    length: float
+    width: float
+    front: float
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Sensor:
+    """What looks around: *returns* are columns valid, range, azimuth of what it tells, seen from *mount* m ahead of the
+    centre of gravity; it reaches *reach* m within *angle* rad (0: not known)."""
+
+    name: str
+    title: str
+    mount: float
+    reach: float
+    angle: float
+    returns: tuple[Mapping[str, Floats], ...]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Instrument:
+    """A signal beside the scene, in *unit*: *values* over time with their *target*, or the *items* they stand for."""
+
+    title: str
+    unit: str
+    values: Floats
+    target: Floats | None = None
+    items: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Scene:
+    """A run to look at: all columns have a value for each *time* in s, which are equally far apart.
+
+    *others* are columns id, class, length, width, height, x, y, z, heading, speed of one place each; class 0: nobody is
+    there. *weather* are fog (1/m), rain, snow (m/s) and darkness (0 ... 1).
+    """
+
+    title: str
+    subtitle: str
+    time: Floats
+    ground: Ground
+    host: Host
+    others: tuple[Mapping[str, Floats], ...]
+    sensors: tuple[Sensor, ...]
+    weather: Mapping[str, Floats]
+    instruments: tuple[Instrument, ...]

@@ -1,0 +1,185 @@
+"""From the signals of a run to its scene."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from dse.domain.bench import Figure
+from dse.domain.component import Type
+from dse.report.content.nouns import Floats
+from dse.report.scene.nouns import Host, Instrument, Sensor
+from dse.units import Unit
+
+_MOTION = ("x", "y", "heading", "speed")
+_ACTOR = ("id", "class", "length", "width", "height", "x", "y", "z", "heading", "speed")
+_RETURN = ("valid", "range", "azimuth")
+_WEATHER = {"fog": "fog_extinction", "rain": "rain_rate", "snow": "snow_rate", "darkness": "darkness"}
+_LENGTH, _WIDTH, _HEIGHT, _FRONT = 4.5, 1.8, 1.5, 2.3
+
+
+@dataclass(frozen=True)
+class Told:
+    """The parts of a configuration that tell what a scene shows, found by the ports they have.
+
+    *signals* are all outputs by ``part.port``, *settings* what keeps one value in the run.
+    """
+
+    signals: Mapping[str, Type]
+    settings: Mapping[str, float]
+    figures: tuple[Figure, ...]
+
+    @property
+    def is_scene(self) -> bool:
+        """Whether there is a car that says where it is."""
+        return bool(self._car or self._lane)
+
+    @property
+    def wanted(self) -> tuple[str, ...]:
+        """The signals that a run has to keep for its scene."""
+        found = {name for name in self._names() if name in self.signals}
+        found |= {end for f in self.figures for end in (f.current, f.target) if end and end in self.signals}
+        return tuple(sorted(found | {name for name, type_ in self.signals.items() if type_.items and _is_shown(name)}))
+
+    def host(self, columns: Mapping[str, Floats]) -> Host:
+        """The car; one that only drives straight on is at y 0."""
+        some = next(iter(columns.values()))
+        zero = np.zeros_like(some)
+        part = self._car or self._lane
+        if self._car:
+            motion = {axis: columns[f"{part}.motion.{axis}"] for axis in _MOTION}
+        else:
+            motion = {"x": columns[f"{part}.position"], "y": zero, "heading": zero, "speed": columns[f"{part}.speed"]}
+        further = {name: columns.get(f"{part}.{name}", zero) for name in ("roll", "pitch")}
+        steering = next((columns[name] for name in columns if name.endswith(".steering")), zero)
+        ground = [columns[f"{place}.height"] for place in self._places(f"{self._road}.ground", "height")]
+        length = self._setting("host_length", _LENGTH)
+        return Host(
+            {**motion, "z": np.mean(ground, axis=0) if ground else zero, **further, "steering": steering},
+            length,
+            self._setting("host_width", _WIDTH),
+            self._setting("host_front", min(_FRONT, length)),
+        )
+
+    def others(self, columns: Mapping[str, Floats]) -> Iterator[dict[str, Floats]]:
+        """Each place of a road user that anybody is in."""
+        road = self._road
+        for stem in self._places(f"{road}.actors", "x"):
+            place = {name: columns[f"{stem}.{name}"] for name in _ACTOR}
+            if np.any(place["class"] > 0):
+                yield place
+        if self._lane and f"{self._lane}.gap" in columns:
+            yield self._lead(columns)
+
+    def sensors(self, columns: Mapping[str, Floats], titles: Mapping[str, str]) -> Iterator[Sensor]:
+        """What looks around and tells several objects, or one."""
+        for part in sorted({name.split(".scan.")[0] for name in self.signals if ".scan.returns[" in name}):
+            places = self._places(f"{part}.scan.returns", "range")
+            returns = tuple({name: columns[f"{place}.{name}"] for name in _RETURN} for place in places)
+            yield self._sensor(part, titles, tuple(each for each in returns if np.any(each["valid"] > 0)))
+        for part in sorted(name.removesuffix(".target.gap") for name in self.signals if name.endswith(".target.gap")):
+            if f"{part}.max_range" in self.settings:
+                gap, seen = columns[f"{part}.target.gap"], columns[f"{part}.target.detected"]
+                yield self._sensor(part, titles, ({"valid": seen, "range": gap, "azimuth": np.zeros_like(gap)},))
+
+    def weather(self, columns: Mapping[str, Floats]) -> dict[str, Floats]:
+        """What is to be seen of it: 0 everywhere where no part tells."""
+        zero = np.zeros_like(next(iter(columns.values())))
+        stem = self._ending("visibility.fog_extinction")
+        return {name: columns.get(f"{stem}.visibility.{port}", zero) for name, port in _WEATHER.items()}
+
+    def instruments(self, columns: Mapping[str, Floats]) -> Iterator[Instrument]:
+        """The bench's figures, then what is one of several items, as a mode."""
+        for figure in self.figures:
+            current, target = (self._line(end, figure, columns) for end in (figure.current, figure.target))
+            if current is not None:
+                yield Instrument(figure.title or figure.name, figure.unit.symbol, current, target)
+        for name, type_ in self.signals.items():
+            if name in columns and type_.items and _is_shown(name):
+                yield Instrument(name.replace(".", " "), "", columns[name], items=type_.items)
+
+    def _names(self) -> Iterator[str]:
+        part = self._car or self._lane
+        yield from (f"{part}.motion.{axis}" for axis in _MOTION)
+        yield from (f"{part}.{name}" for name in ("position", "speed", "gap", "lead.speed", "roll", "pitch"))
+        yield from (name for name in self.signals if name.endswith(".steering"))
+        yield from (f"{place}.height" for place in self._places(f"{self._road}.ground", "height"))
+        yield from (f"{place}.{name}" for place in self._places(f"{self._road}.actors", "x") for name in _ACTOR)
+        yield from (name for name in self.signals if re.search(r"\.scan\.returns\[\d+\]\.(valid|range|azimuth)$", name))
+        yield from (name for name in self.signals if name.endswith((".target.gap", ".target.detected")))
+        weather = self._ending("visibility.fog_extinction")
+        yield from (f"{weather}.visibility.{port}" for port in _WEATHER.values())
+
+    @property
+    def _car(self) -> str | None:
+        return self._ending("motion.heading")
+
+    @property
+    def _lane(self) -> str | None:
+        """A world in which the car drives along a straight line."""
+        part = self._ending("lead.speed")
+        return part if part and {f"{part}.position", f"{part}.gap", f"{part}.speed"} <= self.signals.keys() else None
+
+    @property
+    def _road(self) -> str | None:
+        return self._ending("actors[1].heading")
+
+    def _ending(self, port: str) -> str | None:
+        return next((name.removesuffix(f".{port}") for name in self.signals if name.endswith(f".{port}")), None)
+
+    def _places(self, stem: str, port: str) -> Iterator[str]:
+        """The items of an array of structures that have *port*."""
+        number = 1
+        while f"{stem}[{number}].{port}" in self.signals:
+            yield f"{stem}[{number}]"
+            number += 1
+
+    def _setting(self, name: str, otherwise: float) -> float:
+        found = (value for full, value in self.settings.items() if full.rsplit(".", 1)[-1] == name)
+        return next(found, otherwise)
+
+    def _sensor(self, part: str, titles: Mapping[str, str], returns: Sequence[Mapping[str, Floats]]) -> Sensor:
+        own = {name: self.settings.get(f"{part}.{name}", 0.0) for name in ("mount", "max_range", "field_of_view")}
+        mount = own["mount"] or self._setting("host_front", _FRONT)
+        return Sensor(part, titles.get(part, part), mount, own["max_range"], own["field_of_view"], tuple(returns))
+
+    def _lead(self, columns: Mapping[str, Floats]) -> dict[str, Floats]:
+        """The vehicle in front of a car that drives straight on."""
+        part = self._lane
+        some = columns[f"{part}.gap"]
+        length = self._setting("lead_length", _LENGTH)
+        place = columns[f"{part}.position"] + self._setting("host_front", _FRONT) + some + length / 2
+        numbers = {
+            "id": 1.0,
+            "class": 1.0,
+            "length": length,
+            "width": self._setting("lead_width", _WIDTH),
+            "height": _HEIGHT,
+            "y": self._setting("lead_offset", 0.0),
+            "z": 0.0,
+            "heading": 0.0,
+        }
+        constant = {name: np.full_like(some, value) for name, value in numbers.items()}
+        return {**constant, "x": place, "speed": columns[f"{part}.lead.speed"]}
+
+    def _line(self, end: str | None, figure: Figure, columns: Mapping[str, Floats]) -> Floats | None:
+        if end is None:
+            return None
+        if end in columns:
+            return _shown(columns[end], figure.unit)
+        if end in self.settings:
+            some = next(iter(columns.values()))
+            return np.full_like(some, figure.unit.from_si(self.settings[end]))
+        return None
+
+
+def _shown(values: Floats, unit: Unit) -> Floats:
+    return (values - float(unit.offset)) / float(unit.factor)
+
+
+def _is_shown(name: str) -> bool:
+    """Whether a signal with items says what a driver is told, rather than what somebody is."""
+    return not re.search(r"\[\d+\]", name) and not name.endswith((".class", ".colour"))

@@ -1,0 +1,125 @@
+// A run in three dimensions: played, paused, wound, seen from four sides.
+import { el } from "./dom";
+import { readRecording, type Recording } from "./scene/data";
+import { buildInstruments } from "./scene/instruments";
+import { sensorColour } from "./scene/sensing";
+import { buildStage, VIEWS, type View } from "./scene/stage";
+
+const SPEEDS = [0.25, 0.5, 1, 2, 4];
+const WIND = 1; // s
+const SLOW = 33; // ms a frame
+const COARSEST = 0.4;
+
+async function start(): Promise<void> {
+  const page = document.getElementById("scene")!;
+  document.documentElement.dataset["theme"] = matchMedia("(prefers-color-scheme: dark)").matches ? "dark" : "light";
+  try {
+    const recording = await readRecording();
+    play(page, recording);
+    document.documentElement.dataset["ready"] = "yes";
+  } catch (error) {
+    const canWebGl = Boolean(document.createElement("canvas").getContext("webgl2"));
+    const hint = canWebGl ? "" : " This browser or machine has no WebGL.";
+    page.replaceChildren(el("p", { class: "problem" }, `The scene cannot be shown: ${String(error)}.${hint}`));
+    throw error;
+  }
+}
+
+function play(page: HTMLElement, recording: Recording): void {
+  const asked = new URLSearchParams(location.hash.slice(1));
+  let time = Math.min(Math.max(Number(asked.get("t") ?? 0) || 0, 0), recording.seconds);
+  let view: View = VIEWS.find(([name]) => name === asked.get("view"))?.[0] ?? "chase";
+  let speed = 1;
+  let isPlaying = !asked.has("t");
+  let shown = -1;
+
+  const canvas = el("canvas", { class: "stage", role: "img", "aria-label": `${recording.document.title}, ${recording.document.subtitle}, in three dimensions` });
+  const stage = buildStage(canvas, recording);
+  const jump = (to: number): void => {
+    time = Math.min(Math.max(to, 0), recording.seconds);
+    shown = -1;
+  };
+  const instruments = buildInstruments(recording, jump);
+  const clock = el("output", { class: "clock" });
+  const slider = el("input", { type: "range", min: 0, max: recording.seconds, step: "any", "aria-label": "Time in s", input: () => jump(Number(slider.value)) });
+  const button = el("button", { type: "button", class: "play", click: () => set(!isPlaying) });
+  const set = (playing: boolean): void => {
+    if (playing && time >= recording.seconds) time = 0;
+    isPlaying = playing;
+    button.textContent = playing ? "\u275a\u275a" : "\u25b6";
+    button.setAttribute("aria-label", playing ? "Pause" : "Play");
+  };
+  set(isPlaying);
+  const rate = el("select", { "aria-label": "Speed of the replay", change: () => (speed = Number(rate.value)) });
+  for (const each of SPEEDS) rate.append(el("option", { value: each }, `${each}\u00d7`));
+  rate.value = "1";
+  const cameras = VIEWS.map(([name, title]) => el("button", { type: "button", "data-view": name, click: () => choose(name) }, title));
+  const choose = (name: View): void => {
+    view = name;
+    shown = -1;
+    for (const each of cameras) each.setAttribute("aria-pressed", String(each.dataset["view"] === name));
+  };
+  choose(view);
+  const sensors = el("input", { type: "checkbox", checked: true, change: () => { stage.sensing.set(sensors.checked); shown = -1; } });
+  const legend = recording.document.sensors.map((sensor, number) =>
+    el("li", {}, mark(sensorColour(number)), sensor.title),
+  );
+  const heading = el("header", {}, el("h1", {}, recording.document.title), el("span", { class: "muted" }, recording.document.subtitle));
+  const key = legend.length ? el("div", { class: "legend" }, el("label", {}, sensors, "Sensors"), el("ul", {}, ...legend)) : null;
+  const bar = el("div", { class: "controls" }, button, slider, clock, rate, el("div", { class: "cameras", role: "group", "aria-label": "Camera" }, ...cameras));
+  page.replaceChildren(el("main", {}, canvas, el("div", { class: "over" }, heading, key), bar), instruments.element);
+
+  document.addEventListener("keydown", (event) => {
+    if (event.target instanceof HTMLSelectElement || event.ctrlKey || event.altKey || event.metaKey) return;
+    if (event.key === " " && !(event.target instanceof HTMLButtonElement)) set(!isPlaying);
+    else if (event.key === "ArrowLeft" && event.target !== slider) jump(time - WIND);
+    else if (event.key === "ArrowRight" && event.target !== slider) jump(time + WIND);
+    else if (/^[1-4]$/.test(event.key)) choose(VIEWS[Number(event.key) - 1]![0]);
+    else return;
+    event.preventDefault();
+  });
+  // Without a graphics card a moving picture is drawn coarser, until it moves; one that stands is drawn finely.
+  let fineness = 1;
+  let drawn = 0;
+  const resize = (): void => {
+    drawn = isPlaying ? fineness : 1;
+    stage.resize(canvas.clientWidth, canvas.clientHeight, drawn);
+    shown = -1;
+  };
+  new ResizeObserver(resize).observe(canvas);
+
+  let last = performance.now();
+  let pace = 1000 / 60;
+  const tick = (now: number): void => {
+    if (isPlaying) {
+      time = Math.min(time + ((now - last) / 1000) * speed, recording.seconds);
+      if (time >= recording.seconds) set(false);
+    }
+    if (isPlaying) pace += 0.1 * (Math.min(now - last, 200) - pace);
+    last = now;
+    if (isPlaying && pace > SLOW && fineness > COARSEST) {
+      fineness = Math.max(fineness * 0.8, COARSEST);
+      pace = SLOW;
+    }
+    if (drawn !== (isPlaying ? fineness : 1)) resize();
+    if (time !== shown) {
+      stage.show(time, view);
+      instruments.show(time);
+      slider.value = String(time);
+      clock.textContent = `${time.toFixed(1)} / ${recording.seconds.toFixed(0)} s`;
+      document.documentElement.dataset["frames"] = String(Number(document.documentElement.dataset["frames"] ?? 0) + 1);
+      shown = time;
+    }
+    requestAnimationFrame(tick);
+  };
+  resize();
+  requestAnimationFrame(tick);
+}
+
+function mark(colour: string): HTMLElement {
+  const node = el("span", { class: "mark", "aria-hidden": "true" });
+  node.style.background = colour;
+  return node;
+}
+
+void start();

@@ -1,0 +1,190 @@
+"""A run in three dimensions: what is in it by value, and that it is drawn, played and wound in a browser."""
+
+from __future__ import annotations
+
+import json
+import re
+from collections.abc import Iterator
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from chromium import started_chromium
+
+import dse
+from dse.domain.component import Kind, Type
+from dse.domain.study import Selection
+from dse.errors import DseError
+from dse.report import Scene, Told, scene_page
+from dse.report.drawing.road_picture import Strip
+from dse.report.scene.nouns import Ground, Host, Instrument, Sensor
+from dse.testbench import bench_study
+
+ROOT = Path(__file__).parents[2]
+STEPS = 101
+
+
+def scene(title: str = "made up", **changed: object) -> Scene:
+    """Ten seconds at 20 m/s behind a lorry 40 m ahead, which a pedestrian takes the place of after 5 s."""
+    time = np.linspace(0.0, 10.0, STEPS)
+    zero = np.zeros(STEPS)
+    way = np.column_stack([np.linspace(-50, 400, 10), np.zeros(10)])
+    lane = Strip(
+        way + np.array([0, 1.75]),
+        way - np.array([0, 1.75]),
+        np.zeros(10),
+        np.zeros(10),
+        is_driven=True,
+        is_inside=False,
+    )
+    host = dict.fromkeys(("y", "z", "heading", "roll", "pitch", "steering"), zero)
+    late = time >= 5
+    other = {
+        "id": np.where(late, 2.0, 1.0),
+        "class": np.where(late, 5.0, 2.0),
+        "length": np.where(late, 0.5, 12.0),
+        "width": np.where(late, 0.5, 2.5),
+        "height": np.where(late, 1.8, 3.5),
+        "x": np.where(late, 300.0, 40 + 20 * time),
+        "speed": np.where(late, 0.0, 20.0),
+        **dict.fromkeys(("y", "z", "heading"), zero),
+    }
+    seen = {"valid": 1 + zero, "range": 40 + zero, "azimuth": zero}
+    made = Scene(
+        title,
+        "run 7",
+        time,
+        Ground((lane,), (), np.array([[100.0, 4.0]])),
+        Host({**host, "x": 20 * time, "speed": 20 + zero}, 4.5, 1.8, 2.3),
+        (other,),
+        (Sensor("sensor", "A radar", 2.3, 150.0, 0.5, (seen,)),),
+        {"fog": 0.02 + zero, "rain": zero, "snow": zero, "darkness": zero},
+        (Instrument("Speed", "km/h", 72 + zero, 80 + zero), Instrument("mode", "", 1 * late, items=("calm", "alarm"))),
+    )
+    return replace(made, **changed)
+
+
+@pytest.fixture(scope="module")
+def studied(tmp_path_factory: pytest.TempPathFactory) -> dse.Results:
+    """One run of a bench on a road."""
+    bench = dse.open(ROOT).benches["road_braking"]
+    first = bench.design.list(1)[0]
+    return dse.Study(bench_study(bench.noun, Selection((first.id,)))).explore(
+        tmp_path_factory.mktemp("scene") / "study"
+    )
+
+
+def test_the_same_scene_gives_the_same_page_and_nothing_in_it_is_markup() -> None:
+    name = '</script><img src="x" onerror=alert(1)>'
+    page = scene_page(scene(name))
+    assert page == scene_page(scene(name))
+    assert "<img" not in page
+    assert "connect-src" not in page
+    assert "default-src 'none'" in page
+
+
+def test_a_minute_with_eight_others_is_below_two_megabytes() -> None:
+    time = np.linspace(0.0, 60.0, 1501)
+    noise = np.random.default_rng(1).normal(size=(100, 1501))  # does not compress
+    columns = iter(noise)
+    host = {name: next(columns) for name in ("x", "y", "z", "heading", "roll", "pitch", "steering", "speed")}
+    names = ("x", "y", "z", "heading", "speed")
+    still = dict.fromkeys(("id", "class", "length", "width", "height"), 1 + 0 * time)
+    others = tuple({**still, **{name: next(columns) for name in names}} for _ in range(8))
+    made = scene(time=time, host=Host(host, 4.5, 1.8, 2.3), others=others, sensors=(), weather={}, instruments=())
+    assert len(scene_page(made)) < 2e6
+
+
+@pytest.mark.thorough
+def test_a_bench_in_which_nobody_says_where_a_car_is_is_refused_by_name(studied, tmp_path, monkeypatch) -> None:
+    monkeypatch.setattr(Told, "is_scene", False)
+    with pytest.raises(DseError, match="run 0 of bench 'road_braking' is no scene: no part of it tells where a car is"):
+        studied.write_scene(0, tmp_path / "scene.html", source=ROOT / "testbenches" / "road_braking.yaml")
+    assert not Told({"motor.speed": Type(Kind.REAL)}, {}, ()).wanted
+
+
+@pytest.fixture(scope="module")
+def browser() -> Iterator[object]:
+    with started_chromium() as started:
+        yield started
+
+
+@pytest.fixture
+def shown(browser, tmp_path):
+    def show(fragment: str = "", **changed):
+        (tmp_path / "scene.html").write_text(scene_page(scene(**changed)), encoding="utf-8")
+        page = browser.new_page(viewport={"width": 800, "height": 500})
+        page.problems = []
+        page.on("pageerror", lambda error: page.problems.append(str(error)))
+        page.goto(f"{(tmp_path / 'scene.html').as_uri()}#{fragment}")
+        page.wait_for_selector("html[data-ready]")
+        return page
+
+    return show
+
+
+def clock(page) -> float:
+    return float(re.match(r"[\d.]+", page.text_content(".clock"))[0])
+
+
+def test_it_plays_by_itself_and_stops_where_it_is_told(shown):
+    page = shown()
+    page.wait_for_function("() => parseFloat(document.querySelector('.clock').textContent) > 0.3")
+    page.keyboard.press("Space")
+    page.wait_for_selector("button.play[aria-label='Play']")
+    stood = clock(page)
+    page.wait_for_timeout(200)
+    assert clock(page) == stood
+    page.keyboard.press("ArrowRight")
+    page.wait_for_function(f"() => parseFloat(document.querySelector('.clock').textContent) > {stood + 0.9}")
+    assert page.problems == []
+
+
+def test_what_instruments_say_follows_the_time(shown):
+    page = shown("t=4")
+    assert page.locator(".instruments output").all_text_contents() == ["72.0 km/h", "calm"]
+    page.locator("input[aria-label='Time in s']").fill("6")
+    page.wait_for_function("() => document.querySelectorAll('.instruments output')[1].textContent === 'alarm'")
+
+
+@pytest.mark.parametrize("view", ["chase", "driver", "top", "side"])
+def test_every_camera_sees_something_and_not_the_same(shown, view):
+    page = shown(f"t=2&view={view}")
+    page.wait_for_function("() => document.documentElement.dataset.frames > 0")
+    colours = page.evaluate(
+        """() => { const c = document.createElement('canvas'); const s = document.querySelector('.stage');
+        c.width = 80; c.height = 50; c.getContext('2d').drawImage(s, 0, 0, 80, 50);
+        return new Set(new Uint32Array(c.getContext('2d').getImageData(0, 0, 80, 50).data.buffer)).size; }"""
+    )
+    assert colours > 20
+    assert page.get_attribute(f"button[data-view={view}]", "aria-pressed") == "true"
+    assert page.problems == []
+
+
+def test_fog_takes_the_far_away_the_colour_of_the_air(shown):
+    def contrast(fog: float) -> float:
+        page = shown("t=2&view=chase", weather={"fog": np.full(STEPS, fog)}, sensors=(), others=())
+        page.wait_for_function("() => document.documentElement.dataset.frames > 0")
+        png = page.evaluate(
+            """() => { const c = document.createElement('canvas'); const s = document.querySelector('.stage');
+            c.width = s.width; c.height = s.height; const p = c.getContext('2d'); p.drawImage(s, 0, 0);
+            const at = (y) => [...p.getImageData(s.width / 4, s.height * y, 1, 1).data].slice(0, 3);
+            return [at(0.05), at(0.45)]; }"""
+        )
+        return float(np.abs(np.subtract(*png)).sum())
+
+    assert contrast(0.1) < 0.1 * contrast(0.0)
+
+
+@pytest.mark.thorough
+def test_a_run_on_a_road_is_shown_where_it_was_driven(studied, tmp_path):
+    from dse.api.studies.scenes import scene_of
+
+    made = scene_of(studied.run(0), source=str(ROOT / "testbenches" / "road_braking.yaml"))
+    assert made.host.columns["x"][0] == pytest.approx(80.0, abs=1e-3)  # start_station
+    (lead,) = made.others
+    gap = lead["x"][0] - made.host.columns["x"][0] - 2.3 - lead["length"][0] / 2
+    assert gap == pytest.approx(45.0, abs=0.2)  # initial_gap; it has driven for no step or one
+    assert [sensor.title for sensor in made.sensors] == ["Long-range radar, 77 GHz"]
+    assert json.loads(re.search(r'id="document">(.*?)</script>', scene_page(made))[1])["others"] == 1

@@ -1,0 +1,223 @@
+"""Emergency braking: the design space counted by hand, and what sensors, tracker and brakes decide by closed forms."""
+
+from __future__ import annotations
+
+import itertools
+import math
+import shutil
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+import dse
+
+ROOT = Path(__file__).parents[2]
+FOLDERS = ("components", "designs", "roads", "testbenches")
+KMH = 1 / 3.6
+REST = "controller is pd_acc and lateral is pure_pursuit and powertrain is combustion_ideal and chassis is longitudinal"
+SENSORS = "sensor: {alternatives: [object_radar_long"
+
+
+@pytest.fixture(scope="module", autouse=True)
+def cache(tmp_path_factory: pytest.TempPathFactory, built_before: Callable[[Path], Path]) -> Iterator[None]:
+    """FMUs are built once for all tests."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv("DSE_CACHE", str(built_before(tmp_path_factory.mktemp("cache"))))
+        yield
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A copy of the workspace, in which a sensor without faults can be chosen as well."""
+    place = tmp_path_factory.mktemp("assisted")
+    for name in FOLDERS:
+        shutil.copytree(ROOT / name, place / name)
+    design = place / "designs" / "aeb_vehicle.yaml"
+    text = design.read_text("utf-8")
+    assert text.count(SENSORS) == 1
+    design.write_text(text.replace(SENSORS, SENSORS.replace("[", "[object_perfect, ")), encoding="utf-8")
+    return place
+
+
+def explored(folder: Path, name: str, where: str, benches: str, cases: str, **options: Any) -> Any:
+    """The runs of a study of *benches* over the *cases*, a car that would be there after five seconds."""
+    text = f"""
+study: {name}
+testbench: {benches}
+configurations: {{where: "{REST} and {where}"}}
+design_variables:
+  controller.set_speed: {{derived: chassis.initial_speed}}
+  road.start_station: {{derived: 150 m - 5 s * chassis.initial_speed}}
+conditions: {cases}
+keep_waveforms: none
+"""
+    (folder / "testbenches" / f"{name}.pet.yaml").write_text(text, encoding="utf-8")
+    return dse.open(folder).studies[name].explore(folder / "out" / name, fresh=True, **options).to_pandas()
+
+
+def speeds(*kmh: int) -> str:
+    return "chassis.initial_speed: {values: [" + ", ".join(f"{each} km/h" for each in kmh) + "]}"
+
+
+def test_the_design_space_counts_as_a_list_of_all_combinations_does() -> None:
+    costs = {"long": 145, "mid": 95, "lidar": 620, "camera": 80, "kalman": 25, "none": 5}
+    brakes = {"pump": (130, 15), "booster": (210, 20), "wire": (390, 45)}
+    powers = {"long": 9, "mid": 5, "lidar": 8, "camera": 6, "kalman": 3, "none": 1}
+    controllers = {"pd": (4, 0.5), "pi": (5, 1.0), "idm": (9, 4.0)}
+    raw = valid = 0
+    for first, second, tracker, brake, controller in itertools.product(
+        ("long", "mid", "lidar", "camera"), (None, "mid", "lidar", "camera"), ("kalman", "none"), brakes, controllers
+    ):
+        raw += 1
+        seeing = [first, second] if second else [first]
+        cost = sum(costs[each] for each in seeing) + costs[tracker] + 70 + brakes[brake][0]
+        power = sum(powers[each] for each in [*seeing, tracker]) + 6 + 1 + controllers[controller][0] + brakes[brake][1]
+        compute = (0.5 if tracker == "kalman" else 0.05) + controllers[controller][1]
+        is_pair_fine = not second or (
+            tracker == "kalman" and first not in ("camera", second) and (first, second) != ("lidar", "mid")
+        )
+        # 5 W each: both lateral controllers
+        valid += cost <= 1150 and power + 5 <= 80 and is_pair_fine and ("lidar" not in seeing or compute >= 1)
+    design = dse.open(ROOT).designs["aeb_vehicle"]
+    others = 3 * 5 * 5 * 2  # calibrations, powertrains, chassis, lateral controllers
+    assert (raw * others, valid * others) == (43_200, 16_800)
+    assert design.count() == valid * others
+    assert 0 < design.count(on=["by_rule"]) < design.count()
+
+
+def test_who_never_brakes_hits_with_the_speed_it_drives(folder: Path) -> None:
+    """The least speed of the brake is beyond that of the car."""
+    rows = explored(
+        folder,
+        "unbraked",
+        "sensor is object_perfect and second_sensor is absent and tracker is kalman_tracker and aeb is two_stage_aeb"
+        " and brake is hydraulic_booster",
+        "[aeb_pedestrian, aeb_car_to_car]",
+        "{" + speeds(20, 50) + ", aeb.min_speed: {values: [60 km/h]}}",
+    )
+    assert len(rows) == 4
+    # The cruise control lets the speed sag by some 0.1 km/h in the first second.
+    assert (rows["impact_speed"] - rows["chassis.initial_speed"]).abs().max() < 0.1 * KMH
+    assert set(rows["R1.verdict"]) == {"fail"}
+    assert rows["braked"].isna().all()
+
+
+def impact(speed: float, brake: dict[str, float]) -> float:
+    """Impact speed with a car that stands, by the equations of aeb_late and of a brake, in steps of 0.1 ms."""
+    grip, jerk, h = 0.9 * 9.81, 30.0, 1e-4
+    full = max(0.6 * speed, speed * 0.1 + speed**2 / (2 * 8.5) + 0.5)
+    partial = max(0.7 * speed, speed * 0.1 + speed**2 / (2 * 7.0) + 0.5)
+    gap, demand, torque, stage = 3 * partial, 0.0, 0.0, 0
+    late: list[float] = [0.0] * round(brake["dead_time"] / h)
+    while speed > 0 and gap > 0:
+        c = speed
+        full = max(0.6 * c, c * 0.1 + c**2 / (2 * 8.5) + 0.5)
+        partial = max(0.7 * c, c * 0.1 + c**2 / (2 * 7.0) + 0.5)
+        stage = max(stage, 2 if gap <= full else 1 if gap <= partial else 0)
+        wanted = (0.0, 4.0, 9.0)[stage]
+        demand = min(wanted, demand + jerk * h)
+        late.append(demand)
+        torque += (late.pop(0) - torque) * h / brake["lag"]
+        speed -= min(torque, grip) * h
+        gap -= speed * h
+    return max(speed, 0.0) if gap <= 0 else 0.0
+
+
+@pytest.mark.thorough
+def test_with_a_sensor_without_faults_a_late_brake_hits_as_the_equations_of_braking_say(folder: Path) -> None:
+    brakes = {
+        "esc_pump": {"dead_time": 0.15, "lag": 0.25},
+        "hydraulic_booster": {"dead_time": 0.08, "lag": 0.12},
+        "brake_by_wire": {"dead_time": 0.02, "lag": 0.04},
+    }
+    rows = explored(
+        folder,
+        "late",
+        "sensor is object_perfect and second_sensor is absent and tracker is kalman_tracker and aeb is aeb_late",
+        "aeb_car_to_car",
+        "{" + speeds(15, 20, 30, 40, 50, 60) + "}",
+    )
+    assert len(rows) == 18
+    driven = zip(rows["chassis.initial_speed"], rows["brake"], strict=True)
+    expected = [impact(speed, brakes[brake]) for speed, brake in driven]
+    found = rows["impact_speed"].tolist()
+    # 50 ms at most are lost on the way through sensor, tracker, brake and tyres: 0.05 s * 9 m/s2, more near standstill.
+    for told, seen in zip(found, expected, strict=True):
+        assert told**2 == pytest.approx(seen**2, abs=2 * 9.0 * 0.06 * max(rows["chassis.initial_speed"]))
+    assert min(found) == 0 < max(found)
+
+
+@pytest.mark.thorough
+def test_with_a_sensor_without_faults_an_early_brake_avoids_every_standing_car(folder: Path) -> None:
+    """It begins where 3 m/s2 would do, so that 0.5 s to build up the pressure are no harm up to 80 km/h and beyond."""
+    rows = explored(
+        folder,
+        "early",
+        "sensor is object_perfect and second_sensor is absent and tracker is kalman_tracker and aeb is aeb_early",
+        "[aeb_car_to_car, aeb_pedestrian]",
+        "{" + speeds(10, 20, 30, 40, 50, 60, 70, 80) + "}",
+    )
+    cars = rows[rows["testbench"] == "aeb_car_to_car"]
+    assert set(cars["R1.verdict"]) == {"pass"}
+    assert cars["least_gap"].min() > 0
+
+
+def test_fog_blinds_a_camera_and_no_radar(folder: Path) -> None:
+    rows = explored(
+        folder,
+        "fog",
+        "sensor in [object_radar_mid, object_camera] and second_sensor is absent and tracker is kalman_tracker"
+        " and aeb is two_stage_aeb and brake is hydraulic_booster",
+        "aeb_car_to_car",
+        "{" + speeds(50) + ", weather.fog_visibility: {values: [20 m, 50 m, 10 km]}}",
+    )
+    by = {
+        (row.sensor, round(visibility)): row
+        for row, visibility in zip(rows.itertuples(), rows["weather.fog_visibility"], strict=True)
+    }
+    radar = [by["object_radar_mid", visibility] for visibility in (20, 50, 10_000)]
+    assert {(row.impact_speed, row.tracked) for row in radar} == {(0.0, radar[0].tracked)}
+    camera = [by["object_camera", visibility] for visibility in (20, 50, 10_000)]
+    assert camera[0].impact_speed > camera[2].impact_speed
+    assert camera[0].tracked < camera[1].tracked < camera[2].tracked
+    # It sees where exp(-3 R / visibility) is a contrast of 5 %, that is at the visibility; 0.5 m ahead of the centre of
+    # gravity, 4.55 m behind which the gap begins. Three looks, the latency and the tracker's step are 0.2 s.
+    for row, visibility in ((camera[0], 20.0), (camera[1], 50.0)):
+        assert row.tracked == pytest.approx((visibility - 1.8) * math.log(20) / 3 / (50 * KMH) - 0.15, abs=0.2)
+
+
+@pytest.mark.thorough
+def test_no_bit_depends_on_workers_or_on_how_runs_are_made(folder: Path) -> None:
+    where = (
+        "sensor is object_radar_mid and second_sensor in [object_lidar, object_camera] and aeb is aeb_early"
+        " and brake is esc_pump"
+    )
+    cases = "{" + speeds(30, 60) + ", weather.fog_visibility: {values: [50 m, 10 km]}}"
+    benches = "[aeb_pedestrian, aeb_car_to_car, aeb_bystander]"
+    tables = [
+        explored(folder, "bits", where, benches, cases, workers=workers, fuse=fuse)
+        for workers, fuse in ((1, False), (2, False), (2, True))
+    ]
+    metrics = [name for name in tables[0].columns if tables[0][name].dtype.kind == "f" and name != "duration"]
+    assert len({table[metrics].to_numpy().tobytes() for table in tables}) == 1
+    assert len(tables[0]) == 24
+
+
+@pytest.mark.thorough
+def test_a_cut_in_is_judged_where_r157_says_it_can_be_avoided(folder: Path) -> None:
+    bench = dse.open(folder).benches["aeb_cut_in"]
+    where = f"{REST} and sensor is object_perfect and second_sensor is absent and tracker is kalman_tracker"
+    configuration, *_ = bench.design.list(1, where=f"{where} and aeb is aeb_early and brake is brake_by_wire")
+    verdicts = {}
+    for gap in (22.0, 28.0):
+        run = bench.simulate(configuration, set={"traffic.begin_gap": gap, "aeb.min_speed": 60.0})
+        closing = run.metrics["closing_speed"]
+        assert run.metrics["avoidable"] == pytest.approx(closing / 12 + 0.35)
+        # 1.15 m of 3.5 m across: 0.406 of the quintic, which takes 1.875 * 3.5 m / 1.5 m/s.
+        assert run.metrics["intrusion"] == pytest.approx(gap / closing - 0.406 * 1.875 * 3.5 / 1.5, abs=0.05)
+        verdicts[gap] = run.verdicts["R1"]
+    assert verdicts == {22.0: "not exercised", 28.0: "fail"}
+    braked = bench.simulate(configuration)
+    assert braked.verdicts["R1"] == "pass"
