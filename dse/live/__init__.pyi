@@ -1,0 +1,1 @@
+from .packet import Flag as Flag, Packet as Packet, PacketError as PacketError, pack as pack, unpack as unpack
