@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import TypeVar
 
 from dse.domain.component import Causality, Component, Kind, Type
-from dse.domain.udp import INHERITED, LINK, LinkMode, LinkRole, UdpSource, heard, sent
+from dse.domain.udp import LINK, LinkMode, LinkRole, UdpSource, heard, sent
 from dse.errors import Location, Problem, closest, fail, raise_if_any
 from dse.kinds._generated import build_generated
 from dse.kinds._partner import members_of, struct_lines
@@ -66,7 +66,7 @@ class UdpKind(ComponentKind[UdpSection, UdpSource]):
         files = {f"{_STRUCT}.h": _header(component, source), f"{_STRUCT}.c": _code(component)}
         return build_generated(component, files, _STRUCT, version=version, cache=cache, is_live=True)
 
-    def check(self, component: Component, source: UdpSource) -> tuple[()]:  # noqa: ARG002  # its place tells nothing
+    def check(self, component: Component, source: UdpSource) -> tuple[()]:  # its place tells nothing
         """Raise DseError with what cannot go over a datagram."""
         if sys.platform == "win32":
             raise fail("components of the kind udp are built on Linux and macOS only", component.where)
