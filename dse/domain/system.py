@@ -43,7 +43,9 @@ class Element:
 
 @dataclass(frozen=True, slots=True)
 class Wire:
-    """From output *source_variable* of element *source* to input or tunable parameter *target_variable* of *target*.
+    """From output *source_variable* of element *source* to input *target_variable* of element *target*.
+
+    The target may be a tunable parameter instead, which is given its value as an input is.
 
     Both ends are labels of one value (``name``, ``name[2]``), or both are whole arrays of equal shape, by name. The
     target is given ``factor * source + offset``, both in outside values; with *items*, pairs (source, target).

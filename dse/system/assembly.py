@@ -21,8 +21,8 @@ class WiredParts:
     """Components by where they stand, what connects them, and what they are given.
 
     *connections* join single ports (``sensor.target.gap -> controller.target.gap``): an output that is there to an
-    input or tunable parameter that is there, one to each, as `dse.space.wire` gives them. *values* are those of parameters and
-    unconnected inputs, as ``part.port``; *where* is the bench that may give them.
+    input or tunable parameter that is there, one to each, as `dse.space.wire` gives them. *values* are those of
+    parameters and inputs that are not connected, as ``part.port``; *where* is the bench that may give them.
     """
 
     parts: Mapping[str, Component]
@@ -44,7 +44,9 @@ class WiredParts:
     def ends(self) -> dict[str, tuple[str, Port]]:
         """What connections join: every port, and the connected parameters as inputs, with the part that has it."""
         connected = self.connected
-        parameters = ((part, p) for part, c in self.parts.items() for p in c.parameters if f"{part}.{p.name}" in connected)
+        parameters = (
+            (part, p) for part, c in self.parts.items() for p in c.parameters if f"{part}.{p.name}" in connected
+        )
         tuned = {f"{part}.{p.name}": (part, Port(p.name, Causality.INPUT, p.type)) for part, p in parameters}
         return self.ports | tuned
 
@@ -159,7 +161,9 @@ def _element(
         given = values.get(f"{part}.{parameter.name}", parameter.start)
         if _is_built_in(component, parameter, model):
             if f"{part}.{parameter.name}" in used:
-                what = f"'{parameter.name}' of {component.name} went into its FMU when that was built: no wire ends there"
+                what = (
+                    f"'{parameter.name}' of {component.name} went into its FMU when that was built: no wire ends there"
+                )
                 problems.append(Problem(what, parameter.where or component.where, "give it a value"))
             elif given != parameter.start:
                 what = (
@@ -216,7 +220,6 @@ class _Gathered:
             known = ", ".join(f"{item_number} ({item})" for item, item_number in items.items())
             self._problems.append(Problem(what, self._component.where, f"its items: {known}"))
         self.start[bound.label] = number
-
 
     def tune(self, bound: Binding, parameter: Parameter) -> None:
         """Note that a wire ends at the *parameter*."""
