@@ -6,15 +6,14 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from dse.domain.bench import TestBench, TestComponent
-from dse.domain.component import Causality, Component, Interface, Kind, Parameter, Port, Source, Type
+from dse.domain.component import Causality, Component, Interface, Kind, Parameter, Port, Type
 from dse.domain.design import Configuration, Connection
 from dse.domain.drive import TUNE
-from dse.domain.method import Algorithm
-from dse.errors import Location, Problem, fail, raise_if_any
-from dse.kinds import UdpSource
+from dse.domain.udp import INHERITED, LinkMode, LinkRole, UdpSource
+from dse.errors import Problem, fail, raise_if_any
 from dse.system import along_the_flow
 from dse.testbench import PreparedBench, prepare_bench, wire_bench
-from dse.units import DIMENSIONLESS, parse_unit
+from dse.units import coherent, parse_unit
 
 DRIVER = "driver"
 """The interface of what can be replaced by somebody at the wheel."""
@@ -87,22 +86,23 @@ def with_driver(bench: TestBench, component: Component, tuned: Sequence[str]) ->
     return replace(bench, test_components=replaced, direct=(*bench.direct, *ways))
 
 
-def take_seat(bench: TestBench, configuration: Configuration, wanted: Sequence[str], source: Source) -> Seat:
-    """*bench* with a seat in the driver's place, which sees the signals *wanted* and is told of by *source*.
-
-    Every step of what the seat puts out is kept. Raises DseError if the bench cannot be driven.
+def take_seat(bench: TestBench, configuration: Configuration, wanted: Sequence[str]) -> Seat:
+    """*bench* with a seat in the driver's place, which sees the signals *wanted*; it talks through the socket that its process
+    is given, in real time and SI units, and all that it puts out is kept. Raises DseError if the bench cannot be driven.
     """
     raise_if_any(_refusals(bench))
     part, wired = driver_of(bench), wire_bench(bench, configuration)
     if len(wanted) > _MOST:
         raise fail(f"bench '{bench.name}' shows {len(wanted):,} signals; a seat sees {_MOST:,} at most", bench.where)
-    controls = tuple(port for port in part.component.interface.ports if port.causality is Causality.OUTPUT)
+    ports = (port for port in part.component.interface.ports if port.causality is Causality.OUTPUT)
+    controls = tuple(replace(port, type=_si(port.type)) for port in ports)
     tunables = tunables_of(bench, configuration)
-    outputs = [*controls, *(Port(f"{TUNE}.{name}", Causality.OUTPUT, each.type) for name, each in tunables.items())]
-    outputs += [Port(name, Causality.OUTPUT, type_) for name, type_ in _own().items()]
+    given = {**{f"{TUNE}.{name}": each.type for name, each in tunables.items()}, **_own()}
+    outputs = [*controls, *(Port(name, Causality.OUTPUT, _si(type_)) for name, type_ in given.items())]
     types = {**_own(), **{name: wired.signals[name] for name in wanted}}
-    inputs = [Port(f"sees.n{number}", Causality.INPUT, type_) for number, type_ in enumerate(types.values(), 1)]
-    component = Component("seat", Interface("seat", (*inputs, *outputs)), source=source, where=part.where)
+    inputs = [Port(f"sees.n{number}", Causality.INPUT, _si(type_)) for number, type_ in enumerate(types.values(), 1)]
+    line = UdpSource(0, INHERITED, LinkRole.CLIENT, LinkMode.FREE, where=part.where)
+    component = Component("seat", Interface("seat", (*inputs, *outputs)), source=line, where=part.where)
     driven = with_driver(bench, component, tuple(tunables))
     sources = [f"{part.name}.{name}" for name in _own()] + [wired.faces.get(name, name) for name in wanted]
     views = (Connection(end, f"{part.name}.{port.name}") for end, port in zip(sources, inputs, strict=True))
@@ -110,11 +110,6 @@ def take_seat(bench: TestBench, configuration: Configuration, wanted: Sequence[s
     simulation = replace(bench.simulation, record=(*bench.simulation.record, *shown), record_every=bench.simulation.step)
     seated = replace(driven, direct=(*driven.direct, *views), simulation=simulation)
     return Seat(seated, configuration, part.name, controls, tunables, tuple(wanted))
-
-
-def inherited(timeout: float = 5.0) -> UdpSource:
-    """Speaks through the socket that its process was given, in real time."""
-    return UdpSource(host="inherited", port=0, role="client", mode="free", timeout=timeout)
 
 
 def prepare_seat(seat: Seat, *, version: int = 2) -> PreparedBench:
@@ -133,9 +128,13 @@ def _own() -> dict[str, Type]:
     return dict(zip(_OWN, (Type(Kind.REAL), Type(Kind.REAL), Type(Kind.REAL, parse_unit("s"))), strict=True))
 
 
+def _si(type_: Type) -> Type:
+    return replace(type_, unit=coherent(type_.unit))
+
+
 def _refusals(bench: TestBench) -> Iterator[Problem]:
     simulation, what = bench.simulation, f"bench '{bench.name}' cannot be driven: "
     if simulation.method.adaptive is not None:
-        yield Problem(f"{what}its steps may have to be made again, and time cannot", simulation.where, "leave out adaptive")
+        yield Problem(f"{what}its steps may have to be made again, and time cannot", simulation.where)
     if simulation.check_step:
         yield Problem(f"{what}with check_step a run is made twice", simulation.where)
