@@ -87,8 +87,10 @@ def with_driver(bench: TestBench, component: Component, tuned: Sequence[str]) ->
 
 
 def take_seat(bench: TestBench, configuration: Configuration, wanted: Sequence[str]) -> Seat:
-    """*bench* with a seat in the driver's place, which sees the signals *wanted*; it talks through the socket that its process
-    is given, in real time and SI units, and all that it puts out is kept. Raises DseError if the bench cannot be driven.
+    """*bench* with a seat in the driver's place, which sees the signals *wanted*.
+
+    It talks through the socket that its process is given, in real time and SI units, and all that it puts out is kept.
+    Raises DseError if the bench cannot be driven.
     """
     raise_if_any(_refusals(bench))
     part, wired = driver_of(bench), wire_bench(bench, configuration)
@@ -107,7 +109,9 @@ def take_seat(bench: TestBench, configuration: Configuration, wanted: Sequence[s
     sources = [f"{part.name}.{name}" for name in _own()] + [wired.faces.get(name, name) for name in wanted]
     views = (Connection(end, f"{part.name}.{port.name}") for end, port in zip(sources, inputs, strict=True))
     shown = tuple(f"{part.name}.{port.name}" for port in outputs)
-    simulation = replace(bench.simulation, record=(*bench.simulation.record, *shown), record_every=bench.simulation.step)
+    simulation = replace(
+        bench.simulation, record=(*bench.simulation.record, *shown), record_every=bench.simulation.step
+    )
     seated = replace(driven, direct=(*driven.direct, *views), simulation=simulation)
     return Seat(seated, configuration, part.name, controls, tunables, tuple(wanted))
 
