@@ -64,10 +64,11 @@ def wire_bench(bench: TestBench, configuration: Configuration) -> WiredBench:
     test_parts = {part.name: part.component for part in bench.test_components}
     connections = wire(bench.design, configuration.choices, test_parts, bench.connections)
     parts = {**configuration.parts, **test_parts}
+    taken = {connection.target for connection in bench.direct}
     return WiredBench(
         parts=parts,
         connections=(*connections, *bench.direct),
-        values=_values(bench, parts),
+        values={name: value for name, value in _values(bench, parts).items() if name not in taken},
         where=bench.where,
         bench=bench,
         configuration=configuration,
