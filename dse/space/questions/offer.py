@@ -85,6 +85,10 @@ class Offer:
                 return point
         raise KeyError(path)
 
+    def texts(self) -> tuple[str, ...]:
+        """Why nothing is left, for a person; () if something is."""
+        return () if self.left else reasons(self.conflict)
+
     def data(self) -> dict[str, object]:
         """The same for a program. Counts are texts: they may have more digits than a number in JavaScript."""
         return {
@@ -95,7 +99,7 @@ class Offer:
             "left": str(self.left),
             "configuration": self.configuration or None,
             "choices": dict(self.choices),
-            "conflict": [] if self.left else list(reasons(self.conflict)),
+            "conflict": list(self.texts()),
             "points": [_point(point) for point in self.points],
             "totals": [
                 {"name": each.name, "title": each.title, "unit": each.unit, "low": each.low, "high": each.high}
