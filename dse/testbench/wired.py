@@ -63,7 +63,7 @@ def wire_bench(bench: TestBench, configuration: Configuration) -> WiredBench:
     parts = {**configuration.parts, **test_parts}
     return WiredBench(
         parts=parts,
-        connections=connections,
+        connections=(*connections, *bench.direct),
         values=_values(bench, parts),
         where=bench.where,
         bench=bench,
