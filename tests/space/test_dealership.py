@@ -11,8 +11,9 @@ from dse.domain.component import Component, Interface
 from dse.domain.design import Alternative, Compound, Constraint, DesignSpace, Optional, Part
 from dse.errors import DseError
 from dse.expression.parse import parse_expression
-from dse.space import open_space
-from dse.space.methods import engine as engines
+from dse.space import Dealership, open_space
+from dse.space.methods.engine import Engine
+from dse.space.methods.mdd.growth import TooWideError
 from dse.units import parse_quantity
 
 
@@ -182,9 +183,13 @@ def test_an_unknown_choice_is_refused_by_name():
 
 
 def test_a_space_that_is_too_large_is_refused_by_name(monkeypatch):
-    monkeypatch.setattr(engines, "EXPANSION", 1)
+    def too_wide(*_):
+        raise TooWideError
+
+    monkeypatch.setattr("dse.space.methods.mdd.expand.expand", too_wide)
+    space = of().space
     with pytest.raises(DseError, match="'car' is too large"):
-        of("sum(cost) <= 8 EUR", "sum(cost) >= 6 EUR")
+        Dealership(space, Engine.of(space))
 
 
 def test_an_offer_is_plain_data():

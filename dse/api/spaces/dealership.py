@@ -31,7 +31,7 @@ class Dealership:
         return self._offers.offer(chosen or {})
 
     def cheapest(self, chosen: Mapping[str, str] | None = None, total: str = "cost") -> dict[str, str]:
-        """All choices (``absent``: left out) of the configuration with what is *chosen* whose sum of the property *total* is least.
+        """All choices (``absent``: left out) of the configuration with what is *chosen* whose sum of *total* is least.
 
         Raises DseError if there is none.
         """
