@@ -27,6 +27,11 @@ from .roads import is_road as is_road, opendrive_text as opendrive_text, picture
 from .showing.described import metric_rows as metric_rows, requirement_labels as requirement_labels
 from .showing.progress import progress_bar as progress_bar
 from .showing.quantities import difference as difference, quantity as quantity
+from .spaces.dealership import (
+    Dealership as Dealership,
+    choices_text as choices_text,
+    read_choices_text as read_choices_text,
+)
 from .spaces.design import Design as Design
 from .spaces.ranking import Ranking as Ranking
 from .starting.bench import new_bench as new_bench

@@ -21,6 +21,7 @@ COMMANDS = (
     "space.explain",
     "space.best",
     "space.compare",
+    "space.offer",
     "space.graph",
     "space.refine",
     "import_",
