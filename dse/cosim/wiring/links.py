@@ -65,7 +65,7 @@ def _unsupported(system: SystemStructure, links: Mapping[str, Link]) -> Iterable
             ):
                 yield Problem(f"{name}: {why}")
         for variable in element.inputs:
-            if variable.causality not in ("input", "") and variable.variability != "tunable":
+            if variable.causality != "input" and variable.variability in ("constant", "fixed"):
                 what = f"a wire ends at a {variable.causality} that is {variable.variability}, not tunable"
                 yield Problem(f"{element.name}.{variable.name}: {what}")
 
