@@ -149,8 +149,8 @@ class Proxy:
             ready, _, _ = select.select([self.front, self.back], [], [], 0.02)
             for end in ready:
                 try:
-                    data, sender = end.recvfrom(65536)
-                except ConnectionRefusedError:
+                    data, sender = end.recvfrom(65536, socket.MSG_DONTWAIT)
+                except (ConnectionRefusedError, BlockingIOError):  # what was ready may have been told to a send
                     continue
                 if end is self.front:
                     client = sender
