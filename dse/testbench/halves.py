@@ -119,7 +119,7 @@ def _half(halves: Halves, source: UdpSource, *, is_near: bool) -> WiredBench:
     number = Parameter(LAYOUT, Type(Kind.INTEGER), halves.number, tunable=False)
     link = Component(
         name=f"{other}_of_{wired.bench.name}",
-        interface=Interface(f"{other}_border", (*ports, Port(LAYOUT, Causality.OUTPUT, number.type))),
+        interface=Interface(f"{other}_border", (*ports, Port(f"their_{LAYOUT}", Causality.OUTPUT, number.type))),
         title=f"The {other}'s half of {wired.bench.name}",
         source=replace(source, layout=halves.number),
         parameters=(number,),
