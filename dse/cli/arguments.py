@@ -114,6 +114,35 @@ CheckStep = Annotated[
 Fuse = Annotated[
     bool, typer.Option("--fuse", help="Compile each configuration into one library first: same results, faster runs.")
 ]
+World = Annotated[
+    str | None,
+    typer.Option(
+        "--world", metavar="HOST:PORT", help="Half of the bench is simulated there, by 'dse world BENCH', not here."
+    ),
+]
+
+
+def _parts(text: str | None) -> str | None:
+    """Refuse an empty list."""
+    if text is not None and not split_parts(text):
+        raise typer.BadParameter("name parts of the bench, as 'chassis,road'", param_hint="--parts")
+    return text
+
+
+def split_parts(text: str | None) -> tuple[str, ...] | None:
+    """The parts that a list with commas names; None for none."""
+    return None if text is None else tuple(part for piece in text.split(",") if (part := piece.strip()))
+
+
+Parts = Annotated[
+    str | None,
+    typer.Option(
+        "--parts",
+        metavar="PART,…",
+        callback=_parts,
+        help="The parts of the world's half; else the bench's test components.",
+    ),
+]
 Minimize = Annotated[
     list[str] | None,
     typer.Option("--minimize", metavar="VALUE", help="What to make small, as 'sum(cost)'."),

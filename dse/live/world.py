@@ -24,7 +24,7 @@ from dse.scratch import ScratchFolder
 if TYPE_CHECKING:
     from dse.testbench import PreparedBench
 
-_LOOK_EVERY = 0.2
+_LOOK_EVERY = 0.05
 _TELL_EVERY = 2.0
 _END_WITHIN = 5.0
 
@@ -48,6 +48,16 @@ class News:
     time: float = 0.0
     rate: float = 0.0
     why: str = ""
+
+    @property
+    def is_failed(self) -> bool:
+        """Whether the session is over, and not as it should."""
+        return self.what is What.FAILED
+
+    @property
+    def is_over(self) -> bool:
+        """Whether this is the last of its session."""
+        return self.what in (What.ENDED, What.FAILED)
 
 
 def serve_world(prepared: PreparedBench) -> Iterator[News]:

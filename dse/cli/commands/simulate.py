@@ -18,10 +18,13 @@ from dse.cli.arguments import (
     Fuse,
     Gate,
     Output,
+    Parts,
     Plot,
     Sandbox,
     Settings,
     Strict,
+    World,
+    split_parts,
 )
 from dse.cli.completing import benches
 from dse.cli.packages import Wishes, is_package, simulate_package, waveform_file
@@ -79,6 +82,8 @@ def simulate(
     timeout: Timeout = None,
     sandbox: Sandbox = False,
     strict: Strict = False,
+    world: World = None,
+    parts: Parts = None,
 ) -> None:
     """Simulate one configuration once, or an SSP package.
 
@@ -102,12 +107,13 @@ def simulate(
     )
     if is_package(bench):
         meant = {"--configuration": configuration, "--plot": plot, "--fuse": fuse, "--gate": gate}
-        _refuse({**meant, "--check-step": check_step, "--fmi": version != 2}, "bench")  # the default
+        _refuse({**meant, "--check-step": check_step, "--world": world, "--fmi": version != 2}, "bench")  # the default
         simulate_package(Path(bench), wishes, waveforms, output, sandbox=sandbox, strict=strict)
     asked = {"--variant": variant, "--stop": stop, "--step": step, "--record": record}
     words = {"--algorithm": algorithm, "--coupling": coupling, "--extrapolation": extrapolation, "--timeout": timeout}
     _refuse({**asked, **words, "--tolerance": tolerance is not None, "--strict": strict}, "package")
-    from dse.api import simulate_once
+    require_world(world, parts)
+    from dse.api import simulate_once, world_at
     from dse.cli.runs import present_run, write_run
 
     tested = workspace_of(bench).bench(bench)
@@ -121,6 +127,7 @@ def simulate(
             sandbox=sandbox,
             fmi=version,
             tell=status.update,
+            world=None if world is None else world_at(world, split_parts(parts)),
         )
     present_run(run, output, plot)
     if waveforms is not None:
@@ -128,6 +135,12 @@ def simulate(
     unmet = "fail" in run.verdicts.values() or "doubtful" in run.check.certainties.values()
     failed = not run.is_done or (gate and unmet)
     raise typer.Exit(RUNS_FAILED if failed else DONE)
+
+
+def require_world(world: str | None, parts: str | None) -> None:
+    """Refuse parts of a world that is not elsewhere."""
+    if parts is not None and world is None:
+        raise typer.BadParameter("this goes with --world", param_hint="--parts")
 
 
 def _refuse(options: Mapping[str, object], meant: str) -> None:
