@@ -77,6 +77,7 @@ from .studies.worlds import (
     HEAD_BYTES as HEAD_BYTES,
     VALUE_BYTES as VALUE_BYTES,
     WorldLayout as WorldLayout,
+    WorldPlace as WorldPlace,
     serve_bench as serve_bench,
     world_at as world_at,
     world_layout as world_layout,

@@ -9,7 +9,6 @@ import sys
 import threading
 import time
 from collections.abc import Iterator
-from contextlib import suppress
 from dataclasses import dataclass
 from enum import StrEnum
 from multiprocessing.connection import Connection
@@ -27,6 +26,8 @@ if TYPE_CHECKING:
 _LOOK_EVERY = 0.05
 _TELL_EVERY = 2.0
 _END_WITHIN = 5.0
+_ASKED = "asked to end the simulation"
+"""What every session ends with; what is told behind it, of packets that were ignored, is worth telling."""
 
 
 class What(StrEnum):
@@ -119,7 +120,7 @@ class _Process:
 def _watched(process: _Process, number: int) -> Iterator[News]:
     """What happens in *process*, until it has to be renewed; *number* is that of the last session."""
     step, patience = process.prepared.simulation.step, process.prepared.simulation.timeout
-    seen = told = (0, -1)
+    seen, first, told = (0, -1), 0, 0
     began = moved = said = time.monotonic()
     is_on = False
     while True:
@@ -129,18 +130,19 @@ def _watched(process: _Process, number: int) -> Iterator[News]:
         if (run, steps) != seen:
             seen, moved = (run, steps), now
         if steps >= 1 and not is_on:
-            is_on, number, began, told, said = True, number + 1, now, (run, steps), now
+            is_on, number, first, began, told, said = True, number + 1, steps, now, steps, now
             yield News(What.CONNECTED, number)
-        rate = (steps - told[1]) / max(now - said, 1e-9)
         if came is None and is_on and now - said >= _TELL_EVERY:
-            yield News(What.GOING, number, steps, steps * step, rate)
-            told, said = (run, steps), now
+            yield News(What.GOING, number, steps, steps * step, (steps - told) / (now - said))
+            told, said = steps, now
         if came is not None:
             _, _, why, is_good, is_over = came
+            took = now - began if is_on else 0.0
+            # A start that was made anew has no steps: the car found its first values, and asked with those.
             if is_on or not is_good:
-                whole = steps / max(now - began, 1e-9)
-                yield News(What.ENDED if is_good else What.FAILED, number, steps, steps * step, whole, why)
-            is_on, told = False, (0, -1)
+                what, whole = (What.ENDED, took and (steps - first) / took) if is_good else (What.FAILED, 0.0)
+                yield News(what, number, max(steps, 0), max(steps, 0) * step, whole, why)
+            is_on, first = False, 0
             if is_over:
                 return
         elif is_on and now - moved > patience:
@@ -162,6 +164,8 @@ def _message(process: _Process) -> _Message | None:
     except (EOFError, OSError):
         run, steps = process.progress
         said = f": {process.said}" if process.said else ""
+        if run == 0:
+            raise fail(f"the simulation of the world cannot start{said}") from None
         return run, steps, f"the process of the simulation has died, {process.place}{said}", False, True
     if isinstance(message, DseError):
         raise message
@@ -178,9 +182,7 @@ def _simulate(prepared: PreparedBench, line: Connection, block: Any, log: Path) 
     forget_start()
     simulation, progress = prepared.simulation, memoryview(block).cast("B")
     try:
-        simulator = Simulator(
-            prepared.system, (), method=simulation.method, progress=progress, facts=prepared.facts
-        )
+        simulator = Simulator(prepared.system, (), method=simulation.method, progress=progress, facts=prepared.facts)
     except DseError as error:
         line.send(error)
         return
@@ -193,9 +195,10 @@ def _simulate(prepared: PreparedBench, line: Connection, block: Any, log: Path) 
         why, is_good = "", True
         try:
             simulator.run(stop=stop, step=simulation.step)
-            why = simulator.ended
+            why = simulator.ended.partition(_ASKED)[2].lstrip(": ")
         except RunFailed as failure:
             why, is_good, is_over = str(failure), False, failure.fatal
+            time.sleep(_LOOK_EVERY)  # what fails before there is a session fails again at once
         is_over |= simulator.runs_left is not None and simulator.runs_left <= 0
         line.send((*run_and_step(bytes(block)), why, is_good, is_over))
 

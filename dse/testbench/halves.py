@@ -72,7 +72,9 @@ def split(wired: WiredBench, simulation: Simulation, parts: Iterable[str] | None
     """
     far = _chosen(wired, parts) if parts is not None else default_parts(wired, simulation)
     if not far or len(far) == len(wired.parts):
-        what = "all parts of the bench are in the world's half" if far else "no part of the bench is in the world's half"
+        what = (
+            "all parts of the bench are in the world's half" if far else "no part of the bench is in the world's half"
+        )
         raise fail(what, wired.where, "name the parts of the world: --parts chassis,road")
     problems = [*_method_problems(wired, simulation, far)]
     border = _border(wired, far, columns, problems)

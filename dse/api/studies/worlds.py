@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 from dse.domain.udp import LinkMode, LinkRole, UdpSource, heard, sent
 from dse.errors import Location, Problem, fail, raise_if_any
 from dse.testbench import (
-    WorldPlace,
+    WorldPlace as WorldPlace,
     check_bench,
     halves_of,
     near_half,
@@ -116,7 +116,10 @@ def write_world(layout: WorldLayout, folder: Path) -> tuple[Path, Path]:
         "parameters:",
         *(f"  {p.name}: {{start: {p.start}, type: int, tunable: false}}" for p in component.parameters),
     ]
-    texts = {folder / "component.yaml": "\n".join(lines) + "\n", folder / "interfaces.yaml": write_interfaces([interface])}
+    texts = {
+        folder / "component.yaml": "\n".join(lines) + "\n",
+        folder / "interfaces.yaml": write_interfaces([interface]),
+    }
     there = (path for path in texts if path.exists())
     raise_if_any(Problem("the file is there already", Location(str(path)), "nothing is overwritten") for path in there)
     folder.mkdir(parents=True, exist_ok=True)

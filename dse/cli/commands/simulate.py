@@ -24,7 +24,7 @@ from dse.cli.arguments import (
     Settings,
     Strict,
     World,
-    split_parts,
+    world_of_bench,
 )
 from dse.cli.completing import benches
 from dse.cli.packages import Wishes, is_package, simulate_package, waveform_file
@@ -112,8 +112,8 @@ def simulate(
     asked = {"--variant": variant, "--stop": stop, "--step": step, "--record": record}
     words = {"--algorithm": algorithm, "--coupling": coupling, "--extrapolation": extrapolation, "--timeout": timeout}
     _refuse({**asked, **words, "--tolerance": tolerance is not None, "--strict": strict}, "package")
-    require_world(world, parts)
-    from dse.api import simulate_once, world_at
+    there = world_of_bench(world, parts)
+    from dse.api import simulate_once
     from dse.cli.runs import present_run, write_run
 
     tested = workspace_of(bench).bench(bench)
@@ -127,7 +127,7 @@ def simulate(
             sandbox=sandbox,
             fmi=version,
             tell=status.update,
-            world=None if world is None else world_at(world, split_parts(parts)),
+            world=there,
         )
     present_run(run, output, plot)
     if waveforms is not None:
@@ -135,12 +135,6 @@ def simulate(
     unmet = "fail" in run.verdicts.values() or "doubtful" in run.check.certainties.values()
     failed = not run.is_done or (gate and unmet)
     raise typer.Exit(RUNS_FAILED if failed else DONE)
-
-
-def require_world(world: str | None, parts: str | None) -> None:
-    """Refuse parts of a world that is not elsewhere."""
-    if parts is not None and world is None:
-        raise typer.BadParameter("this goes with --world", param_hint="--parts")
 
 
 def _refuse(options: Mapping[str, object], meant: str) -> None:

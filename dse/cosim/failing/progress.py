@@ -18,7 +18,7 @@ PROGRESS_BYTES = ctypes.sizeof(Progress)
 
 
 def run_and_step(block: bytes) -> tuple[int, int]:
-    """The number of the run that a progress block tells of, and the communication step it is in; -1 before the first."""
+    """The number of the run that a progress block tells of, and its communication step; -1 before the first."""
     progress = Progress.from_buffer_copy(block)
     return int(progress.run), int(progress.step)
 
