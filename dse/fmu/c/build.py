@@ -68,7 +68,7 @@ def _contents(
         user |= {f"resources/{name}": content for name, content in source.resources}
         user[PARTNER] = source.partner.encode()
     if source.is_live:
-        names = (*names, "datagram.h", "udp.h")
+        names = (*names, "datagram.h", "udp_told.h", "udp.h")
     runtime = {f"sources/runtime/{name}": (_RUNTIME / name).read_bytes() for name in names}
     subject = Subject(
         name=component.name,
