@@ -218,7 +218,7 @@ static int dse_udp_judge(struct dse_udp *udp, size_t size, struct dse_udp_packet
     if (head[2] != again) {
         return DSE_UDP_TORN;
     }
-    if ((head[3] & ~DSE_UDP_FLAGS) || !(head[3] & DSE_UDP_ANSWER) != DSE_UDP_IS_SERVER) {
+    if ((head[3] & ~DSE_UDP_FLAGS) || (head[3] & DSE_UDP_ANSWER) != (DSE_UDP_IS_SERVER ? 0 : DSE_UDP_ANSWER)) {
         return DSE_UDP_WRONG_FLAGS;
     }
     return dse_udp_judge_values(udp, head[3]);
