@@ -15,7 +15,6 @@ from dse.errors import Location, Problem, closest, fail, raise_if_any
 from dse.kinds._generated import build_generated
 from dse.kinds._partner import members_of, struct_lines
 from dse.loading import ComponentKind, Plain, SourcePlace, SourceSection
-from dse.units import DIMENSIONLESS, Unit
 
 _STRUCT = "outside"
 _MOST_VALUES = 8000
@@ -59,7 +58,7 @@ class UdpKind(ComponentKind[UdpSection, UdpSource]):
             raise fail(f"'{host}' is no address", place.at(key), f"{key}: 192.168.1.20")
         timeout = _seconds(section.timeout, place, "timeout", 5.0)
         wait = _seconds(section.wait, place, "wait", timeout)
-        return UdpSource(section.port, host, role, mode, timeout, wait, place.entry.key)
+        return UdpSource(section.port, host, role, mode, timeout, wait, where=place.entry.key)
 
     def build(self, component: Component, source: UdpSource, *, version: int, cache: Path | None) -> Path:
         """The FMU. Raises DseError: its ports cannot go over a datagram, or this system has no POSIX sockets."""
@@ -134,6 +133,7 @@ def _header(component: Component, source: UdpSource) -> str:
 #define DSE_UDP_IS_FREE {int(source.mode is LinkMode.FREE)}
 #define DSE_UDP_TIMEOUT {source.timeout!r}
 #define DSE_UDP_WAIT {source.wait!r}
+{"" if source.layout is None else f"#define DSE_UDP_LAYOUT {source.layout}.0"}
 #define dse_component_take {_STRUCT}_take
 
 typedef struct {{
@@ -149,18 +149,11 @@ void {_STRUCT}_take({_STRUCT} *self);
 def _code(component: Component) -> str:
     places = {name: place for place, (name, _) in enumerate(heard(component))}
     places |= {name: len(places) + place for place, name in enumerate(LINK)}
-    inputs, outputs = (
-        [port for port in component.interface.ports if port.causality is way]
-        for way in (Causality.INPUT, Causality.OUTPUT)
-    )
-    units = [port.type.unit for port in inputs] + [DIMENSIONLESS] * len(component.parameters)  # those are SI already
-    asks = "".join(
-        f"    self->ask[{n}] = {_in_si(f'self->{member}', unit)};\n"
-        for n, ((member, _), unit) in enumerate(zip(_sent_members(component), units, strict=True))
-    )
+    outputs = [port.name for port in component.interface.ports if port.causality is Causality.OUTPUT]
+    asks = "".join(f"    self->ask[{n}] = self->{member};\n" for n, (member, _) in enumerate(_sent_members(component)))
     takes = "".join(
-        f"    self->{member} = ({type_}){_from_si(f'self->answer[{places[port.name]}]', port.type.unit)};\n"
-        for port, (member, type_) in zip(outputs, _out_members(component), strict=True)
+        f"    self->{member} = ({type_})self->answer[{places[name]}];\n"
+        for name, (member, type_) in zip(outputs, _out_members(component), strict=True)
     )
     return f"""#include "{_STRUCT}.h"
 
@@ -174,14 +167,6 @@ void {_STRUCT}_take({_STRUCT} *self) {{
     (void)self;
 {takes}}}
 """
-
-
-def _in_si(value: str, unit: Unit) -> str:
-    return value if unit.is_coherent else f"{value} * {float(unit.factor)!r} + {float(unit.offset)!r}"
-
-
-def _from_si(value: str, unit: Unit) -> str:
-    return value if unit.is_coherent else f"(({value} - {float(unit.offset)!r}) / {float(unit.factor)!r})"
 
 
 def _range(type_: Type) -> Iterator[tuple[str, str]]:

@@ -9,3 +9,4 @@ from .seat import (
     with_driver as with_driver,
 )
 from .session import Ended as Ended, Patience as Patience, Seen as Seen, Session as Session, Why as Why
+from .world import News as News, What as What, require_free as require_free, serve_world as serve_world

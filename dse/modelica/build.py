@@ -37,7 +37,7 @@ from dse.modelica.translate import Translated, TranslationError, translate
 
 _DSE = Path(__file__).parents[1]
 _RUNTIME = _DSE / "fmu" / "runtime"
-_FOR_C = ("fused_", "c_component", "datagram.h", "udp.h")
+_FOR_C = ("fused_", "c_component", "datagram.h", "udp")
 _NOT_FOR = {2: (*_FOR_C, "fmi3"), 3: (*_FOR_C, "fmi2")}
 """How files of the runtime begin that an FMU of a version has no use for."""
 

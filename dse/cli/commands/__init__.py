@@ -29,6 +29,7 @@ COMMANDS = (
     "simulate",
     "run",
     "explore",
+    "world",
     "status",
     "merge",
     "results",

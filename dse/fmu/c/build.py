@@ -68,7 +68,7 @@ def _contents(
         user |= {f"resources/{name}": content for name, content in source.resources}
         user[PARTNER] = source.partner.encode()
     if source.is_live:
-        names = (*names, "datagram.h", "udp.h")
+        names = (*names, "datagram.h", "udp_told.h", "udp.h")
     runtime = {f"sources/runtime/{name}": (_RUNTIME / name).read_bytes() for name in names}
     subject = Subject(
         name=component.name,
@@ -80,6 +80,7 @@ def _contents(
         files=(f"runtime/fmi{version}.c", *(f"component/{unit}" for unit in staged.units)),
         include_folder=posixpath.dirname(f"component/{staged.header}"),
         has_state=not (source.partner or source.is_live),
+        needs_tool=source.is_live,
     )
 
     def generated(token: str) -> tuple[dict[str, bytes], Mapping[int, Demand]]:

@@ -5,92 +5,12 @@
 #ifndef DSE_UDP_H
 #define DSE_UDP_H
 
-#include <stdarg.h>
+#include "udp_told.h"
 
-#include "datagram.h"
-
-enum { DSE_UDP_DONE, DSE_UDP_ENDED, DSE_UDP_FAILED };
-enum { DSE_UDP_LONGEST = 400, DSE_UDP_ENDS = 3, DSE_UDP_MOST_IN_A_STEP = 4096 };
+enum { DSE_UDP_ENDS = 3, DSE_UDP_MOST_IN_A_STEP = 4096 };
 #define DSE_UDP_FIRST_RESEND 0.005
 #define DSE_UDP_LAST_RESEND 0.2
 #define DSE_UDP_GIVEN_UP 0.1 /* of delay, in s, is not made up for */
-
-/* ---- what is told ---- */
-
-struct dse_udp_text {
-    char *at;
-    size_t used; /* of DSE_UDP_LONGEST */
-};
-
-static void dse_udp_add(struct dse_udp_text *text, const char *format, ...) {
-    if (text->used < DSE_UDP_LONGEST) {
-        va_list arguments;
-        va_start(arguments, format);
-        const int more = vsnprintf(text->at + text->used, DSE_UDP_LONGEST - text->used, format, arguments);
-        va_end(arguments);
-        text->used += more > 0 ? (size_t)more : 0;
-    }
-}
-
-static double dse_udp_count_ignored(const struct dse_udp *udp, int reasons) {
-    double sum = 0.0;
-    for (int reason = 0; reason < reasons; reason++) {
-        sum += (double)udp->counts.ignored[reason];
-    }
-    return sum;
-}
-
-static void dse_udp_add_ignored(const struct dse_udp *udp, struct dse_udp_text *text) {
-    static const char *const reasons[DSE_UDP_REASONS] = {
-        "of a wrong size", "of another protocol or version", "torn", "with flags that are wrong here",
-        "with values that are none", "of another session", "from elsewhere", "old or doubled"};
-    const char *separator = "";
-    dse_udp_add(text, "ignored: ");
-    for (int reason = 0; reason < DSE_UDP_REASONS; reason++) {
-        if (udp->counts.ignored[reason]) {
-            dse_udp_add(text, "%s%.0f %s", separator, (double)udp->counts.ignored[reason], reasons[reason]);
-            separator = ", ";
-        }
-    }
-    if (udp->counts.ignored[DSE_UDP_WRONG_SIZE]) {
-        dse_udp_add(text, " (the last of %lu bytes, right are %lu)", (unsigned long)udp->counts.last_size,
-                    (unsigned long)DSE_UDP_HEARD_SIZE);
-    }
-}
-
-/* Whether something came that nobody in good order sends, or a deadline was missed: then *said* tells it. */
-static bool dse_udp_tell_trouble(const struct dse_udp *udp, char said[DSE_UDP_LONGEST + 1]) {
-    struct dse_udp_text text = {said, 0};
-    const bool has_ignored = dse_udp_count_ignored(udp, DSE_UDP_WRONG_SEQUENCE) > 0.0;
-    if (udp->counts.overruns) {
-        dse_udp_add(&text, "%.0f deadlines were missed, by %.3g s at most", (double)udp->counts.overruns,
-                    udp->counts.latest);
-    }
-    if (has_ignored) {
-        dse_udp_add(&text, udp->counts.overruns ? "; packets " : "packets ");
-        dse_udp_add_ignored(udp, &text);
-    }
-    return has_ignored || udp->counts.overruns;
-}
-
-static int dse_udp_fail_silent(const struct dse_udp *udp, double seconds, char *said) {
-    struct dse_udp_text text = {said, 0};
-    dse_udp_add(&text, "in %g s no packet that can be used came ", seconds);
-    if (!DSE_UDP_HOST[0]) {
-        dse_udp_add(&text, "from the other side");
-    } else {
-        dse_udp_add(&text, DSE_UDP_IS_SERVER ? "to %s:%s" : "from %s:%s", DSE_UDP_HOST, DSE_UDP_PORT);
-    }
-    dse_udp_add(&text, "; ");
-    if (dse_udp_count_ignored(udp, DSE_UDP_REASONS) > 0.0) {
-        dse_udp_add_ignored(udp, &text);
-    } else {
-        dse_udp_add(&text, udp->counts.refused ? "nobody listens there"
-                           : udp->counts.busy  ? "it is busy with another session"
-                                               : "nothing was heard at all");
-    }
-    return DSE_UDP_FAILED;
-}
 
 /* ---- sessions ---- */
 
@@ -289,6 +209,10 @@ static int dse_udp_keep_time(struct dse_udp *udp, double time, double step, char
  * another one, whose answer is of these values; a server gives what it has heard. */
 static int dse_udp_start(struct dse_udp *udp, double time, const double *sent, char *said) {
     if (DSE_UDP_IS_SERVER) {
+        if (!udp->session) {
+            dse_udp_set_head(udp, 0, 0, 0);
+            dse_udp_set_values(udp, time, sent); /* for who asks with another layout */
+        }
         return udp->session ? DSE_UDP_DONE : dse_udp_await(udp, 0, DSE_UDP_WAIT, said);
     }
     if (udp->session && memcmp(udp->sent + DSE_UDP_HEAD, sent, DSE_UDP_SENT * sizeof *sent) == 0) {
