@@ -22,8 +22,8 @@ class WiredParts:
 
     *connections* join single ports (``sensor.target.gap -> controller.target.gap``): an output that is there to an
     input that is there, one to each, as `dse.space.wire` gives them. *values* are those of parameters and
-    unconnected inputs, as ``part.port``; *where* is the bench that may give them. *order* is the one they step in, () for
-    along the flow of signals.
+    unconnected inputs, as ``part.port``; *where* is the bench that may give them. *order* is the one they step in, ()
+    for along the flow of signals.
     """
 
     parts: Mapping[str, Component]
