@@ -9,7 +9,10 @@ import socket
 import struct
 import threading
 from collections.abc import Callable, Sequence
+from functools import partial
+from time import sleep
 from types import TracebackType
+from typing import Any
 
 START, END, LATE, BUSY, ANSWER = 1, 2, 4, 8, 16
 MAGIC = 0x44534531
@@ -35,7 +38,7 @@ Answer = Callable[[float, float, tuple[float, ...]], Sequence[float]]
 class Answerer:
     """Answers in lockstep, one session after another, in a thread; *step* is the client's. Answer *ends_at* ends it.
 
-    Every datagram that came is in *heard*.
+    Every datagram that came is in *heard*, who sent it in *senders*.
     """
 
     def __init__(self, answer: Answer, step: float = 0.01, ends_at: int = -1, port: int = 0) -> None:
@@ -43,6 +46,7 @@ class Answerer:
         self.socket.bind(("127.0.0.1", port))
         self.port = self.socket.getsockname()[1]
         self.heard: list[bytes] = []
+        self.senders: list[tuple[str, int]] = []
         self._answer, self._step, self._ends_at = answer, step, ends_at
         self._thread = threading.Thread(target=self._serve, daemon=True)
 
@@ -62,6 +66,7 @@ class Answerer:
             if not data:
                 return
             self.heard.append(data)
+            self.senders.append(sender)
             asked, sequence, flags, time, values = unpacked(data)
             if asked in over:
                 continue
@@ -99,7 +104,10 @@ class Asker:
             try:
                 self.socket.send(packed(self.session, sequence, flags, time, values))
                 session, answered, told, at, found = unpacked(self.socket.recv(65536))
-            except (TimeoutError, ConnectionRefusedError):
+            except TimeoutError:
+                continue
+            except ConnectionRefusedError:
+                sleep(0.05)
                 continue
             if (session, answered) == (self.session, sequence):
                 return told, at, found
@@ -119,7 +127,7 @@ class Proxy:
         self.back.connect(("127.0.0.1", port))
         self.port = self.front.getsockname()[1]
         self.lost = self.doubled = self.delayed = 0
-        self._random = random.Random(seed)
+        self._random = random.Random(seed)  # noqa: S311  # no secret
         self._stop = threading.Event()
         self._thread = threading.Thread(target=self._carry, daemon=True)
 
@@ -133,20 +141,23 @@ class Proxy:
         self.front.close()
         self.back.close()
 
+    def _to(self, client: Any, packet: bytes) -> int:
+        return self.front.sendto(packet, client)
+
     def _carry(self) -> None:
-        client: object = None
+        client: Any = None
         late: dict[socket.socket, bytes] = {}
         while not self._stop.is_set():
             ready, _, _ = select.select([self.front, self.back], [], [], 0.02)
             for end in ready:
                 try:
-                    data, sender = end.recvfrom(65536)
-                except ConnectionRefusedError:
+                    data, sender = end.recvfrom(65536, socket.MSG_DONTWAIT)
+                except (ConnectionRefusedError, BlockingIOError):  # what was ready may have been told to a send
                     continue
                 if end is self.front:
                     client = sender
                 chance = self._random.random()
-                send = self.back.send if end is self.front else lambda packet: self.front.sendto(packet, client)
+                send = self.back.send if end is self.front else partial(self._to, client)
                 with contextlib.suppress(ConnectionRefusedError):
                     if chance < 0.05:
                         self.lost += 1
