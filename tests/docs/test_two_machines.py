@@ -51,3 +51,18 @@ def test_the_car_and_the_world_find_each_other(cache):
     assert served.returncode == 0, served.stderr
     assert "6000 exchanges" in served.stdout
     assert found[0].stdout == run_dse(ROOT, "simulate", "acc_following", cache=cache).stdout
+
+
+def test_the_component_that_is_written_speaks_as_the_car_does(cache, tmp_path):
+    """Order, types and the layout number survive the file."""
+    from dse.api import world_at, world_layout, write_world
+    from dse.domain.udp import heard, sent
+    from dse.loading import Workspace
+
+    bench = Workspace.around(ROOT).bench("road_following")
+    layout = world_layout(bench, None, {}, world_at("127.0.0.1:5005"))
+    write_world(layout, tmp_path / "components" / "there")
+    read = Workspace.around(tmp_path).component(layout.component.name)
+    assert sent(read) == layout.to_world
+    assert heard(read) == layout.to_car
+    assert [parameter.start for parameter in read.parameters] == [layout.number]
