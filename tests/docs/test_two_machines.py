@@ -62,7 +62,7 @@ def test_the_component_that_is_written_speaks_as_the_car_does(cache, tmp_path):
     bench = Workspace.around(ROOT).bench("road_following")
     layout = world_layout(bench, None, {}, world_at("127.0.0.1:5005"))
     write_world(layout, tmp_path / "components" / "there")
-    read = Workspace.around(tmp_path).component(layout.component.name)
+    read = Workspace.around(tmp_path).component("there")
     assert sent(read) == layout.to_world
     assert heard(read) == layout.to_car
     assert [parameter.start for parameter in read.parameters] == [layout.number]

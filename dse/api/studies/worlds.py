@@ -110,7 +110,7 @@ def serve_bench(
 
 
 def write_world(layout: WorldLayout, folder: Path) -> tuple[Path, Path]:
-    """Write the component that stands for the world, and its interface, into *folder*; returns both files.
+    """Write the component that stands for the world, and its interface, into *folder*, whose name is theirs; returns both.
 
     Raises DseError if one of them is there.
     """
@@ -118,9 +118,9 @@ def write_world(layout: WorldLayout, folder: Path) -> tuple[Path, Path]:
 
     component, source = layout.component, layout.component.source
     assert isinstance(source, UdpSource)  # noqa: S101  # by how it is made
-    interface = replace(component.interface, name=component.name)
+    interface = replace(component.interface, name=folder.resolve().name)
     lines = [
-        f"component: {component.name}",
+        f"component: {interface.name}",
         f"title: {component.title}",
         f"implements: {interface.name}",
         f"source: {{kind: udp, host: {source.host}, port: {source.port}}}",
