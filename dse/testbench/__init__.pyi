@@ -8,9 +8,9 @@ from .facts import (
     known_facts as known_facts,
 )
 from .fuse import fuse_study as fuse_study
+from .halves import Halves as Halves, WorldPlace as WorldPlace, near_half as near_half
 from .numerics import numerics_as_data as numerics_as_data, numerics_of_element as numerics_of_element
 from .objectives import compile_objective as compile_objective, with_composites as with_composites
-from .halves import Halves as Halves, WorldPlace as WorldPlace, near_half as near_half
 from .prepare import (
     check_bench as check_bench,
     halves_of as halves_of,

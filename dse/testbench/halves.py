@@ -17,8 +17,8 @@ from dse.domain.component import Causality, Component, Interface, Kind, Paramete
 from dse.domain.design import Connection
 from dse.domain.method import Algorithm
 from dse.domain.system import Wire
-from dse.errors import Problem, closest, fail, raise_if_any, some_of
 from dse.domain.udp import UdpSource
+from dse.errors import Problem, closest, fail, raise_if_any, some_of
 from dse.system import along_the_flow
 from dse.testbench.wired import WiredBench
 from dse.units import coherent

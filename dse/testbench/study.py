@@ -29,8 +29,8 @@ from dse.testbench.several import Prepared, together
 class Preparing:
     """How the configurations of *study* are prepared.
 
-    FMUs are built as *version* of FMI; *say* and *sandboxed* are for `with_error_bars`. With a *world*, that half of the
-    bench is there.
+    FMUs are built as *version* of FMI; *say* and *sandboxed* are for `with_error_bars`. With a *world*, that half of
+    the bench is there.
     """
 
     study: Study

@@ -53,6 +53,7 @@ MAY_IMPORT = {
     "space refine acc_vehicle --choose sensor=lidar_905nm": {"numpy", "ruamel.yaml"},
     "export uvl acc_vehicle -o {o}.uvl": SPACE,
     "export csv acc_vehicle -o {o}.csv": SPACE,
+    "world acc_following --layout": {"networkx", "numpy", "pint", "ruamel.yaml", "scipy"},
     "results {s}": {"numpy"},
     "findings {s}": {"networkx", "numpy", "pandas", "pint", "pyarrow", "ruamel.yaml", "scipy"},  # scikit-learn's pandas
     "best {s} --minimize consumption": RUNS,

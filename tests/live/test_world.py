@@ -93,7 +93,7 @@ def test_a_world_that_ends_ends_the_run_with_the_rows_until_then(bench, port, ne
 @pytest.mark.thorough
 def test_a_world_that_is_killed_fails_the_run_by_name_and_the_next_one_is_served(port, cache):
     bench = bench_of("acc_following", 600.0)
-    near, found = near_of(bench, port, None, cache, timeout=0.5), []
+    near, found = near_of(bench, port, None, cache, timeout=0.5, wait=60.0), []
     runs = threading.Thread(target=lambda: found.append(run_of(near)))
     news = serve_world(far_of(bench, port, None, cache))
     runs.start()

@@ -49,7 +49,7 @@ def near_of(bench: TestBench, port: int, parts: Parts, cache: Path | None = None
 
 def far_of(bench: TestBench, port: int, parts: Parts, cache: Path | None = None) -> PreparedBench:
     chosen = one_configuration(bench.design, None)
-    source = UdpSource(port, role=LinkRole.SERVER, wait=5.0)
+    source = UdpSource(port, role=LinkRole.SERVER, wait=60.0)
     return prepare_world(bench, chosen, WorldPlace(source, parts), cache=cache)
 
 

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 from dse.domain.udp import LinkMode, LinkRole, UdpSource, heard, sent
 from dse.errors import Location, Problem, fail, raise_if_any
 from dse.testbench import (
-    WorldPlace as WorldPlace,
+    WorldPlace,
     check_bench,
     halves_of,
     near_half,
@@ -25,6 +25,17 @@ if TYPE_CHECKING:
     from dse.domain.component import Component, Type
     from dse.live import News
     from dse.loading import Raw
+
+__all__ = [
+    "HEAD_BYTES",
+    "VALUE_BYTES",
+    "WorldLayout",
+    "WorldPlace",
+    "serve_bench",
+    "world_at",
+    "world_layout",
+    "write_world",
+]
 
 _ADDRESS = re.compile(r"(?P<host>[A-Za-z0-9.-]+|\[[0-9A-Fa-f:.]+\]):(?P<port>[0-9]{1,5})", re.ASCII)
 _FOREVER = 3600.0
@@ -99,7 +110,7 @@ def serve_bench(
 
 
 def write_world(layout: WorldLayout, folder: Path) -> tuple[Path, Path]:
-    """Write the component that stands for the world, and its interface, into *folder*; returns both files.
+    """Write the component that stands for the world, and its interface, into *folder*, whose name is theirs; returns both.
 
     Raises DseError if one of them is there.
     """
@@ -107,9 +118,9 @@ def write_world(layout: WorldLayout, folder: Path) -> tuple[Path, Path]:
 
     component, source = layout.component, layout.component.source
     assert isinstance(source, UdpSource)  # noqa: S101  # by how it is made
-    interface = replace(component.interface, name=component.name)
+    interface = replace(component.interface, name=folder.resolve().name)
     lines = [
-        f"component: {component.name}",
+        f"component: {interface.name}",
         f"title: {component.title}",
         f"implements: {interface.name}",
         f"source: {{kind: udp, host: {source.host}, port: {source.port}}}",

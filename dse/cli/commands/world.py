@@ -69,13 +69,10 @@ def world(
     there = world_layout(tested, configuration, given, world_at(f"127.0.0.1:{port}", split_parts(parts)))
     say(f"world of {tested.name}: {', '.join(there.parts)}; configuration {there.configuration}", style="bold")
     say(f"listening at {listen}:{port}; Ctrl-C ends it", stderr=True)
-    try:
-        for one in news:
-            say(_line(one), style="red" if one.is_failed else None)
-            if once and one.is_over:
-                raise typer.Exit(RUNS_FAILED if one.is_failed else DONE)
-    except KeyboardInterrupt:
-        say("ended", stderr=True)
+    for one in news:
+        say(_line(one), style="red" if one.is_failed else None)
+        if once and one.is_over:
+            raise typer.Exit(RUNS_FAILED if one.is_failed else DONE)
 
 
 def _line(news: News) -> str:
@@ -86,7 +83,8 @@ def _line(news: News) -> str:
         return f"{at}connected"
     more = f"; {news.why}" if news.why else ""
     end = "ended after " if news.is_over else ""
-    return f"{at}{end}{news.time:g} s, {news.steps} exchanges, {news.rate:,.0f} in a second{more}"
+    rate = f", {news.rate:,.0f} in a second" if news.rate else ""
+    return f"{at}{end}{news.time:g} s, {news.steps} exchanges{rate}{more}"
 
 
 def _show(told: WorldLayout) -> None:
