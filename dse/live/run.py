@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import mmap
 import os
+import pickle
 import signal
 import socket
 import sys
@@ -19,7 +20,7 @@ from dse.plain import packed, unpacked
 from dse.processes import forget_start
 from dse.testbench import PreparedBench, make_runner
 
-PROGRESS, RESULT, LOG = "progress", "result", "log"
+PREPARED, PROGRESS, RESULT, LOG = "prepared", "progress", "result", "log"
 PROGRESS_BYTES = 64
 _SOCKET = "DSE_LIVE_SOCKET"
 _LEAST_ROOM = 1 << 30
@@ -34,12 +35,13 @@ class Bounds:
     nice: int = 2
 
 
-def make_run(end: socket.socket, prepared: PreparedBench, folder: Path, bounds: Bounds) -> None:
-    """Simulate *prepared*, whose live component talks through *end*; in *folder* is where it is, and what it gave."""
+def make_run(end: socket.socket, folder: Path, bounds: Bounds) -> None:
+    """Simulate what is prepared in *folder*, whose live component talks through *end*; there it leaves what it gave."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C reaches the whole group; who started this ends it
     _print_to(folder / LOG)
     threading.Thread(target=_leave_with_parent, daemon=True).start()
     forget_start()
+    prepared: PreparedBench = pickle.loads((folder / PREPARED).read_bytes())  # noqa: S301  # who started this wrote it
     _limit(bounds)
     os.environ[_SOCKET] = str(end.fileno())
     with (folder / PROGRESS).open("r+b") as stream:

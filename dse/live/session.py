@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import multiprocessing
+import pickle
 import signal
 import socket
 import threading
@@ -20,7 +21,7 @@ from numpy.typing import NDArray
 from dse.domain.drive import Pace
 from dse.domain.run import Outcome, Run
 from dse.live.packet import Flag, Packet, PacketError, pack, unpack
-from dse.live.run import LOG, PROGRESS, PROGRESS_BYTES, Bounds, make_run, read_run
+from dse.live.run import LOG, PREPARED, PROGRESS, PROGRESS_BYTES, Bounds, make_run, read_run
 from dse.live.seat import LATENESS, OVERRUNS, Seat
 from dse.processes import start_process
 from dse.scratch import ScratchFolder
@@ -143,12 +144,14 @@ class Session:
 
     def _made(self, folder: Path) -> Ended:
         (folder / PROGRESS).write_bytes(bytes(PROGRESS_BYTES))
+        # Not as an argument: a child that dies of its imports would leave who writes a long one waiting for ever.
+        (folder / PREPARED).write_bytes(pickle.dumps(self._prepared))
         (folder / LOG).touch()
         near, far = socket.socketpair(socket.AF_UNIX, socket.SOCK_DGRAM)
         stop = self._prepared.simulation.stop
         bounds = Bounds(2 * stop + self._patience.start, self._prepared.memory)
         context = multiprocessing.get_context("spawn")
-        process = context.Process(target=make_run, args=(far, self._prepared, folder, bounds), daemon=True)
+        process = context.Process(target=make_run, args=(far, folder, bounds), daemon=True)
         with near, far:
             near.setblocking(False)
             start_process(process, folder / LOG)
