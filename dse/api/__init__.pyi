@@ -5,6 +5,8 @@ from .contents import (
     listing as listing,
     study_folders as study_folders,
 )
+from .drives.boards import SCORING as SCORING, Board as Board, Score as Score, board_of as board_of
+from .drives.folder import CheckedDrive as CheckedDrive, Drives as Drives
 from .naming import (
     OUT as OUT,
     new_folder as new_folder,

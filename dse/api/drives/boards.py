@@ -151,4 +151,3 @@ def _data(score: Score) -> dict[str, object]:
 
 def _number(value: float) -> float | None:
     return value if math.isfinite(value) else None
-

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from dse.api.drives.boards import Board, board_of
-from dse.api.drives.keeping import DRIVE, NOBODY, drive_again, drive_name, is_drives, keep_drives, kept_drives
+from dse.api.drives.keeping import drive_again, drive_name, is_drives, keep_drives, thinned
 from dse.api.naming import workspace_of
 from dse.api.studies.run import Run
 from dse.domain.drive import Drive, bits_of
@@ -112,7 +112,7 @@ class Drives:
                 definition = store.header.definition
                 for run in store.table().runs():
                     if drive and drive_name(definition, run.request.point).startswith(drive):
-                        return Run(run, definition)
+                        return Run(store.run(run.request.number), definition)
         raise fail(f"there is no drive '{drive[:40]}'", Location(shown(self.path)))
 
     def check(self, *, tell: Tell | None = None) -> Iterator[CheckedDrive]:
@@ -121,12 +121,14 @@ class Drives:
             if tell:
                 tell(f"{drive.bench}: drive {name} of {drive.driver}")
             try:
-                made = drive_again(drive, self._files.bench(drive.bench))
+                bench = self._files.bench(drive.bench)
+                made = drive_again(drive, bench)
                 stored = self.run(name)
             except DseError as error:
                 self.problems += error.problems
                 continue
-            again, now = made, bits_of(made)
+            # A study keeps waveforms as often as its bench says.
+            again, now = thinned(made, bench), bits_of(made)
             shared = drive.bits.keys() & now.keys()
             yield CheckedDrive(
                 name,
@@ -155,6 +157,3 @@ class Drives:
                     is_ours = is_drives(store.header.definition)
                 if is_ours:
                     yield folder
-
-
-__all__ = ["DRIVE", "NOBODY", "CheckedDrive", "Drives", "kept_drives"]

@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -57,22 +57,21 @@ def is_drives(definition: StudyDefinition) -> bool:
 
 def kept_drives(definition: StudyDefinition) -> dict[str, Kept]:
     """The drives that a study knows, by id, in the order of their numbers; `NOBODY` is not among them."""
-    return {
-        name: Kept(
-            str(told["driver"]),
-            str(told["configuration"]),
-            float(told["seconds"]),
-            int(told["steps"]),
-            int(told["overruns"]),
-        )
-        for name, told in definition.sampler.options.get("drives", {}).items()
-    }
+    options: Mapping[str, Any] = definition.sampler.options.get("drives", {})
+    # What is stored as JSON is sorted: the order is that of the labels.
+    names = next((each.labels[1:] for each in definition.variables if each.name == DRIVE), ())
+    return {name: _kept(options[name]) for name in names if name in options}
 
 
 def drive_name(definition: StudyDefinition, point: Mapping[str, object]) -> str:
     """The id of the drive that a run of such a study is; `NOBODY` for the run that nobody drove."""
     number = int(float(str(point[DRIVE])))
     return NOBODY if number == 0 else list(kept_drives(definition))[number - 1]
+
+
+def _kept(told: Mapping[str, Any]) -> Kept:
+    numbers = float(told["seconds"]), int(told["steps"]), int(told["overruns"])
+    return Kept(str(told["driver"]), str(told["configuration"]), *numbers)
 
 
 def bench_driven(drive: Drive, bench: TestBench, folder: Path) -> TestBench:
@@ -228,7 +227,7 @@ def _add_missing(
             made = alone(bench_study(bench, Selection((configuration,))), 2)[0]
         else:
             tell(f"{bench.name}: drive {name} of {known[name].driver}")
-            made = _thinned(drive_again(drives[name], bench), bench)
+            made = thinned(drive_again(drives[name], bench), bench)
         run = replace(made, request=request)
         store.add(configuration, [places[name]], block_of([run], store.header.measures))
         if run.waveforms is not None:
@@ -238,7 +237,7 @@ def _add_missing(
         store.commit()
 
 
-def _thinned(run: Run, bench: TestBench) -> Run:
+def thinned(run: Run, bench: TestBench) -> Run:
     """*run* with waveforms as often as *bench* keeps them."""
     if run.waveforms is None:
         return run

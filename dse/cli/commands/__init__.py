@@ -40,6 +40,7 @@ COMMANDS = (
     "serve",
     "figure",
     "replay",
+    "drives",
     "cache",
     "docs",
     "schema",
