@@ -5,6 +5,7 @@ from .contents import (
     listing as listing,
     study_folders as study_folders,
 )
+from .driving.live import MOST_DRIVER as MOST_DRIVER, LiveDrive as LiveDrive, open_drive as open_drive
 from .naming import (
     OUT as OUT,
     new_folder as new_folder,

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 
 from dse.errors import fail
 from dse.serving.application import application
-from dse.serving.guard import Application
+from dse.serving.guard import Application, Limits
 from dse.serving.shelf import Shelf
 
 if TYPE_CHECKING:
@@ -28,6 +28,8 @@ _TO_FINISH = 3
 """Seconds that requests have to come to their end when the server stops."""
 
 _MOST_AT_ONCE = 64
+MOST_MESSAGE = Limits().message
+"""Bytes of a message over a WebSocket."""
 _MOST_HEAD = 32 * 1024
 
 
@@ -61,7 +63,9 @@ def server_of(guarded: Application) -> uvicorn.Server:
         uvicorn.Config(
             guarded,
             http="h11",
-            ws="none",
+            ws="websockets-sansio",
+            ws_max_size=MOST_MESSAGE,
+            ws_per_message_deflate=False,
             loop="asyncio",
             lifespan="off",
             interface="asgi3",
