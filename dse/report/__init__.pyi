@@ -42,6 +42,7 @@ from .page.html import (
     served_page as served_page,
     write_report as write_report,
 )
+from .page.payload import script_json as script_json
 from .page.printing import print_report as print_report
 from .roads import road_picture as road_picture, with_driven as with_driven
 from .scene.ground import ground_of as ground_of, straight_ground as straight_ground

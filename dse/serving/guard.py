@@ -36,8 +36,8 @@ HEADERS = (
 @dataclass(frozen=True, slots=True)
 class Limits:
     """The largest *body* of a request in bytes and the *seconds* it may take to come; so many requests at once
-    (*burst*) and on the average (*rate*, 1/s) from one address. Of WebSockets so many at once (*sockets*), messages of so
-    many bytes (*message*), and so many of them in a second (*messages*) from each."""
+    (*burst*) and on the average (*rate*, 1/s) from one address. Of WebSockets so many at once (*sockets*), messages of
+    so many bytes (*message*), and so many of them in a second (*messages*) from each."""
 
     body: int = 64 * 1024
     seconds: float = 10.0
@@ -72,8 +72,9 @@ class Guard:
 
     The ``Host`` must be this machine, so that no name of a stranger's can be turned to it (DNS rebinding):
     ``localhost`` or a loopback address, with *is_open* also any address in numbers and the machine's own names. What
-    changes something, and every WebSocket, must come from a page of ours (``Origin``). With a *token*, whoever has not shown it gets
-    nothing; a ``GET`` with ``?token=`` has it kept in a cookie that no script reads and no other site sends.
+    changes something, and every WebSocket, must come from a page of ours (``Origin``). With a *token*, whoever has not
+    shown it gets nothing; a ``GET`` with ``?token=`` has it kept in a cookie that no script reads and no other site
+    sends.
     """
 
     def __init__(

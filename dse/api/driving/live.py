@@ -89,6 +89,11 @@ class LiveDrive:
             self._session = Session(self._prepared, self.seat, self._first, patience)
 
     @property
+    def has_begun(self) -> bool:
+        """Whether it was started."""
+        return self._session is not None
+
+    @property
     def session(self) -> Session:
         """What makes the run. ValueError before it was started."""
         if self._session is None:
@@ -132,7 +137,7 @@ class LiveDrive:
             self._session.close()
 
     def frame(self) -> bytes | None:
-        """The newest as a page takes it: time, lateness, overruns, echo, then a value for each column; None at first."""
+        """The newest for a page: time, lateness, overruns, echo, then a value for each column; None at first."""
         seen = self._session.newest if self._session else None
         if seen is None:
             return None
@@ -189,7 +194,8 @@ def _hands(bench: TestBench, seat: Seat, fmi: int) -> dict[str, float]:
 
 def _named(driver: str) -> str:
     """What may be somebody's name: text on one line."""
-    return " ".join("".join(each if each.isprintable() else " " for each in driver).split())[:MOST_DRIVER]
+    visible = "".join(each if each.isprintable() else " " for each in driver)
+    return " ".join(visible.split())[:MOST_DRIVER].strip() or "somebody"
 
 
 def _number(value: object) -> float:
