@@ -9,8 +9,11 @@ from dse.domain.bench import TestBench, TestComponent
 from dse.domain.component import Causality, Component, Interface, Kind, Parameter, Port, Type
 from dse.domain.design import Configuration, Connection
 from dse.domain.drive import TUNE
+from dse.domain.fmu import FmuModel
+from dse.domain.system import Element
 from dse.domain.udp import INHERITED, LinkMode, LinkRole, UdpSource
 from dse.errors import Problem, fail, raise_if_any
+from dse.fmu import build_all, open_component
 from dse.system import along_the_flow
 from dse.testbench import PreparedBench, prepare_bench, wire_bench
 from dse.units import coherent, parse_unit
@@ -61,19 +64,32 @@ def can_be_driven(bench: TestBench) -> bool:
     return sum(each.component.interface.name == DRIVER for each in bench.test_components) == 1
 
 
-def tunables_of(bench: TestBench, configuration: Configuration) -> dict[str, Parameter]:
+def tunables_of(bench: TestBench, configuration: Configuration, *, version: int = 2) -> dict[str, Parameter]:
     """The numbers of the design's parts that can be set while they run, by ``part.parameter``.
 
-    None of those that something else gives a value in every step, or that follow from others.
+    None that has a source already, or that a metric, requirement, figure or derived value takes for a constant.
     """
     wired = wire_bench(bench, configuration)
-    taken = wired.connected | {each.name for each in bench.derived}
+    archives = build_all(configuration.parts.values(), version=version)
+    models = {name: open_component(part, archives[part.name]) for name, part in configuration.parts.items()}
+    texts = [each.expression.text for each in bench.metrics] + [each.expression.text for each in bench.derived]
+    texts += [each.exercised_when.text for each in bench.requirements if each.exercised_when]
+    said = " ".join([*texts, *(each.target or "" for each in bench.figures), *(each.name for each in bench.derived)])
     return {
-        f"{path}.{each.name}": each
+        name: each
         for path, component in configuration.parts.items()
         for each in component.parameters
-        if each.tunable and each.type.kind is Kind.REAL and f"{path}.{each.name}" not in taken
+        if (name := f"{path}.{each.name}") not in wired.connected
+        and name not in said
+        and each.tunable
+        and each.type.kind is Kind.REAL
+        and _is_tunable(models[path], component.variable(each.name))
     }
+
+
+def _is_tunable(model: FmuModel, name: str) -> bool:
+    variable = model.variables.get(name)
+    return variable is not None and variable.variability == "tunable" and not variable.shape
 
 
 def with_driver(bench: TestBench, component: Component, tuned: Sequence[str]) -> TestBench:
@@ -86,7 +102,7 @@ def with_driver(bench: TestBench, component: Component, tuned: Sequence[str]) ->
     return replace(bench, test_components=replaced, direct=(*bench.direct, *ways))
 
 
-def take_seat(bench: TestBench, configuration: Configuration, wanted: Sequence[str]) -> Seat:
+def take_seat(bench: TestBench, configuration: Configuration, wanted: Sequence[str], *, version: int = 2) -> Seat:
     """*bench* with a seat in the driver's place, which sees the signals *wanted*.
 
     It talks through the socket that its process is given, in real time and SI units, and all that it puts out is kept.
@@ -98,10 +114,11 @@ def take_seat(bench: TestBench, configuration: Configuration, wanted: Sequence[s
         raise fail(f"bench '{bench.name}' shows {len(wanted):,} signals; a seat sees {_MOST:,} at most", bench.where)
     ports = (port for port in part.component.interface.ports if port.causality is Causality.OUTPUT)
     controls = tuple(replace(port, type=_si(port.type)) for port in ports)
-    tunables = tunables_of(bench, configuration)
+    tunables = tunables_of(bench, configuration, version=version)
     given = {**{f"{TUNE}.{name}": each.type for name, each in tunables.items()}, **_own()}
     outputs = [*controls, *(Port(name, Causality.OUTPUT, _si(type_)) for name, type_ in given.items())]
-    types = {**_own(), **{name: wired.signals[name] for name in wanted}}
+    signals = wired.signals
+    types = {**_own(), **{name: signals[name] for name in wanted}}
     inputs = [Port(f"sees.n{number}", Causality.INPUT, _si(type_)) for number, type_ in enumerate(types.values(), 1)]
     line = UdpSource(0, INHERITED, LinkRole.CLIENT, LinkMode.FREE, where=part.where)
     component = Component("seat", Interface("seat", (*inputs, *outputs)), source=line, where=part.where)
@@ -125,7 +142,15 @@ def prepare_seat(seat: Seat, *, version: int = 2) -> PreparedBench:
     system = prepared.system
     ranked = [*wire_bench(seat.bench, seat.configuration).parts]
     order = along_the_flow(ranked, [wire for wire in system.wires if wire.target != seat.part])
-    return replace(prepared, system=replace(system, elements=tuple(system.element(name) for name in order)))
+    elements = {each.name: each for each in system.elements}
+    elements[seat.part] = _heedless(elements[seat.part])
+    return replace(prepared, system=replace(system, elements=tuple(elements[name] for name in order)))
+
+
+def _heedless(element: Element) -> Element:
+    """A seat, whose outputs follow from no input: they are what somebody wants, from the start on."""
+    nothing: dict[str, tuple[str, ...]] = {variable.name: () for variable in element.outputs}
+    return replace(element, model=replace(element.model, depends=nothing, initially_depends=nothing))
 
 
 def _own() -> dict[str, Type]:

@@ -46,7 +46,7 @@ class CheckedDrive:
         return not (self.from_study or self.from_driving)
 
 
-class Drives:
+class DriveFolder:
     """The drives in *folder*; what they were driven on is found in *workspace*, else in the one around here.
 
     Recordings are never changed or removed. Files that are no drives are told in *problems*, by name, and left alone.

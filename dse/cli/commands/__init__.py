@@ -38,6 +38,7 @@ COMMANDS = (
     "compare",
     "report",
     "serve",
+    "drive",
     "figure",
     "replay",
     "drives",

@@ -6,8 +6,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
+from rich.markup import escape
 
-from dse.api import SCORING, Drives
+from dse.api import SCORING, DriveFolder
 from dse.cli.app import DONE, RUNS_FAILED, app
 from dse.cli.arguments import Format, Output
 from dse.cli.terminal import console, plain_table, print_json, print_table, say
@@ -29,7 +30,7 @@ def drives(
     Drives that are not runs yet become some: DIR/BENCH is a study, with who drove as a condition, for 'dse report',
     'dse figure' and the rest. Recordings stay as they are.
     """
-    kept = Drives(folder)
+    kept = DriveFolder(folder)
     with console(stderr=True).status("") as status:
         kept.update(tell=status.update)
         problems = list(kept.problems)
@@ -65,7 +66,7 @@ def _row(score: Score) -> tuple[str, ...]:
     share = f"{100 * score.worst:+.0f} % ({score.worst_requirement})" if score.worst_requirement else "–"
     late = f"{score.overruns} of {score.steps} steps late" if score.overruns else ""
     place = f"{score.place}." if score.place else ""
-    who = score.driver if not score.is_controller else "controller"
+    who = "controller" if score.is_controller else escape(score.driver)
     beside = "; ".join(filter(None, (score.note, late)))
     name = "–" if score.is_controller else score.drive
     return place, who, name, score.configuration, f"{score.met} of {score.of}", share, f"{score.seconds:g} s", beside
