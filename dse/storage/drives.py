@@ -35,15 +35,19 @@ _MOST_HEAD = 2_000_000
 _TIME = "time"
 _WORD = re.compile(r"[A-Za-z0-9_][A-Za-z0-9_\-]{0,99}")
 _PORT = re.compile(r"[A-Za-z_][A-Za-z0-9_.\[\],]{0,199}")
-_ID = 12
+_ID = 8
 
 
 def drive_id(drive: Drive) -> str:
-    """Twelve hexadecimal digits that follow from all that is in *drive*: equal drives are one."""
+    """Eight hexadecimal digits that follow from all that is in *drive*: equal drives are one."""
+    return _digest(drive)[:_ID]
+
+
+def _digest(drive: Drive) -> str:
     digest = sha256(_head(drive))
     for column in (drive.time, *(drive.inputs[name] for name in sorted(drive.inputs))):
         digest.update(np.ascontiguousarray(column, "<f8").tobytes())
-    return digest.hexdigest()[:_ID]
+    return digest.hexdigest()
 
 
 def driver_name(text: str) -> str:
@@ -66,6 +70,8 @@ def write_drive(folder: Path, drive: Drive) -> Path:
     columns = [drive.time, *(drive.inputs[name] for name in names)]
     arrays = [pa.array(np.ascontiguousarray(column, np.float64)) for column in columns]
     table = pa.Table.from_arrays(arrays, [_TIME, *names]).replace_schema_metadata({_KEY: _head(drive)})
+    if path.exists() and _digest(read_drive(path)) != _digest(drive):
+        raise fail("is another drive of the same id", Location(shown(path)), "keep one of them in another folder")
     written = BytesIO()
     pq.write_table(table, written, compression="zstd")
     folder.mkdir(parents=True, exist_ok=True)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import threading
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -12,7 +13,7 @@ from dse.api.drives.keeping import drive_again, drive_name, is_drives, keep_driv
 from dse.api.naming import workspace_of
 from dse.api.studies.run import Run
 from dse.domain.drive import Drive, bits_of
-from dse.errors import DseError, Location, Problem, fail
+from dse.errors import DseError, Location, Problem, fail, raise_if_any
 from dse.formats import shown
 from dse.storage import StudyFolder, changed_results, drive_id, read_drive, write_drive
 
@@ -56,6 +57,7 @@ class DriveFolder:
         self.path = Path(folder)
         self._workspace = workspace
         self.problems: list[Problem] = []
+        self._lock = threading.Lock()
 
     def recorded(self) -> dict[str, Drive]:
         """The drives by id, sorted; whatever their files are called."""
@@ -78,14 +80,21 @@ class DriveFolder:
             found[drive_id(drive)] = drive
         return dict(sorted(found.items()))
 
+    def record(self, drive: Drive) -> str:
+        """Keep *drive* as it is; returns its id. Raises DseError if it is none. It becomes a run with `update`."""
+        write_drive(self.path / RECORDINGS, drive)
+        return drive_id(drive)
+
     def add(self, drive: Drive, *, tell: Tell | None = None) -> str:
         """Keep *drive*, and have it as a run in the study of its bench; returns its id.
 
-        It is kept before it is simulated. Raises DseError if it is no drive, or does not fit its bench.
+        Whatever comes after, it is kept. Raises DseError if it is no drive, does not fit its bench, or if another
+        process writes into the study.
         """
-        write_drive(self.path / RECORDINGS, drive)
-        name = drive_id(drive)
+        name = self.record(drive)
+        before = len(self.problems)
         self._keep(drive.bench, {name: drive}, tell)
+        raise_if_any(self.problems[before:])
         return name
 
     def update(self, *, tell: Tell | None = None) -> None:
@@ -148,7 +157,8 @@ class DriveFolder:
         known = self._files.bench(bench)
         if known.name != bench or bench == RECORDINGS:
             raise fail(f"'{bench}' is no name of a bench", Location(shown(self.path)))
-        keep_drives(known, drives, self.study(bench), tell=tell, on_problem=self.problems.append)
+        with self._lock:
+            keep_drives(known, drives, self.study(bench), tell=tell, on_problem=self.problems.append)
 
     def _studies(self) -> Iterator[Path]:
         for folder in sorted(self.path.iterdir()) if self.path.is_dir() else ():

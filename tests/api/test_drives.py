@@ -1,0 +1,277 @@
+"""Drives as runs: recorded, simulated again, and compared on a score board."""
+
+from __future__ import annotations
+
+import json
+import shutil
+from dataclasses import replace
+
+import numpy as np
+import pyarrow as pa
+import pyarrow.parquet as pq
+import pytest
+
+from dse.api import DriveFolder, Results, open as open_workspace
+from dse.api.drives.boards import board_of
+from dse.api.drives.keeping import drive_again
+from dse.domain.drive import Drive, Pace, bits_of
+from dse.errors import DseError
+from dse.storage import drive_id, read_drive, write_drive
+
+STEPS = 30
+
+
+class Shop:
+    """A workspace whose benches are over soon."""
+
+    def __init__(self, steps=STEPS):
+        self.files = open_workspace(".").files
+        self.steps = steps
+        self.limit = 2.0
+
+    def bench(self, name):
+        bench = self.files.bench(name)
+        simulation = bench.simulation
+        short = replace(simulation, stop=self.steps * simulation.step, record_every=10 * simulation.step)
+        requirements = tuple(
+            replace(r, at_least=self.limit) if r.name == "R2" else r for r in bench.requirements if r.name != "R5"
+        )
+        return replace(bench, simulation=short, requirements=requirements)
+
+
+@pytest.fixture(scope="module")
+def shop():
+    return Shop()
+
+
+@pytest.fixture(scope="module")
+def configuration():
+    """The first one of the bench's design; `test_drives_are_runs…` fails if it is none."""
+    return "vqh7efq2le"
+
+
+def drive(configuration, driver="Anna", rows=STEPS + 1, brake=0.0, **changes):
+    time = np.arange(rows) * 0.01
+    zero = np.zeros(rows)
+    inputs = {
+        "accelerator": 0.3 + 0.1 * np.sin(time),
+        "brake": zero + brake,
+        "steering": 0.01 * np.sin(9 * time),
+        "hands_on": np.ones(rows),
+        "cruise": zero,
+        "set_speed": zero + 30.0,
+        "gap_setting": zero + 1.0,
+    }
+    which = changes.pop("which", configuration)
+    made = Drive("drive_following", which, driver, 0.01, time, inputs, Pace(rows - 1, 2, 1e-4, 1e-3))
+    return replace(made, **changes)
+
+
+def same(one, other):
+    """To the last bit."""
+    columns = [
+        {"time": each.time.tobytes(), **{n: v.tobytes() for n, v in each.inputs.items()}} for each in (one, other)
+    ]
+    told = [(each.bench, each.configuration, each.driver, each.step, each.pace, each.settings, each.bits)
+            for each in (one, other)]  # fmt: skip
+    return columns[0] == columns[1] and told[0] == told[1]
+
+
+@pytest.fixture(scope="module")
+def driven(shop, configuration, tmp_path_factory):
+    """A folder with three drives: one that was noted, one by somebody of a strange name, one that ended early."""
+    kept = DriveFolder(tmp_path_factory.mktemp("drives"), shop)
+    first = drive(configuration)
+    noted = replace(first, bits=bits_of(drive_again(first, shop.bench("drive_following"))))
+    names = [
+        kept.add(noted),
+        kept.add(drive(configuration, "[red]<b>Bob</b>", brake=0.8)),
+        kept.add(drive(configuration, "controller", rows=12)),
+    ]
+    return kept, names
+
+
+def test_a_file_gives_the_drive_back(configuration, tmp_path):
+    made = drive(configuration, settings={"controller.kp_speed": 1.5, "x.on": True}, bits={"metric m": "nan"})
+    assert same(read_drive(write_drive(tmp_path, made)), made)
+
+
+def test_equal_drives_are_one_and_others_are_not(configuration, tmp_path):
+    made = drive(configuration)
+    assert write_drive(tmp_path, made) == write_drive(tmp_path, drive(configuration))
+    assert drive_id(made) != drive_id(drive(configuration, "Bob"))
+    assert drive_id(made) != drive_id(replace(made, inputs={**made.inputs, "brake": made.inputs["brake"] + 1e-300}))
+
+
+@pytest.mark.parametrize(
+    ("changes", "told"),
+    [
+        ({"bench": "../../etc/passwd"}, "no name of a bench"),
+        ({"bench": "<script>"}, "no name of a bench"),
+        ({"which": "a/b"}, "no name of a configuration"),
+        ({"driver": "two\nlines"}, "no driver's name"),
+        ({"driver": ""}, "no driver's name"),
+        ({"driver": "x" * 61}, "no driver's name"),
+        ({"step": 0.0}, "its step is no time"),
+        ({"step": 0.02}, "the times are not 0"),
+        ({"inputs": {}}, "no column or no step"),
+        ({"inputs": {"<b>": np.zeros(STEPS + 1)}}, "no port's name"),
+        ({"inputs": {"brake": np.full(STEPS + 1, np.nan)}}, "'brake' is no number in row 1"),
+        ({"inputs": {"brake": np.zeros(3)}}, "no column or no step"),
+    ],
+)
+def test_what_is_no_drive_is_refused_by_name(configuration, tmp_path, changes, told):
+    with pytest.raises(DseError, match=told):
+        write_drive(tmp_path, drive(configuration, **changes))
+    assert not list(tmp_path.iterdir())
+
+
+def written(path, columns, head):
+    schema = {b"dse.drive": json.dumps(head).encode() if not isinstance(head, bytes) else head} if head else None
+    pq.write_table(pa.table(columns).replace_schema_metadata(schema), path)
+
+
+HEAD = {
+    "version": 1,
+    "bench": "drive_following",
+    "configuration": "abcdefghij",
+    "driver": "Eve",
+    "step": 0.01,
+    "settings": {},
+    "pace": {"steps": 1, "overruns": 0, "median": 0.0, "p99": 0.0},
+    "bits": {},
+}
+COLUMNS = {"time": [0.0, 0.01], "brake": [0.0, 0.0]}
+
+
+@pytest.mark.parametrize(
+    ("columns", "head", "told"),
+    [
+        (COLUMNS, None, "nothing in it says so"),
+        (COLUMNS, b"{", "damaged"),
+        (COLUMNS, b"[" * 100_000, "damaged"),
+        (COLUMNS, {**HEAD, "version": 2}, "version 2"),
+        (COLUMNS, {**HEAD, "pace": []}, "damaged"),
+        (COLUMNS, {**HEAD, "step": "fast"}, "damaged"),
+        (COLUMNS, {**HEAD, "settings": {"a": [1]}}, "damaged"),
+        (COLUMNS, {**HEAD, "bench": "../x"}, "no name of a bench"),
+        ({"time": [0.0, 0.01], "brake": ["a", "b"]}, HEAD, "other columns"),
+        ({"brake": [0.0, 0.01], "time": [0.0, 0.0]}, HEAD, "other columns"),
+        ({"time": [0.0, 0.01], "brake": [0.0, None]}, HEAD, "without a value"),
+        ({"time": [0.0, 0.01], "brake": [0.0, float("inf")]}, HEAD, "no number in row 2"),
+        ({"time": np.zeros(500_000), "brake": np.zeros(500_000)}, HEAD, "too large"),
+    ],
+)
+def test_a_strangers_file_is_refused_by_name_and_stays(tmp_path, shop, columns, head, told):
+    folder = tmp_path / "recordings"
+    folder.mkdir()
+    written(folder / "<img src=x>.parquet", columns, head)
+    kept = DriveFolder(tmp_path, shop)
+    assert kept.recorded() == {}
+    (problem,) = kept.problems
+    assert told in problem.what
+    assert "<img src=x>.parquet" in str(problem)
+    assert [path.name for path in folder.iterdir()] == ["<img src=x>.parquet"]
+
+
+def test_files_that_are_none_are_told_and_the_others_read(tmp_path, shop, configuration):
+    folder = tmp_path / "recordings"
+    good = write_drive(folder, drive(configuration))
+    torn = good.read_bytes()
+    (folder / "torn.parquet").write_bytes(torn[: len(torn) // 2])
+    (folder / "notes.txt").write_text("hello")
+    (folder / "link.parquet").symlink_to(good)
+    (folder / "copy.parquet").write_bytes(torn)
+    kept = DriveFolder(tmp_path, shop)
+    assert len(kept.recorded()) == 1
+    assert sorted(problem.where.file.rpartition("/")[2] for problem in kept.problems) == [
+        "link.parquet",
+        "notes.txt",
+        "torn.parquet",
+    ]
+
+
+def test_a_drive_on_a_bench_that_nobody_knows_is_refused_by_name(tmp_path, shop, configuration):
+    kept = DriveFolder(tmp_path, shop)
+    write_drive(tmp_path / "recordings", drive(configuration, bench="elsewhere"))
+    write_drive(tmp_path / "recordings", drive("zzzzzzzzzz"))
+    kept.update()
+    told = "\n".join(problem.what for problem in kept.problems)
+    assert "elsewhere" in told
+    assert "zzzzzzzzzz" in told
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["recordings"]
+
+
+@pytest.mark.thorough
+def test_drives_are_runs_of_a_study_beside_the_one_that_nobody_drove(driven, configuration):
+    kept, names = driven
+    frame = Results(kept.study("drive_following")).to_pandas()
+    assert frame["drive"].tolist() == ["nobody", *names]
+    assert frame["driver"].tolist() == ["controller", "Anna", "[red]<b>Bob</b>", "controller (a person)"]
+    assert set(frame["configuration"]) == {configuration}
+    assert frame["driven"].nunique() == 4
+    waveforms = Results(kept.study("drive_following")).run(2).waveforms
+    assert waveforms.time.tolist() == pytest.approx([0.0, 0.1, 0.2, 0.3])
+
+
+@pytest.mark.thorough
+def test_every_drive_made_again_is_the_same_bit_for_bit(driven):
+    kept, names = driven
+    checked = {each.id: each for each in kept.check()}
+    assert set(checked) == set(names)
+    assert all(each.is_same for each in checked.values())
+    assert [checked[name].was_noted for name in names] == [True, False, False]
+
+
+@pytest.mark.thorough
+def test_a_drive_that_gave_something_else_is_found(driven, tmp_path, shop):
+    kept, (first, *_) = driven
+    other = DriveFolder(tmp_path, shop)
+    noted = kept.recorded()[first]
+    forged = replace(noted, bits={**noted.bits, "metric driven": (1.0).hex()})
+    name = other.add(forged)
+    (checked,) = other.check()
+    assert (checked.id, checked.from_study, checked.from_driving) == (name, (), ("metric driven",))
+
+
+@pytest.mark.thorough
+def test_a_board_is_ordered_as_it_says(driven):
+    kept, (anna, bob, early) = driven
+    (board,) = kept.boards()
+    order = [score.drive for score in board.scores]
+    assert order[-1] == early
+    assert board.scores[-1].place == 0
+    assert board.scores[-1].note == "ended at 0.11 s of 0.3 s"
+    placed = board.scores[:-1]
+    assert [(-s.met, -s.worst) for s in placed] == sorted((-s.met, -s.worst) for s in placed)
+    assert {score.drive for score in placed} == {"nobody", anna, bob}
+    data = json.loads(json.dumps(board.data(), allow_nan=False))
+    assert data["scores"][0]["place"] == 1
+    assert [score["is_controller"] for score in data["scores"]].count(True) == 1
+
+
+@pytest.mark.thorough
+def test_nothing_is_simulated_twice_and_a_changed_bench_makes_all_again(driven, tmp_path, configuration):
+    kept, _ = driven
+    shutil.copytree(kept.path, tmp_path, dirs_exist_ok=True)
+    shop, told = Shop(), []
+    copy = DriveFolder(tmp_path, shop)
+    copy.update(tell=told.append)
+    assert not [text for text in told if "nobody" in text or "drive " in text]
+    shop.limit = 1e9
+    copy.update(tell=told.append)
+    assert any("has changed since" in text for text in told)
+    assert not copy.problems
+    after = board_of(copy.study("drive_following"))
+    assert len(after.scores) == 4
+    assert all(score.met < 4 for score in after.scores)
+
+
+@pytest.mark.thorough
+def test_a_folder_that_is_no_study_of_drives_is_left_alone(shop, configuration, tmp_path):
+    (tmp_path / "drive_following").mkdir()
+    (tmp_path / "drive_following" / "mine.txt").write_text("precious")
+    with pytest.raises(DseError, match="not empty"):
+        DriveFolder(tmp_path, shop).add(drive(configuration))
+    assert (tmp_path / "drive_following" / "mine.txt").read_text() == "precious"
+    assert len(list((tmp_path / "recordings").iterdir())) == 1
