@@ -41,6 +41,7 @@ COMMANDS = (
     "drive",
     "figure",
     "replay",
+    "drives",
     "cache",
     "docs",
     "schema",
