@@ -24,6 +24,8 @@ export interface Stage {
   /** In CSS pixels; `fineness` 1 draws each of the screen's. */
   resize(width: number, height: number, fineness: number): void;
   sensing: Sensing;
+  /** Gives back what the browser has only few of. */
+  close(): void;
 }
 
 export function buildStage(canvas: HTMLCanvasElement, source: Source): Stage {
@@ -44,6 +46,10 @@ export function buildStage(canvas: HTMLCanvasElement, source: Source): Stage {
   const others = Array.from({ length: source.document.others }, (_, number) => new Place(number, source, scene));
   return {
     sensing,
+    close: () => {
+      renderer.dispose();
+      renderer.forceContextLoss();
+    },
     resize: (width, height, fineness) => {
       renderer.setPixelRatio(Math.min(devicePixelRatio, 2) * fineness);
       renderer.setSize(width, height, false);
