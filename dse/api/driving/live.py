@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 from dse.api.driving.view import View, frame
 from dse.domain.component import Kind, Port
-from dse.domain.drive import TUNE, Drive
+from dse.domain.drive import TUNE, Drive, bits_of
 from dse.errors import fail
 
 if TYPE_CHECKING:
@@ -152,7 +152,9 @@ class LiveDrive:
         waveforms, part = ended.run.waveforms, self.seat.part
         inputs = {name: waveforms.values[f"{part}.{name}"] for name in self.seat.inputs}
         configuration = self.seat.configuration.id
-        return Drive(self.bench.name, configuration, self.driver, self.step, waveforms.time, inputs, ended.pace)
+        bits = bits_of(ended.run)
+        name, time = self.bench.name, waveforms.time
+        return Drive(name, configuration, self.driver, self.step, time, inputs, ended.pace, bits=bits)
 
 
 def open_drive(bench: TestBench, configuration: str | None = None, *, driver: str = "", fmi: int = 2) -> LiveDrive:
