@@ -13,6 +13,7 @@ from dataclasses import dataclass, field
 from dse.api import Dealership, Drives, LiveDrive, Workspace, open_drive, read_choices_text
 from dse.domain.bench import TestBench
 from dse.domain.design import DesignSpace
+from dse.domain.drive import Drive
 from dse.errors import DseError, fail
 
 MOST_AT_ONCE = 8
@@ -44,6 +45,8 @@ class LiveDrives:
         self._held: dict[str, Held] = {}
         self._lock, self._asking, self._keeping = threading.RLock(), threading.RLock(), threading.Lock()
         self._opening = 0
+        self._pending: list[threading.Thread] = []
+        self._problem: DseError | None = None
         self._closed = threading.Event()
         self._dealerships: dict[str, Dealership] = {}
 
@@ -99,14 +102,16 @@ class LiveDrives:
 
     def boards(self) -> list[dict[str, object]]:
         """The score boards, as plain data."""
-        with self._keeping:
-            return [each.data() for each in self._kept.boards()] if self._kept else []
+        return [each.data() for each in self._kept.boards()] if self._kept else []
 
     def study_of(self, drive: str) -> str:
-        """The name of the study that has the drive with this id. DseError if there is none."""
+        """The name of the study that has the drive with this id, once it is there. DseError if there is none."""
+        self._settle()
         found = self._kept.recorded().get(drive) if self._kept else None
         if found is None:
             raise fail("there is no such drive")
+        if self._problem is not None:
+            raise self._problem
         return found.bench
 
     def enter(self, token: str) -> Held | None:
@@ -159,6 +164,20 @@ class LiveDrives:
             held, self._held = [*self._held.values()], {}
         for each in held:
             each.live.close()
+        self._settle()
+
+    def _keep(self, kept: Drives, drive: Drive) -> None:
+        with self._keeping:
+            try:
+                kept.add(drive)
+            except DseError as error:
+                self._problem = error
+
+    def _settle(self) -> None:
+        """Wait until what was driven is in its study."""
+        while self._pending:
+            self._pending[0].join()
+            self._pending = [each for each in self._pending if each.is_alive()]
 
     def _watch(self) -> None:
         with suppress(DseError):
@@ -184,8 +203,11 @@ class LiveDrives:
             ]
             if self._kept is not None and len(result.time) > 1:
                 try:
-                    with self._keeping:
-                        told["drive"] = self._kept.add(result)
+                    told["drive"] = self._kept.record(result)
+                    # As a run it is made again, which takes its time: who wants to see it waits, nobody else.
+                    work = threading.Thread(target=self._keep, args=(self._kept, result))
+                    self._pending.append(work)
+                    work.start()
                 except DseError as error:
                     told["text"] = f"{ended.text}; it could not be kept: {error}"
         if ended.pace is not None:

@@ -83,10 +83,14 @@ class Drives:
 
         It is kept before it is simulated. Raises DseError if it is no drive, or does not fit its bench.
         """
-        write_drive(self.path / RECORDINGS, drive)
-        name = drive_id(drive)
+        name = self.record(drive)
         self._keep(drive.bench, {name: drive}, tell)
         return name
+
+    def record(self, drive: Drive) -> str:
+        """Keep *drive*, and nothing more, which takes no time; returns its id. Raises DseError if it is no drive."""
+        write_drive(self.path / RECORDINGS, drive)
+        return drive_id(drive)
 
     def update(self, *, tell: Tell | None = None) -> None:
         """Have every recording as a run in the study of its bench; `problems` tells of those that cannot be."""
