@@ -13,7 +13,7 @@ from dse.errors import DseError, fail
 from dse.serving.answers import BusyError, asked_point, problem_of, simulated
 from dse.serving.comparison import compare_page
 from dse.serving.desk import Desk
-from dse.serving.drives import Drives
+from dse.serving.drives import LiveDrives
 from dse.serving.driving import drive_routes
 from dse.serving.guard import Application, Guard, Limits
 from dse.serving.pages import problem_page, start_page
@@ -35,7 +35,7 @@ def application(
     token: str = "",
     is_open: bool = False,
     limits: Limits | None = None,
-    drives: Drives | None = None,
+    drives: LiveDrives | None = None,
 ) -> Application:
     """An ASGI application for the studies of *shelf*, and for *drives* if there are some, guarded as `Guard` says.
 

@@ -6,21 +6,20 @@ import math
 import secrets
 import threading
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
+from contextlib import suppress
 from dataclasses import dataclass, field
 
-from dse.api import Dealership, LiveDrive, Workspace, open_drive, read_choices_text
+from dse.api import Dealership, Drives, LiveDrive, Workspace, open_drive, read_choices_text
 from dse.domain.bench import TestBench
 from dse.domain.design import DesignSpace
+from dse.domain.drive import Drive
 from dse.errors import DseError, fail
 
 MOST_AT_ONCE = 8
 PAGE_GONE = 30.0
 """Seconds after which a drive ends whose page has not come back."""
 _FORGOTTEN = 600.0
-
-Keep = Callable[[LiveDrive], str]
-"""Keeps a drive that counts; gives its id, "" if it was not kept."""
 
 
 @dataclass(slots=True)
@@ -32,19 +31,22 @@ class Held:
     pages: int = 0
     changed: float = field(default_factory=time.monotonic)
     ended: Mapping[str, object] | None = None
+    ending: threading.Lock = field(default_factory=threading.Lock)
 
 
-class Drives:
-    """At most *most* drives of the benches of *workspace* at once; those that count are given to *keep*.
+class LiveDrives:
+    """At most *most* drives of the benches of *workspace* at once; those that count are *kept*, if they are to be.
 
     Tokens are chosen here and are the only way to a drive. All may be called from any thread.
     """
 
-    def __init__(self, workspace: Workspace, keep: Keep | None = None, most: int = MOST_AT_ONCE) -> None:
-        self._workspace, self._keep, self._most = workspace, keep, most
+    def __init__(self, workspace: Workspace, kept: Drives | None = None, most: int = MOST_AT_ONCE) -> None:
+        self._workspace, self._kept, self._most = workspace, kept, most
         self._held: dict[str, Held] = {}
-        self._lock, self._asking = threading.RLock(), threading.RLock()
+        self._lock, self._asking, self._keeping = threading.RLock(), threading.RLock(), threading.Lock()
         self._opening = 0
+        self._pending: list[threading.Thread] = []
+        self._problem: DseError | None = None
         self._closed = threading.Event()
         self._dealerships: dict[str, Dealership] = {}
 
@@ -98,6 +100,20 @@ class Drives:
             with self._lock:
                 self._opening -= 1
 
+    def boards(self) -> list[dict[str, object]]:
+        """The score boards, as plain data."""
+        return [each.data() for each in self._kept.boards()] if self._kept else []
+
+    def study_of(self, drive: str) -> str:
+        """The name of the study that has the drive with this id, once it is there. DseError if there is none."""
+        self._settle()
+        found = self._kept.recorded().get(drive) if self._kept else None
+        if found is None:
+            raise fail("there is no such drive")
+        if self._problem is not None:
+            raise self._problem
+        return found.bench
+
     def enter(self, token: str) -> Held | None:
         """A page has come for the drive *token*: it begins if it has not. None if there is no such drive."""
         with self._lock:
@@ -129,12 +145,12 @@ class Drives:
         ended = held.live.ended
         if ended is None:
             return None
-        with self._lock:
+        with held.ending:  # a drive is kept once, which takes a while
             if held.ended is None:
                 held.ended = self._end(held)
             return held.ended
 
-    def __enter__(self) -> Drives:
+    def __enter__(self) -> LiveDrives:
         threading.Thread(target=self._watch, daemon=True).start()
         return self
 
@@ -148,8 +164,24 @@ class Drives:
             held, self._held = [*self._held.values()], {}
         for each in held:
             each.live.close()
+        self._settle()
+
+    def _keep(self, kept: Drives, drive: Drive) -> None:
+        with self._keeping:
+            try:
+                kept.add(drive)
+            except DseError as error:
+                self._problem = error
+
+    def _settle(self) -> None:
+        """Wait until what was driven is in its study."""
+        while self._pending:
+            self._pending[0].join()
+            self._pending = [each for each in self._pending if each.is_alive()]
 
     def _watch(self) -> None:
+        with suppress(DseError):
+            _ = self.benches  # read before anybody waits for them
         while not self._closed.wait(1.0):
             self.watch()
 
@@ -157,15 +189,25 @@ class Drives:
         ended = held.live.ended
         assert ended is not None  # noqa: S101  # asked before
         told: dict[str, object] = {"type": "ended", "why": str(ended.why), "text": ended.text, "drive": None}
-        if ended.run is not None and held.live.result is not None:
+        result = held.live.result
+        if ended.run is not None and result is not None:
             titles = {each.name: each.title or each.name for each in held.live.bench.requirements}
             told["verdicts"] = [
-                {"name": each.requirement, "title": titles[each.requirement], "verdict": str(each.verdict)}
+                {
+                    "name": each.requirement,
+                    "title": titles[each.requirement],
+                    "verdict": str(each.verdict),
+                    "margin": each.margin if math.isfinite(each.margin) else None,
+                }
                 for each in ended.run.judgements
             ]
-            if self._keep is not None:
+            if self._kept is not None and len(result.time) > 1:
                 try:
-                    told["drive"] = self._keep(held.live) or None
+                    told["drive"] = self._kept.record(result)
+                    # As a run it is made again, which takes its time: who wants to see it waits, nobody else.
+                    work = threading.Thread(target=self._keep, args=(self._kept, result))
+                    self._pending.append(work)
+                    work.start()
                 except DseError as error:
                     told["text"] = f"{ended.text}; it could not be kept: {error}"
         if ended.pace is not None:

@@ -10,8 +10,8 @@ from functools import partial
 from typing import TYPE_CHECKING, Any, TypeVar
 
 from dse.errors import DseError, fail
-from dse.serving.drives import Drives, Held
-from dse.serving.pages import drive_page
+from dse.serving.drives import Held, LiveDrives
+from dse.serving.pages import drive_page, study_address
 
 if TYPE_CHECKING:
     from starlette.requests import Request
@@ -30,9 +30,9 @@ _MOST_TEXT = 20_000
 _MOST_CONTROLS = 4000
 
 
-def drive_routes(drives: Drives, aside: Aside) -> list[BaseRoute]:
+def drive_routes(drives: LiveDrives, aside: Aside) -> list[BaseRoute]:
     """What a server of *drives* answers; *aside* has work done while others are answered."""
-    from starlette.responses import HTMLResponse, JSONResponse
+    from starlette.responses import HTMLResponse, JSONResponse, RedirectResponse
     from starlette.routing import Route, WebSocketRoute
 
     def page(_: Request) -> Response:
@@ -42,6 +42,13 @@ def drive_routes(drives: Drives, aside: Aside) -> list[BaseRoute]:
         query = request.query_params
         bench, chosen = query.get("bench", ""), query.get("chosen", "")
         return JSONResponse(await aside(lambda: drives.offer(bench, chosen)))
+
+    async def boards(_: Request) -> Response:
+        return JSONResponse({"boards": await aside(drives.boards)})
+
+    async def results(request: Request) -> Response:
+        name = request.path_params["name"]
+        return RedirectResponse(study_address(await aside(lambda: drives.study_of(name))), 303)
 
     async def start(request: Request) -> Response:
         asked = _asked(await request.body())
@@ -64,12 +71,14 @@ def drive_routes(drives: Drives, aside: Aside) -> list[BaseRoute]:
     return [
         Route("/drive", page),
         Route("/drive/offer", offer),
+        Route("/drive/boards", boards),
+        Route("/drive/results/{name}", results),
         Route("/drive/start", start, methods=["POST"]),
         WebSocketRoute("/drive/live", live),
     ]
 
 
-async def _show(socket: WebSocket, drives: Drives, held: Held, aside: Aside) -> None:
+async def _show(socket: WebSocket, drives: LiveDrives, held: Held, aside: Aside) -> None:
     """Send the scene, then the newest of the run as often as the page takes it, in the end why it is over."""
     with suppress(RuntimeError, OSError):  # the page is gone
         scene = {**held.live.scene(), "rate": RATE, "token": held.token}

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 
 from dse.errors import fail
 from dse.serving.application import application
-from dse.serving.drives import Drives
+from dse.serving.drives import LiveDrives
 from dse.serving.guard import Application, Limits
 from dse.serving.shelf import Shelf
 
@@ -49,7 +49,7 @@ def serve(
     listen: str = "",
     port: int = PORT,
     tell: Callable[[Announced], None],
-    drives: Drives | None = None,
+    drives: LiveDrives | None = None,
 ) -> None:
     """Serve the studies of *shelf*, and *drives*, until the program is interrupted; *tell* is called once it listens.
 

@@ -11,7 +11,7 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 import pytest
 
-from dse.api import DriveFolder, Results, open as open_workspace
+from dse.api import Drives, Results, open as open_workspace
 from dse.api.drives.boards import board_of
 from dse.api.drives.keeping import drive_again
 from dse.domain.drive import Drive, Pace, bits_of
@@ -80,7 +80,7 @@ def same(one, other):
 @pytest.fixture(scope="module")
 def driven(shop, configuration, tmp_path_factory):
     """A folder with three drives: one that was noted, one by somebody of a strange name, one that ended early."""
-    kept = DriveFolder(tmp_path_factory.mktemp("drives"), shop)
+    kept = Drives(tmp_path_factory.mktemp("drives"), shop)
     first = drive(configuration)
     noted = replace(first, bits=bits_of(drive_again(first, shop.bench("drive_following"))))
     names = [
@@ -166,7 +166,7 @@ def test_a_strangers_file_is_refused_by_name_and_stays(tmp_path, shop, columns, 
     folder = tmp_path / "recordings"
     folder.mkdir()
     written(folder / "<img src=x>.parquet", columns, head)
-    kept = DriveFolder(tmp_path, shop)
+    kept = Drives(tmp_path, shop)
     assert kept.recorded() == {}
     (problem,) = kept.problems
     assert told in problem.what
@@ -182,7 +182,7 @@ def test_files_that_are_none_are_told_and_the_others_read(tmp_path, shop, config
     (folder / "notes.txt").write_text("hello")
     (folder / "link.parquet").symlink_to(good)
     (folder / "copy.parquet").write_bytes(torn)
-    kept = DriveFolder(tmp_path, shop)
+    kept = Drives(tmp_path, shop)
     assert len(kept.recorded()) == 1
     assert sorted(problem.where.file.rpartition("/")[2] for problem in kept.problems) == [
         "link.parquet",
@@ -192,7 +192,7 @@ def test_files_that_are_none_are_told_and_the_others_read(tmp_path, shop, config
 
 
 def test_a_drive_on_a_bench_that_nobody_knows_is_refused_by_name(tmp_path, shop, configuration):
-    kept = DriveFolder(tmp_path, shop)
+    kept = Drives(tmp_path, shop)
     write_drive(tmp_path / "recordings", drive(configuration, bench="elsewhere"))
     write_drive(tmp_path / "recordings", drive("zzzzzzzzzz"))
     kept.update()
@@ -226,7 +226,7 @@ def test_every_drive_made_again_is_the_same_bit_for_bit(driven):
 @pytest.mark.thorough
 def test_a_drive_that_gave_something_else_is_found(driven, tmp_path, shop):
     kept, (first, *_) = driven
-    other = DriveFolder(tmp_path, shop)
+    other = Drives(tmp_path, shop)
     noted = kept.recorded()[first]
     forged = replace(noted, bits={**noted.bits, "metric driven": (1.0).hex()})
     name = other.add(forged)
@@ -255,7 +255,7 @@ def test_nothing_is_simulated_twice_and_a_changed_bench_makes_all_again(driven, 
     kept, _ = driven
     shutil.copytree(kept.path, tmp_path, dirs_exist_ok=True)
     shop, told = Shop(), []
-    copy = DriveFolder(tmp_path, shop)
+    copy = Drives(tmp_path, shop)
     copy.update(tell=told.append)
     assert not [text for text in told if "nobody" in text or "drive " in text]
     shop.limit = 1e9
@@ -272,6 +272,6 @@ def test_a_folder_that_is_no_study_of_drives_is_left_alone(shop, configuration, 
     (tmp_path / "drive_following").mkdir()
     (tmp_path / "drive_following" / "mine.txt").write_text("precious")
     with pytest.raises(DseError, match="not empty"):
-        DriveFolder(tmp_path, shop).add(drive(configuration))
+        Drives(tmp_path, shop).add(drive(configuration))
     assert (tmp_path / "drive_following" / "mine.txt").read_text() == "precious"
     assert len(list((tmp_path / "recordings").iterdir())) == 1

@@ -47,7 +47,7 @@ class CheckedDrive:
         return not (self.from_study or self.from_driving)
 
 
-class DriveFolder:
+class Drives:
     """The drives in *folder*; what they were driven on is found in *workspace*, else in the one around here.
 
     Recordings are never changed or removed. Files that are no drives are told in *problems*, by name, and left alone.
@@ -80,11 +80,6 @@ class DriveFolder:
             found[drive_id(drive)] = drive
         return dict(sorted(found.items()))
 
-    def record(self, drive: Drive) -> str:
-        """Keep *drive* as it is; returns its id. Raises DseError if it is none. It becomes a run with `update`."""
-        write_drive(self.path / RECORDINGS, drive)
-        return drive_id(drive)
-
     def add(self, drive: Drive, *, tell: Tell | None = None) -> str:
         """Keep *drive*, and have it as a run in the study of its bench; returns its id.
 
@@ -92,10 +87,18 @@ class DriveFolder:
         process writes into the study.
         """
         name = self.record(drive)
+        # All of them: if the bench has changed since, they are simulated again together.
+        recorded = {each: other for each, other in self.recorded().items() if other.bench == drive.bench}
         before = len(self.problems)
-        self._keep(drive.bench, {name: drive}, tell)
-        raise_if_any(self.problems[before:])
+        self._keep(drive.bench, recorded, tell)
+        if not any(score.drive == name for score in board_of(self.study(drive.bench)).scores):
+            raise_if_any(self.problems[before:])
         return name
+
+    def record(self, drive: Drive) -> str:
+        """Keep *drive*, and nothing more, which takes no time; returns its id. Raises DseError if it is no drive."""
+        write_drive(self.path / RECORDINGS, drive)
+        return drive_id(drive)
 
     def update(self, *, tell: Tell | None = None) -> None:
         """Have every recording as a run in the study of its bench; `problems` tells of those that cannot be."""

@@ -153,8 +153,8 @@ class LiveDrive:
         inputs = {name: waveforms.values[f"{part}.{name}"] for name in self.seat.inputs}
         configuration = self.seat.configuration.id
         bits = bits_of(ended.run)
-        time, pace = waveforms.time, ended.pace
-        return Drive(self.bench.name, configuration, self.driver, self.step, time, inputs, pace, bits=bits)
+        name, time = self.bench.name, waveforms.time
+        return Drive(name, configuration, self.driver, self.step, time, inputs, ended.pace, bits=bits)
 
 
 def open_drive(bench: TestBench, configuration: str | None = None, *, driver: str = "", fmi: int = 2) -> LiveDrive:

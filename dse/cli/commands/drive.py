@@ -38,14 +38,14 @@ def drive(
     """
     from urllib.parse import urlencode
 
-    from dse.api import open as open_workspace
-    from dse.serving import Announced, Drives, Shelf, serve
+    from dse.api import Drives, open as open_workspace
+    from dse.serving import Announced, LiveDrives, Shelf, serve
 
     workspace = open_workspace(Path())
-    garage = Drives(workspace, most=most)
+    on = LiveDrives(workspace, Drives(drives, workspace.files), most)
     wanted = {name: value for name, value in (("bench", bench), ("configuration", configuration)) if value}
     if bench:
-        garage.require(bench, configuration)
+        on.require(bench, configuration)
     drives.mkdir(parents=True, exist_ok=True)
 
     def tell(announced: Announced) -> None:
@@ -59,4 +59,4 @@ def drive(
 
             webbrowser.open(address)
 
-    serve(Shelf(drives), listen=listen, port=port, tell=tell, drives=garage)
+    serve(Shelf(drives), listen=listen, port=port, tell=tell, drives=on)

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 from rich.markup import escape
 
-from dse.api import SCORING, DriveFolder
+from dse.api import SCORING, Drives
 from dse.cli.app import DONE, RUNS_FAILED, app
 from dse.cli.arguments import Format, Output
 from dse.cli.terminal import console, plain_table, print_json, print_table, say
@@ -30,7 +30,7 @@ def drives(
     Drives that are not runs yet become some: DIR/BENCH is a study, with who drove as a condition, for 'dse report',
     'dse figure' and the rest. Recordings stay as they are.
     """
-    kept = DriveFolder(folder)
+    kept = Drives(folder)
     with console(stderr=True).status("") as status:
         kept.update(tell=status.update)
         problems = list(kept.problems)
