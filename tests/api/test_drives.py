@@ -10,6 +10,7 @@ import numpy as np
 import pyarrow as pa
 import pyarrow.parquet as pq
 import pytest
+from small_drive import drive_workspace
 
 from dse.api import Drives, Results, open as open_workspace
 from dse.api.drives.boards import board_of
@@ -17,53 +18,44 @@ from dse.api.drives.keeping import drive_again
 from dse.domain.drive import Drive, Pace, bits_of
 from dse.errors import DseError
 from dse.storage import drive_id, read_drive, write_drive
+from dse.testbench import one_configuration
 
 STEPS = 30
 
 
 class Shop:
-    """A workspace whose benches are over soon."""
+    """The workspace of the small bench, with another bound."""
 
-    def __init__(self, steps=STEPS):
-        self.files = open_workspace(".").files
-        self.steps = steps
-        self.limit = 2.0
+    def __init__(self, files):
+        self.files = files
+        self.bound = 1000.0
 
     def bench(self, name):
         bench = self.files.bench(name)
-        simulation = bench.simulation
-        short = replace(simulation, stop=self.steps * simulation.step, record_every=10 * simulation.step)
-        requirements = tuple(
-            replace(r, at_least=self.limit) if r.name == "R2" else r for r in bench.requirements if r.name != "R5"
-        )
-        return replace(bench, simulation=short, requirements=requirements)
+        return replace(bench, requirements=tuple(replace(each, at_most=self.bound) for each in bench.requirements))
 
 
 @pytest.fixture(scope="module")
-def shop():
-    return Shop()
+def shop(tmp_path_factory):
+    return Shop(open_workspace(drive_workspace(tmp_path_factory.mktemp("cars"), f"{STEPS / 100} s")).files)
 
 
 @pytest.fixture(scope="module")
-def configuration():
-    """The first one of the bench's design; `test_drives_are_runs…` fails if it is none."""
-    return "vqh7efq2le"
+def configuration(shop):
+    return one_configuration(shop.bench("field").design, None).id
 
 
-def drive(configuration, driver="Anna", rows=STEPS + 1, brake=0.0, **changes):
+def drive(configuration, driver="Anna", rows=STEPS + 1, push=0.0, **changes):
     time = np.arange(rows) * 0.01
-    zero = np.zeros(rows)
     inputs = {
-        "accelerator": 0.3 + 0.1 * np.sin(time),
-        "brake": zero + brake,
+        "accelerator": 0.3 + push + 0.1 * np.sin(time),
         "steering": 0.01 * np.sin(9 * time),
-        "hands_on": np.ones(rows),
-        "cruise": zero,
-        "set_speed": zero + 30.0,
-        "gap_setting": zero + 1.0,
+        "cruise": np.zeros(rows),
+        "gear": np.ones(rows),
+        "tune.car.gain": 5.0 + time,
     }
     which = changes.pop("which", configuration)
-    made = Drive("drive_following", which, driver, 0.01, time, inputs, Pace(rows - 1, 2, 1e-4, 1e-3))
+    made = Drive("field", which, driver, 0.01, time, inputs, Pace(rows - 1, 2, 1e-4, 1e-3))
     return replace(made, **changes)
 
 
@@ -82,17 +74,17 @@ def driven(shop, configuration, tmp_path_factory):
     """A folder with three drives: one that was noted, one by somebody of a strange name, one that ended early."""
     kept = Drives(tmp_path_factory.mktemp("drives"), shop)
     first = drive(configuration)
-    noted = replace(first, bits=bits_of(drive_again(first, shop.bench("drive_following"))))
+    noted = replace(first, bits=bits_of(drive_again(first, shop.bench("field"))))
     names = [
         kept.add(noted),
-        kept.add(drive(configuration, "[red]<b>Bob</b>", brake=0.8)),
+        kept.add(drive(configuration, "[red]<b>Bob</b>", push=0.8)),
         kept.add(drive(configuration, "controller", rows=12)),
     ]
     return kept, names
 
 
 def test_a_file_gives_the_drive_back(configuration, tmp_path):
-    made = drive(configuration, settings={"controller.kp_speed": 1.5, "x.on": True}, bits={"metric m": "nan"})
+    made = drive(configuration, settings={"car.gain": 1.5, "x.on": True}, bits={"metric m": "nan"})
     assert same(read_drive(write_drive(tmp_path, made)), made)
 
 
@@ -100,7 +92,9 @@ def test_equal_drives_are_one_and_others_are_not(configuration, tmp_path):
     made = drive(configuration)
     assert write_drive(tmp_path, made) == write_drive(tmp_path, drive(configuration))
     assert drive_id(made) != drive_id(drive(configuration, "Bob"))
-    assert drive_id(made) != drive_id(replace(made, inputs={**made.inputs, "brake": made.inputs["brake"] + 1e-300}))
+    assert drive_id(made) != drive_id(
+        replace(made, inputs={**made.inputs, "steering": made.inputs["steering"] + 1e-18})
+    )
 
 
 @pytest.mark.parametrize(
@@ -133,7 +127,7 @@ def written(path, columns, head):
 
 HEAD = {
     "version": 1,
-    "bench": "drive_following",
+    "bench": "field",
     "configuration": "abcdefghij",
     "driver": "Eve",
     "step": 0.01,
@@ -205,12 +199,12 @@ def test_a_drive_on_a_bench_that_nobody_knows_is_refused_by_name(tmp_path, shop,
 @pytest.mark.thorough
 def test_drives_are_runs_of_a_study_beside_the_one_that_nobody_drove(driven, configuration):
     kept, names = driven
-    frame = Results(kept.study("drive_following")).to_pandas()
+    frame = Results(kept.study("field")).to_pandas()
     assert frame["drive"].tolist() == ["nobody", *names]
     assert frame["driver"].tolist() == ["controller", "Anna", "[red]<b>Bob</b>", "controller (a person)"]
     assert set(frame["configuration"]) == {configuration}
-    assert frame["driven"].nunique() == 4
-    waveforms = Results(kept.study("drive_following")).run(2).waveforms
+    assert frame["way"].nunique() == 4
+    waveforms = Results(kept.study("field")).run(2).waveforms
     assert waveforms.time.tolist() == pytest.approx([0.0, 0.1, 0.2, 0.3])
 
 
@@ -228,10 +222,10 @@ def test_a_drive_that_gave_something_else_is_found(driven, tmp_path, shop):
     kept, (first, *_) = driven
     other = Drives(tmp_path, shop)
     noted = kept.recorded()[first]
-    forged = replace(noted, bits={**noted.bits, "metric driven": (1.0).hex()})
+    forged = replace(noted, bits={**noted.bits, "metric way": (1.0).hex()})
     name = other.add(forged)
     (checked,) = other.check()
-    assert (checked.id, checked.from_study, checked.from_driving) == (name, (), ("metric driven",))
+    assert (checked.id, checked.from_study, checked.from_driving) == (name, (), ("metric way",))
 
 
 @pytest.mark.thorough
@@ -251,27 +245,44 @@ def test_a_board_is_ordered_as_it_says(driven):
 
 
 @pytest.mark.thorough
-def test_nothing_is_simulated_twice_and_a_changed_bench_makes_all_again(driven, tmp_path, configuration):
+def test_nothing_is_simulated_twice_and_a_changed_bench_makes_all_again(driven, shop, tmp_path):
     kept, _ = driven
     shutil.copytree(kept.path, tmp_path, dirs_exist_ok=True)
-    shop, told = Shop(), []
-    copy = Drives(tmp_path, shop)
+    changing, told = Shop(shop.files), []
+    copy = Drives(tmp_path, changing)
     copy.update(tell=told.append)
     assert not [text for text in told if "nobody" in text or "drive " in text]
-    shop.limit = 1e9
+    changing.bound = 1e-9
     copy.update(tell=told.append)
     assert any("has changed since" in text for text in told)
     assert not copy.problems
-    after = board_of(copy.study("drive_following"))
+    after = board_of(copy.study("field"))
     assert len(after.scores) == 4
-    assert all(score.met < 4 for score in after.scores)
+    assert [score.met for score in after.scores if not score.is_controller] == [0, 0, 0]
 
 
 @pytest.mark.thorough
 def test_a_folder_that_is_no_study_of_drives_is_left_alone(shop, configuration, tmp_path):
-    (tmp_path / "drive_following").mkdir()
-    (tmp_path / "drive_following" / "mine.txt").write_text("precious")
+    (tmp_path / "field").mkdir()
+    (tmp_path / "field" / "mine.txt").write_text("precious")
     with pytest.raises(DseError, match="not empty"):
         Drives(tmp_path, shop).add(drive(configuration))
-    assert (tmp_path / "drive_following" / "mine.txt").read_text() == "precious"
+    assert (tmp_path / "field" / "mine.txt").read_text() == "precious"
     assert len(list((tmp_path / "recordings").iterdir())) == 1
+
+
+@pytest.mark.thorough
+def test_a_board_tells_what_to_lay_over_what(driven):
+    kept, (anna, *_) = driven
+    (board,) = kept.boards()
+    runs = {score.drive: score.run for score in board.scores}
+    told = {each["drive"]: each.get("against") for each in board.data()["scores"]}
+    assert told[anna] == f"#run={runs[anna]}&pins={runs['nobody']}"
+    assert told[None] is None
+
+
+@pytest.mark.thorough
+def test_a_report_shows_a_strangers_name_as_text(driven):
+    kept, _ = driven
+    page = Results(kept.study("field")).write_report().read_text(encoding="utf-8")
+    assert "<b>Bob" not in page

@@ -56,8 +56,16 @@ class Board:
     scores: tuple[Score, ...]
 
     def data(self) -> dict[str, object]:
-        """The same for a program; what is undefined is null."""
-        return {"bench": self.bench, "title": self.title, "scoring": SCORING, "scores": [_data(s) for s in self.scores]}
+        """The same for a program; what is undefined is null. *against* is a report's address, to see a drive over the
+        run that nobody drove: ``#run=3&pins=0``."""
+        controllers = {score.configuration: score.run for score in self.scores if score.is_controller}
+        scores = [
+            _data(score) | {"against": f"#run={score.run}&pins={controllers[score.configuration]}"}
+            if score.configuration in controllers and not score.is_controller
+            else _data(score)
+            for score in self.scores
+        ]
+        return {"bench": self.bench, "title": self.title, "scoring": SCORING, "scores": scores}
 
 
 def board_of(folder: Path) -> Board:

@@ -15,6 +15,7 @@ import numpy as np
 
 from dse.api.studies.exploring import Tell, alone, ready
 from dse.api.studies.noting import note_sources
+from dse.api.studies.replaying import DRIVES
 from dse.domain.definition import DefinedSampler, DefinedVariable, StudyDefinition
 from dse.domain.drive import Drive
 from dse.domain.run import Run, RunRequest, Waveforms
@@ -27,9 +28,6 @@ from dse.testbench import bench_study, one_configuration
 
 if TYPE_CHECKING:
     from dse.domain.bench import TestBench
-
-SAMPLER = "drives"
-"""What the sampler of such a study is called in its definition; it cannot be asked for."""
 
 DRIVE, DRIVER = "drive", "driver"
 """The conditions of such a study."""
@@ -52,7 +50,7 @@ class Kept:
 
 def is_drives(definition: StudyDefinition) -> bool:
     """Whether a study is one of drives."""
-    return definition.sampler.kind == SAMPLER
+    return definition.sampler.kind == DRIVES
 
 
 def kept_drives(definition: StudyDefinition) -> dict[str, Kept]:
@@ -170,7 +168,7 @@ def _defined(base: StudyDefinition, known: Mapping[str, Kept]) -> StudyDefinitio
             _condition(DRIVER, "who drove", [CONTROLLER, *map(_label, drivers)]),
             _condition(DRIVE, "drive", [NOBODY, *known]),
         ),
-        sampler=DefinedSampler(SAMPLER, {"drives": told}),
+        sampler=DefinedSampler(DRIVES, {"drives": told}),
         configurations=tuple(
             replace(each, constants=dict(sorted({**each.constants, **constants}.items())))
             for each in base.configurations

@@ -6,9 +6,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
-from rich.markup import escape
 
-from dse.api import SCORING, Drives
 from dse.cli.app import DONE, RUNS_FAILED, app
 from dse.cli.arguments import Format, Output
 from dse.cli.terminal import console, plain_table, print_json, print_table, say
@@ -30,6 +28,8 @@ def drives(
     Drives that are not runs yet become some: DIR/BENCH is a study, with who drove as a condition, for 'dse report',
     'dse figure' and the rest. Recordings stay as they are.
     """
+    from dse.api import Drives
+
     kept = Drives(folder)
     with console(stderr=True).status("") as status:
         kept.update(tell=status.update)
@@ -48,6 +48,8 @@ def drives(
 
 
 def _show(boards: tuple[Board, ...], checked: list[CheckedDrive]) -> None:
+    from dse.api import SCORING
+
     if not boards:
         say("there is no drive yet")
     for board in boards:
@@ -63,6 +65,8 @@ def _show(boards: tuple[Board, ...], checked: list[CheckedDrive]) -> None:
 
 
 def _row(score: Score) -> tuple[str, ...]:
+    from rich.markup import escape
+
     share = f"{100 * score.worst:+.0f} % ({score.worst_requirement})" if score.worst_requirement else "–"
     late = f"{score.overruns} of {score.steps} steps late" if score.overruns else ""
     place = f"{score.place}." if score.place else ""
