@@ -284,5 +284,5 @@ def test_a_board_tells_what_to_lay_over_what(driven):
 @pytest.mark.thorough
 def test_a_report_shows_a_strangers_name_as_text(driven):
     kept, _ = driven
-    page = Results(kept.study("field")).write_report().read_text(encoding="utf-8")
+    page = Results(kept.study("field")).report().read_text(encoding="utf-8")
     assert "<b>Bob" not in page
