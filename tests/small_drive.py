@@ -85,7 +85,10 @@ design: cars
 test_components:
   driver: {component: idle}
 connections:
-  - driver -> car
+  - driver.accelerator -> car.accelerator
+  - driver.steering -> car.steering
+  - driver.cruise -> car.cruise
+  - driver.gear -> car.gear
 parameters: {car.gain: 9 km/h}
 simulation: {stop: STOP, step: 10 ms, record: [car.motion.x], record_every: 100 ms}
 metrics:

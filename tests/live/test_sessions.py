@@ -65,6 +65,7 @@ def test_what_is_done_at_the_wheel_is_used_shown_and_recorded(driven: LiveDrive)
     assert drive.pace.steps == len(drive.time) - 1
 
 
+@pytest.mark.thorough
 def test_a_drive_made_again_from_its_record_gives_the_same_bits(driven: LiveDrive, field, tmp_path: Path) -> None:
     driven.start()
     until(lambda: driven.session.newest)
