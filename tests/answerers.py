@@ -9,7 +9,10 @@ import socket
 import struct
 import threading
 from collections.abc import Callable, Sequence
+from functools import partial
+from time import sleep
 from types import TracebackType
+from typing import Any
 
 START, END, LATE, BUSY, ANSWER = 1, 2, 4, 8, 16
 MAGIC = 0x44534531
@@ -99,7 +102,10 @@ class Asker:
             try:
                 self.socket.send(packed(self.session, sequence, flags, time, values))
                 session, answered, told, at, found = unpacked(self.socket.recv(65536))
-            except (TimeoutError, ConnectionRefusedError):
+            except TimeoutError:
+                continue
+            except ConnectionRefusedError:
+                sleep(0.05)
                 continue
             if (session, answered) == (self.session, sequence):
                 return told, at, found
@@ -119,7 +125,7 @@ class Proxy:
         self.back.connect(("127.0.0.1", port))
         self.port = self.front.getsockname()[1]
         self.lost = self.doubled = self.delayed = 0
-        self._random = random.Random(seed)
+        self._random = random.Random(seed)  # noqa: S311  # no secret
         self._stop = threading.Event()
         self._thread = threading.Thread(target=self._carry, daemon=True)
 
@@ -133,8 +139,11 @@ class Proxy:
         self.front.close()
         self.back.close()
 
+    def _to(self, client: Any, packet: bytes) -> int:
+        return self.front.sendto(packet, client)
+
     def _carry(self) -> None:
-        client: object = None
+        client: Any = None
         late: dict[socket.socket, bytes] = {}
         while not self._stop.is_set():
             ready, _, _ = select.select([self.front, self.back], [], [], 0.02)
@@ -146,7 +155,7 @@ class Proxy:
                 if end is self.front:
                     client = sender
                 chance = self._random.random()
-                send = self.back.send if end is self.front else lambda packet: self.front.sendto(packet, client)
+                send = self.back.send if end is self.front else partial(self._to, client)
                 with contextlib.suppress(ConnectionRefusedError):
                     if chance < 0.05:
                         self.lost += 1

@@ -12,10 +12,14 @@ from dse.cosim import Simulator
 from dse.domain.component import Causality, Component, Interface, Kind, Parameter, Port, Type
 from dse.domain.fmu import FmuModel
 from dse.domain.system import Element, SystemStructure
-from dse.domain.udp import UdpSource
+from dse.domain.udp import LINK, UdpSource
 from dse.fmu import build, open_fmu
+from dse.units import parse_unit
 
 REAL = Type(Kind.REAL)
+COUNTED = tuple(
+    Port(name, Causality.OUTPUT, Type(Kind.REAL, parse_unit("s")) if name == LINK[-1] else REAL) for name in LINK
+)
 
 
 def outside(

@@ -10,18 +10,18 @@ from pathlib import Path
 import numpy as np
 import pytest
 from answerers import ANSWER, BUSY, END, START, Answerer, Asker, Proxy, packed, unpacked
-from live.conftest import REAL, outside, simulator_of
+from live.conftest import COUNTED, REAL, outside, simulator_of
 from live.halves import Halves
 from live.test_udp_halves import NEAR, RECORD, folder, whole  # noqa: F401  # a fixture
 
 from dse.cosim import RunFailed, Simulator
 from dse.domain.component import Causality, Kind, Parameter, Port, Type
 from dse.domain.method import Method
-from dse.domain.udp import LINK, LinkRole, UdpSource
+from dse.domain.udp import LinkRole, UdpSource
 
 GEAR = Type(Kind.ENUMERATION, items=("park", "reverse", "drive"))
 INPUTS = ["u", Port("on", Causality.INPUT, Type(Kind.BOOLEAN)), Port("gear", Causality.INPUT, GEAR)]
-OUTPUTS = ["y", Port("n", Causality.OUTPUT, Type(Kind.INTEGER)), Port("g", Causality.OUTPUT, GEAR), *LINK]
+OUTPUTS = ["y", Port("n", Causality.OUTPUT, Type(Kind.INTEGER)), Port("g", Causality.OUTPUT, GEAR), *COUNTED]
 GAIN = Parameter("gain", REAL, 2.0)
 STARTED = {"u": 1.5, "on": 1.0, "gear": 2.0}
 
@@ -95,8 +95,8 @@ def answering(port: int, answers: Callable[[tuple[int, ...], int], list[bytes]],
                 data, sender = self.socket.recvfrom(65536)
                 if not data:
                     return
-                session, sequence, flags, time, values = unpacked(data)
-                for answer in answers((session, sequence, flags), int(round(time * 100))):
+                session, sequence, flags, time, _ = unpacked(data)
+                for answer in answers((session, sequence, flags), round(time * 100)):
                     self.socket.sendto(answer, sender)
 
     return Odd(plain, port=port)
@@ -129,10 +129,8 @@ def test_what_is_wrong_is_counted_and_ignored(port, cache):
 
     with answering(port, answers, cache), client(port, cache) as simulator:
         found = simulator.run(stop=0.02, step=0.01)
-        told = simulator.log
     assert found[:, :3].tolist() == [[1.0, 0.0, 2.0], [1.0, 0.0, 2.0], [1.0, 1.0, 2.0]]
     assert found[:, 4].tolist() == [12.0, 24.0, 36.0]
-    assert any("18 with values that are none" in str(line) for line in told), told
 
 
 def test_a_run_that_hears_nothing_of_use_says_what_it_has_heard(port, cache):
@@ -153,9 +151,9 @@ def test_a_run_that_hears_nothing_of_use_says_what_it_has_heard(port, cache):
 
 
 def test_a_run_without_anybody_says_so(port, cache):
-    with client(port, cache) as simulator:
-        with pytest.raises(RunFailed, match=f"in 0.3 s no packet that can be used came from 127.0.0.1:{port}; nobody "):
-            simulator.run(stop=0.02, step=0.01)
+    said = f"in 0.3 s no packet that can be used came from 127.0.0.1:{port}; nobody listens there"
+    with client(port, cache) as simulator, pytest.raises(RunFailed, match=said):
+        simulator.run(stop=0.02, step=0.01)
 
 
 def test_two_clients_of_one_server_take_turns(port, cache):
