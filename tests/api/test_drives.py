@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import shutil
+import time
 from dataclasses import replace
 
 import numpy as np
@@ -12,7 +13,7 @@ import pyarrow.parquet as pq
 import pytest
 from small_drive import drive_workspace
 
-from dse.api import Drives, Results, open as open_workspace
+from dse.api import Drives, Results, open as open_workspace, open_drive
 from dse.api.drives.boards import board_of
 from dse.api.drives.keeping import drive_again
 from dse.domain.drive import Drive, Pace, bits_of
@@ -46,16 +47,16 @@ def configuration(shop):
 
 
 def drive(configuration, driver="Anna", rows=STEPS + 1, push=0.0, **changes):
-    time = np.arange(rows) * 0.01
+    times = np.arange(rows) * 0.01
     inputs = {
-        "accelerator": 0.3 + push + 0.1 * np.sin(time),
-        "steering": 0.01 * np.sin(9 * time),
+        "accelerator": 0.3 + push + 0.1 * np.sin(times),
+        "steering": 0.01 * np.sin(9 * times),
         "cruise": np.zeros(rows),
         "gear": np.ones(rows),
-        "tune.car.gain": 5.0 + time,
+        "tune.car.gain": 5.0 + times,
     }
     which = changes.pop("which", configuration)
-    made = Drive("field", which, driver, 0.01, time, inputs, Pace(rows - 1, 2, 1e-4, 1e-3))
+    made = Drive("field", which, driver, 0.01, times, inputs, Pace(rows - 1, 2, 1e-4, 1e-3))
     return replace(made, **changes)
 
 
@@ -286,3 +287,24 @@ def test_a_report_shows_a_strangers_name_as_text(driven):
     kept, _ = driven
     page = Results(kept.study("field")).report().read_text(encoding="utf-8")
     assert "<b>Bob" not in page
+
+
+@pytest.mark.thorough
+def test_what_somebody_drove_in_real_time_is_the_same_offline(shop, tmp_path):
+    live = open_drive(shop.files.bench("field"), driver="Me")
+    live.start()
+    try:
+        number = 0
+        while live.ended is None:
+            number += 1
+            live.control({"accelerator": number % 7 / 7, "steering": 0.01 * number}, number)
+            live.tune({"car.gain": 20.0 + number % 50}, number)
+            time.sleep(0.01)
+        made = live.result
+    finally:
+        live.close()
+    assert len(np.unique(made.inputs["tune.car.gain"])) > 2
+    kept = Drives(tmp_path, shop.files)
+    name = kept.add(made)
+    (checked,) = kept.check()
+    assert (checked.id, checked.is_same, checked.was_noted) == (name, True, True)
