@@ -5,6 +5,9 @@ from .contents import (
     listing as listing,
     study_folders as study_folders,
 )
+from .drives.boards import SCORING as SCORING, Board as Board, Score as Score, board_of as board_of
+from .drives.folder import CheckedDrive as CheckedDrive, Drives as Drives
+from .driving.live import MOST_DRIVER as MOST_DRIVER, LiveDrive as LiveDrive, open_drive as open_drive
 from .naming import (
     OUT as OUT,
     new_folder as new_folder,

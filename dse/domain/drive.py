@@ -4,11 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from hashlib import sha256
 
 import numpy as np
 from numpy.typing import NDArray
 
 from dse.domain.component import Value
+from dse.domain.run import Run
 
 TUNE = "tune"
 """The group of a seat's outputs that go to parameters: ``tune.<part>.<parameter>``."""
@@ -42,3 +44,13 @@ class Drive:
     inputs: Mapping[str, NDArray[np.float64]]
     pace: Pace
     settings: Mapping[str, Value] = field(default_factory=dict)
+    bits: Mapping[str, str] = field(default_factory=dict)
+    """What came of it as it was driven, as `bits_of` tells; nothing where nobody noted it."""
+
+
+def bits_of(run: Run) -> dict[str, str]:
+    """What came of *run* to the last bit: metrics in hexadecimal digits, SHA-256 of the values of each waveform."""
+    waveforms = run.waveforms.values if run.waveforms else {}
+    digests = {name: sha256(np.ascontiguousarray(values, "<f8").tobytes()) for name, values in waveforms.items()}
+    metrics = {f"metric {name}": float(value).hex() for name, value in run.metrics.items()}
+    return {**metrics, **{f"waveform {name}": digest.hexdigest() for name, digest in digests.items()}}

@@ -72,7 +72,7 @@ def tunables_of(bench: TestBench, configuration: Configuration, *, version: int 
     wired = wire_bench(bench, configuration)
     archives = build_all(configuration.parts.values(), version=version)
     models = {name: open_component(part, archives[part.name]) for name, part in configuration.parts.items()}
-    texts = [each.expression.text for each in (*bench.metrics, *bench.derived)]
+    texts = [each.expression.text for each in bench.metrics] + [each.expression.text for each in bench.derived]
     texts += [each.exercised_when.text for each in bench.requirements if each.exercised_when]
     said = " ".join([*texts, *(each.target or "" for each in bench.figures), *(each.name for each in bench.derived)])
     return {
@@ -117,7 +117,8 @@ def take_seat(bench: TestBench, configuration: Configuration, wanted: Sequence[s
     tunables = tunables_of(bench, configuration, version=version)
     given = {**{f"{TUNE}.{name}": each.type for name, each in tunables.items()}, **_own()}
     outputs = [*controls, *(Port(name, Causality.OUTPUT, _si(type_)) for name, type_ in given.items())]
-    types = {**_own(), **{name: wired.signals[name] for name in wanted}}
+    signals = wired.signals
+    types = {**_own(), **{name: signals[name] for name in wanted}}
     inputs = [Port(f"sees.n{number}", Causality.INPUT, _si(type_)) for number, type_ in enumerate(types.values(), 1)]
     line = UdpSource(0, INHERITED, LinkRole.CLIENT, LinkMode.FREE, where=part.where)
     component = Component("seat", Interface("seat", (*inputs, *outputs)), source=line, where=part.where)

@@ -28,6 +28,7 @@ from dse.scratch import ScratchFolder
 from dse.testbench import PreparedBench
 
 _TURN = 0.25
+_MOST_ASKED = 100
 _LARGEST = 1 << 17
 _LAST_WORDS = 2000
 _OWN = 3
@@ -110,13 +111,14 @@ class Session:
         """Why it is over; None as long as it is not."""
         return self._ended if self._over.is_set() else None
 
-    def command(self, values: Mapping[str, float]) -> int:
-        """Have the seat put out *values* by its ports, in SI, from the next step on; the number that will be echoed."""
+    def command(self, values: Mapping[str, float], number: int = 0) -> None:
+        """Have the seat put out *values* by its ports, in SI, from the next step on; *number* is echoed then."""
         with self._lock:
             self._values.update(values)
-            self._number += 1
+            self._number = number or self._number + 1
             self._asked[self._number] = time.monotonic()
-            return self._number
+            while len(self._asked) > _MOST_ASKED:
+                del self._asked[next(iter(self._asked))]
 
     def finish(self) -> None:
         """Ask the run to end here; it has results up to there."""
@@ -208,8 +210,11 @@ class Session:
         if self._asked:
             now = time.monotonic()
             with self._lock:
-                used = [number for number in self._asked if number <= echo]
-                self.delays += [now - self._asked.pop(number) for number in used][-1:]
+                if int(echo) in self._asked:
+                    self.delays.append(now - self._asked[int(echo)])
+                    while next(iter(self._asked)) != int(echo):
+                        del self._asked[next(iter(self._asked))]
+                    del self._asked[int(echo)]
 
     def _end(self, folder: Path, exit_code: int, cut: tuple[Why, str] | None) -> Ended:
         run = read_run(folder, self.seat.configuration.id)

@@ -42,9 +42,10 @@ from .page.html import (
     served_page as served_page,
     write_report as write_report,
 )
+from .page.payload import script_json as script_json
 from .page.printing import print_report as print_report
 from .roads import road_picture as road_picture, with_driven as with_driven
 from .scene.ground import ground_of as ground_of, straight_ground as straight_ground
-from .scene.html import scene_page as scene_page, write_scene as write_scene
+from .scene.html import scene_document as scene_document, scene_page as scene_page, write_scene as write_scene
 from .scene.nouns import Ground as Ground, Scene as Scene
 from .scene.telling import Told as Told

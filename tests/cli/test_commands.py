@@ -17,21 +17,9 @@ from defusedxml import ElementTree
 from example_study import example_studies
 
 COMMANDS = (
-    *(
-        "init",
-        "check",
-        "list",
-        "new",
-        "components",
-        "build",
-        "enumerate",
-        "space",
-        "simulate",
-        "run",
-        "explore",
-        "world",
-    ),
-    *("status", "results", "findings", "best", "pareto", "refine", "report", "figure", "replay", "cache"),
+    *("init", "check", "list", "new", "components", "build", "enumerate", "space", "simulate", "run", "explore"),
+    *("world", "status", "results", "findings", "best", "pareto", "refine", "report", "figure", "replay", "drives"),
+    "cache",
 )
 
 

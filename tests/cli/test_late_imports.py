@@ -60,6 +60,7 @@ MAY_IMPORT = {
     "pareto {s} --minimize consumption --minimize final_speed": RUNS,
     "refine {s} --around 0": RUNS,
     "status {s}": {"numpy"},
+    "drives {o}": RUNS,
     "compare {s} {s}": {"numpy"},
     "new component fresh -w {o}": {"pint"},
     "report {s} -o {o}.html": RUNS,

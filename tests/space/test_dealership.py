@@ -186,8 +186,8 @@ def test_a_space_that_is_too_large_is_refused_by_name(monkeypatch):
     def too_wide(*_):
         raise TooWideError
 
-    monkeypatch.setattr("dse.space.methods.mdd.expand.expand", too_wide)
     space = of().space
+    monkeypatch.setattr("dse.space.methods.mdd.expand.expand", too_wide)
     with pytest.raises(DseError, match="'car' is too large"):
         Dealership(space, Engine.of(space))
 

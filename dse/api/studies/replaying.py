@@ -15,6 +15,9 @@ if TYPE_CHECKING:
     from dse.domain.bench import TestBench
     from dse.domain.definition import StudyDefinition
 
+DRIVES = "drives"
+"""What the sampler of a study of drives is called in its definition; it cannot be asked for."""
+
 
 @dataclass(frozen=True, slots=True)
 class Replay:
@@ -70,6 +73,9 @@ def replay(stored: Run, *, source: str | Path | None = None, fmi: int = 2, tell:
 
 def benches_of(definition: StudyDefinition, source: str | Path | None) -> tuple[TestBench, ...]:
     """The benches of the study, found by its name in the workspace around the current folder, or in *source*."""
+    if definition.sampler.kind == DRIVES:
+        what = f"'{definition.title}' is a study of drives: who drove is in its recordings"
+        raise fail(what, Location(definition.study), "make them again and compare: dse drives DIR --check")
     is_bench = not definition.variables
     name = str(source) if source else definition.bench.name if is_bench else definition.study
     workspace = workspace_of(name)

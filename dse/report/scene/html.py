@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import html
 from pathlib import Path
+from typing import Protocol
 
 import numpy as np
 
@@ -27,6 +28,12 @@ _PAGE = (
 </html>
 """
 )
+
+
+class Columns(Protocol):
+    """Takes the columns of a scene, each by its name and how exact a page needs it."""
+
+    def add(self, name: str, kind: str, values: Floats) -> None: ...  # noqa: D102
 
 
 def write_scene(scene: Scene, target: Path) -> None:
@@ -55,7 +62,7 @@ def scene_page(scene: Scene) -> str:
     )
 
 
-def _document(scene: Scene, columns: Block) -> dict[str, object]:
+def _document(scene: Scene, columns: Columns) -> dict[str, object]:
     def add(stem: str, of: dict[str, Floats] | None) -> None:
         for name, values in (of or {}).items():
             columns.add(f"{stem}.{name}", "f4", values)
@@ -105,3 +112,8 @@ def _strip(strip: Strip) -> dict[str, object]:
     sides = ((strip.left, strip.left_height), (strip.right, strip.right_height))
     left, right = (np.round(np.column_stack(side), 2).reshape(-1).tolist() for side in sides)
     return {"left": left, "right": right, "isDriven": strip.is_driven, "isInside": strip.is_inside}
+
+
+def scene_document(scene: Scene, columns: Columns) -> dict[str, object]:
+    """What a page draws *scene* from, but for the *columns*, which are added there."""
+    return _document(scene, columns)

@@ -2,21 +2,20 @@
 import {
   BufferGeometry,
   CylinderGeometry,
-  DoubleSide,
   Float32BufferAttribute,
   Group,
   Mesh,
   MeshBasicMaterial,
-  MeshLambertMaterial,
   Shape,
   ShapeGeometry,
   SphereGeometry,
   type Object3D,
 } from "three";
 import type { Document, Strip } from "./data";
+import { LIT, painted } from "./light";
 
-const ASPHALT = 0x4a4d52;
-const VERGE = 0x8a8f7a;
+const ASPHALT = 0x70747a;
+const VERGE = 0xa2a68e;
 const WHITE = 0xf2f2ee;
 const LINE = 0.15;
 const DASH = 6;
@@ -47,12 +46,16 @@ function surface(strips: Strip[], colour: number, lift: number): Mesh {
       }
     }
   }
+  return laid(points, corners, colour);
+}
+
+/** Lit from above, whichever way round it is. */
+function laid(points: number[], corners: number[], colour: number): Mesh {
   const geometry = new BufferGeometry();
   geometry.setAttribute("position", new Float32BufferAttribute(points, 3));
-  geometry.setIndex(corners);
-  // Lit from above, whichever way round a lane is driven.
   geometry.setAttribute("normal", new Float32BufferAttribute(points.map((_, i) => (i % 3 === 2 ? 1 : 0)), 3));
-  return new Mesh(geometry, new MeshLambertMaterial({ color: colour, side: DoubleSide }));
+  geometry.setIndex(corners);
+  return new Mesh(painted(geometry, colour), LIT);
 }
 
 /** Solid lines at edges of what is driven on, dashes between lanes; none in junctions. */
@@ -70,10 +73,7 @@ function markings(strips: Strip[]): Mesh {
     drawn.add(name);
     ribbon(border, shared.get(ends(border)[0]!)! > 1 && shared.get(ends(border)[1]!)! > 1, points, corners);
   }
-  const geometry = new BufferGeometry();
-  geometry.setAttribute("position", new Float32BufferAttribute(points, 3));
-  geometry.setIndex(corners);
-  return new Mesh(geometry, new MeshBasicMaterial({ color: WHITE, side: DoubleSide }));
+  return laid(points, corners, WHITE);
 }
 
 // Two lanes side by side have a border in common, in either direction.
@@ -125,9 +125,7 @@ function slippery(outline: number[], friction: number): Mesh {
 
 function light(x: number, y: number): Object3D {
   const group = new Group();
-  const pole = new Mesh(new CylinderGeometry(0.08, 0.08, 4), new MeshLambertMaterial({ color: 0x555555 }));
-  pole.rotation.x = Math.PI / 2;
-  pole.position.z = 2;
+  const pole = new Mesh(painted(new CylinderGeometry(0.08, 0.08, 4, 6).rotateX(Math.PI / 2), 0x777777, 0, 0, 2), LIT);
   group.add(pole);
   [0xff3020, 0xffc020, 0x30d040].forEach((colour, i) => {
     const lamp = new Mesh(new SphereGeometry(0.16, 8, 6), new MeshBasicMaterial({ color: colour }));
