@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import random
+import socket
 import struct
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -87,6 +88,7 @@ def test_a_drive_from_its_start_to_its_report(client) -> None:
     assert json.loads(client.get("/drive/boards").text)["boards"][0]["bench"] == "field"
 
 
+@pytest.mark.thorough
 def test_a_page_that_comes_back_finds_its_drive(client) -> None:
     drive = opened(client)
     with sits(client, drive) as socket:
@@ -166,6 +168,7 @@ def test_without_the_token_there_is_no_socket(field, served, tmp_path: Path) -> 
             assert "no such drive" in until(socket, "ended")["text"]
 
 
+@pytest.mark.thorough
 def test_too_many_sockets_are_refused(field, served, tmp_path: Path) -> None:
     with drives_on(field, served, tmp_path / "kept", limits=Limits(sockets=1)) as client:
         drive = opened(client)
@@ -176,6 +179,7 @@ def test_too_many_sockets_are_refused(field, served, tmp_path: Path) -> None:
             assert refused.value.response.status_code == 503
 
 
+@pytest.mark.thorough
 def test_a_message_that_is_too_large_or_one_too_many_hangs_up(field, served, tmp_path: Path) -> None:
     with drives_on(field, served, tmp_path / "kept", limits=Limits(messages=5)) as client:
         drive = opened(client)
