@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import json
 import random
-import socket
 import struct
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
+from socket import create_connection
 
 import pytest
 from small_drive import drive_workspace
@@ -147,12 +147,9 @@ def test_a_page_of_another_place_gets_no_socket(client, origin: str | None) -> N
 
 
 def test_a_stranger_s_name_for_us_gets_no_socket(client) -> None:
-    with pytest.raises(InvalidStatus) as refused:
-        connect(
-            f"ws://evil.localtest:{client.port}/drive/live",
-            host="127.0.0.1",
-            origin=f"http://evil.localtest:{client.port}",
-        )
+    place = f"evil.localtest:{client.port}"
+    with create_connection(("127.0.0.1", client.port)) as line, pytest.raises(InvalidStatus) as refused:
+        connect(f"ws://{place}/drive/live", sock=line, origin=f"http://{place}")
     assert refused.value.response.status_code == 421
 
 
