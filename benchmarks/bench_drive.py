@@ -42,7 +42,8 @@ def main() -> None:
         delays, pace = np.array(live.session.delays), ended.pace
         print(
             f"{pace.steps} steps, {pace.overruns} overruns, late by {1e3 * pace.median:.2f} ms in the median, "
-            f"{1e3 * pace.p99:.2f} ms p99; echo {1e3 * np.median(delays):.1f} ms, {1e3 * np.quantile(delays, 0.99):.1f} ms p99"
+            f"{1e3 * pace.p99:.2f} ms p99; echo {1e3 * np.median(delays):.1f} ms, "
+            f"{1e3 * np.quantile(delays, 0.99):.1f} ms p99"
         )
 
 
