@@ -1,3 +1,17 @@
+from .asking import Line as Line, connected_line as connected_line
+from .checking_clients import check_client as check_client
+from .checking_worlds import Trial as Trial, check_world as check_world
+from .checks import Check as Check, Checked as Checked, Latencies as Latencies
+from .layout import (
+    Layout as Layout,
+    Signal as Signal,
+    component_layout as component_layout,
+    offset_of as offset_of,
+    read_layout as read_layout,
+    unnamed_layout as unnamed_layout,
+    written_layout as written_layout,
+)
+from .mistakes import explain as explain
 from .packet import (
     MOST_VALUES as MOST_VALUES,
     Flag as Flag,
@@ -7,3 +21,10 @@ from .packet import (
     size_of as size_of,
     unpack as unpack,
 )
+from .recording import (
+    Datagram as Datagram,
+    read_recording as read_recording,
+    write_datagram as write_datagram,
+    write_head as write_head,
+)
+from .tap import listen_at as listen_at, tap as tap

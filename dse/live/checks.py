@@ -31,11 +31,12 @@ class Latencies:
 
 @dataclass(frozen=True, slots=True)
 class Checked:
-    """All checks in order; *ignored* counts datagrams that belonged nowhere."""
+    """All checks in order; *ignored* counts datagrams that belonged nowhere, *steps* those of a client."""
 
     checks: tuple[Check, ...]
     latencies: Latencies
     ignored: int = 0
+    steps: int = 0
 
     @property
     def is_right(self) -> bool:

@@ -7,11 +7,11 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from dse.domain.component import Causality, Component, Kind, Type
+from dse.domain.component import Component, Kind, Type
+from dse.domain.udp import LinkRole, UdpSource, heard, sent
 from dse.errors import closest, fail
 from dse.formats import Entry, read_yaml, write_text
 from dse.live.packet import MOST_VALUES
-from dse.units import coherent
 
 _FIRST = 24
 """Bytes before the first value."""
@@ -54,14 +54,17 @@ def unnamed_layout(out: int, back: int) -> Layout:
 
 
 def component_layout(component: Component) -> Layout:
-    """Inputs go out, outputs come back, in the order of the interface. Raises DseError: a port that is no number."""
-    ports = component.interface.ports
-    wrong = next((port for port in ports if not port.type.kind.is_number), None)
-    if wrong is not None:
-        what = f"component '{component.name}': port '{wrong.name}' is a {wrong.type}; packets have numbers only"
-        raise fail(what, component.where)
-    ways = (Causality.INPUT, Causality.OUTPUT)
-    return Layout(*(tuple(Signal(p.name, _unit(p.type)) for p in ports if p.causality is way) for way in ways))
+    """What the datagrams of *component* hold, or would if it were of the kind udp.
+
+    Raises DseError: a port or parameter that is no number.
+    """
+    ways = (sent(component), heard(component))
+    if isinstance(component.source, UdpSource) and component.source.role is LinkRole.SERVER:
+        ways = ways[::-1]
+    wrong = next((f"'{name}' is a {type_}" for way in ways for name, type_ in way if not type_.kind.is_number), "")
+    if wrong:
+        raise fail(f"component '{component.name}': {wrong}; packets have numbers only", component.where)
+    return Layout(*(tuple(Signal(name, _unit(type_)) for name, type_ in way) for way in ways))
 
 
 def read_layout(path: Path) -> Layout:
@@ -97,7 +100,7 @@ def _signal(text: object, entry: Entry) -> Signal:
 
 def _unit(type_: Type) -> str:
     if type_.kind is Kind.REAL:
-        return str(coherent(type_.unit))
+        return str(type_.unit)
     if type_.kind is Kind.ENUMERATION:
         return ", ".join(f"{number} {item}" for number, item in enumerate(type_.items))
     return "0 or 1" if type_.kind is Kind.BOOLEAN else "whole number"

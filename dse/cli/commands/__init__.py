@@ -37,6 +37,7 @@ COMMANDS = (
     "compare",
     "report",
     "serve",
+    "udp",
     "figure",
     "replay",
     "cache",
