@@ -91,9 +91,7 @@ class _World:
         self.sequence, self.time, self.request = packet.sequence, packet.time, data
         flags = Flag.ANSWER | (Flag.START if is_start else Flag(0))
         reached = packet.time + (0.0 if is_start else self.step)
-        self.last = pack(
-            Packet(self.session, self.sequence, flags, reached, trial_values(self.back, self.sequence))
-        )
+        self.last = pack(Packet(self.session, self.sequence, flags, reached, trial_values(self.back, self.sequence)))
         self.steps += not is_start
         match self.sequence % _EVERY:
             case 3:

@@ -102,22 +102,18 @@ class _Client:
 def check_world(line: Line, trial: Trial) -> Checked:
     """All checks of a lockstep world on *line*; they take some seconds."""
     client = _Client(line, trial, Findings(_LOCKSTEP))
-    began = time.perf_counter()
+    measured = Latencies((), 0, 0.0)
     try:
         if _starts(client):
-            spent = _steps(client)
+            measured = _steps(client)
             _repeats(client)
             _ignores(client)
             _is_busy(client)
             _ends(client)
-        else:
-            spent = 0.0
     except _Silent:
-        spent = time.perf_counter() - began
+        pass  # it has been found
     finally:
         line.send(pack(client.packet(trial.steps + 100, Flag.END)))
-    timings = client.timings
-    measured = Latencies(tuple(timings.seconds), timings.resent, spent)
     return Checked(client.findings.listed(), measured, client.ignored)
 
 
@@ -153,14 +149,14 @@ def _asks_again(client: _Client, packet: Packet, first: bytes, name: str) -> Non
     client.findings.judge(name, said, packet.sequence)
 
 
-def _steps(client: _Client) -> float:
-    """Seconds that the steps took."""
+def _steps(client: _Client) -> Latencies:
     began = time.perf_counter()
     client.timings = Timings()
     for sequence in range(1, client.trial.steps + 1):
         _step(client, sequence, "no answer that can be used came to the step's request")
     client.findings.right(STEPS)
-    return time.perf_counter() - began
+    spent, timings = time.perf_counter() - began, client.timings
+    return Latencies(tuple(timings.seconds), timings.resent, spent)
 
 
 def _step(client: _Client, sequence: int, said: str, name: str = STEPS) -> None:

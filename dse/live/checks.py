@@ -79,5 +79,7 @@ class Findings:
 
 
 def _counted(said: str, places: list[int]) -> str:
+    if places == [0]:
+        return said
     times = f"{len(places)} times, first " if len(places) > 1 else ""
     return f"{said} ({times}at sequence {places[0]})"

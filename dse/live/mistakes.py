@@ -24,6 +24,7 @@ class _Mistake:
     """Place of the closing sequence among the items; 0: there is none."""
 
 
+# Of two that can be the same bytes the first is told: a padded struct is an int64 sequence where flags are 0.
 _MISTAKES = (
     _Mistake(
         ">4id{n}di",
@@ -33,21 +34,22 @@ _MISTAKES = (
     _Mistake("<4id{n}d", "the closing sequence is missing: append the sequence once more, as int32", closing=0),
     _Mistake(
         "<4id{n}di4x",
-        "4 bytes of padding follow the closing sequence: a struct's sizeof is rounded up to 8; send the bytes without",
+        "4 bytes follow the closing sequence: padding (a struct's sizeof is rounded up to 8: pack it, or send 4 bytes "
+        "less), or the closing sequence is an int64 (it is an int32; C#: int, not long)",
     ),
-    _Mistake("<4i4xd{n}di", "4 bytes of padding stand between the four int32 and the time: pack the struct"),
-    _Mistake("<4i4xd{n}di4x", "8-byte alignment has put padding before the time and at the end: pack the struct"),
     _Mistake("<2iqid{n}di", "the sequence in the head is an int64: it is an int32 (C#: int, not long)"),
     _Mistake("<2iqid{n}dq", "the sequence is an int64: both are int32 (C#: int, not long)"),
     _Mistake("<2iqi4xd{n}dq", "the sequence is an int64, with padding behind the flags: both sequences are int32"),
-    _Mistake("<4id{n}dq", "the closing sequence is an int64: it is an int32 (C#: int, not long)"),
+    _Mistake("<4i4xd{n}di", "4 bytes of padding stand between the four int32 and the time: pack the struct"),
+    _Mistake("<4i4xd{n}di4x", "8-byte alignment has put padding before the time and at the end: pack the struct"),
     _Mistake("<4qd{n}dq", "the integers are int64: all five are int32 (C#: int, not long)"),
-    _Mistake("<4if{n}fi", "time and values are 4-byte floats: they are 8-byte doubles (C#: double, not float)"),
-    _Mistake("<4id{n}fi", "the values are 4-byte floats: they are 8-byte doubles (C#: double, not float)"),
-    _Mistake("<4id{n}ff", "values and closing sequence are 4-byte floats: 8-byte doubles, then an int32"),
     _Mistake("<4id{n}dd", "the closing sequence is a double: it is an int32"),
     _Mistake("<4dd{n}dd", "the integers are doubles: the head is four int32, and the closing sequence one"),
     _Mistake("<3id{n}di", "the head has three int32: it is four (magic-and-version, session, sequence, flags)"),
+)
+_FLOATS = (
+    _Mistake("<4if{n}fi", "time and values are 4-byte floats: they are 8-byte doubles (C#: double, not float)"),
+    _Mistake("<4id{n}fi", "the values are 4-byte floats: they are 8-byte doubles (C#: double, not float)"),
 )
 
 
@@ -68,16 +70,19 @@ def _causes(data: bytes, count: int, wanted: Packet | None) -> Iterator[str]:
         yield "the datagram is empty"
     if data[:1] in b"{[<" and data.isascii():
         yield "text (JSON or XML) was sent: the packet is binary"
-    for mistake in _MISTAKES:
-        if _is(mistake, data, count, wanted):
-            yield mistake.said
-    yield from _ends(data, count)
-    yield from _other_count(data, count, wanted)
-
-
-def _ends(data: bytes, count: int) -> Iterator[str]:
-    """What the first bytes and the length tell."""
+    yield from (mistake.said for mistake in _MISTAKES if _is(mistake, data, count, wanted))
     size = size_of(count)
+    if len(data) > size and len(data) % size == 0 and data[size : size + 4] == _MAGIC:
+        yield f"{len(data) // size} packets came in one datagram: send each by itself"
+    counted = _other_count(data, count, wanted)
+    floats = next((mistake.said for mistake in _FLOATS if _is(mistake, data, count, wanted)), "")
+    if floats or counted:
+        yield ", or ".join(said for said in (floats, counted) if said)
+    yield from _first_bytes(data)
+
+
+def _first_bytes(data: bytes) -> Iterator[str]:
+    """What the first bytes tell."""
     place = data.find(_MAGIC)
     if place > 0:
         yield f"{place} bytes stand before the magic number: a length or a type of a serialiser? Send the packet alone"
@@ -89,23 +94,18 @@ def _ends(data: bytes, count: int) -> Iterator[str]:
             f"begins with {version:#010x}, not with the magic number {MAGIC_VERSION:#010x} "
             f"(bytes {_MAGIC.hex(' ')}): not a packet of this protocol, or of another version of it"
         )
-    if len(data) > size and len(data) % size == 0 and data[size : size + 4] == _MAGIC:
-        yield f"{len(data) // size} packets came in one datagram: send each by itself"
 
 
-def _other_count(data: bytes, count: int, wanted: Packet | None) -> Iterator[str]:
+def _other_count(data: bytes, count: int, wanted: Packet | None) -> str:
+    """What is wrong if everything but the number of values is right, or ""."""
     other, rest = divmod(len(data) - size_of(0), 8)
-    if rest or other < 0 or other == count:
-        return
-    _, session, sequence, flags, time = struct.unpack_from("<4id", data) if other else (0, 0, 0, 0, 0.0)
-    if struct.unpack_from("<i", data, len(data) - 4)[0] != struct.unpack_from("<i", data, 8)[0]:
-        return
+    if rest or other < 0 or other == count or not data.startswith(_MAGIC) or data[8:12] != data[-4:]:
+        return ""
+    time = struct.unpack_from("<d", data, 16)[0]
     if other == count - 1 and wanted is not None and time != wanted.time:
-        yield "8 bytes too short, and the first double is not the expected time: is the time missing before the values?"
-    yield (
-        f"{other} value{'s' * (other != 1)} came where {count} {'is' if count == 1 else 'are'} expected: compare the "
-        "layout ('dse udp layout')"
-    )
+        return f"{other} of {count} values came, and the first double is not the time: is it missing before the values?"
+    numbers = f"{other} value{'s' * (other != 1)} came where {count} {'is' if count == 1 else 'are'} expected"
+    return f"{numbers}: compare the layout ('dse udp layout')"
 
 
 def _is(mistake: _Mistake, data: bytes, count: int, wanted: Packet | None) -> bool:

@@ -35,7 +35,7 @@ class PacketError(ValueError):
 
 @dataclass(frozen=True, slots=True)
 class Packet:
-    """*session* is positive, *sequence* not negative, *time* in s; the *values* are SI numbers in the layout's order."""
+    """*session* is positive, *sequence* not negative, *time* in s; *values* are in the order of the layout."""
 
     session: int
     sequence: int

@@ -251,7 +251,9 @@ def _socket_errors(host: str, port: int) -> Iterator[None]:
     except OSError as error:
         if error.filename is not None:
             raise
-        raise fail(f"{host}:{port}: {error.strerror or error}", hint="is it another program's, or no address?") from error
+        raise fail(
+            f"{host}:{port}: {error.strerror or error}", hint="is it another program's, or no address?"
+        ) from error
 
 
 def _tell(found: Checked, output: Output) -> None:
