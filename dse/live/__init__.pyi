@@ -2,6 +2,17 @@ from .asking import Line as Line, connected_line as connected_line
 from .checking_clients import check_client as check_client
 from .checking_worlds import Trial as Trial, check_world as check_world
 from .checks import Check as Check, Checked as Checked, Latencies as Latencies
+from .esmini import (
+    DriverInput as DriverInput,
+    DriverMessage as DriverMessage,
+    InputMode as InputMode,
+    OsiParts as OsiParts,
+    StateH as StateH,
+    StateXyh as StateXyh,
+    StateXyzhpr as StateXyzhpr,
+    pack_message as pack_message,
+    unpack_message as unpack_message,
+)
 from .layout import (
     Layout as Layout,
     Signal as Signal,

@@ -12,6 +12,7 @@ from dse.live.packet import Flag, Packet
 
 FIRST_PATIENCE, LONGEST_PATIENCE = 0.005, 0.2
 """Seconds until a request is sent again: at first, and at last."""
+PLAIN = Flag(0)
 _LARGEST_DATAGRAM = 65_536
 
 
@@ -76,6 +77,6 @@ def connected_line(host: str, port: int) -> Line:
     return Line(opened)
 
 
-def request(session: int, sequence: int, seconds: float, count: int, flags: Flag = Flag(0)) -> Packet:
+def request(session: int, sequence: int, seconds: float, count: int, flags: Flag = PLAIN) -> Packet:
     """A packet of the client's with trial values."""
     return Packet(session, sequence, flags, seconds, trial_values(count, sequence))

@@ -6,7 +6,7 @@ import struct
 import time
 from dataclasses import dataclass, field
 
-from dse.live.asking import FIRST_PATIENCE, LONGEST_PATIENCE, Line, Timings, new_session, request
+from dse.live.asking import FIRST_PATIENCE, LONGEST_PATIENCE, PLAIN, Line, Timings, new_session, request
 from dse.live.checks import Checked, Findings, Latencies
 from dse.live.mistakes import explain
 from dse.live.packet import Flag, Packet, pack, unpack
@@ -48,7 +48,7 @@ class _Client:
     """Answers so far, by sequence; the last ones only."""
     ignored: int = 0
 
-    def packet(self, sequence: int, flags: Flag = Flag(0)) -> Packet:
+    def packet(self, sequence: int, flags: Flag = PLAIN) -> Packet:
         seconds = max(sequence - 1, 0) * self.trial.step
         return request(self.session, sequence, seconds, self.trial.out, flags)
 
@@ -77,7 +77,7 @@ class _Client:
             self.ignored += 1  # an answer on its way when the request was sent again
             return False
         at = asked.sequence
-        expected = Packet(asked.session, at, Flag(0), at * self.trial.step, ())
+        expected = Packet(asked.session, at, PLAIN, at * self.trial.step, ())
         said = explain(data, self.trial.back, expected)
         self.findings.judge(BYTES, said, at)
         if said:
@@ -177,7 +177,7 @@ def _bad(client: _Client, right: Packet) -> list[tuple[str, bytes]]:
     """Packets that are all wrong in another way, made of the request that would be the next."""
     data, session, nan = pack(right), right.session % (2**31 - 1) + 1, struct.pack("<d", float("nan"))
     foreign, foreign_end = (
-        request(session, right.sequence, right.time, client.trial.out, flags) for flags in (Flag(0), Flag.END)
+        request(session, right.sequence, right.time, client.trial.out, flags) for flags in (PLAIN, Flag.END)
     )
     return [
         ("an empty datagram", b""),
@@ -285,6 +285,6 @@ def _flags(answer: Packet, asked: Packet) -> str:
 def _time(answer: Packet, expected: float, asked: float) -> str:
     if abs(answer.time - expected) <= 1e-6 * max(1.0, abs(expected)):
         return ""
-    if answer.time == asked and not asked == expected:
+    if answer.time == asked and asked != expected:
         return "the request's time came back: an answer tells the state at the end of the step, with that time"
     return "the answer's time is not that of the end of the step (time of the request and a step; --step says how long)"

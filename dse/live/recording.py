@@ -40,17 +40,16 @@ def write_datagram(file: TextIO, datagram: Datagram) -> None:
 def read_recording(path: Path) -> Iterator[Datagram]:
     """The datagrams in *path*, in order; a last line that is not whole was being written. Raises DseError."""
     with path.open(encoding="utf-8", errors="replace") as file:
-        for number, line in enumerate(iter(lambda: file.readline(_LONGEST_LINE), ""), 1):
-            if number == 1:
-                _check_head(line, path)
-            elif line.endswith("\n"):
+        _check_head(file.readline(_LONGEST_LINE), path)
+        for number, line in enumerate(iter(lambda: file.readline(_LONGEST_LINE), ""), 2):
+            if line.endswith("\n"):
                 yield _datagram(line, Location(shown(path), number))
 
 
 def _check_head(line: str, path: Path) -> None:
     try:
         told = json.loads(line)
-    except ValueError:
+    except (ValueError, RecursionError):
         told = None
     if not isinstance(told, dict) or told.get("format") != _FORMAT:
         raise fail("this is no recording", Location(shown(path), 1), "'dse udp record' writes one")
