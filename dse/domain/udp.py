@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import StrEnum
 
 from dse.domain.component import Causality, Component, Source, Type
@@ -46,15 +46,18 @@ class UdpSource(Source):
 
 
 def sent(component: Component) -> tuple[tuple[str, Type], ...]:
-    """The values of its packets in their order: inputs in the unit of their port, parameters in SI."""
+    """The values of its packets in their order, with the types they have there: inputs, then parameters."""
     ports = component.interface.ports
-    return (
-        *((port.name, port.type) for port in ports if port.causality is Causality.INPUT),
-        *((p.name, Type(p.type.kind, coherent(p.type.unit), p.type.items)) for p in component.parameters),
-    )
+    inputs = [(port.name, port.type) for port in ports if port.causality is Causality.INPUT]
+    parameters = [(parameter.name, parameter.type) for parameter in component.parameters]
+    return tuple((name, _si(type_)) for name, type_ in (*inputs, *parameters))
 
 
 def heard(component: Component) -> tuple[tuple[str, Type], ...]:
-    """The values of the packets it takes, in their order: outputs in the unit of their port."""
+    """The values of the packets it takes, in their order: outputs."""
     ports = component.interface.ports
-    return tuple((p.name, p.type) for p in ports if p.causality is Causality.OUTPUT and p.name not in LINK)
+    return tuple((p.name, _si(p.type)) for p in ports if p.causality is Causality.OUTPUT and p.name not in LINK)
+
+
+def _si(type_: Type) -> Type:
+    return replace(type_, unit=coherent(type_.unit))

@@ -225,13 +225,13 @@ def test_build_all_builds_each_and_collects_every_problem(workshop, cache, tmp_p
     assert {name: path.is_file() for name, path in built.items()} == {"counter": True, "integrator": True}
     bad = [
         replace(good[0], name="soul", source=None),
-        replace(good[0], name="mo", source=UnsupportedSource("udp")),
+        replace(good[0], name="mo", source=UnsupportedSource("python")),
     ]
     with pytest.raises(DseError) as caught:
         build_all([*good, *bad], cache=cache)
     assert [problem.what for problem in caught.value.problems] == [
         "component 'soul' has no source, so there is nothing to build",
-        "component 'mo': sources of the kind 'udp' cannot be built in this version",
+        "component 'mo': sources of the kind 'python' cannot be built in this version",
     ]
 
 

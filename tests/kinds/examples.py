@@ -4,7 +4,10 @@ from __future__ import annotations
 
 import tempfile
 from collections.abc import Callable
+from functools import cache
 from pathlib import Path
+
+from answerers import Answerer
 
 from dse.fmu.building import build
 from dse.testing.kinds import Files, lay_out, the_component
@@ -101,6 +104,18 @@ def sumo() -> Files:
     }
 
 
+@cache
+def _doubling() -> int:
+    """The port of somebody outside that multiplies, there until the tests are over."""
+    other = Answerer(lambda time, step, values: [values[0] * values[1]])
+    other.__enter__()
+    return other.port
+
+
+def udp() -> Files:
+    return written(f"{{kind: udp, port: {_doubling()}}}")
+
+
 EXAMPLES: dict[str, Callable[[], Files]] = {
     "c": c,
     "fmu": fmu,
@@ -108,4 +123,5 @@ EXAMPLES: dict[str, Callable[[], Files]] = {
     "road": road,
     "sumo": sumo,
     "time_series": time_series,
+    "udp": udp,
 }

@@ -14,7 +14,6 @@ from dse.fmu.slot_table import PARTNER, SLOT_TABLE, Row, SlotTable
 
 _RUNTIME = Path(__file__).parent.parent / "runtime"
 _MODEL = "runtime/model.h"
-_LIVE = "runtime/udp.h"
 _GENERATED = frozenset({_MODEL, "runtime/start.c"})
 _OLDER = "was built by another version of dse"
 
@@ -55,7 +54,7 @@ def own_sources(model: FmuModel) -> OwnSources:
         raise NotOursError(_OLDER)
     if (model.folder / PARTNER).is_file():
         raise NotOursError("has a process of its own do its work")
-    if _LIVE in files:
+    if model.is_live:
         raise NotOursError("exchanges datagrams with somebody outside")
     table = SlotTable.from_bytes(files[SLOT_TABLE])
     is_model = not table.header
