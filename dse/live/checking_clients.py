@@ -148,10 +148,10 @@ def check_client(line: socket.socket, out: int, back: int, *, step: float, wait:
             data, sender = line.recvfrom(_LARGEST_DATAGRAM)
         except ConnectionError:  # a report about an answer: whoever asked has gone
             continue
-        if world.session and sender == world.sender:
-            heard_at = time.monotonic()
         began = began or time.perf_counter()
         world.take(data, sender)
+        if world.session and sender == world.sender:
+            heard_at = time.monotonic()
     if not world.session:
         world.findings.wrong(STARTS, f"no START came that can be used in {wait:g} s", 0)
     elif not world.has_ended:

@@ -32,13 +32,23 @@ def listen_at(host: str, port: int) -> socket.socket:
     return opened
 
 
-def tap(line: socket.socket, onward: tuple[str, int] | None, keep: Keep, *, most: int, seconds: float) -> int:
+def tap(
+    line: socket.socket,
+    onward: tuple[str, int] | None,
+    keep: Keep,
+    *,
+    most: int,
+    seconds: float,
+    answers: tuple[str, int] | None = None,
+) -> int:
     """Keep what comes to *line*, pass it on and its answers back; until *most* datagrams or *seconds*. Their count.
 
-    Every sender gets a socket of its own towards the other side, so that answers find it; the last 32 of them.
+    Every sender gets a socket of its own towards the other side, so that answers find it; the last 32 of them. Or
+    all answers go to *answers*: for clients that send from one port and listen at another.
     """
     clients: OrderedDict[Any, socket.socket] = OrderedDict()
     address = _address(*onward) if onward else None
+    fixed = _address(*answers)[1] if answers else None
     began, count = time.monotonic(), 0
     try:
         while count < most and (left := began + seconds - time.monotonic()) > 0:
@@ -51,7 +61,7 @@ def tap(line: socket.socket, onward: tuple[str, int] | None, keep: Keep, *, most
                 count += 1
                 keep(Datagram(time.monotonic() - began, ready is not line, _name(sender, ready, line), data))
                 if ready is not line:
-                    _send(line, data, sender)
+                    _send(line, data, fixed or sender)
                 elif address is not None:
                     _send(_towards(sender, clients, address), data, None)
     finally:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import json
+import math
 import random
 import shutil
 import socket
@@ -77,10 +78,13 @@ def test_what_cannot_be_is_refused_in_one_error(dse, words, said):
 # ---- a client that is checked ----
 
 
-def ask_all(port: int, steps: int, resends: bool = True, time_of=lambda step: 0.01 * step, ends: bool = True) -> None:
+def ask_all(
+    port: int, steps: int, delay: float = 0.0, resends: bool = True, time_of=lambda step: 0.01 * step, ends: bool = True
+) -> None:
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as line:
         line.connect(("127.0.0.1", port))
         line.settimeout(0.02)
+        threading.Event().wait(delay)
         for sequence in range(steps + 1):
             request = packed(5, sequence, 0 if sequence else START, time_of(max(0, sequence - 1)), [0.25])
             line.send(request)
@@ -110,6 +114,10 @@ def checked_client(**client) -> dict[str, str]:
 
 def test_a_client_that_mends_what_is_lost_is_right():
     assert checked_client() == {}
+
+
+def test_a_client_that_comes_late_has_as_much_time_for_its_steps():
+    assert checked_client(delay=0.5) == {}
 
 
 def test_a_client_that_never_asks_again_is_told():
@@ -150,6 +158,19 @@ def test_a_tap_between_both_sides_keeps_every_datagram_and_changes_none(tmp_path
     assert shown.returncode == 0
     assert "START|ANSWER" in shown.stdout
     assert "and 18 more" in shown.stderr
+
+
+def test_answers_go_to_a_port_of_their_own_if_a_client_listens_elsewhere():
+    with served(World()) as port, listen_at("127.0.0.1", 0) as line, listen_at("127.0.0.1", 0) as ear:
+        kept: list[Datagram] = []
+        options = {"most": 2, "seconds": 30, "answers": ("127.0.0.1", ear.getsockname()[1])}
+        thread = threading.Thread(target=tap, args=(line, ("127.0.0.1", port), kept.append), kwargs=options)
+        thread.start()
+        with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as mouth:
+            mouth.sendto(packed(5, 0, START, 0.0, [0.5]), ("127.0.0.1", line.getsockname()[1]))
+            ear.settimeout(30)
+            assert ear.recv(65536) == right_bytes(5, 0, ANSWER | START, 0.0, (0.5, 1.0))
+        thread.join()
 
 
 def test_record_writes_what_comes_to_a_port_and_show_says_what_is_wrong_with_it(tmp_path, dse):
@@ -241,6 +262,29 @@ def test_the_example_worlds_pass_the_check(language, request, dse):
         for _ in range(2):  # a world is there for more than one client
             done = dse("udp", "check", f"127.0.0.1:{port}", "--out", "1", "--back", "3", "--steps", "200")
             assert done.returncode == 0, done.stdout
+
+
+@pytest.mark.thorough
+@pytest.mark.parametrize("language", ["c", "csharp"])
+def test_a_model_in_modelica_drives_up_to_the_wall_of_the_example_worlds(language, request, tmp_path):
+    """Translated by our compiler; against the same motion in Python, the drive's lag solved exactly in each step."""
+    shutil.copytree(CLIENTS / "modelica", tmp_path / "wall")
+    port = free_port()
+    component = tmp_path / "wall/components/outside/component.yaml"
+    component.write_text(component.read_text("utf-8").replace("5005", str(port)), encoding="utf-8")
+    with running([*request.getfixturevalue(f"{language}_world"), str(port)]):
+        done = run_dse(tmp_path / "wall", "simulate", "wall", "--format", "json", cache=tmp_path / "cache")
+    told = json.loads(done.stdout)
+    assert (done.returncode, told["outcome"]) == (0, "done")
+    place = speed = force = shown = 0.0
+    decay = math.exp(-0.01 / 0.2)
+    for _ in range(4000):
+        wanted = 300 * (20 - place - 5) - 1500 * speed
+        shown, force = force, wanted + (force - wanted) * decay
+        middle = speed
+        speed += 0.01 * shown / 1200
+        place += 0.005 * (middle + speed)
+    assert told["metrics"]["final_gap"] == pytest.approx(20 - place, abs=1e-5)  # the model's tolerance is 1e-6
 
 
 # ---- anything may come ----

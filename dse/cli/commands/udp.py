@@ -129,6 +129,9 @@ def record(
     forward: Annotated[
         str, typer.Option("--forward", metavar="HOST:PORT", help="Pass on to the world there, and its answers back.")
     ] = "",
+    answers: Annotated[
+        str, typer.Option("--answers", metavar="HOST:PORT", help="Send answers there, not to where a request is from.")
+    ] = "",
     host: Host = "127.0.0.1",
     seconds: Seconds = 0.0,
     count: Count = 0,
@@ -140,6 +143,9 @@ def record(
     from dse.live import listen_at, tap, write_datagram, write_head
 
     onward = _address(forward, "--forward") if forward else None
+    back = _address(answers, "--answers") if answers else None
+    if back and not onward:
+        raise typer.BadParameter("without --forward there are no answers", param_hint="--answers")
     heard = 0
 
     def keep(datagram: Datagram) -> None:
@@ -151,7 +157,7 @@ def record(
         write_head(file)
         say(f"listening at {host}:{port}; Ctrl-C ends it", stderr=True)
         try:
-            tap(line, onward, keep, most=count or 2**62, seconds=seconds or 1e12)
+            tap(line, onward, keep, most=count or 2**62, seconds=seconds or 1e12, answers=back)
         except KeyboardInterrupt:
             say(f"{target}: {heard} datagrams", stderr=True)
             raise
