@@ -15,7 +15,6 @@ from dse.errors import Location, Problem, closest, fail, raise_if_any
 from dse.kinds._generated import build_generated
 from dse.kinds._partner import members_of, struct_lines
 from dse.loading import ComponentKind, Plain, SourcePlace, SourceSection
-from dse.units import DIMENSIONLESS, Unit
 
 _STRUCT = "outside"
 _MOST_VALUES = 8000
@@ -149,18 +148,11 @@ void {_STRUCT}_take({_STRUCT} *self);
 def _code(component: Component) -> str:
     places = {name: place for place, (name, _) in enumerate(heard(component))}
     places |= {name: len(places) + place for place, name in enumerate(LINK)}
-    inputs, outputs = (
-        [port for port in component.interface.ports if port.causality is way]
-        for way in (Causality.INPUT, Causality.OUTPUT)
-    )
-    units = [port.type.unit for port in inputs] + [DIMENSIONLESS] * len(component.parameters)  # those are SI already
-    asks = "".join(
-        f"    self->ask[{n}] = {_in_si(f'self->{member}', unit)};\n"
-        for n, ((member, _), unit) in enumerate(zip(_sent_members(component), units, strict=True))
-    )
+    outputs = [port.name for port in component.interface.ports if port.causality is Causality.OUTPUT]
+    asks = "".join(f"    self->ask[{n}] = self->{member};\n" for n, (member, _) in enumerate(_sent_members(component)))
     takes = "".join(
-        f"    self->{member} = ({type_}){_from_si(f'self->answer[{places[port.name]}]', port.type.unit)};\n"
-        for port, (member, type_) in zip(outputs, _out_members(component), strict=True)
+        f"    self->{member} = ({type_})self->answer[{places[name]}];\n"
+        for name, (member, type_) in zip(outputs, _out_members(component), strict=True)
     )
     return f"""#include "{_STRUCT}.h"
 
@@ -174,14 +166,6 @@ void {_STRUCT}_take({_STRUCT} *self) {{
     (void)self;
 {takes}}}
 """
-
-
-def _in_si(value: str, unit: Unit) -> str:
-    return value if unit.is_coherent else f"{value} * {float(unit.factor)!r} + {float(unit.offset)!r}"
-
-
-def _from_si(value: str, unit: Unit) -> str:
-    return value if unit.is_coherent else f"(({value} - {float(unit.offset)!r}) / {float(unit.factor)!r})"
 
 
 def _range(type_: Type) -> Iterator[tuple[str, str]]:
