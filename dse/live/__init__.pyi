@@ -20,6 +20,7 @@ from .layout import (
     offset_of as offset_of,
     read_layout as read_layout,
     unnamed_layout as unnamed_layout,
+    wholes_of as wholes_of,
     written_layout as written_layout,
 )
 from .mistakes import explain as explain
@@ -38,4 +39,4 @@ from .recording import (
     write_datagram as write_datagram,
     write_head as write_head,
 )
-from .tap import listen_at as listen_at, tap as tap
+from .tapping import listen_at as listen_at, tap as tap

@@ -21,9 +21,11 @@ def new_session() -> int:
     return 1 + randbelow(2**31 - 1)
 
 
-def trial_values(count: int, sequence: int) -> tuple[float, ...]:
-    """Values between 0 and 1: each another one, and another one in every packet of ten."""
-    return tuple((place + sequence % 10 / 10) / count for place in range(count))
+def trial_values(count: int, sequence: int, wholes: frozenset[int]) -> tuple[float, ...]:
+    """Values between 0 and 1, each another one, other ones in every packet of ten; 0 or 1 at the places *wholes*."""
+    return tuple(
+        float(sequence % 2) if place in wholes else (place + sequence % 10 / 10) / count for place in range(count)
+    )
 
 
 @dataclass(slots=True)
@@ -77,6 +79,8 @@ def connected_line(host: str, port: int) -> Line:
     return Line(opened)
 
 
-def request(session: int, sequence: int, seconds: float, count: int, flags: Flag = PLAIN) -> Packet:
+def request(
+    session: int, sequence: int, seconds: float, count: int, wholes: frozenset[int], flags: Flag = PLAIN
+) -> Packet:
     """A packet of the client's with trial values."""
-    return Packet(session, sequence, flags, seconds, trial_values(count, sequence))
+    return Packet(session, sequence, flags, seconds, trial_values(count, sequence, wholes))

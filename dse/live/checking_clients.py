@@ -17,7 +17,7 @@ from dse.live.packet import Flag, Packet, pack, unpack
 
 STARTS, BYTES, FLAGS, COUNTS = "sends START", "bytes of its packets", "flags", "sequence counts"
 TIME, RESENDS, SAME, ENDS = "time goes on", "sends again what was not answered", "sends the same again", "sends END"
-_NAMES = (STARTS, BYTES, FLAGS, COUNTS, TIME, RESENDS, SAME, ENDS)
+NAMES = (STARTS, BYTES, FLAGS, COUNTS, TIME, RESENDS, SAME, ENDS)
 _EVERY = 10
 """Of so many requests the first try of one is left without an answer, and before that of another comes rubbish."""
 _LARGEST_DATAGRAM = 65_536
@@ -29,7 +29,8 @@ class _World:
     out: int
     back: int
     step: float
-    findings: Findings = field(default_factory=lambda: Findings(_NAMES))
+    wholes: frozenset[int]
+    findings: Findings = field(default_factory=lambda: Findings(NAMES))
     session: int = 0
     sender: Any = None
     last: bytes = b""
@@ -91,7 +92,9 @@ class _World:
         self.sequence, self.time, self.request = packet.sequence, packet.time, data
         flags = Flag.ANSWER | (Flag.START if is_start else Flag(0))
         reached = packet.time + (0.0 if is_start else self.step)
-        self.last = pack(Packet(self.session, self.sequence, flags, reached, trial_values(self.back, self.sequence)))
+        self.last = pack(
+            Packet(self.session, self.sequence, flags, reached, trial_values(self.back, self.sequence, self.wholes))
+        )
         self.steps += not is_start
         match self.sequence % _EVERY:
             case 3:
@@ -133,12 +136,21 @@ def _flags(packet: Packet, *, is_start: bool) -> str:
     return ""
 
 
-def check_client(line: socket.socket, out: int, back: int, *, step: float, wait: float, patience: float) -> Checked:
+def check_client(
+    line: socket.socket,
+    out: int,
+    back: int,
+    *,
+    step: float,
+    wait: float,
+    patience: float,
+    wholes: frozenset[int] = frozenset(),
+) -> Checked:
     """Answer on *line* until END, or *patience* s without a packet; *wait* s for the first.
 
-    Some answers are withheld, doubled, or come after rubbish.
+    Some answers are withheld, doubled, or come after rubbish. Values at the places *wholes* are whole.
     """
-    world = _World(line, out, back, step)
+    world = _World(line, out, back, step, wholes)
     heard_at, began = time.monotonic(), 0.0
     while not world.has_ended:
         left = heard_at + (patience if world.session else wait) - time.monotonic()

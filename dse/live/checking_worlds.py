@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import struct
 import time
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 from dse.live.asking import FIRST_PATIENCE, LONGEST_PATIENCE, PLAIN, Line, Timings, new_session, request
 from dse.live.checks import Checked, Findings, Latencies
@@ -15,7 +15,7 @@ ANSWERS, BYTES, SESSION, SEQUENCE = "answers a START", "bytes of its packets", "
 FLAGS, TIME, REPEATS_START, STEPS = "flags", "time", "repeats the answer to START", "answers every step"
 REPEATS, IGNORES = "repeats an answer", "ignores what it must"
 BUSY, ENDS = "says BUSY to a second client", "ends and starts anew"
-_LOCKSTEP = (ANSWERS, BYTES, SESSION, SEQUENCE, FLAGS, TIME, REPEATS_START, STEPS, REPEATS, IGNORES, BUSY, ENDS)
+NAMES = (ANSWERS, BYTES, SESSION, SEQUENCE, FLAGS, TIME, REPEATS_START, STEPS, REPEATS, IGNORES, BUSY, ENDS)
 _SILENCE = 0.05
 """Seconds in which a world has to say nothing; longer for those that take longer to answer."""
 _MOST_WRONG = 20
@@ -35,6 +35,8 @@ class Trial:
     step: float = 0.01
     steps: int = 100
     patience: float = 5.0
+    wholes: frozenset[int] = frozenset()
+    """Places of values that go out and are truth values, items, or integers."""
 
 
 @dataclass(slots=True)
@@ -50,7 +52,7 @@ class _Client:
 
     def packet(self, sequence: int, flags: Flag = PLAIN) -> Packet:
         seconds = max(sequence - 1, 0) * self.trial.step
-        return request(self.session, sequence, seconds, self.trial.out, flags)
+        return request(self.session, sequence, seconds, self.trial.out, self.trial.wholes, flags)
 
     def ask(self, packet: Packet) -> bytes:
         """The answer to *packet*, which is sent until it comes. Raises _Silent."""
@@ -101,7 +103,7 @@ class _Client:
 
 def check_world(line: Line, trial: Trial) -> Checked:
     """All checks of a lockstep world on *line*; they take some seconds."""
-    client = _Client(line, trial, Findings(_LOCKSTEP))
+    client = _Client(line, trial, Findings(NAMES))
     measured = Latencies((), 0, 0.0)
     try:
         if _starts(client):
@@ -177,7 +179,8 @@ def _bad(client: _Client, right: Packet) -> list[tuple[str, bytes]]:
     """Packets that are all wrong in another way, made of the request that would be the next."""
     data, session, nan = pack(right), right.session % (2**31 - 1) + 1, struct.pack("<d", float("nan"))
     foreign, foreign_end = (
-        request(session, right.sequence, right.time, client.trial.out, flags) for flags in (PLAIN, Flag.END)
+        request(session, right.sequence, right.time, client.trial.out, client.trial.wholes, flags)
+        for flags in (PLAIN, Flag.END)
     )
     return [
         ("an empty datagram", b""),
@@ -189,7 +192,7 @@ def _bad(client: _Client, right: Packet) -> list[tuple[str, bytes]]:
         ("a packet whose time is NaN", data[:16] + nan + data[24:]),
         *([("a packet with a value that is NaN", data[:24] + nan + data[32:])] if right.values else []),
         ("a request of another session", pack(foreign)),
-        ("END of another session", pack(foreign_end)),
+        ("END of another session", pack(replace(foreign, flags=Flag.END))),
         ("a packet with the flag ANSWER", pack(client.packet(right.sequence, Flag.ANSWER))),
         ("an old request", pack(client.packet(right.sequence - 2))),
     ]

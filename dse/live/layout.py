@@ -16,6 +16,8 @@ from dse.live.packet import MOST_VALUES
 _FIRST = 24
 """Bytes before the first value."""
 _SIGNAL = re.compile(r"(?P<name>\S+)(?: \[(?P<unit>[^\[\]]*)\])?")
+_ITEMS = re.compile(r"0 [A-Za-z_]")
+_TRUTH, _INTEGER = "0 or 1", "whole number"
 _HINT = "write 'out: [torque, \"speed [m/s]\"]' and 'back: […]'; 'dse udp layout COMPONENT -o FILE' writes one"
 
 
@@ -29,6 +31,11 @@ class Signal:
     def __str__(self) -> str:
         return f"{self.name} [{self.unit}]" if self.unit else self.name
 
+    @property
+    def is_whole(self) -> bool:
+        """Whether its numbers are truth values, items, or integers."""
+        return self.unit in (_TRUTH, _INTEGER) or _ITEMS.match(self.unit) is not None
+
 
 @dataclass(frozen=True, slots=True)
 class Layout:
@@ -41,6 +48,11 @@ class Layout:
         most = max(len(self.out), len(self.back))
         if most > MOST_VALUES:
             raise fail(f"{most} values: a packet has {MOST_VALUES} at most")
+
+
+def wholes_of(signals: tuple[Signal, ...]) -> frozenset[int]:
+    """Places of those whose numbers are whole."""
+    return frozenset(place for place, signal in enumerate(signals) if signal.is_whole)
 
 
 def offset_of(place: int) -> int:
@@ -103,4 +115,4 @@ def _unit(type_: Type) -> str:
         return str(type_.unit)
     if type_.kind is Kind.ENUMERATION:
         return ", ".join(f"{number} {item}" for number, item in enumerate(type_.items))
-    return "0 or 1" if type_.kind is Kind.BOOLEAN else "whole number"
+    return _TRUTH if type_.kind is Kind.BOOLEAN else _INTEGER

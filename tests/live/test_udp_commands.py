@@ -14,12 +14,13 @@ import threading
 from pathlib import Path
 
 import pytest
-from answerers import packed
+from answerers import packed, unpacked
 from command_line import run_dse
 from live_worlds import ANSWER, START, World, right_bytes, served
 
 from dse.errors import DseError
 from dse.live import Datagram, check_client, listen_at, read_recording, tap, write_datagram, write_head
+from dse.live.asking import trial_values
 
 CLIENTS = Path(__file__).parents[2] / "clients"
 
@@ -173,6 +174,7 @@ def test_answers_go_to_a_port_of_their_own_if_a_client_listens_elsewhere():
         thread.join()
 
 
+@pytest.mark.thorough
 def test_record_writes_what_comes_to_a_port_and_show_says_what_is_wrong_with_it(tmp_path, dse):
     port, path = free_port(), tmp_path / "heard.jsonl"
     command = [sys.executable, "-m", "dse", "udp", "record", str(port), str(path), "--count", "2"]
@@ -220,6 +222,21 @@ def test_a_layout_is_written_and_read_again(tmp_path, dse):
     assert "sequence again" in dse("udp", "layout", "--layout", str(path)).stdout
 
 
+def test_a_component_is_asked_with_values_that_its_ports_can_have(tmp_path, dse):
+    path = tmp_path / "car.yaml"
+    path.write_text('out: [force, "on [0 or 1]", "gear [0 park, 1 drive]"]\nback: []\n', encoding="utf-8")
+    with listen_at("127.0.0.1", 0) as line:
+        heard: list[Datagram] = []
+        options = {"most": 2, "seconds": 30}
+        thread = threading.Thread(target=tap, args=(line, None, heard.append), kwargs=options)
+        thread.start()
+        dse("udp", "check", f"127.0.0.1:{line.getsockname()[1]}", "--layout", str(path), "--timeout", "0.1")
+        thread.join()
+    assert unpacked(heard[0].data)[4] == (0.0, 0.0, 0.0)
+    trial = trial_values(3, 1, frozenset({1, 2}))
+    assert (0 < trial[0] < 1, trial[1:]) == (True, (1.0, 1.0))
+
+
 # ---- clients/ ----
 
 
@@ -255,12 +272,12 @@ def csharp_world(tmp_path_factory):
     return [runtime, str(made)]
 
 
-@pytest.mark.parametrize("language", ["c", "csharp"])
+@pytest.mark.parametrize("language", ["c", pytest.param("csharp", marks=pytest.mark.thorough)])
 def test_the_example_worlds_pass_the_check(language, request, dse):
     port = free_port()
     with running([*request.getfixturevalue(f"{language}_world"), str(port)]):
         for _ in range(2):  # a world is there for more than one client
-            done = dse("udp", "check", f"127.0.0.1:{port}", "--out", "1", "--back", "3", "--steps", "200")
+            done = dse("udp", "check", f"127.0.0.1:{port}", "--out", "1", "--back", "3", "--steps", "50")
             assert done.returncode == 0, done.stdout
 
 

@@ -55,7 +55,7 @@ def check(
     Plays the other side: START, steps, requests that come again, torn, short, old and foreign packets, END; and tells
     what is wrong with the bytes that come. Exit code 3 if something is.
     """
-    from dse.live import Trial, check_client, check_world, connected_line, listen_at
+    from dse.live import Trial, check_client, check_world, connected_line, listen_at, wholes_of
 
     sides = _layout(component, layout, out, back)
     sizes = len(sides.out), len(sides.back)
@@ -64,13 +64,13 @@ def check(
     if listen:
         with _socket_errors(host, listen), listen_at(host, listen) as line:
             say(f"listening at {host}:{listen} for START, packets of {28 + 8 * sizes[0]} bytes", stderr=True)
-            found = check_client(line, *sizes, step=step, wait=wait, patience=timeout)
+            found = check_client(line, *sizes, step=step, wait=wait, patience=timeout, wholes=wholes_of(sides.back))
     else:
         to = _address(world, "HOST:PORT")
         with _socket_errors(*to):
             opened = connected_line(*to)
         with opened.socket:
-            found = check_world(opened, Trial(*sizes, step, steps, timeout))
+            found = check_world(opened, Trial(*sizes, step, steps, timeout, wholes_of(sides.out)))
     _tell(found, output)
     if not found.is_right:
         raise typer.Exit(RUNS_FAILED)
