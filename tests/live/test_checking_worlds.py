@@ -5,6 +5,7 @@ from __future__ import annotations
 import struct
 
 import pytest
+from hypothesis import given, strategies as st
 from live_worlds import ANSWER, BUSY, END, MAGIC, START, World, right_bytes, served
 
 from dse.live import Checked, Flag, Packet, Trial, check_world, connected_line, explain, pack
@@ -101,6 +102,14 @@ def test_a_single_mistake_is_told_in_words(said):
 @pytest.mark.parametrize("values", [(0.0, 0.0), (1e-7, 2e9), (-1.0, 1e300), (float(2**52), 5e-324)])
 def test_what_is_right_is_never_called_wrong(values):
     assert explain(right_bytes(1, 0, ANSWER, 0.0, values), 2) == ""
+
+
+@given(st.binary(max_size=120), st.integers(0, 9), st.booleans())
+def test_anything_can_be_explained(data, count, is_ours):
+    data = RIGHT[:16] + data if is_ours else data
+    said = explain(data, count, Packet(77, 3, Flag.ANSWER, 0.03, ()))
+    if len(data) != 28 + 8 * count:
+        assert said
 
 
 MISTAKES = {
