@@ -283,6 +283,37 @@ def test_the_example_worlds_pass_the_check(language, request, dse):
 
 @pytest.mark.thorough
 @pytest.mark.parametrize("language", ["c", "csharp"])
+def test_in_free_mode_the_example_worlds_go_on_by_their_own_clock(language, request):
+    port = free_port()
+    with (
+        running([*request.getfixturevalue(f"{language}_world"), str(port), "free"]),
+        socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as line,
+    ):
+        line.connect(("127.0.0.1", port))
+        line.settimeout(30)
+        for session in (5, 6):
+            line.send(packed(session, 0, START, 2.0, [0.0]))
+            heard = [unpacked(line.recv(65536))]
+            line.send(packed(session, 4, 0, 2.0, [1200.0]))
+            line.send(packed(session, 3, 0, 2.0, [-1200.0]))  # overtaken: never back
+            while heard[-1][4][1] < 0.05:
+                heard.append(unpacked(line.recv(65536)))
+            line.send(packed(session, 5, 2, 2.0, [0.0]))
+            numbers = [(sequence, flags) for _, sequence, flags, _, _ in heard]
+            assert numbers == [(0, ANSWER | START), *((k, ANSWER) for k in range(1, len(heard)))]
+            assert {its for its, *_ in heard} == {session}
+            assert [time for _, _, _, time, _ in heard] == pytest.approx([2 + 0.01 * k for k in range(len(heard))])
+            speeds = [values[1] for *_, values in heard]
+            assert speeds == sorted(speeds)
+            line.settimeout(0.2)
+            with contextlib.suppress(TimeoutError):
+                while True:  # what was on its way
+                    line.recv(65536)
+            line.settimeout(30)
+
+
+@pytest.mark.thorough
+@pytest.mark.parametrize("language", ["c", "csharp"])
 def test_a_model_in_modelica_drives_up_to_the_wall_of_the_example_worlds(language, request, tmp_path):
     """Translated by our compiler; against the same motion in Python, the drive's lag solved exactly in each step."""
     shutil.copytree(CLIENTS / "modelica", tmp_path / "wall")
